@@ -1,0 +1,69 @@
+# Everything on a fresh machine: `make demo` or `make test`. Needs Python 3.11-3.13 with venv, make and git.
+
+ROBOT ?= kuka_kr210_r2700
+PROGRAM ?= programs/welding.lua
+VIEW ?= 0
+ROS_DISTRO_SETUP := /opt/ros/jazzy/setup.bash
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+
+PACKAGES := robots_core robots_models robots_planning robots_controller
+SOURCES := $(shell find $(PACKAGES) -type f -not -path '*/__pycache__/*')
+VENV_STAMP := .venv/.installed
+BUILD_STAMP := install/.built
+
+ifneq ($(wildcard $(ROS_DISTRO_SETUP)),)
+# ROS 2 Jazzy is installed: use its rclpy with the Python it was built for.
+PYTHON ?= /usr/bin/python3
+VENV_OPTIONS := --system-site-packages
+REQUIREMENTS := requirements.txt
+ENVIRONMENT := set +u; source $(ROS_DISTRO_SETUP); source install/setup.bash; set -u; export PATH="$$PWD/.venv/bin:$$PATH";
+BUILD_ENVIRONMENT := set +u; source $(ROS_DISTRO_SETUP); set -u; export PATH="$$PWD/.venv/bin:$$PATH";
+else
+PYTHON ?= python3
+VENV_OPTIONS :=
+REQUIREMENTS := requirements.txt requirements-ros.txt
+ENVIRONMENT := set +u; source install/setup.bash; set -u; export PATH="$$PWD/.venv/bin:$$PATH";
+BUILD_ENVIRONMENT := export PATH="$$PWD/.venv/bin:$$PATH";
+endif
+RUN = $(ENVIRONMENT) export ROS_AUTOMATIC_DISCOVERY_RANGE=$${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST};
+
+.PHONY: help
+help:  ## Show this list
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | sort | column -t -s "$$(printf '\t')"
+
+$(VENV_STAMP): $(REQUIREMENTS)
+	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(None if (3, 11) <= v <= (3, 13) else f"error: Python {v[0]}.{v[1]} found, needed is 3.11 to 3.13 (make PYTHON=python3.12 ...)")'
+	@echo "Installing into .venv (once) ..."
+	@$(PYTHON) -m venv $(VENV_OPTIONS) .venv
+	@.venv/bin/python -m pip install --quiet --disable-pip-version-check $(addprefix -r ,$(REQUIREMENTS))
+	@touch $@
+
+$(BUILD_STAMP): $(VENV_STAMP) $(SOURCES)
+	@echo "Building the workspace ..."
+	@$(BUILD_ENVIRONMENT) colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
+	@touch $@
+
+.PHONY: build
+build: $(BUILD_STAMP)  ## Set up .venv and build the workspace
+
+.PHONY: demo
+demo: build  ## Run a robot program: ROBOT=..., PROGRAM=..., VIEW=1 keeps the browser page open
+	@$(RUN) cell_options=$$([ "$(VIEW)" = 1 ] && echo --view || true); \
+	  exec install/robots_controller/lib/robots_controller/cell --robot "$(ROBOT)" --program "$(PROGRAM)" --record out --once $$cell_options
+
+.PHONY: lint
+lint: $(VENV_STAMP)  ## Lint, format and type checks
+	@.venv/bin/ruff check .
+	@.venv/bin/ruff format --check .
+	@$(BUILD_ENVIRONMENT) python -m mypy
+
+.PHONY: test
+test: build lint  ## Lint, types and all tests
+	@$(RUN) python -m pytest
+
+.PHONY: clean
+clean:  ## Remove what was built; .venv stays
+	@rm -rf build install log out

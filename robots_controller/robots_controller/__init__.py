@@ -1,0 +1,1 @@
+"""Robot controller: Lua programs, interpolator, I/O and the cell."""

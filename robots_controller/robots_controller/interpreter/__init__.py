@@ -1,0 +1,1 @@
+"""Interpreter of robot programs in Lua."""

@@ -1,0 +1,30 @@
+"""ament_python build of robots_controller."""
+
+from setuptools import find_packages, setup
+
+package_name = 'robots_controller'
+
+setup(
+    name=package_name,
+    version='0.1.0',
+    packages=find_packages(include=[package_name, f'{package_name}.*']),
+    package_data={package_name: ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
+        (f'share/{package_name}', ['package.xml']),
+        (f'share/{package_name}/launch', ['launch/cell.launch.py']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=False,
+    maintainer='The Robots developers',
+    maintainer_email='maintainers@robots.example',
+    description='Robot controller: Lua robot programs, interpolator, I/O, the cell and its reports.',
+    license='Apache-2.0',
+    entry_points={
+        'console_scripts': [
+            'cell = robots_controller.cell:main',
+            'controller_node = robots_controller.nodes.controller_node:main',
+            'lua_program_node = robots_controller.nodes.lua_program_node:main',
+        ],
+    },
+)

@@ -1,0 +1,1 @@
+"""Functional blocks: robot-independent, ROS-free, numpy in and out."""

@@ -1,0 +1,144 @@
+"""ROS messages to and from the plain values that blocks understand."""
+
+from __future__ import annotations
+
+import array
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from geometry_msgs.msg import Pose as PoseMessage
+from geometry_msgs.msg import PoseStamped
+from sensor_msgs.msg import JointState
+
+from robots_core.errors import InvalidInputError
+from robots_core.pose import Pose
+from robots_core.validation import Array
+
+
+def doubles(values: Array) -> array.array[float]:
+    """A float64 array as the type that message fields take without a loop."""
+    return array.array('d', np.ascontiguousarray(values, dtype=np.float64).tobytes())
+
+
+def stamp_id(stamp: Time) -> str:
+    """A command's id: its stamp as seconds.nanoseconds."""
+    return f'{stamp.sec}.{stamp.nanosec:09d}'
+
+
+def joint_indices(names: Sequence[str], wanted: Sequence[str], what: str) -> list[int]:
+    """Where each wanted joint stands in a message; order and additional joints do not matter.
+
+    Raises:
+        InvalidInputError: a wanted joint is missing or named twice.
+    """
+    if list(names) == list(wanted):
+        return list(range(len(wanted)))
+    if len(set(names)) != len(names):
+        raise InvalidInputError(f'{what} names a joint twice: {", ".join(names)}')
+    missing = [name for name in wanted if name not in names]
+    if missing:
+        raise InvalidInputError(
+            f'{what} lacks joint {missing[0]}: it has {", ".join(names) or "no joints"}; '
+            f'needed are {", ".join(wanted)}'
+        )
+    return [list(names).index(name) for name in wanted]
+
+
+def joint_values(names: Sequence[str], values: Sequence[float], wanted: Sequence[str], what: str) -> Array:
+    """Values of the wanted joints, (n,), matched by name.
+
+    Raises:
+        InvalidInputError: a missing joint, or not one value per name.
+    """
+    if len(values) != len(names):
+        raise InvalidInputError(f'{what} has {len(values)} values for {len(names)} joints')
+    indices = joint_indices(names, wanted, what)
+    return np.asarray(values, dtype=np.float64)[indices]
+
+
+def joint_state_message(
+    stamp: Time, names: Sequence[str], q: Array, q_dot: Array | None = None
+) -> JointState:
+    """A JointState with positions and, if given, velocities."""
+    message = JointState(name=list(names), position=doubles(q))
+    message.header.stamp = stamp
+    if q_dot is not None:
+        message.velocity = doubles(q_dot)
+    return message
+
+
+def pose_from_message(message: PoseMessage) -> Pose:
+    """A Pose from geometry_msgs/Pose.
+
+    Raises:
+        InvalidInputError: values that are not finite, or a quaternion of zero length.
+    """
+    p, o = message.position, message.orientation
+    return Pose.from_quaternion([p.x, p.y, p.z], [o.x, o.y, o.z, o.w])
+
+
+def pose_message(pose: Pose) -> PoseMessage:
+    """A geometry_msgs/Pose from a Pose."""
+    message = PoseMessage()
+    message.position.x, message.position.y, message.position.z = map(float, pose.r)
+    o = message.orientation
+    o.x, o.y, o.z, o.w = map(float, pose.quaternion())
+    return message
+
+
+def pose_stamped_message(stamp: Time, pose: Pose, frame_id: str = 'base') -> PoseStamped:
+    """A geometry_msgs/PoseStamped from a Pose."""
+    message = PoseStamped(pose=pose_message(pose))
+    message.header.stamp = stamp
+    message.header.frame_id = frame_id
+    return message
+
+
+def diagnostic_status(
+    name: str, message: str, *, level: bytes = DiagnosticStatus.OK, hardware_id: str = '', **values: object
+) -> DiagnosticStatus:
+    """A DiagnosticStatus with its key-value pairs."""
+    return DiagnosticStatus(
+        level=level,
+        name=name,
+        message=message,
+        hardware_id=hardware_id,
+        values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
+    )
+
+
+def diagnostic_values(status: DiagnosticStatus) -> dict[str, str]:
+    """The key-value pairs of a DiagnosticStatus."""
+    return {item.key: item.value for item in status.values}
+
+
+@dataclass(frozen=True)
+class MotionResult:
+    """End of a motion, as it travels on `motion_result`.
+
+    Attributes:
+        id: The command's id (see `stamp_id`).
+        ok: The robot stands at the target.
+        message: 'reached', or the reason why not.
+        details: Further facts: duration, limiting_axis, or the data of the error.
+    """
+
+    id: str
+    ok: bool
+    message: str
+    details: dict[str, str] = field(default_factory=dict)
+
+    def to_message(self, robot: str) -> DiagnosticStatus:
+        """The result as message."""
+        level = DiagnosticStatus.OK if self.ok else DiagnosticStatus.ERROR
+        values = {'id': self.id, **self.details}
+        return diagnostic_status('motion', self.message, level=level, hardware_id=robot, **values)
+
+    @classmethod
+    def from_message(cls, status: DiagnosticStatus) -> MotionResult:
+        """The result of a message."""
+        details = diagnostic_values(status)
+        return cls(details.pop('id', ''), status.level == DiagnosticStatus.OK, status.message, details)

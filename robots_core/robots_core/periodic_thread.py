@@ -1,0 +1,68 @@
+"""A thread that calls a function on absolute deadlines."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+
+from robots_core.validation import positive
+
+# Past this many missed periods the thread starts a new schedule instead of catching up in a burst.
+MAX_LATE_PERIODS = 5
+
+
+class PeriodicThread:
+    """Calls `work(deadline)` every `period` seconds, on deadlines that do not drift.
+
+    Each deadline is the one before plus the period, so that a late call does not move the next ones.
+    `deadline` is on the clock of `time.monotonic`.
+
+    Args:
+        work: What to do; an exception ends the thread and is handed to `on_error`.
+        period: s, above 0.
+        name: The thread's name.
+        on_error: Called from the thread with the exception that ended it.
+    """
+
+    def __init__(
+        self,
+        work: Callable[[float], None],
+        *,
+        period: float,
+        name: str,
+        on_error: Callable[[BaseException], None],
+    ) -> None:
+        self.period = positive(period, 'period', 's')
+        self.missed = 0
+        """Deadlines given up because the machine was too busy."""
+        self._work = work
+        self._on_error = on_error
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._loop, name=name, daemon=True)
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread and wait for it."""
+        self._stop.set()
+        if self._thread.is_alive() and self._thread is not threading.current_thread():
+            self._thread.join()
+
+    def _loop(self) -> None:
+        period, work, stopped, clock = self.period, self._work, self._stop.is_set, time.monotonic
+        try:
+            deadline = clock() + period
+            while not stopped():
+                remaining = deadline - clock()
+                if remaining > 0.0:
+                    time.sleep(remaining)
+                elif remaining < -MAX_LATE_PERIODS * period:
+                    self.missed += int(-remaining / period)
+                    deadline = clock()
+                work(deadline)
+                deadline += period
+        except BaseException as error:  # noqa: BLE001  # handed on, the thread's owner decides
+            self._on_error(error)

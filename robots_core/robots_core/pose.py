@@ -1,0 +1,139 @@
+"""Pose of a frame: position and orientation, with orientation angles and pose error."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
+
+from robots_core.errors import InvalidInputError
+from robots_core.validation import Array, finite_vector, read_only, rotation_matrix
+
+ORIENTATION_CONVENTIONS: Final[dict[str, Literal['ZYX', 'XYZ', 'ZYZ', 'xyz']]] = {
+    'zyx': 'ZYX',  # KUKA A-B-C: about z, then the new y, then the new x
+    'xyz': 'XYZ',  # Staubli and Modelica Cardan: about x, the new y, the new z
+    'zyz': 'ZYZ',  # Euler: about z, the new y, the new z
+    'XYZ': 'xyz',  # Mitsubishi: about the fixed x, y and z
+}
+"""Orientation-angle conventions and SciPy's name for each (capitals: intrinsic rotations)."""
+
+
+def orientation_from_angles(angles: ArrayLike, convention: str = 'zyx') -> Array:
+    """Orientation matrix of three orientation angles.
+
+    Args:
+        angles: (3,) rad, in the order of the convention's name.
+        convention: One of `ORIENTATION_CONVENTIONS`.
+
+    Returns:
+        T, (3, 3): maps coordinates of the rotated frame to the reference frame.
+
+    Raises:
+        InvalidInputError: an unknown convention, or angles that are not three finite numbers.
+    """
+    phi = finite_vector(angles, 3, 'orientation angles')
+    return Rotation.from_euler(_scipy_sequence(convention), phi).as_matrix()
+
+
+def angles_from_orientation(T: ArrayLike, convention: str = 'zyx') -> Array:
+    """Orientation angles of a matrix, inverse of `orientation_from_angles`.
+
+    In gimbal lock, where only a sum or difference of two angles is determined, the third is zero.
+
+    Returns:
+        (3,) rad.
+
+    Raises:
+        InvalidInputError: an unknown convention, or `T` is not a rotation matrix.
+    """
+    rotation = Rotation.from_matrix(rotation_matrix(T))
+    return rotation.as_euler(_scipy_sequence(convention), suppress_warnings=True)
+
+
+def _scipy_sequence(convention: str) -> Literal['ZYX', 'XYZ', 'ZYZ', 'xyz']:
+    if convention not in ORIENTATION_CONVENTIONS:
+        raise InvalidInputError(
+            f'unknown orientation convention {convention!r}; conventions are '
+            f'{", ".join(ORIENTATION_CONVENTIONS)}'
+        )
+    return ORIENTATION_CONVENTIONS[convention]
+
+
+def rotation_vector(T: Array) -> Array:
+    """Rotation vector (axis times angle, rad, angle in [0, pi]) of an orientation matrix, (3,)."""
+    return Rotation.from_matrix(T).as_rotvec()
+
+
+def rotation_from_vector(vector: Array) -> Array:
+    """Orientation matrix (3, 3) of a rotation vector (axis times angle, rad), (3,)."""
+    return Rotation.from_rotvec(vector).as_matrix()
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Position `r` (3,) in metres and orientation `T` (3, 3) of a frame, seen from a reference frame.
+
+    `T` maps coordinates of the frame to the reference frame (ROS sense; Modelica's Orientation.T is
+    its transpose). Both arrays are read-only.
+
+    Raises:
+        InvalidInputError: wrong shapes, values that are not finite, or `T` is not a rotation.
+    """
+
+    r: Array
+    T: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, 'r', read_only(finite_vector(self.r, 3, 'r')))
+        object.__setattr__(self, 'T', read_only(rotation_matrix(self.T)))
+
+    @classmethod
+    def identity(cls) -> Pose:
+        """The reference frame itself."""
+        return cls(np.zeros(3), np.eye(3))
+
+    @classmethod
+    def from_angles(cls, r: ArrayLike, angles: ArrayLike, convention: str = 'zyx') -> Pose:
+        """Pose from a position in metres and orientation angles in radians."""
+        return cls(finite_vector(r, 3, 'r'), orientation_from_angles(angles, convention))
+
+    @classmethod
+    def from_quaternion(cls, r: ArrayLike, quaternion: ArrayLike) -> Pose:
+        """Pose from a position in metres and a quaternion (x, y, z, w), normalised here.
+
+        Raises:
+            InvalidInputError: a quaternion of zero length, or values that are not finite.
+        """
+        xyzw = finite_vector(quaternion, 4, 'quaternion')
+        norm = float(np.linalg.norm(xyzw))
+        if norm < 1e-9:
+            raise InvalidInputError(f'the quaternion has length {norm:.3g}; a rotation has length 1')
+        return cls(finite_vector(r, 3, 'r'), Rotation.from_quat(xyzw / norm).as_matrix())
+
+    def angles(self, convention: str = 'zyx') -> Array:
+        """Orientation angles, (3,) rad."""
+        return angles_from_orientation(self.T, convention)
+
+    def quaternion(self) -> Array:
+        """Orientation as quaternion (x, y, z, w), (4,), with w >= 0."""
+        return Rotation.from_matrix(self.T).as_quat(canonical=True)
+
+    def __matmul__(self, other: Pose) -> Pose:
+        """Chain: `other` is seen from this frame; the result is seen from this frame's reference."""
+        return Pose(self.r + self.T @ other.r, self.T @ other.T)
+
+    def inverse(self) -> Pose:
+        """The reference frame seen from this frame."""
+        return Pose(-self.T.T @ self.r, self.T.T)
+
+    def error_to(self, target: Pose) -> Array:
+        """Pose error (6,): translation (m), then rotation vector (rad), from here to `target`, base frame."""
+        return np.concatenate([target.r - self.r, rotation_vector(target.T @ self.T.T)])
+
+    def distance_to(self, target: Pose) -> tuple[float, float]:
+        """Position distance in metres and rotation angle in radians to `target`."""
+        error = self.error_to(target)
+        return float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))

@@ -1,0 +1,1 @@
+"""Robot models: the plugin interface and what it is made of."""

@@ -1,0 +1,109 @@
+"""AxesData: the paper's record of everything that is known per axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robots_core.errors import InvalidInputError, JointLimitError
+from robots_core.validation import Array, finite_vector, read_only
+
+# Limits are inclusive; a value computed to lie on one may be off by rounding.
+LIMIT_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class AxesData:
+    """Limits and drive data of the axes, each array of shape (n,) and read-only.
+
+    Attributes:
+        names: Joint names, base to tip.
+        lower: Lowest position, rad (prismatic: m); -inf for a continuous axis.
+        upper: Highest position, rad (m); inf for a continuous axis.
+        velocity: Highest speed, rad/s (m/s).
+        acceleration: Highest acceleration, rad/s^2 (m/s^2).
+        jerk: Highest jerk, rad/s^3 (m/s^3).
+        effort: Highest torque, N m (force, N), at the joint.
+        gear_ratio: Motor revolutions per joint revolution; NaN where not published.
+        rotor_inertia: Motor inertia at the motor side, kg m^2; 0 where not published.
+        prismatic: True for an axis that slides.
+
+    Raises:
+        InvalidInputError: arrays of different lengths, limits that are not positive, or lower >= upper.
+    """
+
+    names: tuple[str, ...]
+    lower: Array
+    upper: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+    effort: Array
+    gear_ratio: Array = field(default_factory=lambda: np.empty(0))
+    rotor_inertia: Array = field(default_factory=lambda: np.empty(0))
+    prismatic: tuple[bool, ...] = ()
+
+    def __post_init__(self) -> None:
+        n = len(self.names)
+        if n == 0:
+            raise InvalidInputError('a robot needs at least one axis')
+        defaults = {'gear_ratio': np.full(n, np.nan), 'rotor_inertia': np.zeros(n)}
+        for item in fields(self):
+            if item.name in ('names', 'prismatic'):
+                continue
+            values = np.asarray(getattr(self, item.name), dtype=np.float64)
+            if values.size == 0 and item.name in defaults:
+                values = defaults[item.name]
+            if values.shape != (n,):
+                raise InvalidInputError(f'AxesData.{item.name} must have shape ({n},), got {values.shape}')
+            object.__setattr__(self, item.name, read_only(values))
+        object.__setattr__(self, 'prismatic', tuple(self.prismatic) or (False,) * n)
+        self._check_limits()
+
+    def _check_limits(self) -> None:
+        for index, name in enumerate(self.names):
+            if not self.lower[index] < self.upper[index]:
+                raise InvalidInputError(
+                    f'axis {name}: lower limit {self.lower[index]:g} must be below upper limit '
+                    f'{self.upper[index]:g}'
+                )
+            for quantity in ('velocity', 'acceleration', 'jerk', 'effort'):
+                value = getattr(self, quantity)[index]
+                if not value > 0.0:
+                    raise InvalidInputError(f'axis {name}: {quantity} limit {value:g} must be above 0')
+
+    @property
+    def num_axes(self) -> int:
+        """Number of axes n."""
+        return len(self.names)
+
+    @property
+    def continuous(self) -> NDArray[np.bool_]:
+        """(n,) bool: the axis turns without end."""
+        return np.isinf(self.lower) & np.isinf(self.upper)
+
+    def unit(self, index: int) -> str:
+        """Unit of the position of axis `index`: 'rad' or 'm'."""
+        return 'm' if self.prismatic[index] else 'rad'
+
+    def check_position(self, q: ArrayLike, name: str = 'q') -> Array:
+        """`q` as (n,) array, if it lies inside the limits.
+
+        Raises:
+            JointLimitError: an axis is outside; names axis, value and limits.
+            InvalidInputError: wrong shape, NaN or infinity.
+        """
+        values = finite_vector(q, self.num_axes, name)
+        outside = (values < self.lower - LIMIT_TOLERANCE) | (values > self.upper + LIMIT_TOLERANCE)
+        if outside.any():
+            index = int(np.flatnonzero(outside)[0])
+            raise JointLimitError(
+                self.names[index],
+                float(values[index]),
+                float(self.lower[index]),
+                float(self.upper[index]),
+                unit=self.unit(index),
+            )
+        return values

@@ -1,0 +1,135 @@
+"""BaseRobotModel: what every robot plugin offers (the paper's partial package `baseRobotModel`)."""
+
+from abc import ABC, abstractmethod
+
+from robots_core.errors import NoAnalyticInverseKinematicsError
+from robots_core.robot_model.axes_data import AxesData
+from robots_core.robot_model.collision_model import CollisionModel
+from robots_core.robot_model.kinematic_model import KinematicModel
+from robots_core.robot_model.rigid_dynamics_model import RigidDynamicsModel
+from robots_core.robot_model.robot_visualization import RobotVisualization
+from robots_core.robot_model.structural_data import StructuralData
+from robots_core.validation import Array
+
+
+class BaseRobotModel(ABC):
+    """One serial robot: numpy in, numpy out, SI units, radians.
+
+    Everything robot specific is behind this interface, so that every block works with any robot.
+    Plugins register a class or a function without arguments under the entry-point group
+    `robots_core.robot_models`. An instance keeps scratch memory: use one per thread.
+    """
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """The robot's name, as in its entry point."""
+
+    @property
+    @abstractmethod
+    def axes_data(self) -> AxesData:
+        """Limits and drive data per axis."""
+
+    @property
+    @abstractmethod
+    def structural_data(self) -> StructuralData:
+        """Mechanical dimensions, in the robot author's own words."""
+
+    @property
+    @abstractmethod
+    def kinematic_model(self) -> KinematicModel:
+        """The chain of axis frames."""
+
+    @property
+    @abstractmethod
+    def rigid_dynamics_model(self) -> RigidDynamicsModel:
+        """The chain with masses and inertias."""
+
+    @property
+    @abstractmethod
+    def visualization(self) -> RobotVisualization:
+        """Shapes for the eye."""
+
+    @property
+    @abstractmethod
+    def collision_model(self) -> CollisionModel:
+        """Shapes for collision checks."""
+
+    @property
+    @abstractmethod
+    def description(self) -> str:
+        """The robot as URDF text, as published on `robot_description`."""
+
+    @property
+    @abstractmethod
+    def home(self) -> Array:
+        """A posture inside the limits to start from, (n,), read-only."""
+
+    @property
+    def orientation_convention(self) -> str:
+        """Orientation-angle convention of the robot's maker, one of `ORIENTATION_CONVENTIONS`."""
+        return 'zyx'
+
+    @property
+    def num_axes(self) -> int:
+        """Number of axes n."""
+        return self.axes_data.num_axes
+
+    @abstractmethod
+    def direct_kinematics(self, q: Array) -> tuple[Array, Array]:
+        """Pose of tool0 in the base frame.
+
+        Args:
+            q: Joint positions, (n,), rad (m); not checked against the limits.
+
+        Returns:
+            r: Position, (3,), m.
+            T: Orientation, (3, 3), maps tool coordinates to base coordinates.
+
+        Raises:
+            InvalidInputError: `q` of another shape or not finite.
+        """
+
+    @abstractmethod
+    def jacobian(self, q: Array) -> Array:
+        """Geometric Jacobian (6, n) at tool0, base frame: linear rows (m/s), then angular (rad/s)."""
+
+    @abstractmethod
+    def jacobian_der(self, q: Array, q_dot: Array) -> Array:
+        """Time derivative (6, n) of the Jacobian for joint velocities `q_dot` (n,)."""
+
+    @abstractmethod
+    def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
+        """Joint torques of the rigid robot.
+
+        Args:
+            q: Joint positions, (n,), rad (m).
+            q_dot: Joint velocities, (n,), rad/s.
+            q_ddot: Joint accelerations, (n,), rad/s^2.
+
+        Returns:
+            tau: Torques (n,), N m (N); tau = M q_ddot + tau_aux.
+            M: Mass matrix (n, n).
+            tau_aux: Torques of Coriolis, centrifugal and gravitational forces, (n,).
+
+        Raises:
+            InvalidInputError: an argument of another shape or not finite.
+        """
+
+    def inverse_kinematics_analytic(self, r: Array, T: Array) -> Array:
+        """All joint configurations inside the limits that reach a pose, where a closed form exists.
+
+        Args:
+            r: Position of tool0 in the base frame, (3,), m.
+            T: Orientation of tool0, (3, 3).
+
+        Returns:
+            (k, n) rad; k = 0 if the pose is out of reach.
+
+        Raises:
+            NoAnalyticInverseKinematicsError: the robot has no closed form.
+        """
+        del r, T
+        raise NoAnalyticInverseKinematicsError(
+            f'robot {self.name!r} has no analytic inverse kinematics; use DampedLeastSquares'
+        )

@@ -1,0 +1,94 @@
+"""Shapes attached to the frames of a robot, for the eye and for collision checks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from robots_core.pose import Pose
+from robots_core.validation import Array, positive, read_only
+
+
+@dataclass(frozen=True)
+class Box:
+    """Box with edge lengths in metres, centred in its frame."""
+
+    size: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        for length in self.size:
+            positive(length, 'box edge', 'm')
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """Cylinder along z, centred in its frame; radius and length in metres."""
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        positive(self.radius, 'cylinder radius', 'm')
+        positive(self.length, 'cylinder length', 'm')
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """Sphere centred in its frame; radius in metres."""
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        positive(self.radius, 'sphere radius', 'm')
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangle mesh: `vertices` (k, 3) in metres, `faces` (f, 3) indices, both read-only."""
+
+    vertices: Array
+    faces: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, 'vertices', read_only(self.vertices))
+        faces = np.array(self.faces, dtype=np.int64)
+        faces.flags.writeable = False
+        object.__setattr__(self, 'faces', faces)
+
+
+Geometry = Box | Cylinder | Sphere | Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A geometry fixed to a frame of the robot.
+
+    Attributes:
+        geometry: What it is.
+        frame: 0 for the base, i for the frame of axis i (counted from 1, as in `frame_axes`).
+        pose: Pose of the geometry in that frame.
+        colour: Red, green, blue, opacity, each 0..1.
+        name: Unique within the robot.
+    """
+
+    geometry: Geometry
+    frame: int
+    pose: Pose
+    colour: tuple[float, float, float, float] = (0.7, 0.7, 0.7, 1.0)
+    name: str = ''
+
+
+def triangle_mesh(geometry: Geometry) -> trimesh.Trimesh:
+    """The surface of a geometry as triangles, in its own frame, metres."""
+    match geometry:
+        case Box(size):
+            return trimesh.creation.box(extents=size)
+        case Cylinder(radius, length):
+            return trimesh.creation.cylinder(radius=radius, height=length, sections=32)
+        case Sphere(radius):
+            return trimesh.creation.icosphere(subdivisions=2, radius=radius)
+        case Mesh(vertices, faces):
+            return trimesh.Trimesh(vertices, faces, process=False)

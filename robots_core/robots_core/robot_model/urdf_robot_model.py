@@ -1,0 +1,180 @@
+"""UrdfRobotModel: a robot with everything derived from its URDF and limits."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import yourdfpy
+from numpy.typing import ArrayLike
+
+from robots_core.errors import UnknownRobotError
+from robots_core.robot_model.axes_data import AxesData
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.robot_model.collision_model import CollisionModel
+from robots_core.robot_model.pinocchio_models import PinocchioKinematicModel, PinocchioRigidDynamicsModel
+from robots_core.robot_model.robot_visualization import RobotVisualization
+from robots_core.robot_model.structural_data import StructuralData
+from robots_core.robot_model.urdf_chain import pinocchio_xml, read_urdf_chain
+from robots_core.robot_model.urdf_shapes import urdf_shapes
+from robots_core.validation import Array, finite_vector, read_only
+
+
+class UrdfRobotModel(BaseRobotModel):
+    """A serial robot from a URDF file; kinematics and dynamics by Pinocchio, shapes by yourdfpy.
+
+    Args:
+        urdf: The URDF file; relative mesh names start in its folder.
+        name: The robot's name; the URDF's own by default.
+        base: Base link; the root link by default.
+        tip: Tool link (tool0); the end of the longest chain by default.
+        joint_limits: YAML file with acceleration, jerk, gear and rotor data; by default
+            `joint_limits.yaml` beside the URDF if it exists.
+        structural_data: The robot's own record of dimensions.
+        home: Posture to start from, (n,) rad; by default zero, or mid-range where zero is not allowed.
+        orientation_convention: Orientation-angle convention of the maker.
+
+    Raises:
+        UnknownRobotError: the file is missing, or holds no serial chain.
+        JointLimitError: `home` lies outside the limits.
+    """
+
+    def __init__(
+        self,
+        urdf: Path | str,
+        *,
+        name: str | None = None,
+        base: str | None = None,
+        tip: str | None = None,
+        joint_limits: Path | str | None = None,
+        structural_data: StructuralData | None = None,
+        home: ArrayLike | None = None,
+        orientation_convention: str = 'zyx',
+    ) -> None:
+        path = Path(urdf)
+        if not path.is_file():
+            raise UnknownRobotError(f'URDF file {str(path)!r} not found')
+        limits = Path(joint_limits) if joint_limits is not None else path.with_name('joint_limits.yaml')
+        xml = path.read_text()
+        chain = read_urdf_chain(
+            xml, base=base, tip=tip, joint_limits=limits if joint_limits or limits.is_file() else None
+        )
+        self._description = xml
+        self._axes_data = chain.axes_data
+        self._structural_data = structural_data or StructuralData(source=path.name)
+        self._orientation_convention = orientation_convention
+
+        parsed = yourdfpy.URDF.load(
+            io.BytesIO(chain.xml.encode()),
+            build_scene_graph=False,
+            load_meshes=False,
+            load_collision_meshes=False,
+        )
+        self._name = name or str(parsed.robot.name)
+        model = pin.buildModelFromXML(pinocchio_xml(chain))
+        if tuple(model.names)[1:] != chain.joints:
+            raise UnknownRobotError(
+                f'joints {list(model.names)[1:]} do not form one chain {list(chain.joints)}'
+            )
+        self._model = model
+        self._data = model.createData()
+        self._tool0 = model.getFrameId(chain.tip)
+        self._kinematic_model = PinocchioKinematicModel(model)
+        self._rigid_dynamics_model = PinocchioRigidDynamicsModel(model, model.inertias[0])
+        self._visualization = RobotVisualization(urdf_shapes(parsed, model, path.parent, 'visual'))
+        self._collision_model = CollisionModel(urdf_shapes(parsed, model, path.parent, 'collision'))
+        self._home = read_only(
+            self._axes_data.check_position(self._default_home() if home is None else home, 'home')
+        )
+
+    def _default_home(self) -> Array:
+        axes = self._axes_data
+        inside = (axes.lower <= 0.0) & (axes.upper >= 0.0)
+        middle = np.zeros(axes.num_axes)
+        middle[~inside] = 0.5 * (axes.lower[~inside] + axes.upper[~inside])
+        return middle
+
+    @property
+    def name(self) -> str:
+        """The robot's name."""
+        return self._name
+
+    @property
+    def axes_data(self) -> AxesData:
+        """Limits and drive data per axis."""
+        return self._axes_data
+
+    @property
+    def structural_data(self) -> StructuralData:
+        """Mechanical dimensions."""
+        return self._structural_data
+
+    @property
+    def kinematic_model(self) -> PinocchioKinematicModel:
+        """The chain of axis frames."""
+        return self._kinematic_model
+
+    @property
+    def rigid_dynamics_model(self) -> PinocchioRigidDynamicsModel:
+        """The chain with masses and inertias."""
+        return self._rigid_dynamics_model
+
+    @property
+    def visualization(self) -> RobotVisualization:
+        """The URDF's visual shapes."""
+        return self._visualization
+
+    @property
+    def collision_model(self) -> CollisionModel:
+        """The URDF's collision shapes."""
+        return self._collision_model
+
+    @property
+    def description(self) -> str:
+        """The URDF text."""
+        return self._description
+
+    @property
+    def home(self) -> Array:
+        """Posture to start from, (n,) rad."""
+        return self._home
+
+    @property
+    def orientation_convention(self) -> str:
+        """Orientation-angle convention of the maker."""
+        return self._orientation_convention
+
+    def direct_kinematics(self, q: Array) -> tuple[Array, Array]:
+        """See `BaseRobotModel.direct_kinematics`."""
+        pin.forwardKinematics(self._model, self._data, finite_vector(q, self.num_axes, 'q'))
+        placement = pin.updateFramePlacement(self._model, self._data, self._tool0)
+        return placement.translation.copy(), placement.rotation.copy()
+
+    def jacobian(self, q: Array) -> Array:
+        """See `BaseRobotModel.jacobian`."""
+        q = finite_vector(q, self.num_axes, 'q')
+        return np.asarray(
+            pin.computeFrameJacobian(self._model, self._data, q, self._tool0, pin.LOCAL_WORLD_ALIGNED)
+        )
+
+    def jacobian_der(self, q: Array, q_dot: Array) -> Array:
+        """See `BaseRobotModel.jacobian_der`."""
+        n = self.num_axes
+        pin.computeJointJacobiansTimeVariation(
+            self._model, self._data, finite_vector(q, n, 'q'), finite_vector(q_dot, n, 'q_dot')
+        )
+        pin.updateFramePlacement(self._model, self._data, self._tool0)
+        return np.asarray(
+            pin.getFrameJacobianTimeVariation(self._model, self._data, self._tool0, pin.LOCAL_WORLD_ALIGNED)
+        )
+
+    def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
+        """See `BaseRobotModel.rigid_dynamics`."""
+        n = self.num_axes
+        q, q_dot = finite_vector(q, n, 'q'), finite_vector(q_dot, n, 'q_dot')
+        q_ddot = finite_vector(q_ddot, n, 'q_ddot')
+        M = self._rigid_dynamics_model.mass_matrix(q)
+        tau_aux = self._rigid_dynamics_model.bias_torques(q, q_dot)
+        return M @ q_ddot + tau_aux, M, tau_aux

@@ -1,0 +1,81 @@
+"""Shapes of a URDF's links, each fixed to the axis frame that carries the link."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import pinocchio as pin
+import trimesh
+import yourdfpy
+
+from robots_core.errors import UnknownRobotError
+from robots_core.pose import Pose
+from robots_core.robot_model.shapes import Box, Cylinder, Geometry, Mesh, Shape, Sphere
+
+DEFAULT_COLOUR = (0.7, 0.7, 0.7, 1.0)
+
+
+def urdf_shapes(
+    description: yourdfpy.URDF, model: pin.Model, folder: Path, kind: Literal['visual', 'collision']
+) -> tuple[Shape, ...]:
+    """All visual or collision shapes of a URDF.
+
+    Args:
+        description: The URDF, parsed.
+        model: The Pinocchio model of the same URDF: tells which axis carries which link, and where.
+        folder: Where relative mesh file names start.
+        kind: Which of a link's shapes.
+
+    Raises:
+        UnknownRobotError: a mesh file that is missing or cannot be read.
+    """
+    palette = {
+        material.name: tuple(float(part) for part in material.color.rgba)
+        for material in description.robot.materials
+        if material.color is not None
+    }
+    shapes: list[Shape] = []
+    for link in description.robot.links:
+        frame = model.frames[model.getFrameId(link.name)]
+        for index, element in enumerate(link.visuals if kind == 'visual' else link.collisions):
+            local = np.eye(4) if element.origin is None else np.asarray(element.origin, dtype=np.float64)
+            placement = frame.placement * pin.SE3(local[:3, :3], local[:3, 3])
+            shapes.append(
+                Shape(
+                    geometry=_geometry(element.geometry, folder),
+                    frame=int(frame.parentJoint),
+                    pose=Pose(placement.translation, placement.rotation),
+                    colour=_colour(element, palette) if kind == 'visual' else DEFAULT_COLOUR,
+                    name=f'{link.name}/{element.name or index}',
+                )
+            )
+    return tuple(shapes)
+
+
+def _colour(element: Any, palette: dict[str, tuple[float, ...]]) -> tuple[float, float, float, float]:
+    material = element.material
+    if material is None:
+        return DEFAULT_COLOUR
+    rgba = palette.get(material.name, DEFAULT_COLOUR)
+    if material.color is not None:
+        rgba = tuple(float(part) for part in material.color.rgba)
+    red, green, blue, opacity = rgba
+    return red, green, blue, opacity
+
+
+def _geometry(geometry: Any, folder: Path) -> Geometry:
+    if geometry.box is not None:
+        x, y, z = (float(edge) for edge in geometry.box.size)
+        return Box((x, y, z))
+    if geometry.cylinder is not None:
+        return Cylinder(float(geometry.cylinder.radius), float(geometry.cylinder.length))
+    if geometry.sphere is not None:
+        return Sphere(float(geometry.sphere.radius))
+    path = folder / str(geometry.mesh.filename)
+    if not path.is_file():
+        raise UnknownRobotError(f'mesh file {geometry.mesh.filename!r} not found below {folder}')
+    mesh = trimesh.load(path, force='mesh')
+    scale = 1.0 if geometry.mesh.scale is None else geometry.mesh.scale
+    return Mesh(np.asarray(mesh.vertices) * scale, np.asarray(mesh.faces))

@@ -1,0 +1,81 @@
+"""Checks at the boundary: every block validates what comes in once, with these."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from robots_core.errors import InvalidInputError
+
+Array = NDArray[np.float64]
+
+# Rounding of a float64 3x3 product chain is about 1e-15; messages carry quaternions of any source,
+# so a rotation may be off by single-precision rounding and is still meant as one.
+ROTATION_TOLERANCE = 1e-6
+
+
+def read_only(values: ArrayLike) -> Array:
+    """A float64 copy of `values` that cannot be written to."""
+    array = np.array(values, dtype=np.float64)
+    array.flags.writeable = False
+    return array
+
+
+def finite_vector(values: ArrayLike, size: int, name: str) -> Array:
+    """`values` as a float64 array of shape (size,).
+
+    Raises:
+        InvalidInputError: another shape, or NaN or infinity in it.
+    """
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidInputError(f'{name} must be {size} numbers, got {values!r}') from error
+    if array.shape != (size,):
+        raise InvalidInputError(f'{name} must have shape ({size},), got {array.shape}')
+    if not np.isfinite(array).all():
+        index = int(np.flatnonzero(~np.isfinite(array))[0])
+        raise InvalidInputError(
+            f'{name}[{index}] is {array[index]}, every value must be a finite number', index=index
+        )
+    return array
+
+
+def rotation_matrix(T: ArrayLike, name: str = 'T') -> Array:
+    """`T` as a float64 rotation matrix of shape (3, 3).
+
+    Raises:
+        InvalidInputError: another shape, not finite, not orthonormal or left-handed.
+    """
+    array = np.asarray(T, dtype=np.float64)
+    if array.shape != (3, 3):
+        raise InvalidInputError(f'{name} must have shape (3, 3), got {array.shape}')
+    deviation = float(np.abs(array @ array.T - np.eye(3)).max())
+    if not deviation <= ROTATION_TOLERANCE:  # also true for NaN
+        raise InvalidInputError(
+            f'{name} is not a rotation matrix: T T^T differs from identity by {deviation:.3g}, '
+            f'allowed is {ROTATION_TOLERANCE:g}'
+        )
+    if np.linalg.det(array) < 0.0:
+        raise InvalidInputError(f'{name} is left-handed (determinant -1); a rotation has determinant +1')
+    return array
+
+
+def positive(value: float, name: str, unit: str = '') -> float:
+    """`value` if it is a finite number above zero.
+
+    Raises:
+        InvalidInputError: zero, negative, NaN or infinite.
+    """
+    if not (np.isfinite(value) and value > 0.0):
+        raise InvalidInputError(f'{name} = {value!r} {unit}'.rstrip() + ' must be a finite number above 0')
+    return float(value)
+
+
+def fraction(value: float, name: str, *, lowest: float = 0.0) -> float:
+    """`value` if it lies in [lowest, 1].
+
+    Raises:
+        InvalidInputError: outside, NaN or infinite.
+    """
+    if not lowest <= value <= 1.0:
+        raise InvalidInputError(f'{name} = {value!r} must be in [{lowest:g}, 1]')
+    return float(value)

@@ -1,0 +1,29 @@
+"""ament_python build of robots_core."""
+
+from setuptools import find_packages, setup
+
+package_name = 'robots_core'
+
+setup(
+    name=package_name,
+    version='0.1.0',
+    packages=find_packages(include=[package_name, f'{package_name}.*']),
+    package_data={package_name: ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
+        (f'share/{package_name}', ['package.xml']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=False,
+    maintainer='The Robots developers',
+    maintainer_email='maintainers@robots.example',
+    description='Base classes of robot plugins, the blocks of kinematics, dynamics and drives, their nodes.',
+    license='Apache-2.0',
+    entry_points={
+        'console_scripts': [
+            'direct_kinematics_node = robots_core.nodes.direct_kinematics_node:main',
+            'drive_node = robots_core.nodes.drive_node:main',
+            'visualizer_node = robots_core.nodes.visualizer_node:main',
+        ],
+    },
+)

@@ -1,0 +1,1 @@
+"""Robots: one folder is one robot."""

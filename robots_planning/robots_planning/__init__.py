@@ -1,0 +1,1 @@
+"""Path planning: trajectory generators, verification, and the switch between them."""

@@ -1,0 +1,123 @@
+"""Trajectory: joint positions, velocities and accelerations over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robots_core.errors import InvalidInputError
+from robots_core.validation import Array, read_only
+
+# Row i, column j: weight of (p0, v0 h, a0 h^2, p1, v1 h, a1 h^2)[j] in the coefficient of (t / h)^i.
+_QUINTIC = np.array(
+    [
+        [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.5, 0.0, 0.0, 0.0],
+        [-10.0, -6.0, -1.5, 10.0, -4.0, 0.5],
+        [15.0, 8.0, 1.5, -15.0, 7.0, -1.0],
+        [-6.0, -3.0, -0.5, 6.0, -3.0, 0.5],
+    ]
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Points of a motion; between two points it is the quintic through both (as in ros2_control).
+
+    Attributes:
+        time: (m,) s, from 0, strictly increasing; m >= 2.
+        position: (m, n) rad (m).
+        velocity: (m, n) rad/s (m/s).
+        acceleration: (m, n) rad/s^2 (m/s^2).
+
+    Raises:
+        InvalidInputError: shapes that do not match, values that are not finite, or time that does not
+            start at 0 and increase.
+    """
+
+    time: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    coefficients: Array = field(init=False, repr=False)
+    """(m - 1, 6, n): polynomial per interval, in powers of the time since the interval's start, s."""
+
+    def __post_init__(self) -> None:
+        for name in ('time', 'position', 'velocity', 'acceleration'):
+            values = read_only(getattr(self, name))
+            if not np.isfinite(values).all():
+                raise InvalidInputError(f'trajectory {name} holds a value that is not finite')
+            object.__setattr__(self, name, values)
+        m = self.time.shape[0]
+        if self.time.ndim != 1 or m < 2:
+            raise InvalidInputError(
+                f'a trajectory needs at least 2 points, got time of shape {self.time.shape}'
+            )
+        shape = self.position.shape
+        if (
+            len(shape) != 2
+            or shape[0] != m
+            or self.velocity.shape != shape
+            or self.acceleration.shape != shape
+        ):
+            raise InvalidInputError(
+                f'position {shape}, velocity {self.velocity.shape} and acceleration '
+                f'{self.acceleration.shape} must all be ({m}, n), one row per time'
+            )
+        if self.time[0] != 0.0 or not (np.diff(self.time) > 0.0).all():
+            raise InvalidInputError('trajectory time must start at 0 and increase from point to point')
+        object.__setattr__(self, 'coefficients', self._coefficients())
+
+    def _coefficients(self) -> Array:
+        h = np.diff(self.time)[:, None]
+        ends = np.stack(
+            [
+                self.position[:-1],
+                self.velocity[:-1] * h,
+                self.acceleration[:-1] * h**2,
+                self.position[1:],
+                self.velocity[1:] * h,
+                self.acceleration[1:] * h**2,
+            ],
+            axis=1,
+        )
+        # Relative to the start position, so that large joint values cost no digits.
+        ends[:, 3] -= ends[:, 0]
+        start = ends[:, 0].copy()
+        ends[:, 0] = 0.0
+        scaled = np.einsum('ij,mjn->min', _QUINTIC, ends)
+        scaled[:, 0] = start
+        return read_only(scaled / h[:, :, None] ** np.arange(6)[None, :, None])
+
+    @property
+    def num_axes(self) -> int:
+        """Number of axes n."""
+        return int(self.position.shape[1])
+
+    @property
+    def duration(self) -> float:
+        """Length in seconds."""
+        return float(self.time[-1])
+
+    def sample(self, t: ArrayLike) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration at times `t`; before the start and after the end it rests.
+
+        Args:
+            t: Times, s, of any shape (...).
+
+        Returns:
+            Three arrays (..., n).
+        """
+        times = np.asarray(t, dtype=np.float64)
+        clipped = np.clip(times, 0.0, self.duration)
+        index = np.clip(np.searchsorted(self.time, clipped, side='right') - 1, 0, len(self.time) - 2)
+        x = (clipped - self.time[index])[..., None]
+        c = np.moveaxis(self.coefficients[index], -2, 0)
+        q = c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))))
+        q_dot = c[1] + x * (2 * c[2] + x * (3 * c[3] + x * (4 * c[4] + x * 5 * c[5])))
+        q_ddot = 2 * c[2] + x * (6 * c[3] + x * (12 * c[4] + x * 20 * c[5]))
+        outside = ((times < 0.0) | (times > self.duration))[..., None]
+        return q, np.where(outside, 0.0, q_dot), np.where(outside, 0.0, q_ddot)

@@ -1,0 +1,1 @@
+"""Trajectory generators: one file each, one base."""

@@ -1,0 +1,27 @@
+"""ament_python build of robots_planning."""
+
+from setuptools import find_packages, setup
+
+package_name = 'robots_planning'
+
+setup(
+    name=package_name,
+    version='0.1.0',
+    packages=find_packages(include=[package_name, f'{package_name}.*']),
+    package_data={package_name: ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
+        (f'share/{package_name}', ['package.xml']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=False,
+    maintainer='The Robots developers',
+    maintainer_email='maintainers@robots.example',
+    description='Path-planning blocks, trajectory verification and the planning node.',
+    license='Apache-2.0',
+    entry_points={
+        'console_scripts': [
+            'planning_node = robots_planning.nodes.planning_node:main',
+        ],
+    },
+)
