@@ -1,5 +1,7 @@
 """ament_python build of robots_controller."""
 
+from glob import glob
+
 from setuptools import find_packages, setup
 
 package_name = 'robots_controller'
@@ -12,7 +14,7 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
         (f'share/{package_name}', ['package.xml']),
-        (f'share/{package_name}/launch', ['launch/cell.launch.py']),
+        (f'share/{package_name}/launch', glob('launch/*.launch.py')),
     ],
     install_requires=['setuptools'],
     zip_safe=False,

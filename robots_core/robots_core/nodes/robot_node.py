@@ -114,7 +114,7 @@ class RobotNode(Node):
 
     def refuse(self, topic: str, error: RobotsError) -> None:
         """Log and report bad input on a topic; the node goes on."""
-        self.get_logger().error(f'{topic}: {error}')
+        self.get_logger().error(f'{topic}: {error}')  # type: ignore[no-untyped-call]
         self.report_health(DiagnosticStatus.WARN, f'{topic}: {error}')
 
 
