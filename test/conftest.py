@@ -1,0 +1,150 @@
+"""What tests share: a ROS domain of their own, and nodes spun in the background."""
+
+from __future__ import annotations
+
+import fcntl
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import pytest
+
+if TYPE_CHECKING:
+    from rclpy.context import Context  # noqa: TID251
+    from rclpy.node import Node  # noqa: TID251
+
+AnyNode = TypeVar('AnyNode')
+
+# Above 101 the ports of a domain fall into Linux' range of ephemeral ports.
+DOMAIN_IDS = range(1, 101)
+DOMAIN_DEADLINE = 60.0  # s
+WAIT_DEADLINE = 20.0  # s
+SPIN_PERIOD = 0.02  # s, how often a condition that no message triggers is looked at
+
+
+@pytest.fixture
+def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
+    """A ROS_DOMAIN_ID that no other test on this machine uses now, set in the environment."""
+    folder = Path(tempfile.gettempdir()) / 'robots_test_domains'
+    folder.mkdir(exist_ok=True)
+    deadline = time.monotonic() + DOMAIN_DEADLINE
+    with ExitStack() as held:
+        while True:
+            for domain in DOMAIN_IDS:
+                # The file is never removed: a lock on a removed file would protect nothing.
+                lock = (folder / f'{domain}.lock').open('w')
+                try:
+                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except BlockingIOError:
+                    lock.close()
+                    continue
+                held.enter_context(lock)
+                monkeypatch.setenv('ROS_DOMAIN_ID', str(domain))
+                monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+                yield domain
+                return
+            if time.monotonic() > deadline:
+                pytest.fail(f'no free ROS domain within {DOMAIN_DEADLINE:g} s, locks are in {folder}')
+            time.sleep(SPIN_PERIOD)
+
+
+@pytest.fixture
+def ros_context(ros_domain: int) -> Iterator[Context]:
+    """An rclpy context of this test's own, in its own domain."""
+    import rclpy  # noqa: PLC0415, TID251  # tests without ROS need no rclpy
+
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=ros_domain)
+    yield context
+    context.try_shutdown()
+
+
+@pytest.fixture
+def ros_nodes(ros_context: Context) -> Iterator[NodeRunner]:
+    """Runs nodes in the background; ends and destroys them after the test."""
+    runner = NodeRunner(ros_context)
+    try:
+        yield runner
+    finally:
+        runner.close()
+
+
+class NodeRunner:
+    """Spins nodes in one background thread; the test's own thread waits on conditions.
+
+    Create nodes with `context=runner.context`. An exception in a callback ends the spinning and is
+    raised again by `wait_for` and at the end of the test.
+    """
+
+    def __init__(self, context: Context) -> None:
+        from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415, TID251
+
+        self.context = context
+        self._executor = SingleThreadedExecutor(context=context)
+        self._turned = threading.Condition()
+        self._stop = threading.Event()
+        self._error: BaseException | None = None
+        self._nodes: list[Any] = []
+        self._thread = threading.Thread(target=self._spin, name='spin', daemon=True)
+        self._thread.start()
+
+    def add(self, node: AnyNode) -> AnyNode:
+        """Spin a node from now on; it is destroyed at the end of the test."""
+        self._nodes.append(node)
+        self._executor.add_node(node)
+        return node
+
+    def create_node(self, name: str = 'test', **options: Any) -> Node:
+        """A plain node to talk to the nodes under test with."""
+        from rclpy.node import Node  # noqa: PLC0415, TID251
+
+        return self.add(Node(name, context=self.context, **options))
+
+    def wait_for(self, condition: Callable[[], Any], timeout: float = WAIT_DEADLINE, what: str = '') -> Any:
+        """Wait until `condition()` is true and return its value.
+
+        Args:
+            condition: Looked at after every callback, and every 20 ms.
+            timeout: s.
+            what: Named in the failure.
+
+        Raises:
+            AssertionError: not true in time.
+        """
+        deadline = time.monotonic() + timeout
+        with self._turned:
+            while True:
+                self._raise_error()
+                if value := condition():
+                    return value
+                remaining = deadline - time.monotonic()
+                if remaining <= 0.0:
+                    raise AssertionError(f'not within {timeout:g} s: {what or condition}')
+                self._turned.wait(min(remaining, SPIN_PERIOD))
+
+    def close(self) -> None:
+        """End the thread, destroy the nodes, and raise what a callback raised."""
+        self._stop.set()
+        self._thread.join()
+        self._executor.shutdown()
+        for node in self._nodes:
+            node.destroy_node()
+        self._raise_error()
+
+    def _raise_error(self) -> None:
+        if self._error is not None:
+            error, self._error = self._error, None
+            raise error
+
+    def _spin(self) -> None:
+        try:
+            while not self._stop.is_set():
+                self._executor.spin_once(timeout_sec=SPIN_PERIOD)
+                with self._turned:
+                    self._turned.notify_all()
+        except BaseException as error:  # noqa: BLE001  # raised again in the test's thread
+            self._error = error
