@@ -1,0 +1,1 @@
+"""Bello Bot, the fictive robot."""
