@@ -1,0 +1,235 @@
+"""Visualizer: any robot in a browser page (the paper's Visualizer block)."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import socket
+from collections.abc import Sequence
+
+import numpy as np
+import trimesh
+import viser
+from scipy.spatial.transform import Rotation
+
+from robots_core.blocks.direct_kinematics import DirectKinematics
+from robots_core.blocks.tool_trace import ToolTrace
+from robots_core.errors import InvalidInputError
+from robots_core.pose import Pose
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.robot_model.shapes import Shape, triangle_mesh
+from robots_core.validation import Array
+
+CREASE = np.pi / 6  # rad; edges sharper than this stay edges, flatter ones are shaded round
+BRAND = (0, 150, 136)
+COLLISION_COLOUR = (30, 120, 255)
+CAMERA_DIRECTION = np.array([0.62, -0.72, 0.30])  # from the robot to the camera
+CAMERA_DISTANCE = 1.9  # in reaches of the robot
+FIELD_OF_VIEW = np.pi / 5  # rad, as a lens of about 60 mm sees
+LAST_PORT = 65535
+
+
+class Visualizer:
+    """Shows a robot in a browser page.
+
+    Args:
+        robot: The robot.
+        host: Network address to serve at; '0.0.0.0' serves the whole network.
+        port: First port to try; a busy port gives way to the next free one, 0 lets the system choose.
+        tool: Pose of the tool centre point in tool0; identity: tool0 itself.
+        title: The page's title; the robot's name by default.
+
+    Raises:
+        InvalidInputError: a host that this machine does not have, or a port outside 0..65535.
+    """
+
+    def __init__(
+        self,
+        robot: BaseRobotModel,
+        *,
+        host: str = '127.0.0.1',
+        port: int = 8080,
+        tool: Pose | None = None,
+        title: str | None = None,
+    ) -> None:
+        self._kinematics = DirectKinematics(robot, tool=tool)
+        self._robot = robot
+        self._host = host
+        self._reach = reach(robot)
+        first = free_port(host, port)
+        # The server has no option to say nothing.
+        with contextlib.redirect_stdout(io.StringIO()):
+            self._server = viser.ViserServer(host, first, label=title or robot.name, verbose=False)
+        self._show_surroundings()
+        self._frames = [
+            self._server.scene.add_frame(f'/robot/{name}', show_axes=False)
+            for name in ('base', *robot.axes_data.names)
+        ]
+        size = 0.04 * self._reach
+        for frame in self._frames:
+            frame.axes_length, frame.axes_radius, frame.origin_radius = size, 0.05 * size, 0.08 * size
+        self._tool_frame = self._server.scene.add_frame(
+            '/tool', axes_length=1.5 * size, axes_radius=0.06 * size, origin_radius=0.1 * size
+        )
+        self._trace = ToolTrace(self._server, '/tool_path')
+        self._add_shapes(robot.visualization.shapes)
+        self._collision = self._add_collision_shapes(robot.collision_model.shapes)
+        self._add_panel()
+        self.update(robot.home)
+
+    @property
+    def url(self) -> str:
+        """Address of the page."""
+        host = '127.0.0.1' if self._host in ('', '0.0.0.0') else self._host  # noqa: S104  # compared only
+        return f'http://{f"[{host}]" if ":" in host else host}:{self._server.get_port()}'
+
+    def update(self, q: Array) -> None:
+        """Show the robot at joint positions `q`, (n,) rad (m).
+
+        Raises:
+            InvalidInputError: `q` of another shape or not finite.
+        """
+        r, T = self._robot.kinematic_model.frame_axes(q)
+        tool = self._kinematics.forward(q)
+        with self._server.atomic():
+            for frame, position, orientation in zip(self._frames[1:], r, T, strict=True):
+                frame.position, frame.wxyz = position, _wxyz(orientation)
+            self._tool_frame.position, self._tool_frame.wxyz = tool.r, _wxyz(tool.T)
+            self._trace.add(tool.r)
+
+    def clear_trace(self) -> None:
+        """Forget the path that the tool went."""
+        self._trace.clear()
+
+    def close(self) -> None:
+        """End the page."""
+        with contextlib.redirect_stdout(io.StringIO()):
+            self._server.stop()
+
+    def _show_surroundings(self) -> None:
+        scene, size = self._server.scene, self._reach
+        scene.add_grid(
+            '/ground',
+            width=4.0 * size,
+            height=4.0 * size,
+            cell_size=0.1 if size < 2.0 else 0.25,
+            section_size=0.5 if size < 2.0 else 1.0,
+            cell_color=(224, 226, 228),
+            section_color=(196, 200, 204),
+            shadow_opacity=0.25,
+            plane_color=(246, 247, 248),
+            plane_opacity=1.0,
+            fade_distance=6.0 * size,
+            position=(0.0, 0.0, -0.001),
+        )
+        scene.world_axes.visible = True
+        scene.world_axes.axes_length, scene.world_axes.axes_radius = 0.12 * size, 0.003 * size
+        scene.configure_default_lights(enabled=True, cast_shadow=True)
+        target = np.array([0.16, 0.0, 0.36]) * size
+        camera = self._server.initial_camera
+        camera.look_at = target
+        camera.position = target + CAMERA_DISTANCE * size * CAMERA_DIRECTION / np.linalg.norm(
+            CAMERA_DIRECTION
+        )
+        camera.fov = FIELD_OF_VIEW
+
+    def _add_shapes(self, shapes: Sequence[Shape]) -> None:
+        for shape in shapes:
+            red, green, blue, opacity = shape.colour
+            mesh = trimesh.graph.smooth_shade(triangle_mesh(shape.geometry), angle=CREASE)
+            self._server.scene.add_mesh_simple(
+                f'{self._frames[shape.frame].name}/{shape.name}',
+                np.asarray(mesh.vertices, dtype=np.float32),
+                np.asarray(mesh.faces, dtype=np.uint32),
+                color=(round(255 * red), round(255 * green), round(255 * blue)),
+                opacity=None if opacity >= 1.0 else opacity,
+                position=shape.pose.r,
+                wxyz=_wxyz(shape.pose.T),
+            )
+
+    def _add_collision_shapes(self, shapes: Sequence[Shape]) -> list[viser.MeshHandle]:
+        handles = []
+        for shape in shapes:
+            mesh = triangle_mesh(shape.geometry)
+            handles.append(
+                self._server.scene.add_mesh_simple(
+                    f'{self._frames[shape.frame].name}/collision/{shape.name}',
+                    np.asarray(mesh.vertices, dtype=np.float32),
+                    np.asarray(mesh.faces, dtype=np.uint32),
+                    color=COLLISION_COLOUR,
+                    wireframe=True,
+                    cast_shadow=False,
+                    visible=False,
+                    position=shape.pose.r,
+                    wxyz=_wxyz(shape.pose.T),
+                )
+            )
+        return handles
+
+    def _add_panel(self) -> None:
+        gui = self._server.gui
+        gui.configure_theme(
+            control_layout='collapsible',
+            control_width='small',
+            show_logo=False,
+            show_share_button=False,
+            brand_color=BRAND,
+        )
+        tool, path = gui.add_checkbox('Tool frame', True), gui.add_checkbox('Tool path', True)
+        axes = gui.add_checkbox('Axis frames', False)
+        collision = gui.add_checkbox('Collision shapes', False)
+        clear = gui.add_button('Clear tool path')
+
+        def show(_: object) -> None:
+            self._tool_frame.visible = tool.value
+            self._trace.visible = path.value
+            for frame in self._frames:
+                frame.show_axes = axes.value
+            for handle in self._collision:
+                handle.visible = collision.value
+
+        for box in (tool, path, axes, collision):
+            box.on_update(show)
+        clear.on_click(lambda _: self.clear_trace())
+
+
+def reach(robot: BaseRobotModel) -> float:
+    """Length of the stretched robot, m: the distances from the base over all axes to tool0."""
+    r, _ = robot.kinematic_model.frame_axes(robot.home)
+    tool0, _ = robot.direct_kinematics(robot.home)
+    points = np.vstack([np.zeros(3), r, tool0])
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
+def free_port(host: str, port: int) -> int:
+    """The first port from `port` on that nobody serves at `host`; 0 lets the system choose.
+
+    Raises:
+        InvalidInputError: a host that this machine does not have, or a port outside 0..65535.
+    """
+    if not 0 <= port <= LAST_PORT:
+        raise InvalidInputError(f'port = {port} must be in [0, {LAST_PORT}]', port=port)
+    try:
+        family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
+        _bind(family, host, 0)
+    except OSError as error:
+        raise InvalidInputError(
+            f'cannot serve at host {host!r} ({error.strerror or error}); valid are 127.0.0.1 (this machine '
+            f'alone), 0.0.0.0 (the whole network) or an address of this machine',
+            host=host,
+        ) from error
+    for candidate in range(port, LAST_PORT + 1):
+        with contextlib.suppress(OSError):
+            return _bind(family, host, candidate)
+    raise InvalidInputError(f'no port from {port} to {LAST_PORT} is free at {host}', port=port)
+
+
+def _bind(family: int, host: str, port: int) -> int:
+    with socket.socket(family, socket.SOCK_STREAM) as trial:
+        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # as the server does
+        trial.bind((host, port))
+        return int(trial.getsockname()[1])
+
+
+def _wxyz(T: Array) -> Array:
+    return Rotation.from_matrix(T).as_quat(scalar_first=True)

@@ -1,0 +1,86 @@
+"""direct_kinematics_node: joint positions in, pose of the tool out."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+from geometry_msgs.msg import PoseStamped
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+
+from robots_core.blocks.direct_kinematics import DirectKinematics
+from robots_core.errors import RobotsError
+from robots_core.nodes.messages import joint_values, pose_stamped_message
+from robots_core.nodes.polled_subscription import PolledSubscription
+from robots_core.nodes.qos import STATE, STREAM
+from robots_core.nodes.robot_node import RobotNode, bounded
+from robots_core.nodes.run import run
+from robots_core.pose import Pose
+from robots_core.validation import finite_vector
+
+MAX_RATE = 1000.0  # Hz
+NO_TOOL = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+
+
+class DirectKinematicsNode(RobotNode):
+    """Publishes `tcp_pose` for the newest `joint_states`, at most `rate` times a second.
+
+    Parameters:
+        tool: Pose of the tool centre point in tool0: x, y, z in metres, then quaternion x, y, z, w.
+        rate: Highest publishing rate, Hz.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('direct_kinematics_node', **options)
+        tool = self.parameter(
+            'tool', NO_TOOL, 'tool in tool0: x y z (m), quaternion x y z w', check=pose_from_parameter
+        )
+        rate = self.parameter(
+            'rate', 50.0, 'highest publishing rate, Hz', check=bounded(0.1, MAX_RATE, 'Hz'), read_only=True
+        )
+        self._kinematics = DirectKinematics(self.robot, tool=pose_from_parameter(tool))
+        self._publisher = self.create_publisher(PoseStamped, 'tcp_pose', STATE)
+        self._joint_states: PolledSubscription[JointState] = PolledSubscription(
+            self, JointState, 'joint_states', STREAM
+        )
+        self.create_timer(1.0 / rate, self._publish)
+        self.add_post_set_parameters_callback(self._use_parameters)
+        self.ready()
+
+    def _publish(self) -> None:
+        message = self._joint_states.take()
+        if message is None:
+            return
+        try:
+            q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
+            pose = self._kinematics.forward(q)
+        except RobotsError as error:
+            self.refuse('joint_states', error)
+            return
+        self._publisher.publish(pose_stamped_message(message.header.stamp, pose))
+        self.ready()
+
+    def _use_parameters(self, parameters: list[Parameter]) -> None:
+        for parameter in parameters:
+            if parameter.name == 'tool':
+                self._kinematics = DirectKinematics(self.robot, tool=pose_from_parameter(parameter.value))
+
+
+def pose_from_parameter(values: Any) -> Pose:
+    """A pose from seven numbers: x, y, z in metres, then quaternion x, y, z, w.
+
+    Raises:
+        InvalidInputError: not seven finite numbers, or a quaternion of zero length.
+    """
+    numbers = finite_vector(values, 7, 'x y z and quaternion x y z w')
+    return Pose.from_quaternion(numbers[:3], numbers[3:])
+
+
+def main() -> None:
+    """Start the node."""
+    sys.exit(run(DirectKinematicsNode))
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,102 @@
+"""visualizer_node: the robot moves in a browser page; its description and frames go out."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from typing import Any
+
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from robots_core.blocks.visualizer import Visualizer
+from robots_core.errors import RobotsError
+from robots_core.nodes.messages import joint_values
+from robots_core.nodes.polled_subscription import PolledSubscription
+from robots_core.nodes.qos import COMMAND, STATE, STREAM
+from robots_core.nodes.robot_node import RobotNode, bounded
+from robots_core.nodes.run import run
+from robots_core.nodes.transforms import LinkTransforms
+
+MAX_RATE = 100.0  # Hz
+
+
+class VisualizerNode(RobotNode):
+    """Shows `joint_states` in a browser page and publishes `robot_description`, latched.
+
+    Where tf2_msgs is installed, the links' transforms are published on /tf too.
+
+    Parameters:
+        host: Network address of the page; '0.0.0.0' for the whole network.
+        port: First port to try; 0 lets the system choose.
+        rate: Highest rate of the page's updates, Hz.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('visualizer_node', **options)
+        host = self.parameter(
+            'host', '127.0.0.1', "the page's network address; 0.0.0.0 for the whole network", read_only=True
+        )
+        port = self.parameter('port', 8080, 'first port to try; 0 lets the system choose', read_only=True)
+        rate = self.parameter(
+            'rate',
+            30.0,
+            "highest rate of the page's updates, Hz",
+            check=bounded(0.1, MAX_RATE, 'Hz'),
+            read_only=True,
+        )
+        self._visualizer = Visualizer(self.robot, host=host, port=port)
+        self._transforms = self._make_transforms()
+        self._description = self.create_publisher(String, 'robot_description', STATE)
+        self._description.publish(String(data=self.robot.description))
+        self._joint_states: PolledSubscription[JointState] = PolledSubscription(
+            self, JointState, 'joint_states', STREAM
+        )
+        # The page is for people: it keeps wall-clock time even where the suite runs on simulated time.
+        self.create_timer(1.0 / rate, self._update, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.get_logger().info(f'the robot is at {self.url}')  # type: ignore[no-untyped-call]
+        self.ready(url=self.url)
+
+    @property
+    def url(self) -> str:
+        """Address of the page."""
+        return self._visualizer.url
+
+    def _make_transforms(self) -> LinkTransforms | None:
+        try:
+            self._tf_message = import_module('tf2_msgs.msg').TFMessage
+        except ImportError:
+            return None
+        self._tf = self.create_publisher(self._tf_message, '/tf', COMMAND)
+        namespace = self.get_namespace().strip('/')
+        return LinkTransforms(self.robot, prefix=f'{namespace}/' if namespace else '')
+
+    def _update(self) -> None:
+        message = self._joint_states.take()
+        if message is None:
+            return
+        try:
+            q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
+            self._visualizer.update(q)
+        except RobotsError as error:
+            self.refuse('joint_states', error)
+            return
+        if self._transforms is not None:
+            self._tf.publish(self._tf_message(transforms=self._transforms.messages(message.header.stamp, q)))
+        self.ready(url=self.url)
+
+    def destroy_node(self) -> None:
+        """End the page with the node."""
+        self._visualizer.close()
+        super().destroy_node()  # type: ignore[no-untyped-call]
+
+
+def main() -> None:
+    """Start the node."""
+    sys.exit(run(VisualizerNode))
+
+
+if __name__ == '__main__':
+    main()
