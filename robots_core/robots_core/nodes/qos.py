@@ -1,8 +1,11 @@
 """Quality of service: one profile per kind of topic."""
 
-from typing import Final
+from collections.abc import Callable
+from typing import Any, Final
 
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 
 STATE: Final = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
@@ -27,3 +30,24 @@ COMMAND: Final = QoSProfile(
     durability=DurabilityPolicy.VOLATILE,
 )
 """Commands and results: all of them, and none from before."""
+
+PLANNER_ALIVE: Final = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+    liveliness=LivelinessPolicy.AUTOMATIC,
+    liveliness_lease_duration=Duration(seconds=0.5),
+)
+"""`finished`: the middleware tells the controller within half a second that its planner is gone."""
+
+
+def subscribe_state(node: Node, message_type: Any, topic: str, callback: Callable[[Any], None]) -> None:
+    """Subscribe to a state topic whoever publishes it.
+
+    A latched value only reaches a transient-local subscriber, and such a subscriber does not match a
+    publisher that latches nothing (most PLC bridges). So there are two; the callback may see a message
+    twice and must not mind.
+    """
+    for qos in (STREAM, STATE):
+        node.create_subscription(message_type, topic, callback, qos)

@@ -112,6 +112,14 @@ class RobotNode(Node):
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
 
+    def thread_failed(self, error: BaseException) -> None:
+        """Report that a thread of this node ended by itself, and end the node."""
+        if not self.context.ok():  # shut down from outside: the thread only noticed it first
+            return
+        self.get_logger().fatal(f'internal error: {error!r}')  # type: ignore[no-untyped-call]
+        self.report_health(DiagnosticStatus.ERROR, f'internal error: {error!r}')
+        self.context.try_shutdown()
+
     def refuse(self, topic: str, error: RobotsError) -> None:
         """Log and report bad input on a topic; the node goes on."""
         self.get_logger().error(f'{topic}: {error}')  # type: ignore[no-untyped-call]

@@ -1,0 +1,338 @@
+"""Controller: follows trajectories on time, on the path, inside the limits."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+
+from robots_controller.brake import Brake
+from robots_controller.followed_motion import FollowedMotion
+from robots_controller.interpolator import Interpolator
+from robots_controller.limit_guard import LimitGuard
+from robots_controller.path_speed import PathSpeed
+from robots_core.errors import TrajectoryRefusedError
+from robots_core.robot_model.axes_data import AxesData
+from robots_core.validation import Array, fraction, positive
+from robots_planning.trajectory import Trajectory
+
+# A planned start may differ from the reference by the rounding of its way through a message and by what
+# the smoothing still levels out; a larger step would be a jump of the robot.
+START_TOLERANCE = 1e-6  # rad, m
+
+
+class ControllerState(StrEnum):
+    """What the controller does."""
+
+    WAITING = 'waiting for feedback'
+    HOLDING = 'holding'
+    FOLLOWING = 'following'
+    SETTLING = 'settling'
+    BRAKING = 'braking'
+
+
+@dataclass(frozen=True, kw_only=True)
+class ControllerSettings:
+    """How the controller works.
+
+    Attributes:
+        period: Time between two references, s.
+        smoothing_time: Window of the moving average, s; 0 switches it off.
+        ramp_time: Shortest time from standstill to full path speed after pause or override, s.
+        feedback_timeout: Feedback older than this is lost, s.
+        goal_tolerance: The robot stands at its target when every axis is this close, rad (m).
+        settling_time: Longest time from the end of the reference until it stands there, s.
+        following_error: Largest distance of an axis to its reference, rad (m).
+
+    Raises:
+        InvalidInputError: a value that is not a positive, finite number.
+    """
+
+    period: float = 0.004
+    smoothing_time: float = 0.02
+    ramp_time: float = 0.2
+    feedback_timeout: float = 0.1
+    goal_tolerance: float = 1e-5
+    settling_time: float = 3.0
+    following_error: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ('period', 'ramp_time', 'feedback_timeout', 'goal_tolerance', 'settling_time'):
+            positive(getattr(self, name), name)
+        positive(self.following_error, 'following_error')
+        if self.smoothing_time != 0.0:
+            positive(self.smoothing_time, 'smoothing_time', 's')
+
+
+@dataclass(frozen=True)
+class MotionOutcome:
+    """How a motion ended.
+
+    Attributes:
+        id: The id given to `Controller.follow`.
+        ok: The robot stands at the target.
+        message: 'reached', or why not.
+        details: duration (s), progress (0..1) and what else is known.
+    """
+
+    id: str
+    ok: bool
+    message: str
+    details: dict[str, str | float] = field(default_factory=dict)
+
+
+class Controller:
+    """The robot controller's loop body: sampling, override, smoothing, guard.
+
+    Knows no clock and no thread: `step` is handed the time and is called once per period by one thread,
+    which also makes all other calls.
+
+    Args:
+        axes: The robot's limits.
+        settings: See `ControllerSettings`.
+    """
+
+    def __init__(self, axes: AxesData, settings: ControllerSettings | None = None) -> None:
+        self.settings = settings or ControllerSettings()
+        self.outcomes: deque[MotionOutcome] = deque()
+        """Ends of motions, oldest first; the caller takes them out."""
+        self.override = 1.0
+        self.paused = False
+        self._axes = axes
+        period = self.settings.period
+        self._interpolator = Interpolator(axes.num_axes, max(1, round(self.settings.smoothing_time / period)))
+        self._path_speed = PathSpeed(axes.acceleration, period=period, ramp_time=self.settings.ramp_time)
+        self._guard = LimitGuard(axes, period=period)
+        self._reference: Array | None = None
+        self._sample = np.zeros((3, axes.num_axes))
+        self._unchanged = 0
+        self._motion: FollowedMotion | None = None
+        self._brake: Brake | None = None
+        self._feedback: Array | None = None
+        self._feedback_time = -np.inf
+        self._feedback_lost = True
+
+    @property
+    def state(self) -> ControllerState:
+        """What the controller does now."""
+        if self._reference is None:
+            return ControllerState.WAITING
+        if self._brake is not None:
+            return ControllerState.BRAKING
+        if self._motion is None:
+            return ControllerState.HOLDING
+        if self._motion.settling_since is not None:
+            return ControllerState.SETTLING
+        return ControllerState.FOLLOWING
+
+    @property
+    def feedback_lost(self) -> bool:
+        """No feedback within `feedback_timeout`."""
+        return self._feedback_lost
+
+    @property
+    def progress(self) -> float:
+        """Done part of the current path, 0..1; 1 when none is followed."""
+        return 1.0 if self._motion is None else self._motion.progress
+
+    @property
+    def reference(self) -> Array | None:
+        """Last reference, (3, n): position, velocity, acceleration; None before the first feedback."""
+        return self._reference
+
+    def set_override(self, override: float) -> None:
+        """Scale the path speed.
+
+        Raises:
+            InvalidInputError: outside [0, 1] or not finite; the override stays as it was.
+        """
+        self.override = fraction(override, 'override')
+
+    def follow(self, trajectory: Trajectory, id_: str, now: float) -> None:
+        """Start a trajectory.
+
+        Args:
+            trajectory: Starts at the current reference, at rest.
+            id_: Comes back in the outcome.
+            now: Time, s.
+
+        Raises:
+            TrajectoryRefusedError: it does not start where the reference stands, a motion is still
+                running, there is no feedback, or another number of axes.
+        """
+        if self._reference is None or self._feedback_lost:
+            raise TrajectoryRefusedError('no feedback from the robot: is its drive publishing joint_states?')
+        if trajectory.num_axes != self._axes.num_axes:
+            raise TrajectoryRefusedError(
+                f'the trajectory has {trajectory.num_axes} axes, the robot has {self._axes.num_axes}'
+            )
+        if self.state in (ControllerState.FOLLOWING, ControllerState.BRAKING):
+            raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
+        offset = trajectory.position[0] - self._reference[0]
+        worst = int(np.abs(offset).argmax())
+        if abs(offset[worst]) > START_TOLERANCE:
+            raise TrajectoryRefusedError(
+                f'the trajectory starts {offset[worst]:+.6g} {self._axes.unit(worst)} from where '
+                f'{self._axes.names[worst]} stands; plan from the current joint_reference',
+                joint=self._axes.names[worst],
+            )
+        if self._motion is not None:
+            self._finish(self._motion, now, 'replaced by a new trajectory while settling', ok=False)
+        self._path_speed.reset(self._target_speed())
+        self._motion = FollowedMotion(trajectory, id_, now)
+
+    def stop(self, reason: str) -> None:
+        """Stop on the path and give up the motion; without one, nothing happens."""
+        if self._motion is not None and self._motion.failure is None:
+            self._motion.failure = reason
+
+    def step(self, now: float, feedback: Array | None) -> Array | None:
+        """One period: returns the next reference.
+
+        Args:
+            now: Time, s.
+            feedback: Newest joint positions, (n,), or None if none came since the last call.
+
+        Returns:
+            (3, n): position, velocity, acceleration; None before the first feedback.
+        """
+        self._take_feedback(now, feedback)
+        if self._reference is None:
+            return None
+        if self._brake is not None:
+            self._step_brake(now)
+        elif self._motion is not None:
+            self._step_motion(self._motion, now)
+        return self._reference
+
+    def _take_feedback(self, now: float, feedback: Array | None) -> None:
+        if feedback is not None:
+            self._feedback, self._feedback_time, self._feedback_lost = feedback, now, False
+            if self._reference is None:
+                self._stand_at(feedback)
+        elif not self._feedback_lost and now - self._feedback_time > self.settings.feedback_timeout:
+            self._feedback_lost = True
+            self.stop(f'no feedback for {self.settings.feedback_timeout:g} s: is the drive still running?')
+
+    def _stand_at(self, position: Array) -> None:
+        self._sample = np.zeros((3, self._axes.num_axes))
+        self._sample[0] = position
+        self._reference = self._sample.copy()
+        self._interpolator.reset(position)
+        self._guard.reset(position)
+
+    def _target_speed(self) -> float:
+        return 0.0 if self.paused else self.override
+
+    def _step_motion(self, motion: FollowedMotion, now: float) -> None:
+        stopping = motion.failure is not None
+        if motion.settling_since is not None:
+            self._settle(motion, now)
+            return
+        moved = self._advance(motion, 0.0 if stopping else self._target_speed())
+        if not self._put_out(self._sample):
+            self._step_brake(now)
+            return
+        self._unchanged = 0 if moved else self._unchanged + 1
+        if self._unchanged < self._interpolator.window:
+            if not stopping:
+                self._check_following(motion)
+            return
+        if motion.failure is not None:
+            self._finish(motion, now, motion.failure, ok=False)
+        elif motion.path_time >= motion.trajectory.duration:
+            motion.settling_since = now
+            self._settle(motion, now)
+
+    def _advance(self, motion: FollowedMotion, target: float) -> bool:
+        """Move along the path for one period; False when the reference stands."""
+        law = self._path_speed
+        before, speed_before = motion.path_time, law.speed
+        motion.path_time = law.step(target, before, motion.position)
+        if motion.path_time == before or before >= motion.trajectory.duration:
+            self._sample[1:] = 0.0
+            return False
+        path = motion.sample(motion.path_time)
+        speed = law.speed
+        self._sample[0] = path[0]
+        self._sample[1] = path[1] * speed
+        self._sample[2] = path[2] * speed**2
+        if speed != speed_before:
+            # The derivative at this instant may lie past its mean over the period; only that mean moves
+            # the robot, and the path speed keeps it inside the limits.
+            limit = self._axes.acceleration
+            change = path[1] * ((speed - speed_before) / self.settings.period)
+            self._sample[2] = np.clip(self._sample[2] + change, -limit, limit)
+        return True
+
+    def _put_out(self, sample: Array) -> bool:
+        reference = self._interpolator.push(sample)
+        broken = self._guard.check(reference)
+        if broken is None:
+            self._reference = reference
+            return True
+        reason = f'reference refused by the limit guard: {broken}'
+        assert self._reference is not None
+        self._brake = Brake(self._axes, self._reference, self.settings.period, reason)
+        return False
+
+    def _check_following(self, motion: FollowedMotion) -> None:
+        if self._feedback is None or self._reference is None:
+            return
+        error = np.abs(self._feedback - self._reference[0])
+        if error.max() > self.settings.following_error:
+            worst = int(error.argmax())
+            motion.failure = (
+                f'{self._axes.names[worst]} is {error[worst]:.4g} {self._axes.unit(worst)} behind its '
+                f'reference, allowed is {self.settings.following_error:g}: does the drive follow?'
+            )
+
+    def _settle(self, motion: FollowedMotion, now: float) -> None:
+        assert motion.settling_since is not None
+        assert self._feedback is not None
+        target = motion.trajectory.position[-1]
+        error = np.abs(self._feedback - target)
+        fresh = self._feedback_time >= motion.settling_since
+        if motion.failure is not None:
+            self._finish(motion, now, motion.failure, ok=False)
+        elif fresh and error.max() <= self.settings.goal_tolerance:
+            self._finish(motion, now, 'reached', ok=True)
+        elif now - motion.settling_since > self.settings.settling_time:
+            worst = int(error.argmax())
+            self._finish(
+                motion,
+                now,
+                f'{self._axes.names[worst]} stands {error[worst]:.3g} {self._axes.unit(worst)} from its '
+                f'target after {self.settings.settling_time:g} s, '
+                f'allowed is {self.settings.goal_tolerance:g}',
+                ok=False,
+            )
+
+    def _step_brake(self, now: float) -> None:
+        brake = self._brake
+        assert brake is not None
+        self._reference, standing = brake.step()
+        if not standing:
+            return
+        self._brake = None
+        self._stand_at(self._reference[0])
+        if self._motion is not None:
+            self._finish(self._motion, now, brake.reason, ok=False)
+
+    def _finish(self, motion: FollowedMotion, now: float, message: str, *, ok: bool) -> None:
+        self._motion = None
+        self._unchanged = 0
+        self.outcomes.append(
+            MotionOutcome(
+                motion.id,
+                ok,
+                message,
+                {
+                    'duration': round(now - motion.start, 6),
+                    'planned_duration': round(motion.trajectory.duration, 6),
+                    'progress': round(motion.progress, 6),
+                },
+            )
+        )

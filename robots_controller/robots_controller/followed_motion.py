@@ -1,0 +1,58 @@
+"""FollowedMotion: a trajectory on its way through the controller."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+
+import numpy as np
+
+from robots_core.validation import Array
+from robots_planning.trajectory import Trajectory
+
+
+class FollowedMotion:
+    """A trajectory, how far it is followed, and what came in between.
+
+    Args:
+        trajectory: The path and its planned timing.
+        id_: The command that asked for it.
+        now: Time of the start, s.
+    """
+
+    def __init__(self, trajectory: Trajectory, id_: str, now: float) -> None:
+        self.trajectory = trajectory
+        self.id = id_
+        self.start = now
+        self.path_time = 0.0
+        self.failure: str | None = None
+        self.settling_since: float | None = None
+        self._times: list[float] = trajectory.time.tolist()
+
+    @property
+    def progress(self) -> float:
+        """Done part of the path time, 0..1."""
+        return min(1.0, self.path_time / self.trajectory.duration)
+
+    def position(self, s: float) -> Array:
+        """Joint positions at path time `s`, (n,); standing before the start and after the end."""
+        c, x = self._locate(s)
+        return np.asarray(c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5])))))
+
+    def sample(self, s: float) -> Array:
+        """Position and its first and second derivative by path time, (3, n)."""
+        c, x = self._locate(s)
+        x2, x3, x4 = x * x, x**3, x**4
+        basis = np.array(
+            [
+                [1.0, x, x2, x3, x4, x4 * x],
+                [0.0, 1.0, 2.0 * x, 3.0 * x2, 4.0 * x3, 5.0 * x4],
+                [0.0, 0.0, 2.0, 6.0 * x, 12.0 * x2, 20.0 * x3],
+            ]
+        )
+        return np.asarray(basis @ c)
+
+    def _locate(self, s: float) -> tuple[Array, float]:
+        """Polynomial of the interval that holds `s` and the time since its start."""
+        s = min(max(s, 0.0), self._times[-1])
+        segment = min(bisect_right(self._times, s), len(self._times) - 1) - 1
+        return self.trajectory.coefficients[segment], s - self._times[segment]

@@ -1,0 +1,52 @@
+"""Interpolator: the moving average that makes a smooth reference of the sampled trajectory."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robots_core.errors import InvalidInputError
+from robots_core.validation import Array
+
+
+class Interpolator:
+    """Moving average over the last samples of position, velocity and acceleration.
+
+    The mean of samples inside the limits is inside the limits, the derivatives of the mean are the means
+    of the derivatives, and a step in acceleration becomes a ramp: smoother, never faster. The reference
+    lags by half the window.
+
+    Args:
+        num_axes: n.
+        window: Number of samples averaged; 1 passes every sample through.
+
+    Raises:
+        InvalidInputError: a window below 1.
+    """
+
+    def __init__(self, num_axes: int, window: int) -> None:
+        if window < 1:
+            raise InvalidInputError(f'the interpolator window is {window} samples, at least 1 is valid')
+        self.window = window
+        self._samples = np.zeros((window, 3 * num_axes))
+        self._weights = np.full(window, 1.0 / window)
+        self._next = 0
+
+    def reset(self, position: Array) -> None:
+        """Stand still at `position` (n,)."""
+        self._samples[:] = 0.0
+        self._samples[:, : position.size] = position
+
+    def push(self, sample: Array) -> Array:
+        """Take a sample and return the smoothed one.
+
+        Args:
+            sample: (3, n): position, velocity, acceleration.
+
+        Returns:
+            (3, n), a new array.
+        """
+        self._samples[self._next] = sample.ravel()
+        self._next = (self._next + 1) % self.window
+        # Averaging differences to one sample keeps the last digits of large joint values.
+        base = self._samples[0]
+        return np.asarray(base + self._weights @ (self._samples - base)).reshape(sample.shape)

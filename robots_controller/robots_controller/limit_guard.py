@@ -1,0 +1,73 @@
+"""LimitGuard: the last check before a reference leaves the controller."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robots_core.robot_model.axes_data import AxesData
+from robots_core.validation import Array, positive
+
+# Second differences of float64 positions of a few rad over (1 ms)^2 are off by about 1e-9 rad/s^2.
+RELATIVE_TOLERANCE = 1e-6
+
+
+class LimitGuard:
+    """Checks every reference against position, velocity and acceleration limits.
+
+    Velocity and acceleration are checked twice: as the reference states them, and as the difference to
+    the references before, which is what a drive sees.
+
+    Args:
+        axes: The limits.
+        period: Time between two references, s.
+    """
+
+    def __init__(self, axes: AxesData, *, period: float) -> None:
+        self._axes = axes
+        self._period = positive(period, 'period', 's')
+        n = axes.num_axes
+        rates = np.concatenate([axes.velocity, axes.acceleration]) * (1.0 + RELATIVE_TOLERANCE)
+        self._high = np.concatenate([axes.upper + RELATIVE_TOLERANCE, rates, rates])
+        self._low = np.concatenate([axes.lower - RELATIVE_TOLERANCE, -rates, -rates])
+        self._values = np.zeros(5 * n)
+        self._last_position = np.zeros(n)
+        self._last_velocity = np.zeros(n)
+
+    def reset(self, position: Array) -> None:
+        """Stand still at `position` (n,)."""
+        self._last_position = position.copy()
+        self._last_velocity = np.zeros_like(position)
+
+    def check(self, reference: Array) -> str | None:
+        """Check the next reference.
+
+        Args:
+            reference: (3, n): position, velocity, acceleration.
+
+        Returns:
+            None, or the limit that it breaks, for a person. Only a reference that passes becomes the
+            one before of the next check.
+        """
+        n = self._axes.num_axes
+        velocity = (reference[0] - self._last_position) / self._period
+        values = self._values
+        values[: 3 * n] = reference.ravel()
+        values[3 * n : 4 * n] = velocity
+        values[4 * n :] = (velocity - self._last_velocity) / self._period
+        # NaN compares false both ways, so that it does not pass.
+        inside = (values <= self._high) & (values >= self._low)
+        if not inside.all():
+            return self._describe(int(np.flatnonzero(~inside)[0]))
+        self._last_position = reference[0].copy()
+        self._last_velocity = velocity
+        return None
+
+    def _describe(self, index: int) -> str:
+        n = self._axes.num_axes
+        axis = index % n
+        quantity = ('position', 'velocity', 'acceleration', 'velocity', 'acceleration')[index // n]
+        return (
+            f'{quantity} of {self._axes.names[axis]} is {self._values[index]:.6g}, '
+            f'allowed is [{self._low[index]:.6g}, {self._high[index]:.6g}] '
+            f'(unit: {self._axes.unit(axis)}, s)'
+        )

@@ -1,0 +1,235 @@
+"""controller_node: the real-time loop around the `Controller` block."""
+
+from __future__ import annotations
+
+import gc
+import sys
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.duration import Duration
+from rclpy.event_handler import SubscriptionEventCallbacks
+from robots_planning.verification import verify
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from robots_controller.controller import Controller, ControllerSettings, ControllerState, MotionOutcome
+from robots_controller.nodes.trajectory_messages import trajectory_from_message
+from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.nodes.messages import MotionResult, doubles, joint_values, stamp_id
+from robots_core.nodes.polled_subscription import PolledSubscription
+from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STATE, STREAM, subscribe_state
+from robots_core.nodes.robot_node import RobotNode
+from robots_core.nodes.run import run
+from robots_core.periodic_thread import PeriodicThread
+from robots_core.validation import Array, fraction
+from robots_planning.trajectory import Trajectory
+
+PROGRESS_RATE = 25.0  # Hz
+# A callback may hold the interpreter for this long before the loop gets its turn.
+SWITCH_INTERVAL = 1e-4  # s
+
+
+class ControllerNode(RobotNode):
+    """Follows `joint_trajectory` and publishes `joint_reference` on absolute deadlines.
+
+    The loop has its own thread. Callbacks validate what comes in and put it into a mailbox that the loop
+    empties once per period.
+    """
+
+    def __init__(self) -> None:
+        super().__init__('controller_node')
+        rate = self.parameter(
+            'rate', 250.0, 'references per second, Hz', bounds=(10.0, 2000.0), read_only=True
+        )
+        default = ControllerSettings()
+        options = {
+            name: self.parameter(name, getattr(default, name), text, read_only=True)
+            for name, text in (
+                ('smoothing_time', 'window of the moving average, s; 0 switches it off'),
+                ('ramp_time', 'shortest time from standstill to full path speed after a pause, s'),
+                ('feedback_timeout', 'joint_states older than this are lost, s'),
+                ('goal_tolerance', 'the robot stands at its target when every axis is this close, rad'),
+                ('settling_time', 'longest time from the end of the reference until it stands there, s'),
+                ('following_error', 'largest distance of an axis to its reference, rad'),
+            )
+        }
+        self._controller = Controller(self.robot.axes_data, ControllerSettings(period=1.0 / rate, **options))
+        self._names = list(self.robot.axes_data.names)
+        self._mailbox: deque[Callable[[float], None]] = deque()
+        self._planner_seen = False
+        self._progress_every = max(1, round(rate / PROGRESS_RATE))
+        self._cycle = 0
+        self._last_progress = -1.0
+
+        self._message = JointTrajectory(joint_names=self._names, points=[JointTrajectoryPoint()])
+        self._message.points[0].time_from_start = Duration(seconds=1.0 / rate).to_msg()
+        self._reference_publisher = self.create_publisher(JointTrajectory, 'joint_reference', STATE)
+        self._progress_publisher = self.create_publisher(Float64, 'motion_progress', STATE)
+        self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
+        self._feedback: PolledSubscription[JointState] = PolledSubscription(
+            self, JointState, 'joint_states', STREAM
+        )
+        self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND)
+        subscribe_state(self, Float64, 'override', self._on_override)
+        self.create_subscription(
+            Bool,
+            'finished',
+            lambda _: None,
+            PLANNER_ALIVE,
+            event_callbacks=SubscriptionEventCallbacks(liveliness=self._on_planner_liveliness),
+        )
+        for name, handler in (('pause', self._pause), ('resume', self._resume), ('stop', self._stop)):
+            self.create_service(Trigger, f'~/{name}', handler)
+        self.create_timer(0.1, self._report)
+
+        sys.setswitchinterval(SWITCH_INTERVAL)
+        gc.freeze()
+        self._thread = PeriodicThread(
+            self._step, period=1.0 / rate, name='controller', on_error=self.thread_failed
+        )
+        self._thread.start()
+
+    # -- the loop's thread ---------------------------------------------------------------------------
+
+    def _step(self, now: float) -> None:
+        controller, mailbox = self._controller, self._mailbox
+        while mailbox:
+            mailbox.popleft()(now)
+        reference = controller.step(now, self._take_feedback())
+        if reference is not None:
+            self._publish_reference(reference)
+        while controller.outcomes:
+            self._publish_result(controller.outcomes.popleft())
+        self._publish_progress()
+
+    def _take_feedback(self) -> Array | None:
+        message = self._feedback.take()
+        if message is None:
+            return None
+        try:
+            return joint_values(message.name, message.position, self._names, 'joint_states')
+        except InvalidInputError as error:
+            self.refuse('joint_states', error)
+            return None
+
+    def _publish_reference(self, reference: Array) -> None:
+        message = self._message
+        message.header.stamp = self.get_clock().now().to_msg()
+        point = message.points[0]
+        point.positions = doubles(reference[0])
+        point.velocities = doubles(reference[1])
+        point.accelerations = doubles(reference[2])
+        self._reference_publisher.publish(message)
+
+    def _publish_result(self, outcome: MotionOutcome) -> None:
+        details = {key: str(value) for key, value in outcome.details.items()}
+        result = MotionResult(outcome.id, outcome.ok, outcome.message, details)
+        self._result_publisher.publish(result.to_message(self.robot_name))
+        if not outcome.ok:
+            self.get_logger().warning(f'motion stopped: {outcome.message}')  # type: ignore[no-untyped-call]
+
+    def _publish_progress(self) -> None:
+        self._cycle += 1
+        progress = self._controller.progress
+        ends = progress in (0.0, 1.0)
+        if progress != self._last_progress and (ends or self._cycle % self._progress_every == 0):
+            self._last_progress = progress
+            self._progress_publisher.publish(Float64(data=progress))
+
+    def _follow(self, trajectory: Trajectory, id_: str, now: float) -> None:
+        try:
+            self._controller.follow(trajectory, id_, now)
+        except RobotsError as error:
+            self._refuse_motion(id_, error)
+
+    # -- the executor's thread -----------------------------------------------------------------------
+
+    def _on_trajectory(self, message: JointTrajectory) -> None:
+        if not message.points:  # as in ros2_control: an empty trajectory stops
+            self._mailbox.append(lambda _: self._controller.stop('stopped by an empty joint_trajectory'))
+            return
+        id_ = stamp_id(message.header.stamp)
+        try:
+            trajectory = trajectory_from_message(message, self._names)
+            report = verify(trajectory, self.robot, torque=False)
+            if not report.ok:
+                raise InvalidInputError(f'joint_trajectory breaks a limit: {report.describe()}')
+        except RobotsError as error:
+            self._refuse_motion(id_, error)
+            return
+        self._mailbox.append(partial(self._follow, trajectory, id_))
+
+    def _refuse_motion(self, id_: str, error: RobotsError) -> None:
+        details = {key: str(value) for key, value in error.details.items()}
+        self._result_publisher.publish(
+            MotionResult(id_, ok=False, message=error.message, details=details).to_message(self.robot_name)
+        )
+        self.get_logger().error(f'joint_trajectory: {error}')  # type: ignore[no-untyped-call]
+
+    def _on_override(self, message: Float64) -> None:
+        try:
+            override = fraction(message.data, 'override')
+        except InvalidInputError as error:
+            self.refuse('override', error)
+            return
+        self._mailbox.append(lambda _: self._controller.set_override(override))
+
+    def _on_planner_liveliness(self, event: object) -> None:
+        alive = getattr(event, 'alive_count', 0) > 0
+        if self._planner_seen and not alive:
+            self._mailbox.append(
+                lambda _: self._controller.stop('planning_node is gone: is it still running?')
+            )
+        self._planner_seen = alive
+
+    def _set_paused(self, paused: bool, _now: float) -> None:  # noqa: FBT001
+        self._controller.paused = paused
+
+    def _pause(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._mailbox.append(partial(self._set_paused, True))
+        response.success, response.message = True, 'stopping on the path'
+        return response
+
+    def _resume(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._mailbox.append(partial(self._set_paused, False))
+        response.success, response.message = True, 'moving on'
+        return response
+
+    def _stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._mailbox.append(partial(self._stop_motion, 'stopped by ~/stop'))
+        response.success, response.message = True, 'stopping on the path, the motion is given up'
+        return response
+
+    def _stop_motion(self, reason: str, _now: float) -> None:
+        self._controller.stop(reason)
+        self._controller.paused = False
+
+    def _report(self) -> None:
+        controller = self._controller
+        values: dict[str, Any] = {'state': controller.state.value, 'missed_deadlines': self._thread.missed}
+        if controller.state is ControllerState.WAITING:
+            self.report_health(DiagnosticStatus.WARN, 'waiting for joint_states', **values)
+        elif controller.feedback_lost:
+            self.report_health(DiagnosticStatus.ERROR, 'joint_states are lost', **values)
+        else:
+            self.ready(**values)
+
+    def destroy_node(self) -> None:
+        """End the loop before what it uses."""
+        self._thread.stop()
+        super().destroy_node()  # type: ignore[no-untyped-call]
+
+
+def main() -> None:
+    """Start the node."""
+    sys.exit(run(ControllerNode))
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,37 @@
+"""trajectory_msgs/JointTrajectory as a Trajectory."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_core.errors import InvalidInputError
+from robots_core.nodes.messages import joint_indices
+from robots_planning.trajectory import Trajectory
+
+
+def trajectory_from_message(message: JointTrajectory, names: Sequence[str]) -> Trajectory:
+    """The trajectory of a message, joints matched by name.
+
+    Raises:
+        InvalidInputError: missing joints, points without velocity or acceleration, or values that make
+            no trajectory.
+    """
+    indices = joint_indices(message.joint_names, names, 'joint_trajectory')
+    rows: dict[str, list[Sequence[float]]] = {'positions': [], 'velocities': [], 'accelerations': []}
+    count = len(message.joint_names)
+    for number, point in enumerate(message.points, 1):
+        for field, values in rows.items():
+            row = getattr(point, field)
+            if len(row) != count:
+                raise InvalidInputError(
+                    f'joint_trajectory point {number} has {len(row)} {field} for {count} joints'
+                )
+            values.append(row)
+    position, velocity, acceleration = (
+        np.array(rows[field], dtype=np.float64).reshape(-1, count)[:, indices] for field in rows
+    )
+    time = [p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points]
+    return Trajectory(np.array(time), position, velocity, acceleration)

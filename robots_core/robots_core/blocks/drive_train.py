@@ -1,0 +1,81 @@
+"""DriveTrain: what the drives make of the reference."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import expm
+
+from robots_core.errors import InvalidInputError
+from robots_core.validation import Array, finite_vector, positive
+
+
+class DriveTrain:
+    """Drives that follow their reference as a second-order lag, each axis on its own.
+
+    q_ddot = w^2 (q_ref - q) - 2 D w q_dot with w = 2 pi bandwidth. The step is the exact solution for a
+    reference that is constant over the period, stable for any period.
+
+    Args:
+        q: Joint positions at the start, (n,), rad (m), at rest.
+        period: Time of one step, s.
+        bandwidth: Natural frequency, Hz, one number or (n,).
+        damping: Damping ratio D, one number or (n,); 1 does not overshoot.
+
+    Raises:
+        InvalidInputError: values that are not positive and finite, or of another shape.
+    """
+
+    def __init__(
+        self, q: ArrayLike, *, period: float, bandwidth: ArrayLike = 15.0, damping: ArrayLike = 1.0
+    ) -> None:
+        position = np.asarray(q, dtype=np.float64)
+        n = position.size
+        self._state = np.zeros((2, n))
+        self._state[0] = finite_vector(position, n, 'q')
+        positive(period, 'period', 's')
+        w = 2.0 * np.pi * _per_axis(bandwidth, n, 'bandwidth')
+        D = _per_axis(damping, n, 'damping')
+        transition = np.empty((2, 2, n))
+        for axis in range(n):
+            transition[:, :, axis] = expm(
+                np.array([[0.0, 1.0], [-(w[axis] ** 2), -2.0 * D[axis] * w[axis]]]) * period
+            )
+        self._transition = transition
+
+    @property
+    def position(self) -> Array:
+        """Joint positions, (n,), rad (m)."""
+        return np.asarray(self._state[0])
+
+    @property
+    def velocity(self) -> Array:
+        """Joint velocities, (n,), rad/s (m/s)."""
+        return np.asarray(self._state[1])
+
+    def step(self, q_ref: Array) -> tuple[Array, Array]:
+        """Follow the reference for one period.
+
+        Args:
+            q_ref: Reference positions, (n,).
+
+        Returns:
+            Positions and velocities (n,) at the end of the period.
+        """
+        state = self._state.copy()
+        state[0] -= q_ref
+        self._state = np.einsum('ijn,jn->in', self._transition, state)
+        self._state[0] += q_ref
+        return self._state[0], self._state[1]
+
+
+def _per_axis(values: ArrayLike, n: int, name: str) -> Array:
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim == 1 and array.size == 1:
+        array = array[0]
+    array = np.broadcast_to(array, (n,)) if array.ndim == 0 else array
+    if array.shape != (n,):
+        raise InvalidInputError(f'{name} must be one number or {n}, got {array.size}')
+    for value in array:
+        positive(float(value), name)
+    return array
