@@ -10,6 +10,7 @@ import viser
 from robots_core.validation import Array
 
 SPACING = 0.002  # m between two points of the line
+JUMP = 0.3  # m; farther than any tool goes between two updates: the robot was put there
 CHUNK = 100  # segments that are sent again when one is added
 CHUNKS = 60  # what is older is forgotten
 COLOUR = (0, 150, 136)
@@ -47,10 +48,11 @@ class ToolTrace:
 
     def add(self, r: Array) -> None:
         """Lengthen the line to `r` (3,), m, if that is far enough from its end."""
-        if not self._points:
-            self._points = [r]
+        distance = float(np.linalg.norm(r - self._points[-1])) if self._points else np.inf
+        if distance < SPACING:
             return
-        if float(np.linalg.norm(r - self._points[-1])) < SPACING:
+        if distance > JUMP:
+            self._points = [r]
             return
         self._points.append(r)
         points = np.array(self._points, dtype=np.float32)

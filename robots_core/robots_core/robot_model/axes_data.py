@@ -69,10 +69,17 @@ class AxesData:
                     f'axis {name}: lower limit {self.lower[index]:g} must be below upper limit '
                     f'{self.upper[index]:g}'
                 )
+            if np.isinf(self.lower[index]) != np.isinf(self.upper[index]):
+                raise InvalidInputError(
+                    f'axis {name}: limits [{self.lower[index]:g}, {self.upper[index]:g}] must both be finite, '
+                    f'or both infinite for a continuous axis'
+                )
             for quantity in ('velocity', 'acceleration', 'jerk', 'effort'):
                 value = getattr(self, quantity)[index]
-                if not value > 0.0:
-                    raise InvalidInputError(f'axis {name}: {quantity} limit {value:g} must be above 0')
+                if not 0.0 < value < np.inf:
+                    raise InvalidInputError(
+                        f'axis {name}: {quantity} limit {value:g} must be a finite number above 0'
+                    )
 
     @property
     def num_axes(self) -> int:

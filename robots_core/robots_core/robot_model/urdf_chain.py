@@ -20,6 +20,17 @@ MOVING_JOINTS: Final = ('revolute', 'continuous', 'prismatic')
 DEFAULT_RAMP_TIME = 0.5  # s
 DEFAULT_JERK_TIME = 0.1  # s
 
+EXTRA_KEYS: Final = (
+    'min_position',
+    'max_position',
+    'max_velocity',
+    'max_acceleration',
+    'max_jerk',
+    'max_effort',
+    'gear_ratio',
+    'rotor_inertia',
+)
+
 
 @dataclass(frozen=True)
 class UrdfChain:
@@ -145,16 +156,49 @@ def _pick_chain(
     chain = joints_to(tip)
     if not chain:
         raise UnknownRobotError(f'no chain of joints leads from {base!r} to {tip!r}')
+    for joint in chain:
+        if joint.get('type') not in (*MOVING_JOINTS, 'fixed'):
+            raise UnknownRobotError(
+                f'joint {joint.get("name")!r} is {joint.get("type")!r}; joints of a chain are fixed, '
+                f'{", ".join(MOVING_JOINTS)}'
+            )
+        if joint.find('mimic') is not None:
+            raise UnknownRobotError(f'joint {joint.get("name")!r} mimics another, a chain needs its own axes')
     return chain
 
 
 def _extra_limits(path: Path | None) -> dict[str, dict[str, float]]:
     if path is None:
         return {}
-    content = yaml.safe_load(path.read_text())
-    if not isinstance(content, dict) or not isinstance(content.get('joint_limits'), dict):
+    if not path.is_file():
+        raise UnknownRobotError(f'limits file {str(path)!r} not found')
+    try:
+        content = yaml.safe_load(path.read_text())
+    except yaml.YAMLError as error:
+        raise UnknownRobotError(f'{path.name}: not YAML: {error}') from error
+    joints = content.get('joint_limits') if isinstance(content, dict) else None
+    if not isinstance(joints, dict) or not all(isinstance(joint, dict) for joint in joints.values()):
         raise UnknownRobotError(f'{path.name}: expected a mapping `joint_limits:` of joint names')
-    return dict(content['joint_limits'])
+    return {
+        str(name): {
+            key: _number(f'{path.name}: joint {str(name)!r}', key, value)
+            for key, value in joint.items()
+            if key in EXTRA_KEYS and joint.get(_switch(key), True)
+        }
+        for name, joint in joints.items()
+    }
+
+
+def _switch(key: str) -> str:
+    """The key with which MoveIt's format switches a limit on or off."""
+    return f'has_{key.partition("_")[2]}_limits'
+
+
+def _number(where: str, key: str, value: object) -> float:
+    try:
+        return float(str(value))
+    except ValueError as error:
+        raise UnknownRobotError(f'{where}: {key} = {value!r} must be a number') from error
 
 
 def _axes_data(
@@ -168,25 +212,27 @@ def _axes_data(
         name = str(joint.get('name'))
         extra = limits.get(name, {})
         limit = joint.find('limit')
-        given = {} if limit is None else {key: float(value) for key, value in limit.attrib.items()}
+        given = (
+            {}
+            if limit is None
+            else {
+                str(key): _number(f'joint {name!r}', str(key), value) for key, value in limit.attrib.items()
+            }
+        )
         for key in ('velocity', 'effort'):
             if not given.get(key, 0.0) > 0.0:
                 raise UnknownRobotError(f'joint {name!r} needs a {key} limit above 0 in <limit>')
         continuous = joint.get('type') == 'continuous'
-        velocity = float(extra.get('max_velocity', given['velocity']))
-        acceleration = float(extra.get('max_acceleration', velocity / DEFAULT_RAMP_TIME))
-        columns['lower'].append(
-            -np.inf if continuous else float(extra.get('min_position', given.get('lower', 0)))
-        )
-        columns['upper'].append(
-            np.inf if continuous else float(extra.get('max_position', given.get('upper', 0)))
-        )
+        velocity = extra.get('max_velocity', given['velocity'])
+        acceleration = extra.get('max_acceleration', velocity / DEFAULT_RAMP_TIME)
+        columns['lower'].append(extra.get('min_position', -np.inf if continuous else given.get('lower', 0.0)))
+        columns['upper'].append(extra.get('max_position', np.inf if continuous else given.get('upper', 0.0)))
         columns['velocity'].append(velocity)
         columns['acceleration'].append(acceleration)
-        columns['jerk'].append(float(extra.get('max_jerk', acceleration / DEFAULT_JERK_TIME)))
-        columns['effort'].append(float(extra.get('max_effort', given['effort'])))
-        columns['gear'].append(float(extra.get('gear_ratio', reductions.get(name, np.nan))))
-        columns['rotor'].append(float(extra.get('rotor_inertia', 0.0)))
+        columns['jerk'].append(extra.get('max_jerk', acceleration / DEFAULT_JERK_TIME))
+        columns['effort'].append(extra.get('max_effort', given['effort']))
+        columns['gear'].append(extra.get('gear_ratio', reductions.get(name, np.nan)))
+        columns['rotor'].append(extra.get('rotor_inertia', 0.0))
     return AxesData(
         names=tuple(str(joint.get('name')) for joint in moving),
         lower=np.array(columns['lower']),
@@ -207,7 +253,8 @@ def _transmissions(root: etree._Element) -> dict[str, float]:
         joint = transmission.find('joint')
         reduction = transmission.findtext('.//mechanicalReduction')
         if joint is not None and reduction is not None:
-            reductions[str(joint.get('name'))] = float(reduction)
+            name = str(joint.get('name'))
+            reductions[name] = _number(f'transmission of joint {name!r}', 'mechanicalReduction', reduction)
     return reductions
 
 

@@ -18,7 +18,7 @@ from robots_core.robot_model.pinocchio_models import PinocchioKinematicModel, Pi
 from robots_core.robot_model.robot_visualization import RobotVisualization
 from robots_core.robot_model.structural_data import StructuralData
 from robots_core.robot_model.urdf_chain import pinocchio_xml, read_urdf_chain
-from robots_core.robot_model.urdf_shapes import urdf_shapes
+from robots_core.robot_model.urdf_shapes import urdf_shapes, with_absolute_meshes
 from robots_core.validation import Array, finite_vector, read_only
 
 
@@ -61,7 +61,7 @@ class UrdfRobotModel(BaseRobotModel):
         chain = read_urdf_chain(
             xml, base=base, tip=tip, joint_limits=limits if joint_limits or limits.is_file() else None
         )
-        self._description = xml
+        self._description = with_absolute_meshes(xml, path.parent)
         self._axes_data = chain.axes_data
         self._structural_data = structural_data or StructuralData(source=path.name)
         self._orientation_convention = orientation_convention
@@ -133,7 +133,7 @@ class UrdfRobotModel(BaseRobotModel):
 
     @property
     def description(self) -> str:
-        """The URDF text."""
+        """The URDF text, with absolute mesh names."""
         return self._description
 
     @property

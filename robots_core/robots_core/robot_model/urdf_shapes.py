@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any, Literal
+from urllib.parse import unquote, urlparse
 
 import numpy as np
 import pinocchio as pin
 import trimesh
 import yourdfpy
+from lxml import etree
 
 from robots_core.errors import UnknownRobotError
 from robots_core.pose import Pose
@@ -73,9 +76,52 @@ def _geometry(geometry: Any, folder: Path) -> Geometry:
         return Cylinder(float(geometry.cylinder.radius), float(geometry.cylinder.length))
     if geometry.sphere is not None:
         return Sphere(float(geometry.sphere.radius))
-    path = folder / str(geometry.mesh.filename)
-    if not path.is_file():
-        raise UnknownRobotError(f'mesh file {geometry.mesh.filename!r} not found below {folder}')
-    mesh = trimesh.load(path, force='mesh')
+    path = mesh_path(str(geometry.mesh.filename), folder)
+    try:
+        mesh = trimesh.load_mesh(path)
+    except (ValueError, NotImplementedError, OSError) as error:
+        raise UnknownRobotError(f'mesh file {str(path)!r} cannot be read: {error}') from error
     scale = 1.0 if geometry.mesh.scale is None else geometry.mesh.scale
     return Mesh(np.asarray(mesh.vertices) * scale, np.asarray(mesh.faces))
+
+
+def mesh_path(filename: str, folder: Path) -> Path:
+    """The file that a URDF's mesh name means.
+
+    Args:
+        filename: A relative or absolute path, `file://` with an absolute path, or
+            `package://<package>/<path>`: looked for in the folders above the URDF, then among the
+            installed ROS packages.
+        folder: Where relative names start.
+
+    Raises:
+        UnknownRobotError: no such file.
+    """
+    parts = urlparse(filename)
+    relative = unquote(parts.path).lstrip('/')
+    if parts.scheme == 'file':
+        candidates = [Path(unquote(parts.path))]
+    elif parts.scheme == 'package':
+        above = [folder.resolve(), *folder.resolve().parents]
+        candidates = [parent / relative for parent in above if parent.name == parts.netloc]
+        candidates += [parent / parts.netloc / relative for parent in above]
+        prefixes = filter(None, os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep))
+        candidates += [Path(prefix) / 'share' / parts.netloc / relative for prefix in prefixes]
+    else:
+        candidates = [folder / filename]
+    for candidate in candidates:
+        if candidate.is_file():
+            return candidate
+    raise UnknownRobotError(f'mesh file {filename!r} not found below {folder}')
+
+
+def with_absolute_meshes(xml: str, folder: Path) -> str:
+    """The URDF text with every mesh named by an absolute `file://` address, so that anyone can load it.
+
+    Raises:
+        UnknownRobotError: a mesh file that is missing.
+    """
+    root = etree.fromstring(xml.encode())
+    for mesh in root.iter('mesh'):
+        mesh.set('filename', mesh_path(str(mesh.get('filename')), folder).resolve().as_uri())
+    return str(etree.tostring(root, encoding='unicode'))

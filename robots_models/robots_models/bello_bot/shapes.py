@@ -1,0 +1,184 @@
+"""What Bello Bot looks like: round and friendly, drawn with its arm straight up (all joints at zero)."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from robots_models.bello_bot.model import BelloBotData
+from robots_models.shape_generation import Part, hub, tapered_arm, tube
+
+_DATA = BelloBotData()
+_CREAM = (0.96, 0.94, 0.89)
+_TEAL = (0.05, 0.58, 0.6)
+_CORAL = (1.0, 0.45, 0.36)
+_INK = (0.12, 0.15, 0.2)
+_STEEL = (0.78, 0.79, 0.8)
+
+_SHOULDER = _DATA.shoulder_height
+_ELBOW = _SHOULDER + _DATA.upper_arm
+_WRIST = _ELBOW + _DATA.forearm
+_FLANGE = _WRIST + _DATA.hand
+
+# Heights where the bodies turn about their own length: axes 1, 3, 5 and 7.
+_TURN_1, _TURN_3, _TURN_5, _TURN_7 = 0.2, 0.66, 1.19, 1.64
+_RING = 0.014
+
+PARTS: Final = (
+    Part(
+        'foot',
+        'base_link',
+        _INK,
+        (tube((0.0, 0.0, 0.0), (0.0, 0.0, 0.035), 0.17, 0.165),),
+    ),
+    Part(
+        'base',
+        'base_link',
+        _CREAM,
+        (tube((0.0, 0.0, 0.03), (0.0, 0.0, _TURN_1 - _RING), 0.145, 0.115, chamfer=0.02),),
+        collision=True,
+    ),
+    Part(
+        'base_ring',
+        'base_link',
+        _CORAL,
+        (tube((0.0, 0.0, _TURN_1 - _RING), (0.0, 0.0, _TURN_1), 0.114, 0.114, chamfer=0.004),),
+    ),
+    Part(
+        'chest',
+        'link_1',
+        _CREAM,
+        (tube((0.0, 0.0, _TURN_1), (0.0, 0.0, _SHOULDER - 0.04), 0.115, 0.085, chamfer=0.01),),
+        collision=True,
+    ),
+    Part(
+        'eyes',
+        'link_1',
+        _INK,
+        (
+            tube((0.07, 0.036, 0.285), (0.112, 0.036, 0.29), 0.017, 0.016, chamfer=0.005),
+            tube((0.07, -0.036, 0.285), (0.112, -0.036, 0.29), 0.017, 0.016, chamfer=0.005),
+        ),
+    ),
+    Part(
+        'shoulder',
+        'link_1',
+        _TEAL,
+        (hub((0.0, 0.0, _SHOULDER), 'y', 0.095, 0.23, chamfer=0.02),),
+        collision=True,
+    ),
+    Part(
+        'upper_arm',
+        'link_2',
+        _CREAM,
+        (
+            tapered_arm(
+                (0.0, 0.0, _SHOULDER),
+                (0.0, 0.0, _SHOULDER + 0.16),
+                0.118,
+                0.085,
+                axis='y',
+                width=0.17,
+                chamfer=0.03,
+            ),
+            tube((0.0, 0.0, _SHOULDER + 0.08), (0.0, 0.0, _TURN_3 - _RING), 0.088, 0.08),
+        ),
+        collision=True,
+    ),
+    Part(
+        'upper_arm_ring',
+        'link_2',
+        _CORAL,
+        (tube((0.0, 0.0, _TURN_3 - _RING), (0.0, 0.0, _TURN_3), 0.079, 0.079, chamfer=0.004),),
+    ),
+    Part(
+        'upper_arm_end',
+        'link_3',
+        _CREAM,
+        (tube((0.0, 0.0, _TURN_3), (0.0, 0.0, _ELBOW - 0.02), 0.08, 0.066),),
+        collision=True,
+    ),
+    Part(
+        'elbow',
+        'link_3',
+        _TEAL,
+        (hub((0.0, 0.0, _ELBOW), 'y', 0.078, 0.19, chamfer=0.016),),
+        collision=True,
+    ),
+    Part(
+        'forearm',
+        'link_4',
+        _CREAM,
+        (
+            tapered_arm(
+                (0.0, 0.0, _ELBOW),
+                (0.0, 0.0, _ELBOW + 0.12),
+                0.096,
+                0.07,
+                axis='y',
+                width=0.14,
+                chamfer=0.025,
+            ),
+            tube((0.0, 0.0, _ELBOW + 0.06), (0.0, 0.0, _TURN_5 - _RING), 0.072, 0.065),
+        ),
+        collision=True,
+    ),
+    Part(
+        'forearm_ring',
+        'link_4',
+        _CORAL,
+        (tube((0.0, 0.0, _TURN_5 - _RING), (0.0, 0.0, _TURN_5), 0.064, 0.064, chamfer=0.004),),
+    ),
+    Part(
+        'forearm_end',
+        'link_5',
+        _CREAM,
+        (tube((0.0, 0.0, _TURN_5), (0.0, 0.0, _WRIST - 0.02), 0.065, 0.052),),
+        collision=True,
+    ),
+    Part(
+        'wrist',
+        'link_5',
+        _TEAL,
+        (hub((0.0, 0.0, _WRIST), 'y', 0.058, 0.145, chamfer=0.013),),
+        collision=True,
+    ),
+    Part(
+        'hand',
+        'link_6',
+        _CREAM,
+        (
+            tapered_arm(
+                (0.0, 0.0, _WRIST),
+                (0.0, 0.0, _WRIST + 0.06),
+                0.073,
+                0.056,
+                axis='y',
+                width=0.105,
+                chamfer=0.02,
+            ),
+            tube((0.0, 0.0, _WRIST + 0.03), (0.0, 0.0, _TURN_7 - _RING), 0.056, 0.052),
+        ),
+        collision=True,
+    ),
+    Part(
+        'hand_ring',
+        'link_6',
+        _CORAL,
+        (tube((0.0, 0.0, _TURN_7 - _RING), (0.0, 0.0, _TURN_7), 0.051, 0.051, chamfer=0.004),),
+    ),
+    Part(
+        'hand_end',
+        'link_7',
+        _TEAL,
+        (tube((0.0, 0.0, _TURN_7), (0.0, 0.0, _FLANGE - 0.012), 0.052, 0.047),),
+        collision=True,
+    ),
+    Part(
+        'flange',
+        'link_7',
+        _STEEL,
+        (tube((0.0, 0.0, _FLANGE - 0.012), (0.0, 0.0, _FLANGE), 0.042, 0.042, chamfer=0.003),),
+        collision=True,
+    ),
+)
+DRAWING_POSTURE: Final = (0.0,) * 7
