@@ -71,8 +71,8 @@ class AxesData:
                 )
             if np.isinf(self.lower[index]) != np.isinf(self.upper[index]):
                 raise InvalidInputError(
-                    f'axis {name}: limits [{self.lower[index]:g}, {self.upper[index]:g}] must both be finite, '
-                    f'or both infinite for a continuous axis'
+                    f'axis {name}: limits [{self.lower[index]:g}, {self.upper[index]:g}] must both be finite '
+                    f'or both infinite (a continuous axis)'
                 )
             for quantity in ('velocity', 'acceleration', 'jerk', 'effort'):
                 value = getattr(self, quantity)[index]

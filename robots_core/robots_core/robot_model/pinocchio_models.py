@@ -41,13 +41,18 @@ class PinocchioRigidDynamicsModel(RigidDynamicsModel):
 
     def torques(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
         """See `RigidDynamicsModel.torques`."""
-        return np.array(pin.rnea(self._model, self._data, q, q_dot, q_ddot))
+        n = self._model.nv
+        q, q_dot = finite_vector(q, n, 'q'), finite_vector(q_dot, n, 'q_dot')
+        return np.array(pin.rnea(self._model, self._data, q, q_dot, finite_vector(q_ddot, n, 'q_ddot')))
 
     def mass_matrix(self, q: Array) -> Array:
         """See `RigidDynamicsModel.mass_matrix`."""
+        q = finite_vector(q, self._model.nv, 'q')
         upper = np.triu(pin.crba(self._model, self._data, q))
         return np.asarray(upper + np.triu(upper, 1).T)
 
     def bias_torques(self, q: Array, q_dot: Array) -> Array:
         """See `RigidDynamicsModel.bias_torques`."""
+        n = self._model.nv
+        q, q_dot = finite_vector(q, n, 'q'), finite_vector(q_dot, n, 'q_dot')
         return np.array(pin.nonLinearEffects(self._model, self._data, q, q_dot))

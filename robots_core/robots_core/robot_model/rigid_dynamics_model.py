@@ -8,6 +8,8 @@ from robots_core.validation import Array
 class RigidDynamicsModel(ABC):
     """The paper's RigidDynamicsModel: joint torques of the rigid multibody chain under gravity.
 
+    Every method raises InvalidInputError for an argument of another shape or not finite.
+
     Attributes:
         masses: (n + 1,) kg; entry 0 is the base, entry i the body moved by axis i.
         centers_of_mass: (n + 1, 3) m, each in its body's axis frame.

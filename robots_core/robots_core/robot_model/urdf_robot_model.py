@@ -172,9 +172,7 @@ class UrdfRobotModel(BaseRobotModel):
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""
-        n = self.num_axes
-        q, q_dot = finite_vector(q, n, 'q'), finite_vector(q_dot, n, 'q_dot')
-        q_ddot = finite_vector(q_ddot, n, 'q_ddot')
+        q_ddot = finite_vector(q_ddot, self.num_axes, 'q_ddot')
         M = self._rigid_dynamics_model.mass_matrix(q)
         tau_aux = self._rigid_dynamics_model.bias_torques(q, q_dot)
         return M @ q_ddot + tau_aux, M, tau_aux

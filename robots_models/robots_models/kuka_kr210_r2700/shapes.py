@@ -22,7 +22,12 @@ _FLANGE_X = _A5_X + _DATA.flange
 
 PARTS: Final = (
     # The foot on its plate.
-    Part('base_plate', 'base_link', _GREY, (block((0.0, 0.0, 0.012), (0.9, 0.86, 0.024), rounding=0.08),)),
+    Part(
+        'base_plate',
+        'base_link',
+        _GREY,
+        (block((0.0, 0.0, 0.012), (0.9, 0.86, 0.024), rounding=0.08, chamfer=0.004),),
+    ),
     Part(
         'foot',
         'base_link',

@@ -1,0 +1,119 @@
+"""Every robot: torques, mass matrix and masses agree with each other and with the description."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from robots_core import BaseRobotModel
+
+from .reference import DescribedRobot, derivative
+
+GRAVITY = np.array([0.0, 0.0, -9.81])
+# Sums of some hundred products with cancellation: relative to the largest torque of the posture.
+RELATIVE = 1e-11
+# Central differences of an energy of up to 1e5 J, see reference.STEP: rounding eps E / h = 2e-6 N m.
+ENERGY_TOLERANCE = 1e-5
+
+
+def test_tau_is_mass_times_acceleration_plus_the_rest(robot: BaseRobotModel, postures: np.ndarray):
+    n = robot.num_axes
+    for q, q_dot, q_ddot in _motions(postures):
+        tau, M, tau_aux = robot.rigid_dynamics(q, q_dot, q_ddot)
+        assert tau.shape == tau_aux.shape == (n,)
+        assert M.shape == (n, n)
+        _assert_close(tau, M @ q_ddot + tau_aux)
+        _assert_close(robot.rigid_dynamics(q, q_dot, np.zeros(n))[0], tau_aux)
+
+
+def test_mass_matrix_is_symmetric_and_positive_definite(robot: BaseRobotModel, postures: np.ndarray):
+    for q in postures:
+        _, M, _ = robot.rigid_dynamics(q, np.zeros(robot.num_axes), np.zeros(robot.num_axes))
+        np.testing.assert_array_equal(M, M.T)
+        assert np.linalg.eigvalsh(M)[0] > 0.0
+
+
+def test_torques_are_those_of_the_description(robot: BaseRobotModel, postures: np.ndarray):
+    described = DescribedRobot(robot)
+    for q, q_dot, q_ddot in _motions(postures):
+        expected = described.torques(q, q_dot, q_ddot)
+        _assert_close(robot.rigid_dynamics(q, q_dot, q_ddot)[0], expected)
+        _assert_close(robot.rigid_dynamics_model.torques(q, q_dot, q_ddot), expected)
+
+
+def test_rigid_dynamics_and_its_model_agree(robot: BaseRobotModel, postures: np.ndarray):
+    model = robot.rigid_dynamics_model
+    for q, q_dot, q_ddot in _motions(postures):
+        _, M, tau_aux = robot.rigid_dynamics(q, q_dot, q_ddot)
+        _assert_close(model.mass_matrix(q), M)
+        _assert_close(model.bias_torques(q, q_dot), tau_aux)
+
+
+def test_gravity_torque_is_the_gradient_of_potential_energy(robot: BaseRobotModel, postures: np.ndarray):
+    zero = np.zeros(robot.num_axes)
+    for q in postures:
+        _, _, tau_aux = robot.rigid_dynamics(q, zero, zero)
+        gradient = [
+            derivative(lambda h, q=q, unit=unit: _potential_energy(robot, q + h * unit))
+            for unit in np.eye(robot.num_axes)
+        ]
+        np.testing.assert_allclose(tau_aux, gradient, atol=ENERGY_TOLERANCE)
+
+
+def test_kinetic_energy_is_that_of_the_bodies(robot: BaseRobotModel, postures: np.ndarray):
+    """q_dot^T M q_dot / 2 from masses, inertias and frames alone."""
+    model = robot.rigid_dynamics_model
+    for q, q_dot, _ in _motions(postures):
+        energy = 0.0
+        _, T = robot.kinematic_model.frame_axes(q)
+        T_dot = derivative(lambda h, q=q, v=q_dot: robot.kinematic_model.frame_axes(q + h * v)[1])
+        v = derivative(lambda h, q=q, v=q_dot: _centers_of_mass(robot, q + h * v))
+        for body in range(1, robot.num_axes + 1):
+            skew = T[body - 1].T @ T_dot[body - 1]  # of the angular velocity, in body axes
+            omega = np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
+            energy += (
+                0.5 * model.masses[body] * v[body] @ v[body] + 0.5 * omega @ model.inertias[body] @ omega
+            )
+        expected = 0.5 * q_dot @ model.mass_matrix(q) @ q_dot
+        # Velocities from difference quotients are good to 1e-8, see reference.DIFFERENCE_TOLERANCE.
+        np.testing.assert_allclose(energy, expected, rtol=1e-7)
+
+
+def test_bodies_are_physical(robot: BaseRobotModel):
+    model = robot.rigid_dynamics_model
+    n = robot.num_axes
+    assert model.masses.shape == (n + 1,)
+    assert model.centers_of_mass.shape == (n + 1, 3)
+    assert model.inertias.shape == (n + 1, 3, 3)
+    assert (model.masses >= 0.0).all()
+    for inertia in model.inertias[1:]:
+        np.testing.assert_allclose(inertia, inertia.T, rtol=1e-12)
+        principal = np.linalg.eigvalsh(inertia)
+        assert principal[0] >= 0.0
+        # The triangle inequality of principal moments; equality is a flat body, met up to rounding.
+        assert principal[2] <= (principal[0] + principal[1]) * (1.0 + 1e-9)
+
+
+def test_effort_holds_the_robot_at_home(robot: BaseRobotModel):
+    zero = np.zeros(robot.num_axes)
+    _, _, tau_aux = robot.rigid_dynamics(robot.home, zero, zero)
+    assert (np.abs(tau_aux) < robot.axes_data.effort).all()
+
+
+def _motions(postures: np.ndarray) -> Iterable[tuple[np.ndarray, ...]]:
+    return zip(postures, np.roll(postures, 1, axis=0), np.roll(postures, 2, axis=0), strict=True)
+
+
+def _assert_close(mine: np.ndarray, expected: np.ndarray) -> None:
+    np.testing.assert_allclose(mine, expected, atol=RELATIVE * np.abs(expected).max())
+
+
+def _centers_of_mass(robot: BaseRobotModel, q: np.ndarray) -> np.ndarray:
+    r, T = robot.kinematic_model.frame_axes(q)
+    centers = robot.rigid_dynamics_model.centers_of_mass
+    return np.vstack([centers[0], r + np.einsum('ijk,ik->ij', T, centers[1:])])
+
+
+def _potential_energy(robot: BaseRobotModel, q: np.ndarray) -> float:
+    return float(-robot.rigid_dynamics_model.masses @ _centers_of_mass(robot, q) @ GRAVITY)
