@@ -34,7 +34,12 @@ def load_robot_model(name: str) -> BaseRobotModel:
     if name not in plugins:
         known = ', '.join(sorted(plugins)) or 'none installed'
         raise UnknownRobotError(f'unknown robot {name!r}; robots are: {known}; or urdf:/path/to/robot.urdf')
-    robot = plugins[name].load()()
+    try:
+        robot = plugins[name].load()()
+    except (ImportError, AttributeError) as error:
+        raise UnknownRobotError(
+            f'plugin {name!r} ({plugins[name].value}) cannot be loaded: {error}'
+        ) from error
     if not isinstance(robot, BaseRobotModel):
         raise UnknownRobotError(
             f'plugin {name!r} ({plugins[name].value}) returns {type(robot).__name__}, not a BaseRobotModel'

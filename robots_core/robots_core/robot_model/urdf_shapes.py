@@ -81,6 +81,8 @@ def _geometry(geometry: Any, folder: Path) -> Geometry:
         mesh = trimesh.load_mesh(path)
     except (ValueError, NotImplementedError, OSError) as error:
         raise UnknownRobotError(f'mesh file {str(path)!r} cannot be read: {error}') from error
+    if len(mesh.faces) == 0:
+        raise UnknownRobotError(f'mesh file {str(path)!r} cannot be read: it holds no triangles')
     scale = 1.0 if geometry.mesh.scale is None else geometry.mesh.scale
     return Mesh(np.asarray(mesh.vertices) * scale, np.asarray(mesh.faces))
 

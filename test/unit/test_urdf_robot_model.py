@@ -1,0 +1,170 @@
+"""UrdfRobotModel: any URDF becomes a robot, or is refused by a reason."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from robots_core import UrdfRobotModel, load_robot_model
+from robots_core.errors import InvalidInputError, JointLimitError, UnknownRobotError
+from robots_core.robot_model.shapes import Box, Cylinder, Mesh, Sphere
+
+INERTIAL = (
+    '<inertial><origin xyz="0.5 0 0"/><mass value="{mass}"/>'
+    '<inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>'
+)
+# Two links of 1 m that turn about z, a fixed pole on the first one, a spinning third axis.
+ARM = f"""
+<robot name="arm">
+  <material name="green"><color rgba="0 1 0 0.5"/></material>
+  <link name="base">{INERTIAL.format(mass=7)}</link>
+  <link name="upper">{INERTIAL.format(mass=2)}
+    <visual><origin xyz="0.5 0 0"/><geometry><box size="1 0.1 0.1"/></geometry>
+      <material name="green"/></visual>
+  </link>
+  <link name="pole">{INERTIAL.format(mass=1)}
+    <visual name="stick"><geometry><cylinder radius="0.1" length="0.5"/></geometry></visual>
+    <collision><geometry><sphere radius="0.2"/></geometry></collision>
+  </link>
+  <link name="lower">{INERTIAL.format(mass=3)}
+    <visual><geometry><mesh filename="MESH" scale="2 2 2"/></geometry>
+      <material name="own"><color rgba="1 0 0 1"/></material></visual>
+  </link>
+  <link name="hand">{INERTIAL.format(mass=0.5)}</link>
+  <link name="tool0"/>
+  <joint name="one" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+    <limit lower="0.5" upper="1.5" velocity="1" effort="100"/></joint>
+  <joint name="holder" type="fixed"><parent link="upper"/><child link="pole"/><origin xyz="1 0 0.25"/></joint>
+  <joint name="two" type="revolute"><parent link="upper"/><child link="lower"/><origin xyz="1 0 0"/>
+    <axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="1" effort="100"/></joint>
+  <joint name="three" type="continuous"><parent link="lower"/><child link="hand"/><origin xyz="1 0 0"/>
+    <axis xyz="1 0 0"/><limit velocity="1" effort="10"/></joint>
+  <joint name="flange" type="fixed"><parent link="hand"/><child link="tool0"/><origin xyz="0.2 0 0"/></joint>
+</robot>
+"""
+EXACT = 1e-12  # some ten operations on numbers of size one
+
+
+def write_arm(folder: Path, *, mesh: str = 'meshes/cube.stl', text: str = ARM) -> Path:
+    (folder / 'meshes').mkdir(parents=True, exist_ok=True)
+    trimesh.creation.box((1.0, 1.0, 1.0)).export(folder / 'meshes' / 'cube.stl')
+    file = folder / 'arm.urdf'
+    file.write_text(text.replace('MESH', mesh))
+    return file
+
+
+@pytest.fixture
+def arm(tmp_path: Path) -> UrdfRobotModel:
+    return UrdfRobotModel(write_arm(tmp_path))
+
+
+def test_pose_is_that_of_the_plane_arm(arm: UrdfRobotModel):
+    for q in np.random.default_rng(1).uniform(-4.0, 4.0, (20, 3)):
+        a, b = q[0], q[0] + q[1]
+        r, T = arm.direct_kinematics(q)
+        along = np.array([np.cos(b), np.sin(b), 0.0])
+        np.testing.assert_allclose(r, [np.cos(a), np.sin(a), 0.0] + 1.2 * along, atol=EXACT)
+        np.testing.assert_allclose(T[:, 0], along, atol=EXACT)
+        up = np.array([0.0, 0.0, 1.0])
+        turned = np.cos(q[2]) * up - np.sin(q[2]) * np.cross(up, along)
+        np.testing.assert_allclose(T[:, 2], turned, atol=EXACT)
+
+
+def test_continuous_axis_turns_any_number_of_times(arm: UrdfRobotModel):
+    assert arm.axes_data.continuous[2]
+    q = np.array([1.0, 0.5, 0.3])
+    for mine, its in zip(
+        arm.direct_kinematics(q), arm.direct_kinematics(q + np.array([0.0, 0.0, 40.0 * np.pi])), strict=True
+    ):
+        np.testing.assert_allclose(mine, its, atol=1e-12)  # 40 pi is rounded to 1e-14
+    assert (arm.axes_data.check_position([1.0, 0.0, 1e4]) == [1.0, 0.0, 1e4]).all()
+
+
+def test_fixed_branches_weigh_on_the_body_that_carries_them(arm: UrdfRobotModel):
+    dynamics = arm.rigid_dynamics_model
+    np.testing.assert_allclose(dynamics.masses, [7.0, 3.0, 3.0, 0.5])
+    np.testing.assert_allclose(dynamics.centers_of_mass[1], [(2 * 0.5 + 1.5) / 3, 0.0, 0.25 / 3], atol=EXACT)
+
+
+def test_shapes_hang_on_the_axis_that_moves_them(arm: UrdfRobotModel):
+    shapes = {shape.name: shape for shape in arm.visualization.shapes}
+    assert list(shapes) == ['upper/0', 'pole/stick', 'lower/0']
+    box, stick, cube = shapes.values()
+    assert box.geometry == Box((1.0, 0.1, 0.1))
+    assert stick.geometry == Cylinder(0.1, 0.5)
+    assert isinstance(cube.geometry, Mesh)
+    np.testing.assert_allclose(np.ptp(cube.geometry.vertices, axis=0), 2.0)
+    assert [shape.frame for shape in shapes.values()] == [1, 1, 2]
+    np.testing.assert_allclose(box.pose.r, [0.5, 0.0, 0.0])
+    np.testing.assert_allclose(stick.pose.r, [1.0, 0.0, 0.25])
+    assert box.colour == (0.0, 1.0, 0.0, 0.5)
+    assert cube.colour == (1.0, 0.0, 0.0, 1.0)
+    (sphere,) = arm.collision_model.shapes
+    assert sphere.geometry == Sphere(0.2)
+    assert sphere.frame == 1
+
+
+def test_home_is_zero_or_the_middle_of_the_range(arm: UrdfRobotModel):
+    np.testing.assert_array_equal(arm.home, [1.0, 0.0, 0.0])
+
+
+def test_home_outside_the_limits_is_refused(tmp_path: Path):
+    with pytest.raises(JointLimitError, match='one = 0'):
+        UrdfRobotModel(write_arm(tmp_path), home=[0.0, 0.0, 0.0])
+    with pytest.raises(InvalidInputError, match='home must have shape'):
+        UrdfRobotModel(write_arm(tmp_path), home=[1.0])
+
+
+def test_name_is_the_urdfs_unless_given(arm: UrdfRobotModel, tmp_path: Path):
+    assert arm.name == 'arm'
+    assert UrdfRobotModel(write_arm(tmp_path), name='other').name == 'other'
+
+
+def test_limits_file_beside_the_urdf_is_read(tmp_path: Path):
+    (tmp_path / 'joint_limits.yaml').write_text('joint_limits: {two: {max_acceleration: 9}}')
+    assert UrdfRobotModel(write_arm(tmp_path)).axes_data.acceleration[1] == 9.0
+
+
+def test_part_of_the_chain_can_be_the_robot(tmp_path: Path):
+    part = UrdfRobotModel(write_arm(tmp_path), base='upper', tip='hand')
+    assert part.axes_data.names == ('two', 'three')
+    r, _ = part.direct_kinematics(np.zeros(2))
+    np.testing.assert_allclose(r, [2.0, 0.0, 0.0], atol=EXACT)
+    np.testing.assert_allclose(part.rigid_dynamics_model.masses, [3.0, 3.0, 0.5])
+
+
+@pytest.mark.parametrize('form', ['{}', 'file://{}', 'package://{package}/meshes/cube.stl'])
+def test_meshes_are_found_however_they_are_named(tmp_path: Path, form: str):
+    package = tmp_path / 'with space' / 'arm_description'
+    path = package / 'meshes' / 'cube.stl'
+    name = form.format(path, package=package.name).replace(' ', '%20' if '://' in form else ' ')
+    robot = UrdfRobotModel(write_arm(package, mesh=name))
+    assert len(robot.visualization.shapes) == 3
+    assert path.as_uri() in robot.description
+
+
+def test_mesh_of_an_installed_package_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv('AMENT_PREFIX_PATH', f'{tmp_path}/nowhere:{tmp_path}/prefix')
+    write_arm(tmp_path / 'prefix' / 'share' / 'arm_description')
+    robot = UrdfRobotModel(write_arm(tmp_path / 'here', mesh='package://arm_description/meshes/cube.stl'))
+    assert len(robot.visualization.shapes) == 3
+
+
+def test_mesh_that_is_missing_or_broken_is_refused(tmp_path: Path):
+    with pytest.raises(UnknownRobotError, match=r"'none\.stl' not found"):
+        UrdfRobotModel(write_arm(tmp_path, mesh='none.stl'))
+    (tmp_path / 'broken.stl').write_text('nothing of a mesh')
+    with pytest.raises(UnknownRobotError, match='cannot be read'):
+        UrdfRobotModel(write_arm(tmp_path, mesh='broken.stl'))
+
+
+def test_missing_urdf_is_refused():
+    with pytest.raises(UnknownRobotError, match=r"'/no/where\.urdf' not found"):
+        UrdfRobotModel('/no/where.urdf')
+
+
+def test_urdf_prefix_loads_any_file(tmp_path: Path):
+    assert load_robot_model(f'urdf:{write_arm(tmp_path)}').num_axes == 3
