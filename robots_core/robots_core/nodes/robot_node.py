@@ -7,6 +7,7 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -65,16 +66,22 @@ class RobotNode(Node):
             bounds: Lowest and highest valid number.
             check: Raises a RobotsError for a value that is not valid, now and at every change.
             read_only: The value cannot change after start.
+
+        Raises:
+            InvalidInputError: the value given at start is of another type or not valid.
         """
         descriptor = ParameterDescriptor(description=description, read_only=read_only)
         if bounds is not None:
             low, high = bounds
             descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+        try:
+            value = self.declare_parameter(name, default, descriptor).value
+            if check is not None:
+                check(value)
+        except (InvalidParameterTypeException, InvalidParameterValueException, RobotsError) as error:
+            raise InvalidInputError(f'parameter {name}: {error}') from error
         if check is not None:
             self._checks[name] = check
-        value = self.declare_parameter(name, default, descriptor).value
-        if check is not None:
-            check(value)
         return value
 
     def _check_parameters(self, parameters: list[Parameter]) -> SetParametersResult:

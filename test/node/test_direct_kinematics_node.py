@@ -1,0 +1,135 @@
+"""direct_kinematics_node: joint_states in, tcp_pose out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import PoseStamped
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+
+from robots_core import Pose, load_robot_model
+from robots_core.blocks.direct_kinematics import DirectKinematics
+from robots_core.errors import InvalidInputError
+from robots_core.nodes.direct_kinematics_node import DirectKinematicsNode
+from robots_core.nodes.messages import doubles, pose_from_message
+from robots_core.nodes.qos import COMMAND, STATE
+
+ROBOT = 'kuka_kr210_r2700'
+TOOL = [0.1, 0.0, 0.3, 0.0, 0.7071067811865476, 0.0, 0.7071067811865476]
+
+
+class Bench:
+    """A node under test, fed and listened to by another."""
+
+    def __init__(self, runner: Any, **parameters: Any) -> None:
+        self.runner = runner
+        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
+        overrides.append(Parameter('robot_model', value=ROBOT))
+        self.node = runner.add(DirectKinematicsNode(context=runner.context, parameter_overrides=overrides))
+        self.robot = load_robot_model(ROBOT)
+        self.poses: list[PoseStamped] = []
+        self.health: list[DiagnosticStatus] = []
+        tester = runner.create_node()
+        self.clock = tester.get_clock()
+        tester.create_subscription(PoseStamped, 'tcp_pose', self.poses.append, STATE)
+        tester.create_subscription(
+            DiagnosticArray, '/diagnostics', lambda message: self.health.extend(message.status), COMMAND
+        )
+        self.publisher = tester.create_publisher(JointState, 'joint_states', STATE)
+        runner.wait_for(lambda: self.publisher.get_subscription_count() == 1, what='the node listens')
+
+    def send(self, q: np.ndarray, names: tuple[str, ...] | None = None) -> JointState:
+        message = JointState(name=list(names or self.robot.axes_data.names), position=doubles(q))
+        message.header.stamp = self.clock.now().to_msg()
+        self.publisher.publish(message)
+        return message
+
+    def pose_of(self, sent: JointState) -> Pose:
+        """The pose that the node answers to a message, known by its stamp."""
+
+        def answer() -> PoseStamped | None:
+            return next((pose for pose in self.poses if pose.header.stamp == sent.header.stamp), None)
+
+        found = self.runner.wait_for(answer, what='the pose')
+        assert found.header.frame_id == 'base'
+        return pose_from_message(found.pose)
+
+
+def _assert_same(first: Pose, second: Pose) -> None:
+    # A quaternion of a description with twelve digits is normalised twice on the way.
+    assert first.distance_to(second) == pytest.approx((0.0, 0.0), abs=1e-7)
+
+
+def test_pose_of_newest_joint_states_is_published(ros_nodes: Any):
+    bench = Bench(ros_nodes)
+    q = bench.robot.home + 0.1
+    _assert_same(bench.pose_of(bench.send(q)), Pose(*bench.robot.direct_kinematics(q)))
+
+
+def test_joints_are_matched_by_name(ros_nodes: Any):
+    bench = Bench(ros_nodes)
+    q = bench.robot.home + 0.1
+    names = ('gripper', *reversed(bench.robot.axes_data.names))
+    sent = bench.send(np.array([0.04, *q[::-1]]), names)
+    _assert_same(bench.pose_of(sent), Pose(*bench.robot.direct_kinematics(q)))
+
+
+def test_tool_is_a_parameter_that_can_change(ros_nodes: Any):
+    bench = Bench(ros_nodes)
+    results = bench.node.set_parameters([Parameter('tool', value=TOOL)])
+    assert results[0].successful
+    expected = DirectKinematics(bench.robot, tool=Pose.from_quaternion(TOOL[:3], TOOL[3:]))
+    _assert_same(bench.pose_of(bench.send(bench.robot.home)), expected.forward(bench.robot.home))
+
+
+@pytest.mark.parametrize('bad', [[0.0, 0.0, 0.0], [0.0] * 7, [float('nan'), *TOOL[1:]]])
+def test_tool_that_is_none_is_refused_and_the_old_one_stays(ros_nodes: Any, bad: list[float]):
+    bench = Bench(ros_nodes, tool=TOOL)
+    (result,) = bench.node.set_parameters([Parameter('tool', value=bad)])
+    assert not result.successful
+    assert 'tool' in result.reason
+    expected = DirectKinematics(bench.robot, tool=Pose.from_quaternion(TOOL[:3], TOOL[3:]))
+    _assert_same(bench.pose_of(bench.send(bench.robot.home)), expected.forward(bench.robot.home))
+
+
+@pytest.mark.parametrize(
+    ('name', 'value', 'message'),
+    [
+        ('tool', [0.0] * 7, 'parameter tool: .*quaternion'),
+        ('tool', 'gun', 'parameter tool: .*STRING.*DOUBLE_ARRAY'),
+        ('rate', 0.0, r'parameter rate: 0.0 Hz is outside \[0.1, 1000\] Hz'),
+    ],
+)
+def test_bad_parameter_at_start_ends_the_node(ros_context: Any, name: str, value: object, message: str):
+    with pytest.raises(InvalidInputError, match=message):
+        DirectKinematicsNode(context=ros_context, parameter_overrides=[Parameter(name, value=value)])
+
+
+def test_bad_joint_states_are_reported_and_survived(ros_nodes: Any):
+    bench = Bench(ros_nodes)
+    bench.send(np.zeros(2), ('A1', 'A2'))
+    ros_nodes.wait_for(
+        lambda: any('lacks joint A3' in s.message and s.level == DiagnosticStatus.WARN for s in bench.health),
+        what='a warning that names the joint',
+    )
+    assert not bench.poses
+    bench.pose_of(bench.send(bench.robot.home))
+    ros_nodes.wait_for(lambda: bench.health[-1].level == DiagnosticStatus.OK, what='well again')
+
+
+def test_rate_is_limited(ros_nodes: Any):
+    rate = 20.0
+    bench = Bench(ros_nodes, rate=rate)
+    start = bench.clock.now().nanoseconds
+    # Some hundred samples; the last one must be answered too, late samples are not lost.
+    for offset in np.linspace(0.0, 0.1, 300):
+        last = bench.send(bench.robot.home + offset)
+        ros_nodes.wait_for(lambda: True)
+    bench.pose_of(last)
+    seconds = (bench.clock.now().nanoseconds - start) * 1e-9
+    # One tick may lie at each end of the interval.
+    assert len(bench.poses) <= seconds * rate + 2

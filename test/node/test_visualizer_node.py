@@ -1,0 +1,110 @@
+"""visualizer_node: a page at a published address that follows joint_states; description and transforms."""
+
+from __future__ import annotations
+
+import socket
+from typing import Any
+from urllib.request import urlopen
+
+import numpy as np
+import pytest
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from robots_core import Pose, load_robot_model
+from robots_core.errors import InvalidInputError
+from robots_core.nodes.messages import diagnostic_values, doubles
+from robots_core.nodes.qos import COMMAND, STATE
+from robots_core.nodes.transforms import LinkTransforms
+from robots_core.nodes.visualizer_node import VisualizerNode
+
+ROBOT = 'bello_bot'
+
+
+def make_node(runner: Any, **parameters: Any) -> VisualizerNode:
+    values = {'robot_model': ROBOT, 'port': 0, **parameters}
+    overrides = [Parameter(name, value=value) for name, value in values.items()]
+    return runner.add(VisualizerNode(context=runner.context, parameter_overrides=overrides))
+
+
+def test_health_tells_the_address_of_the_page(ros_nodes: Any):
+    health: list[DiagnosticStatus] = []
+    ros_nodes.create_node().create_subscription(
+        DiagnosticArray, '/diagnostics', lambda message: health.extend(message.status), COMMAND
+    )
+    node = make_node(ros_nodes)
+    ros_nodes.wait_for(lambda: health, what='health')
+    assert health[-1].level == DiagnosticStatus.OK
+    url = diagnostic_values(health[-1])['url']
+    assert url == node.url
+    with urlopen(url, timeout=10.0) as page:  # noqa: S310  # our own address
+        assert page.status == 200
+
+
+def test_description_is_there_for_who_comes_late(ros_nodes: Any):
+    make_node(ros_nodes)
+    texts: list[str] = []
+    ros_nodes.create_node().create_subscription(
+        String, 'robot_description', lambda message: texts.append(message.data), STATE
+    )
+    ros_nodes.wait_for(lambda: texts, what='the description')
+    assert texts == [load_robot_model(ROBOT).description]
+
+
+def test_page_follows_joint_states_and_survives_bad_ones(ros_nodes: Any):
+    node = make_node(ros_nodes)
+    robot = load_robot_model(ROBOT)
+    tester = ros_nodes.create_node()
+    health: list[DiagnosticStatus] = []
+    tester.create_subscription(
+        DiagnosticArray, '/diagnostics', lambda message: health.extend(message.status), COMMAND
+    )
+    publisher = tester.create_publisher(JointState, 'joint_states', STATE)
+    ros_nodes.wait_for(lambda: publisher.get_subscription_count() == 1, what='the node listens')
+
+    def shown(q: np.ndarray) -> bool:
+        expected, _ = robot.direct_kinematics(q)
+        position = np.asarray(node._visualizer._tool_frame.position)
+        return bool(np.abs(position - expected).max() < 1e-6)  # the page may keep single precision
+
+    names = list(robot.axes_data.names)
+    publisher.publish(JointState(name=names, position=doubles(robot.home + 0.1)))
+    ros_nodes.wait_for(lambda: shown(robot.home + 0.1), what='the page follows')
+    publisher.publish(JointState(name=names, position=doubles(np.full(7, np.nan))))
+    ros_nodes.wait_for(lambda: any('is nan' in status.message for status in health), what='a warning')
+    assert shown(robot.home + 0.1)
+    publisher.publish(JointState(name=names[::-1], position=doubles((robot.home - 0.1)[::-1])))
+    ros_nodes.wait_for(lambda: shown(robot.home - 0.1), what='the page follows again')
+
+
+def test_busy_port_is_no_error(ros_nodes: Any):
+    with socket.create_server(('127.0.0.1', 0)) as busy:
+        port = busy.getsockname()[1]
+        assert int(make_node(ros_nodes, port=port).url.rpartition(':')[2]) > port
+
+
+def test_bad_host_ends_the_node(ros_context: Any):
+    overrides = [Parameter('host', value='192.0.2.1')]  # reserved for documentation
+    with pytest.raises(InvalidInputError, match='cannot serve at host'):
+        VisualizerNode(context=ros_context, parameter_overrides=overrides)
+
+
+@pytest.mark.parametrize('prefix', ['', 'left/'])
+def test_transforms_place_every_link(prefix: str):
+    robot = load_robot_model(ROBOT)
+    q = robot.home + 0.1
+    stamp = Time(sec=3, nanosec=4)
+    messages = LinkTransforms(robot, prefix=prefix).messages(stamp, q)
+    links = [f'link_{i}' for i in range(1, 8)]
+    assert [message.child_frame_id for message in messages] == [prefix + name for name in [*links, 'tool0']]
+    r, T = robot.kinematic_model.frame_axes(q)
+    expected = [*map(Pose, r, T), Pose(*robot.direct_kinematics(q))]
+    for message, pose in zip(messages, expected, strict=True):
+        assert message.header.stamp == stamp
+        assert message.header.frame_id == f'{prefix}base_link'
+        t, o = message.transform.translation, message.transform.rotation
+        its = Pose.from_quaternion([t.x, t.y, t.z], [o.x, o.y, o.z, o.w])
+        assert its.distance_to(pose) == pytest.approx((0.0, 0.0), abs=1e-9)  # a quaternion's rounding
