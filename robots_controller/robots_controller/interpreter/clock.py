@@ -1,0 +1,44 @@
+"""Clock: the time a robot program lives in, the wall's or a simulation's."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Protocol
+
+# Python refuses to wait for centuries; a wait may end early, so a long one is a few of these.
+LONGEST_WAIT = 3600.0  # s
+
+
+class Clock(Protocol):
+    """What a robot program needs of time.
+
+    Everything a program waits for (time, the end of a motion, the end of a pause) goes through `wait`,
+    so a simulated clock knows when the program stands still and until when.
+    """
+
+    def now(self) -> float:
+        """Time in seconds, from any start, never running backwards."""
+
+    def wait(self, condition: threading.Condition, deadline: float | None) -> None:
+        """Wait until the condition is notified or `now()` has reached the deadline; may return early.
+
+        Args:
+            condition: Held by the caller; released while waiting.
+            deadline: s, on this clock; None waits for a notification alone.
+        """
+
+
+class WallClock:
+    """The machine's monotonic time."""
+
+    def now(self) -> float:
+        """Seconds of `time.monotonic`."""
+        return time.monotonic()
+
+    def wait(self, condition: threading.Condition, deadline: float | None) -> None:
+        """Wait as `Clock.wait` says."""
+        if deadline is None:
+            condition.wait()
+        else:
+            condition.wait(min(max(deadline - self.now(), 0.0), LONGEST_WAIT))

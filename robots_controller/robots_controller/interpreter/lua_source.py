@@ -1,0 +1,136 @@
+"""LuaSource: the text of a robot program, read from its file or explained why not."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from robots_core.errors import ProgramError
+
+MAX_PROGRAM_SIZE = 1_000_000  # bytes; the interpreter's memory is bounded too
+# Lua shortens longer chunk names in its messages.
+MAX_CHUNK_NAME = 50
+# A remark explains the first syntax error; further candidates are not worth their compilation.
+MAX_REMARK_CANDIDATES = 50
+
+# What Lua reads as one piece: a comment or string hides the `//` inside it.
+_PIECES = re.compile(
+    r"""--\[(?P<c>=*)\[.*?\](?P=c)\] | --[^\n]*            # comments
+      | \[(?P<s>=*)\[.*?\](?P=s)\]                           # long strings
+      | "(?:\\.|[^"\\\n])*" | '(?:\\.|[^'\\\n])*'            # strings
+      | (?P<remark>//[^\n]*)""",
+    re.DOTALL | re.VERBOSE,
+)
+
+SyntaxCheck = Callable[[str], tuple[int, str] | None]
+"""Compiles a text: None, or the line and the reason of the first syntax error."""
+
+
+@dataclass(frozen=True)
+class LuaSource:
+    """A program's text.
+
+    Attributes:
+        path: Where it was read.
+        text: Its characters.
+    """
+
+    path: Path
+    text: str
+
+    @property
+    def file(self) -> str:
+        """The file's name, as messages show it."""
+        return self.path.name
+
+    @property
+    def chunk_name(self) -> str:
+        """The name under which Lua knows the program."""
+        printable = ''.join(c if c.isprintable() else '?' for c in self.file)
+        return printable[-MAX_CHUNK_NAME:]
+
+    def line(self, number: int) -> str:
+        """A line's text without its indent, '' where there is none; lines are counted from 1."""
+        lines = self.text.split('\n')
+        return lines[number - 1].strip() if 1 <= number <= len(lines) else ''
+
+
+def read_source(path: Path | str) -> LuaSource:
+    """Read a program.
+
+    Raises:
+        ProgramError: no such file, a directory, unreadable, too large, compiled Lua or not UTF-8.
+    """
+    file = Path(path)
+    name = file.name or str(file)
+    try:
+        if file.is_dir():
+            raise ProgramError(f'{file} is a directory; a program is a Lua file', file=name)
+        size = file.stat().st_size
+        if size > MAX_PROGRAM_SIZE:
+            raise ProgramError(f'{size} bytes; a program has at most {MAX_PROGRAM_SIZE}', file=name)
+        data = file.read_bytes()
+    except FileNotFoundError:
+        raise ProgramError(f'there is no program {file}', file=name) from None
+    except (OSError, ValueError) as error:  # ValueError: a null character in the path
+        reason = getattr(error, 'strerror', None) or error
+        raise ProgramError(f'the program {file} cannot be read: {reason}', file=name) from None
+    if data.startswith(b'\x1b'):
+        raise ProgramError('this is compiled Lua; a program is Lua text', file=name)
+    try:
+        text = data.decode('utf-8-sig')
+    except UnicodeDecodeError as error:
+        line = data.count(b'\n', 0, error.start) + 1
+        raise ProgramError(
+            f'byte 0x{data[error.start]:02x} is not UTF-8; save the program as UTF-8 text',
+            file=name,
+            line=line,
+        ) from None
+    text = text.replace('\r\n', '\n')
+    if '\0' in text:
+        line = text.count('\n', 0, text.index('\0')) + 1
+        raise ProgramError('null character; a program is Lua text', file=name, line=line)
+    if text.startswith('#'):  # Lua skips a first line that names the interpreter
+        text = '--' + text
+    return LuaSource(file, text)
+
+
+def check_syntax(source: LuaSource, check: SyntaxCheck) -> None:
+    """Check that Lua can compile a program.
+
+    `//` is integer division in Lua. It is taken for a remark where reading it as one moves the syntax
+    error further down or makes it disappear.
+
+    Raises:
+        ProgramError: it cannot; with the line and its text.
+    """
+    problem = check(source.text)
+    if problem is None:
+        return
+    line, reason = problem
+    for start, end in _remark_candidates(source.text, last_line=line):
+        as_remark = f'{source.text[:start]}--{source.text[start + 2 : end]}{source.text[end:]}'
+        better = check(as_remark)
+        if better is None or better[0] > line:
+            line = source.text.count('\n', 0, start) + 1
+            raise ProgramError(
+                f"'//' does not start a remark in Lua; write '--': {source.line(line)}",
+                file=source.file,
+                line=line,
+                source=source.line(line),
+            )
+    text = source.line(line)
+    raise ProgramError(f'{reason}: {text}' if text else reason, file=source.file, line=line, source=text)
+
+
+def _remark_candidates(text: str, *, last_line: int) -> Iterator[tuple[int, int]]:
+    count = 0
+    for piece in _PIECES.finditer(text):
+        if piece['remark'] is None:
+            continue
+        count += 1
+        if count > MAX_REMARK_CANDIDATES or text.count('\n', 0, piece.start()) >= last_line:
+            return
+        yield piece.start(), piece.end()
