@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
 
-from robots_core import BaseRobotModel
+from robots_core import BaseRobotModel, Pose
 from robots_core.robot_model.shapes import Shape, triangle_mesh
 
 KINDS = ('visualization', 'collision_model')
@@ -68,3 +69,18 @@ def test_shapes_are_as_large_as_the_robot(robot: BaseRobotModel, kind: str):
     assert (low > chain.min(axis=0) - 0.25 * length).all()
     assert (high < chain.max(axis=0) + 0.25 * length).all()
     assert np.linalg.norm(high - low) > 0.5 * np.linalg.norm(np.ptp(chain, axis=0))
+
+
+def test_home_is_free_of_collisions_between_bodies_that_are_no_neighbours(robot: BaseRobotModel):
+    r, T = robot.kinematic_model.frame_axes(robot.home)
+    manager = trimesh.collision.CollisionManager()
+    frame_of = {}
+    for shape in robot.collision_model.shapes:
+        frame = Pose.identity() if shape.frame == 0 else Pose(r[shape.frame - 1], T[shape.frame - 1])
+        pose = frame @ shape.pose
+        placement = np.eye(4)
+        placement[:3, :3], placement[:3, 3] = pose.T, pose.r
+        manager.add_object(shape.name, triangle_mesh(shape.geometry), placement)
+        frame_of[shape.name] = shape.frame
+    _, pairs = manager.in_collision_internal(return_names=True)
+    assert {pair for pair in pairs if abs(frame_of[pair[0]] - frame_of[pair[1]]) > 1} == set()

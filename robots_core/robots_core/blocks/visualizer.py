@@ -24,7 +24,7 @@ CREASE = np.pi / 6  # rad; edges sharper than this stay edges, flatter ones are 
 BRAND = (0, 150, 136)
 COLLISION_COLOUR = (30, 120, 255)
 CAMERA_DIRECTION = np.array([0.62, -0.72, 0.30])  # from the robot to the camera
-CAMERA_DISTANCE = 1.5  # in reaches of the robot
+CAMERA_DISTANCE = 1.7  # in reaches of the robot
 FIELD_OF_VIEW = np.pi / 5  # rad, as a lens of about 60 mm sees
 LAST_PORT = 65535
 
@@ -125,7 +125,7 @@ class Visualizer:
         scene.world_axes.visible = True
         scene.world_axes.axes_length, scene.world_axes.axes_radius = 0.12 * size, 0.003 * size
         scene.configure_default_lights(enabled=True, cast_shadow=True)
-        target = np.array([0.12, 0.0, 0.27]) * size
+        target = np.array([0.12, 0.0, 0.3]) * size
         camera = self._server.initial_camera
         camera.look_at = target
         camera.position = target + CAMERA_DISTANCE * size * CAMERA_DIRECTION / np.linalg.norm(
