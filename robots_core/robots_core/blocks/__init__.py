@@ -1,1 +1,7 @@
 """Functional blocks: robot-independent, ROS-free, numpy in and out."""
+
+from robots_core.blocks.direct_kinematics import DirectKinematics
+from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
+from robots_core.blocks.inverse_kinematics.ik_result import IkResult
+
+__all__ = ['DampedLeastSquares', 'DirectKinematics', 'IkResult']
