@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import threading
 import time
 from collections.abc import Callable
@@ -23,6 +25,8 @@ class PeriodicThread:
         period: s, above 0.
         name: The thread's name.
         on_error: Called from the thread with the exception that ended it.
+        realtime_priority: 1 to 99 asks the system for first-in-first-out scheduling with this priority, as
+            ros2_control does; without the permission the thread runs as any other. 0 does not ask.
     """
 
     def __init__(
@@ -32,10 +36,14 @@ class PeriodicThread:
         period: float,
         name: str,
         on_error: Callable[[BaseException], None],
+        realtime_priority: int = 0,
     ) -> None:
         self.period = positive(period, 'period', 's')
         self.missed = 0
         """Deadlines given up because the machine was too busy."""
+        self.realtime = False
+        """The system granted first-in-first-out scheduling."""
+        self._realtime_priority = realtime_priority
         self._work = work
         self._on_error = on_error
         self._stop = threading.Event()
@@ -51,7 +59,15 @@ class PeriodicThread:
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join()
 
+    def _ask_for_realtime(self) -> None:
+        with contextlib.suppress(PermissionError):
+            parameter = os.sched_param(self._realtime_priority)
+            os.sched_setscheduler(threading.get_native_id(), os.SCHED_FIFO, parameter)
+            self.realtime = True
+
     def _loop(self) -> None:
+        if self._realtime_priority > 0:
+            self._ask_for_realtime()
         period, work, stopped, clock = self.period, self._work, self._stop.is_set, time.monotonic
         try:
             deadline = clock() + period

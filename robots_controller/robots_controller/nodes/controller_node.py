@@ -10,20 +10,20 @@ from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
 from robots_planning.verification import verify
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from std_srvs.srv import Trigger
-from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.controller import Controller, ControllerSettings, ControllerState, MotionOutcome
 from robots_controller.nodes.trajectory_messages import trajectory_from_message
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.nodes.messages import MotionResult, doubles, joint_values, stamp_id
+from robots_core.nodes.messages import MotionResult, joint_values, stamp_id
 from robots_core.nodes.polled_subscription import PolledSubscription
 from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STATE, STREAM, subscribe_state
+from robots_core.nodes.reference_stream import ReferenceStream
 from robots_core.nodes.robot_node import RobotNode
 from robots_core.nodes.run import run
 from robots_core.periodic_thread import PeriodicThread
@@ -31,6 +31,8 @@ from robots_core.validation import Array, fraction
 from robots_planning.trajectory import Trajectory
 
 PROGRESS_RATE = 25.0  # Hz
+# Feedback tells where the robot stands and that it is alive; faster than this it only costs time.
+FEEDBACK_RATE = 125.0  # Hz
 # A callback may hold the interpreter for this long before the loop gets its turn.
 SWITCH_INTERVAL = 1e-4  # s
 
@@ -59,17 +61,22 @@ class ControllerNode(RobotNode):
                 ('following_error', 'largest distance of an axis to its reference, rad'),
             )
         }
+        priority = self.parameter(
+            'realtime_priority',
+            50,
+            'FIFO priority of the loop where the system permits it; 0: none',
+            read_only=True,
+        )
         self._controller = Controller(self.robot.axes_data, ControllerSettings(period=1.0 / rate, **options))
         self._names = list(self.robot.axes_data.names)
         self._mailbox: deque[Callable[[float], None]] = deque()
         self._planner_seen = False
         self._progress_every = max(1, round(rate / PROGRESS_RATE))
+        self._feedback_every = max(1, round(rate / FEEDBACK_RATE))
         self._cycle = 0
         self._last_progress = -1.0
 
-        self._message = JointTrajectory(joint_names=self._names, points=[JointTrajectoryPoint()])
-        self._message.points[0].time_from_start = Duration(seconds=1.0 / rate).to_msg()
-        self._reference_publisher = self.create_publisher(JointTrajectory, 'joint_reference', STATE)
+        self._references = ReferenceStream(self, 'joint_reference', self._names, time_from_start=1.0 / rate)
         self._progress_publisher = self.create_publisher(Float64, 'motion_progress', STATE)
         self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
         self._feedback: PolledSubscription[JointState] = PolledSubscription(
@@ -91,7 +98,11 @@ class ControllerNode(RobotNode):
         sys.setswitchinterval(SWITCH_INTERVAL)
         gc.freeze()
         self._thread = PeriodicThread(
-            self._step, period=1.0 / rate, name='controller', on_error=self.thread_failed
+            self._step,
+            period=1.0 / rate,
+            name='controller',
+            on_error=self.thread_failed,
+            realtime_priority=priority,
         )
         self._thread.start()
 
@@ -101,9 +112,11 @@ class ControllerNode(RobotNode):
         controller, mailbox = self._controller, self._mailbox
         while mailbox:
             mailbox.popleft()(now)
-        reference = controller.step(now, self._take_feedback())
+        self._cycle += 1
+        feedback = self._take_feedback() if self._cycle % self._feedback_every == 0 else None
+        reference = controller.step(now, feedback)
         if reference is not None:
-            self._publish_reference(reference)
+            self._references.publish(reference)
         while controller.outcomes:
             self._publish_result(controller.outcomes.popleft())
         self._publish_progress()
@@ -118,15 +131,6 @@ class ControllerNode(RobotNode):
             self.refuse('joint_states', error)
             return None
 
-    def _publish_reference(self, reference: Array) -> None:
-        message = self._message
-        message.header.stamp = self.get_clock().now().to_msg()
-        point = message.points[0]
-        point.positions = doubles(reference[0])
-        point.velocities = doubles(reference[1])
-        point.accelerations = doubles(reference[2])
-        self._reference_publisher.publish(message)
-
     def _publish_result(self, outcome: MotionOutcome) -> None:
         details = {key: str(value) for key, value in outcome.details.items()}
         result = MotionResult(outcome.id, outcome.ok, outcome.message, details)
@@ -135,7 +139,6 @@ class ControllerNode(RobotNode):
             self.get_logger().warning(f'motion stopped: {outcome.message}')  # type: ignore[no-untyped-call]
 
     def _publish_progress(self) -> None:
-        self._cycle += 1
         progress = self._controller.progress
         ends = progress in (0.0, 1.0)
         if progress != self._last_progress and (ends or self._cycle % self._progress_every == 0):
@@ -212,7 +215,11 @@ class ControllerNode(RobotNode):
 
     def _report(self) -> None:
         controller = self._controller
-        values: dict[str, Any] = {'state': controller.state.value, 'missed_deadlines': self._thread.missed}
+        values: dict[str, Any] = {
+            'state': controller.state.value,
+            'missed_deadlines': self._thread.missed,
+            'realtime': self._thread.realtime,
+        }
         if controller.state is ControllerState.WAITING:
             self.report_health(DiagnosticStatus.WARN, 'waiting for joint_states', **values)
         elif controller.feedback_lost:

@@ -1,0 +1,271 @@
+"""cell: starts the whole suite for one robot, shows what it does, records it and ends it cleanly."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import sys
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+from rich.console import Console
+
+from robots_controller.cell_events import Event, NodeHealth, ProgramStatus
+from robots_controller.cell_graph import cell_graph
+from robots_controller.cell_view import CellView
+from robots_controller.motion_report import motion_report
+from robots_controller.node_processes import NodeProcesses
+from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.nodes.cell_monitor import CellMonitor
+from robots_core.errors import RobotsError
+from robots_core.robot_choice import load_robot_model
+
+START_TIMEOUT = 60.0  # s, for all nodes to be ready on a slow machine
+SERVICE_TIMEOUT = 10.0  # s
+POLL = 0.05  # s between looks at processes and events
+
+# What a report needs; the recorder is subscribed to these before the program starts.
+REPORTED_TOPICS = (
+    'command_state',
+    'digital_outputs',
+    'joint_reference',
+    'joint_states',
+    'joint_trajectory',
+    'motion_result',
+    'program_status',
+    'ptpcartesian',
+    'ptpjoint_cartesian',
+    'ptpjoint_joint',
+)
+EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
+
+
+@dataclass(frozen=True)
+class CellOptions:
+    """What `cell` is asked to do; see its command line for the meaning."""
+
+    robot: str
+    program: str
+    namespace: str
+    record: Path | None
+    once: bool
+    view: bool
+    rate: float
+    port: int
+
+
+def main() -> None:
+    """Run from the command line."""
+    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    console = Console(highlight=False)
+    try:
+        code = run_cell(parse_options(sys.argv[1:]), console)
+    except RobotsError as error:
+        Console(stderr=True).print(f'[bold red]error:[/] {error}', highlight=False, markup=True)
+        code = EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        code = EXIT_INTERRUPTED
+    sys.exit(code)
+
+
+def parse_options(arguments: Sequence[str]) -> CellOptions:
+    """Options from a command line.
+
+    Raises:
+        RobotsError: a program that does not exist.
+    """
+    parser = argparse.ArgumentParser(prog='cell', description=__doc__)
+    parser.add_argument('--robot', default='bello_bot', help="the robot's name, or urdf:/path/to/robot.urdf")
+    parser.add_argument('--program', default='', help='Lua robot program to run')
+    parser.add_argument('--namespace', default='/', help='ROS namespace of all nodes')
+    parser.add_argument('--record', type=Path, metavar='FOLDER', help='record a bag below this folder')
+    parser.add_argument('--once', action='store_true', help='end when the program has ended')
+    parser.add_argument('--view', action='store_true', help='with --once: stay, so that the page stays open')
+    parser.add_argument('--rate', type=float, default=250.0, help='references per second, Hz')
+    parser.add_argument('--port', type=int, default=8080, help='first port to try for the browser page')
+    options = parser.parse_args(arguments)
+    if options.program and not Path(options.program).is_file():
+        raise RobotsError(f'program {options.program!r} not found; programs are Lua files, see programs/')
+    if options.once and not options.program:
+        raise RobotsError('--once needs a --program to run')
+    return CellOptions(
+        robot=options.robot,
+        program=str(Path(options.program).resolve()) if options.program else '',
+        namespace='/' + options.namespace.strip('/'),
+        record=options.record,
+        once=options.once,
+        view=options.view,
+        rate=options.rate,
+        port=options.port,
+    )
+
+
+def run_cell(options: CellOptions, console: Console) -> int:
+    """Run a cell until its program has ended (`once`), a node dies, or Ctrl-C.
+
+    Returns:
+        Exit code: 0 if all went well; 1 if the program failed, a target was missed, a limit was broken
+        or a node died; 130 after Ctrl-C.
+
+    Raises:
+        RobotsError: an unknown robot, or the suite is not installed.
+    """
+    load_robot_model(options.robot)  # a wrong name is said before anything starts
+    graph = cell_graph(robot=options.robot, program=options.program, rate=options.rate, port=options.port)
+    folder = _run_folder(options.record or Path('out'), options)
+    processes = NodeProcesses(graph, namespace=options.namespace, log_folder=folder / 'log')
+    job = f' runs [bold]{Path(options.program).name}[/]' if options.program else ''
+    console.print(f'[bold]{options.robot}[/]{job}')
+    with _listen(options, folder / 'bag' if options.record else None) as (monitor, recorder):
+        view = CellView(console, processes.names)
+        cell = _Cell(options, processes, monitor, recorder, view)
+        try:
+            processes.start()
+            code = cell.run()
+        except KeyboardInterrupt:
+            console.print('\nstopping ...')
+            code = EXIT_INTERRUPTED
+        finally:
+            view.close()
+            processes.stop()
+    if recorder is not None:
+        console.print(f'bag: {recorder.path}')
+        if cell.program_ended:
+            report = motion_report(recorder.path, options.robot, namespace=options.namespace)
+            report.show(console)
+            if not report.ok:
+                code = code or EXIT_FAILED
+    return code
+
+
+class _Cell:
+    """A running cell: waits for its nodes, runs the program, watches the processes."""
+
+    def __init__(
+        self,
+        options: CellOptions,
+        processes: NodeProcesses,
+        monitor: CellMonitor,
+        recorder: BagRecorder | None,
+        view: CellView,
+    ) -> None:
+        self._options = options
+        self._processes = processes
+        self._monitor = monitor
+        self._recorder = recorder
+        self._console = view.console
+        self._waiting = set(processes.names)
+        self._failed = False
+        self.program_ended = False
+        self._view = view
+
+    def run(self) -> int:
+        """Until the program has ended, a node dies, or forever."""
+        if not self._until(self._ready, START_TIMEOUT):
+            late = ', '.join(sorted(self._waiting)) or 'the recorder'
+            self._console.print(f'[bold red]not ready after {START_TIMEOUT:g} s:[/] {late}')
+            return EXIT_FAILED
+        if self._options.program and not (self._call('open') and self._call('run')):
+            return EXIT_FAILED
+        while self._healthy():
+            self._show_events()
+            if self.program_ended and self._options.once and not self._options.view:
+                return EXIT_FAILED if self._failed else EXIT_OK
+        return EXIT_FAILED
+
+    def _ready(self) -> bool:
+        return not self._waiting and (self._recorder is None or self._recorder.records(REPORTED_TOPICS))
+
+    def _until(self, condition: object, timeout: float) -> bool:
+        deadline = time.monotonic() + timeout
+        assert callable(condition)
+        while not condition():
+            if not self._healthy() or time.monotonic() > deadline:
+                return False
+            self._show_events()
+        return True
+
+    def _healthy(self) -> bool:
+        dead = self._processes.dead()
+        for node in dead:
+            self._console.print(f'[bold red]{node.name} {node.reason}[/]\n{node.last_words}', markup=True)
+        return not dead
+
+    def _call(self, service: str) -> bool:
+        future = self._monitor.call(f'lua_program_node/{service}')
+        if not self._until(future.done, SERVICE_TIMEOUT):
+            self._console.print(f'[bold red]lua_program_node does not answer ~/{service}[/]')
+            return False
+        response = future.result()
+        if not response.success:
+            self._console.print(f'[bold red]{response.message}[/]')
+        return bool(response.success)
+
+    def _show_events(self) -> None:
+        """Show what came in since the last call."""
+        for event in self._monitor.take():
+            self._note(event)
+            self._view.show(event)
+        time.sleep(POLL)
+
+    def _note(self, event: Event) -> None:
+        match event:
+            case NodeHealth(node, ok, _, _):
+                if ok:
+                    self._waiting.discard(node)
+            case ProgramStatus(state):
+                self.program_ended = state in ('FINISHED', 'FAILED', 'STOPPED')
+                self._failed = state in ('FAILED', 'STOPPED')
+
+
+def _run_folder(root: Path, options: CellOptions) -> Path:
+    program = Path(options.program).stem or 'cell'
+    robot = Path(options.robot.removeprefix('urdf:')).stem
+    stamp = time.strftime('%Y%m%d-%H%M%S')
+    folder = root / f'{program}_{robot}_{stamp}'
+    number = 1
+    while folder.exists():
+        number += 1
+        folder = root / f'{program}_{robot}_{stamp}_{number}'
+    folder.mkdir(parents=True)
+    return folder
+
+
+@contextlib.contextmanager
+def _listen(options: CellOptions, bag: Path | None) -> Iterator[tuple[CellMonitor, BagRecorder | None]]:
+    """The cell's own two nodes, spun by a thread."""
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    monitor = CellMonitor(namespace=options.namespace)
+    recorder = BagRecorder(bag, namespace=options.namespace) if bag is not None else None
+    executor = SingleThreadedExecutor()
+    nodes = [node for node in (monitor, recorder) if node is not None]
+    for node in nodes:
+        executor.add_node(node)
+
+    def spin() -> None:
+        with contextlib.suppress(ExternalShutdownException):
+            executor.spin()
+
+    thread = threading.Thread(target=spin, name='cell listener', daemon=True)
+    thread.start()
+    try:
+        yield monitor, recorder
+    finally:
+        executor.shutdown()
+        thread.join()
+        if recorder is not None:
+            recorder.close()
+        for node in nodes:
+            node.destroy_node()  # type: ignore[no-untyped-call]
+        rclpy.shutdown()
+
+
+if __name__ == '__main__':
+    main()

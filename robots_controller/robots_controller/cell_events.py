@@ -1,0 +1,90 @@
+"""Events of a running cell: what the monitor hears and the view shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robots_core.pose import Pose
+from robots_core.validation import Array
+
+
+@dataclass(frozen=True)
+class NodeHealth:
+    """A node's own report; `ok` means ready."""
+
+    node: str
+    ok: bool
+    message: str
+    url: str
+
+
+@dataclass(frozen=True)
+class ProgramStatus:
+    """Where the program is: state, line, that line's text, error."""
+
+    state: str
+    file: str
+    line: int
+    source: str
+    error: str
+
+
+@dataclass(frozen=True)
+class ProgramPrint:
+    """The program printed a text."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class MotionCommanded:
+    """A motion was commanded; the target is joint positions or a pose."""
+
+    id: str
+    kind: str
+    target: Array | Pose
+
+
+@dataclass(frozen=True)
+class MotionPlanned:
+    """A motion was planned; duration in s."""
+
+    id: str
+    duration: float
+
+
+@dataclass(frozen=True)
+class MotionProgress:
+    """Done part of the running motion, 0..1."""
+
+    progress: float
+
+
+@dataclass(frozen=True)
+class MotionEnded:
+    """A motion ended; `ok` means that the robot stands at the target. Details are those of the result."""
+
+    id: str
+    ok: bool
+    message: str
+    details: dict[str, str]
+
+
+@dataclass(frozen=True)
+class OutputsChanged:
+    """Outputs have other values; kind is 'digital' or 'analog', changes are (index from 1, value)."""
+
+    kind: str
+    changes: tuple[tuple[int, float], ...]
+
+
+Event = (
+    NodeHealth
+    | ProgramStatus
+    | ProgramPrint
+    | MotionCommanded
+    | MotionPlanned
+    | MotionProgress
+    | MotionEnded
+    | OutputsChanged
+)

@@ -1,0 +1,127 @@
+"""CellView: what happens in the cell, as lines for a person in a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+
+from robots_controller.cell_events import (
+    Event,
+    MotionCommanded,
+    MotionEnded,
+    MotionPlanned,
+    MotionProgress,
+    NodeHealth,
+    OutputsChanged,
+    ProgramPrint,
+    ProgramStatus,
+)
+from robots_core.pose import Pose
+
+MARGIN = ' ' * 8
+
+
+class CellView:
+    """Writes one line per thing that happens and a bar over the running motion.
+
+    Args:
+        console: Where to write.
+        nodes: Names of the nodes that are expected.
+    """
+
+    def __init__(self, console: Console, nodes: Sequence[str]) -> None:
+        self.console = console
+        self._waiting = list(nodes)
+        self._line = 0
+        self._motion: MotionCommanded | None = None
+        self._bar = Progress(
+            TextColumn(f'{MARGIN}[cyan]{{task.description}}'),
+            BarColumn(bar_width=40),
+            TextColumn('{task.percentage:>3.0f} %'),
+            TimeElapsedColumn(),
+            console=console,
+            transient=True,
+        )
+        self._task: TaskID | None = None
+        self._handlers: dict[type, Callable[[Any], None]] = {
+            NodeHealth: self._show_health,
+            ProgramStatus: self._show_program,
+            ProgramPrint: self._show_print,
+            MotionCommanded: self._show_commanded,
+            MotionPlanned: self._show_planned,
+            MotionProgress: self._show_progress,
+            MotionEnded: self._show_end,
+            OutputsChanged: self._show_outputs,
+        }
+
+    def close(self) -> None:
+        """Remove the bar."""
+        self._bar.stop()
+
+    def show(self, event: Event) -> None:
+        """Show an event."""
+        show: Callable[[Any], None] = self._handlers[type(event)]
+        show(event)
+
+    def _show_print(self, event: ProgramPrint) -> None:
+        self.console.print(f'{MARGIN}[bold]{escape(event.text)}[/]', highlight=False)
+
+    def _show_commanded(self, event: MotionCommanded) -> None:
+        self._motion = event
+
+    def _show_progress(self, event: MotionProgress) -> None:
+        if self._task is not None:
+            self._bar.update(self._task, completed=event.progress)
+
+    def _show_outputs(self, event: OutputsChanged) -> None:
+        for index, value in event.changes:
+            self.console.print(
+                f'{MARGIN}{event.kind} output {index} [bold magenta]-> {value:g}[/]', highlight=False
+            )
+
+    def _show_health(self, event: NodeHealth) -> None:
+        if event.ok and event.node in self._waiting:
+            self._waiting.remove(event.node)
+            where = f'  [link={event.url}]{event.url}[/link]' if event.url else ''
+            self.console.print(f'  [green]ready[/]  {event.node}{where}', highlight=False)
+        elif not event.ok and event.node not in self._waiting:
+            self.console.print(f'  [yellow]{event.node}: {escape(event.message)}[/]', highlight=False)
+
+    def _show_program(self, event: ProgramStatus) -> None:
+        if event.error:
+            self.console.print(f'[bold red]{escape(event.error)}[/]', highlight=False)
+        elif event.state == 'RUNNING' and event.line and event.line != self._line:
+            self._line = event.line
+            self.console.print(f'[dim]{event.line:>5}[/]   {escape(event.source.strip())}', highlight=False)
+
+    def _show_planned(self, event: MotionPlanned) -> None:
+        if self._motion is None or self._motion.id != event.id:
+            return
+        kind, target = self._motion.kind, _target(self._motion.target)
+        self.console.print(
+            f'{MARGIN}[cyan]{kind}[/] to {target}, planned [bold]{event.duration:.2f} s[/]', highlight=False
+        )
+        self._bar.start()
+        self._task = self._bar.add_task(kind, total=1.0)
+
+    def _show_end(self, event: MotionEnded) -> None:
+        if self._task is not None:
+            self._bar.remove_task(self._task)
+            self._task = None
+            self._bar.stop()
+        if event.ok:
+            duration = float(event.details.get('duration', 'nan'))
+            self.console.print(f'{MARGIN}[green]{event.message}[/] after {duration:.2f} s', highlight=False)
+        self._motion = None
+
+
+def _target(target: Pose | Sequence[float] | np.ndarray) -> str:
+    if isinstance(target, Pose):
+        x, y, z = target.r
+        return f'({x:.3f}, {y:.3f}, {z:.3f}) m'
+    return '(' + ', '.join(f'{value:.3f}' for value in target) + ') rad'

@@ -1,0 +1,194 @@
+"""How well the controller keeps time, next to a bare rclpy timer, and how soon a motion call moves the robot.
+
+Run by `make benchmark-controller`. Timer and controller take turns, so that a busy machine hits both.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import Stores, get_typestore
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_controller.cell_graph import NodeDescription
+from robots_core import load_robot_model
+
+HERE = Path(__file__).parent
+MOVES = 20
+
+
+@dataclass(frozen=True)
+class Timing:
+    """One run: deviations of the period (us), and CPU share of the publishing process."""
+
+    deviation: np.ndarray
+    cpu: float
+
+
+class Receiver(Node):
+    """Collects the send stamps of `joint_reference`."""
+
+    def __init__(self) -> None:
+        super().__init__('receiver')
+        self.stamps: list[int] = []
+        self.create_subscription(JointTrajectory, 'joint_reference', self._on_message, QoSProfile(depth=1000))
+
+    def _on_message(self, message: JointTrajectory) -> None:
+        stamp = message.header.stamp
+        self.stamps.append(stamp.sec * 1_000_000_000 + stamp.nanosec)
+
+
+def cpu_seconds(pid: int) -> float:
+    fields = Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
+
+
+@contextlib.contextmanager
+def process(*command: str) -> Iterator[int]:
+    child = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield child.pid
+    finally:
+        child.send_signal(signal.SIGINT)
+        child.wait(10.0)
+
+
+def measure(receiver: Receiver, pid: int, rate: float, seconds: float) -> Timing:
+    receiver.stamps.clear()
+    deadline = time.monotonic() + 30.0
+    while len(receiver.stamps) < rate:  # one second of warm-up
+        if time.monotonic() > deadline:
+            raise SystemExit('no joint_reference arrives')
+        time.sleep(0.01)
+    receiver.stamps.clear()
+    cpu, start = cpu_seconds(pid), time.monotonic()
+    time.sleep(seconds)
+    share = (cpu_seconds(pid) - cpu) / (time.monotonic() - start)
+    periods = np.diff(np.array(receiver.stamps)) / 1e3
+    return Timing(np.abs(periods - 1e6 / rate), share)
+
+
+def node_command(node: NodeDescription) -> list[str]:
+    command = [str(node.executable_path()), '--ros-args']
+    for name, value in node.parameters.items():
+        command += ['-p', f'{name}:={value}']
+    return command
+
+
+def run_timings(robot: str, rate: float, seconds: float, rounds: int) -> tuple[list[Timing], list[Timing]]:
+    names = load_robot_model(robot).axes_data.names
+    parameters = {'robot_model': robot, 'rate': rate}
+    controller = NodeDescription('robots_controller', 'controller_node', parameters)
+    drive = NodeDescription('robots_core', 'drive_node', parameters)
+    rclpy.init()
+    receiver, executor = Receiver(), SingleThreadedExecutor()
+    executor.add_node(receiver)
+    thread = threading.Thread(target=executor.spin, daemon=True)
+    thread.start()
+    timer_runs, controller_runs = [], []
+    for _ in track(range(rounds), description='measuring', transient=True):
+        with process(sys.executable, str(HERE / 'bare_timer.py'), str(rate), ','.join(names)) as pid:
+            timer_runs.append(measure(receiver, pid, rate, seconds))
+        with process(*node_command(drive)), process(*node_command(controller)) as pid:
+            controller_runs.append(measure(receiver, pid, rate, seconds))
+    executor.shutdown()
+    thread.join()
+    receiver.destroy_node()
+    rclpy.shutdown()
+    return timer_runs, controller_runs
+
+
+def run_delays(robot: str) -> np.ndarray:
+    """Time from a Lua motion call (the stamp of its command) to the first changed reference, ms."""
+    home = np.degrees(load_robot_model(robot).home)
+    with tempfile.TemporaryDirectory() as folder:
+        lines = []
+        for move in range(MOVES):
+            q = home.copy()
+            q[0] += 2.0 * (-1) ** move
+            lines.append(f'ptpJointSpaceAngles({", ".join(map(repr, q.tolist()))})')
+        program = Path(folder, 'delay.lua')
+        program.write_text('\n'.join(lines) + '\n')
+        cell = NodeDescription('robots_controller', 'cell').executable_path()
+        command = [str(cell), '--robot', robot, '--program', str(program), '--record', folder, '--once']
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        return delays_of(next(Path(folder).glob('*/bag')))
+
+
+def delays_of(bag: Path) -> np.ndarray:
+    typestore = get_typestore(Stores.ROS2_JAZZY)
+    commands, references = [], []
+    with Reader(bag) as reader:
+        for connection, _, data in reader.messages():
+            topic = connection.topic.rsplit('/', 1)[-1]
+            if topic not in ('ptpjoint_joint', 'joint_reference'):
+                continue
+            message = typestore.deserialize_cdr(data, connection.msgtype)
+            stamp = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
+            if topic == 'ptpjoint_joint':
+                commands.append(stamp)
+            else:
+                references.append((stamp, message.points[0].positions.tolist()))
+    changes = np.array(
+        [new[0] for old, new in zip(references, references[1:], strict=False) if old[1] != new[1]]
+    )
+    firsts = [changes[np.searchsorted(changes, command)] for command in commands]
+    return 1e3 * (np.array(firsts) - np.array(commands))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--robot', default='kuka_kr210_r2700')
+    parser.add_argument('--rate', type=float, default=1000.0, help='Hz')
+    parser.add_argument('--seconds', type=float, default=10.0, help='per run')
+    parser.add_argument('--rounds', type=int, default=3)
+    options = parser.parse_args()
+    timer, controller = run_timings(options.robot, options.rate, options.seconds, options.rounds)
+    console = Console()
+    table = Table(title=f'joint_reference at {options.rate:g} Hz, {options.rounds} x {options.seconds:g} s, medians')
+    for column in ('', 'bare rclpy timer', 'controller_node', 'ratio'):
+        table.add_column(column, justify='right')
+
+    def row(name: str, unit: str, values: list[list[float]]) -> float:
+        a, b = (float(np.median(runs)) for runs in values)
+        table.add_row(name, f'{a:.3g} {unit}', f'{b:.3g} {unit}', f'{b / a:.2f}')
+        return b / a
+
+    ratios = {}
+    for quantile in (50.0, 99.0, 99.9):
+        runs = [[float(np.percentile(run.deviation, quantile)) for run in side] for side in (timer, controller)]
+        ratios[quantile] = row(f'period deviation p{quantile:g}', 'us', runs)
+    ratios['cpu'] = row('CPU share', '%', [[100.0 * run.cpu for run in side] for side in (timer, controller)])
+    console.print(table)
+    delays = run_delays(options.robot)
+    console.print(
+        f'Lua motion call to first changed reference at 250 Hz, {delays.size} moves: '
+        f'median {np.median(delays):.1f} ms, worst {delays.max():.1f} ms'
+    )
+    console.print(
+        f'targets: p99 ratio {ratios[99.0]:.2f} (at most 0.5), CPU ratio {ratios["cpu"]:.2f} (at most 0.3)'
+    )
+
+
+if __name__ == '__main__':
+    main()
