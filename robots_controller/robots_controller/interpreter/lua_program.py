@@ -190,6 +190,11 @@ class LuaProgram:
         return self._state.run_state
 
     @property
+    def stopping(self) -> bool:
+        """The program was told to stop."""
+        return self._state.stopping
+
+    @property
     def file(self) -> str:
         """The opened program's file name, '' for none."""
         source = self._source
