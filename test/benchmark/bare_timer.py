@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import array
+import contextlib
 import sys
 
 import rclpy
@@ -38,10 +39,8 @@ def main() -> None:
     rclpy.init()
     executor = SingleThreadedExecutor()
     executor.add_node(BareTimer(rate, names))
-    try:
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
         executor.spin()
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
 
 
 if __name__ == '__main__':

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import itertools
 import os
 import signal
 import subprocess
@@ -65,7 +66,9 @@ def cpu_seconds(pid: int) -> float:
 
 @contextlib.contextmanager
 def process(*command: str) -> Iterator[int]:
-    child = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    child = subprocess.Popen(
+        command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
     try:
         yield child.pid
     finally:
@@ -149,9 +152,7 @@ def delays_of(bag: Path) -> np.ndarray:
                 commands.append(stamp)
             else:
                 references.append((stamp, message.points[0].positions.tolist()))
-    changes = np.array(
-        [new[0] for old, new in zip(references, references[1:], strict=False) if old[1] != new[1]]
-    )
+    changes = np.array([new[0] for old, new in itertools.pairwise(references) if old[1] != new[1]])
     firsts = [changes[np.searchsorted(changes, command)] for command in commands]
     return 1e3 * (np.array(firsts) - np.array(commands))
 
@@ -165,7 +166,8 @@ def main() -> None:
     options = parser.parse_args()
     timer, controller = run_timings(options.robot, options.rate, options.seconds, options.rounds)
     console = Console()
-    table = Table(title=f'joint_reference at {options.rate:g} Hz, {options.rounds} x {options.seconds:g} s, medians')
+    length = f'{options.rounds} x {options.seconds:g} s'
+    table = Table(title=f'joint_reference at {options.rate:g} Hz, {length}, medians')
     for column in ('', 'bare rclpy timer', 'controller_node', 'ratio'):
         table.add_column(column, justify='right')
 
@@ -176,7 +178,9 @@ def main() -> None:
 
     ratios = {}
     for quantile in (50.0, 99.0, 99.9):
-        runs = [[float(np.percentile(run.deviation, quantile)) for run in side] for side in (timer, controller)]
+        runs = [
+            [float(np.percentile(run.deviation, quantile)) for run in side] for side in (timer, controller)
+        ]
         ratios[quantile] = row(f'period deviation p{quantile:g}', 'us', runs)
     ratios['cpu'] = row('CPU share', '%', [[100.0 * run.cpu for run in side] for side in (timer, controller)])
     console.print(table)

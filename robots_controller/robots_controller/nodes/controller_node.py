@@ -44,8 +44,8 @@ class ControllerNode(RobotNode):
     empties once per period.
     """
 
-    def __init__(self) -> None:
-        super().__init__('controller_node')
+    def __init__(self, **options: Any) -> None:
+        super().__init__('controller_node', **options)
         rate = self.parameter(
             'rate', 250.0, 'references per second, Hz', bounds=(10.0, 2000.0), read_only=True
         )
@@ -140,7 +140,7 @@ class ControllerNode(RobotNode):
 
     def _publish_progress(self) -> None:
         progress = self._controller.progress
-        ends = progress in (0.0, 1.0)
+        ends = progress in (0.0, 1.0)  # both are told, whatever the rate
         if progress != self._last_progress and (ends or self._cycle % self._progress_every == 0):
             self._last_progress = progress
             self._progress_publisher.publish(Float64(data=progress))
@@ -150,6 +150,8 @@ class ControllerNode(RobotNode):
             self._controller.follow(trajectory, id_, now)
         except RobotsError as error:
             self._refuse_motion(id_, error)
+            return
+        self._publish_progress()
 
     # -- the executor's thread -----------------------------------------------------------------------
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 import numpy as np
 from sensor_msgs.msg import JointState
@@ -22,8 +23,8 @@ from robots_core.validation import Array
 class DriveNode(RobotNode):
     """The drives in the place of a real robot: one `DriveTrain` stepped in real time."""
 
-    def __init__(self) -> None:
-        super().__init__('drive_node')
+    def __init__(self, **options: Any) -> None:
+        super().__init__('drive_node', **options)
         rate = self.parameter('rate', 250.0, 'steps per second, Hz', bounds=(10.0, 2000.0), read_only=True)
         bandwidth = self.parameter(
             'bandwidth',

@@ -1,0 +1,250 @@
+"""controller_node and drive_node together, over real topics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from robots_controller.nodes.controller_node import ControllerNode
+from robots_core import load_robot_model
+from robots_core.nodes.drive_node import DriveNode
+from robots_core.nodes.messages import MotionResult, doubles, stamp_id
+from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STATE
+
+ROBOT = load_robot_model('kuka_kr210_r2700')
+NAMES = list(ROBOT.axes_data.names)
+HOME = np.array(ROBOT.home)
+AWAY = HOME + np.array([0.2, 0.1, -0.1, 0.3, 0.2, 0.1])
+FAST_DRIVES = [Parameter('bandwidth', value=[40.0])]
+MANY = QoSProfile(depth=1000)
+
+
+class Bench:
+    """A controller with its drive, and somebody who sends trajectories."""
+
+    def __init__(self, nodes: Any) -> None:
+        self.nodes = nodes
+        options: dict[str, Any] = {'context': nodes.context}
+        robot = Parameter('robot_model', value='kuka_kr210_r2700')
+        self.drive = DriveNode(**options, parameter_overrides=[robot, *FAST_DRIVES])
+        self.controller = ControllerNode(**options, parameter_overrides=[robot])
+        node = self.node = nodes.create_node('planner')
+        self.references: list[np.ndarray] = []
+        self.results: list[MotionResult] = []
+        self.progress: list[float] = []
+        self.health: dict[str, tuple[bytes, str]] = {}
+        self.positions: list[np.ndarray] = []
+        self.trajectories = node.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
+        self.override = node.create_publisher(Float64, 'override', STATE)
+        node.create_subscription(JointTrajectory, 'joint_reference', self._on_reference, MANY)
+        node.create_subscription(
+            DiagnosticStatus,
+            'motion_result',
+            lambda m: self.results.append(MotionResult.from_message(m)),
+            COMMAND,
+        )
+        node.create_subscription(Float64, 'motion_progress', lambda m: self.progress.append(m.data), MANY)
+        node.create_subscription(JointState, 'joint_states', self._on_joint_states, MANY)
+        node.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, MANY)
+        nodes.add(self.drive)
+        nodes.add(self.controller)
+        self.wait(lambda: self.references and self.trajectories.get_subscription_count(), 'first reference')
+
+    def _on_reference(self, message: JointTrajectory) -> None:
+        self.references.append(np.array(message.points[0].positions))
+
+    def _on_joint_states(self, message: JointState) -> None:
+        self.positions.append(np.array(message.position))
+
+    def _on_health(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            self.health[status.name] = (status.level, status.message)
+
+    def wait(self, condition: Callable[[], Any], what: str) -> None:
+        self.nodes.wait_for(condition, what=what)
+
+    def send(
+        self, start: np.ndarray, goal: np.ndarray, duration: float = 1.0, names: list[str] | None = None
+    ) -> str:
+        """Send a minimum-jerk motion; returns its id."""
+        zero = doubles(np.zeros(start.size))
+        message = JointTrajectory(joint_names=names or NAMES)
+        message.header.stamp = self.node.get_clock().now().to_msg()
+        for time, q in ((0.0, start), (duration, goal)):
+            point = JointTrajectoryPoint(positions=doubles(q), velocities=zero, accelerations=zero)
+            point.time_from_start.sec, point.time_from_start.nanosec = int(time), int(1e9 * (time % 1))
+            message.points.append(point)
+        self.trajectories.publish(message)
+        return stamp_id(message.header.stamp)
+
+    def result(self) -> MotionResult:
+        self.wait(lambda: self.results, 'motion_result')
+        return self.results.pop(0)
+
+    def call(self, service: str) -> None:
+        client = self.node.create_client(Trigger, f'controller_node/{service}')
+        self.wait(client.service_is_ready, service)
+        future = client.call_async(Trigger.Request())
+        self.wait(future.done, service)
+        assert future.result().success
+
+    def until_moving(self) -> None:
+        self.wait(lambda: 0.0 < (self.progress or [0.0])[-1] < 1.0, 'a moving robot')
+
+    def until_standing(self) -> None:
+        """The last 50 references, 0.2 s of them, are the same."""
+        count = len(self.references)
+        self.wait(
+            lambda: len(self.references) > count + 50 and np.ptp(self.references[-50:], axis=0).max() == 0.0,
+            'a standing robot',
+        )
+
+
+@pytest.fixture
+def bench(ros_nodes: Any) -> Bench:
+    return Bench(ros_nodes)
+
+
+def test_follows_a_trajectory_and_tells_when_the_robot_stands_there(bench: Bench) -> None:
+    sent = bench.send(HOME, AWAY)
+    result = bench.result()
+    assert result.id == sent
+    assert result.ok, result.message
+    assert float(result.details['planned_duration']) == 1.0
+    np.testing.assert_allclose(bench.positions[-1], AWAY, atol=1e-5)  # goal_tolerance
+    np.testing.assert_allclose(bench.references[-1], AWAY, atol=1e-12)
+    bench.wait(lambda: bench.progress[-1] == 1.0, 'progress 1')
+    assert 0.0 in bench.progress
+    assert np.all(np.diff(bench.progress[bench.progress.index(0.0) :]) >= 0.0)
+
+
+def test_matches_joints_by_name_not_by_order(bench: Bench) -> None:
+    order = [3, 1, 0, 5, 2, 4]
+    bench.send(HOME[order], AWAY[order], names=[NAMES[i] for i in order])
+    assert bench.result().ok
+    np.testing.assert_allclose(bench.references[-1], AWAY, atol=1e-12)
+
+
+def test_pause_stands_on_the_path_and_resume_goes_on(bench: Bench) -> None:
+    bench.send(HOME, AWAY)
+    bench.until_moving()
+    bench.call('pause')
+    bench.until_standing()
+    part = (bench.references[-1] - HOME) / (AWAY - HOME)
+    assert 0.0 < part[0] < 1.0
+    np.testing.assert_allclose(part, part[0], atol=1e-9)  # a straight line in joint space
+    bench.call('resume')
+    assert bench.result().ok
+
+
+def test_stop_gives_the_motion_up_and_the_next_one_runs(bench: Bench) -> None:
+    bench.send(HOME, AWAY)
+    bench.until_moving()
+    bench.call('stop')
+    result = bench.result()
+    assert not result.ok
+    assert result.message == 'stopped by ~/stop'
+    bench.until_standing()
+    bench.send(bench.references[-1], HOME)
+    assert bench.result().ok
+
+
+def test_an_empty_trajectory_stops(bench: Bench) -> None:
+    bench.send(HOME, AWAY)
+    bench.until_moving()
+    bench.trajectories.publish(JointTrajectory(joint_names=NAMES))
+    assert bench.result().message == 'stopped by an empty joint_trajectory'
+
+
+def test_half_the_override_takes_twice_the_time(bench: Bench) -> None:
+    bench.override.publish(Float64(data=0.5))
+    bench.wait(lambda: bench.controller._controller.override == 0.5, 'override')
+    bench.send(HOME, AWAY)
+    result = bench.result()
+    assert result.ok
+    # 2 s of path, then smoothing and settling, which the override does not touch.
+    assert 2.0 <= float(result.details['duration']) <= 2.5
+
+
+@pytest.mark.parametrize('value', [1.5, -0.1, float('nan')])
+def test_an_override_outside_its_range_is_refused_and_named(bench: Bench, value: float) -> None:
+    bench.override.publish(Float64(data=value))
+    bench.wait(
+        lambda: 'must be in [0, 1]' in bench.health.get('/controller_node', (b'', ''))[1], 'a diagnostic'
+    )
+    bench.send(HOME, AWAY)
+    assert bench.result().ok
+
+
+def test_lost_feedback_brakes_on_the_path(bench: Bench) -> None:
+    bench.send(HOME, AWAY)
+    bench.until_moving()
+    bench.drive._thread.stop()
+    result = bench.result()
+    assert not result.ok
+    assert 'no feedback for 0.1 s' in result.message
+    part = (bench.references[-1] - HOME) / (AWAY - HOME)
+    np.testing.assert_allclose(part, part[0], atol=1e-9)
+    bench.wait(lambda: bench.health['/controller_node'][0] == DiagnosticStatus.ERROR, 'an error')
+
+
+def test_a_lost_planner_brakes_on_the_path(bench: Bench, ros_domain: int) -> None:
+    # Liveliness is a matter between participants of the middleware, and a context is one.
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=ros_domain)
+    planner = Node('planning_node', context=context)
+    planner.create_publisher(Bool, 'finished', PLANNER_ALIVE)
+    bench.wait(lambda: bench.controller._planner_seen, 'a planner that is alive')
+    bench.send(HOME, AWAY)
+    bench.until_moving()
+    planner.destroy_node()
+    context.try_shutdown()
+    result = bench.result()
+    assert not result.ok
+    assert result.message.startswith('planning_node is gone')
+
+
+def test_says_what_is_wrong_with_a_trajectory(bench: Bench) -> None:
+    too_far = HOME.copy()
+    too_far[1] = 0.5
+    for start, goal, duration, names, message in (
+        (HOME + 0.1, AWAY, 1.0, NAMES, 'plan from the current joint_reference'),
+        (HOME, AWAY, 0.1, NAMES, 'breaks a limit'),
+        (HOME, too_far, 3.0, NAMES, 'A2'),
+        (HOME, np.full(6, np.nan), 1.0, NAMES, 'not finite'),
+        (HOME, AWAY, 1.0, ['x', *NAMES[1:]], 'lacks joint A1'),
+    ):
+        sent = bench.send(start, goal, duration, list(names))
+        result = bench.result()
+        assert result.id == sent
+        assert not result.ok
+        assert message in result.message
+    np.testing.assert_array_equal(bench.references[-1], HOME)
+    bench.send(HOME, AWAY)
+    assert bench.result().ok
+
+
+def test_refuses_joint_states_that_lack_a_joint(ros_nodes: Any) -> None:
+    robot = Parameter('robot_model', value='kuka_kr210_r2700')
+    controller = ros_nodes.add(ControllerNode(context=ros_nodes.context, parameter_overrides=[robot]))
+    node = ros_nodes.create_node('robot')
+    messages: list[str] = []
+    node.create_subscription(
+        DiagnosticArray, '/diagnostics', lambda m: messages.extend(s.message for s in m.status), MANY
+    )
+    publisher = node.create_publisher(JointState, 'joint_states', STATE)
+    publisher.publish(JointState(name=NAMES[:5], position=[0.0] * 5))
+    ros_nodes.wait_for(lambda: any('lacks joint A6' in message for message in messages))
+    assert controller._controller.reference is None
