@@ -92,6 +92,15 @@ class Trajectory:
         scaled[:, 0] = start
         return read_only(scaled / h[:, :, None] ** np.arange(6)[None, :, None])
 
+    @staticmethod
+    def message_times(time: Array) -> Array:
+        """Times (m,) rounded to nanoseconds, which is what messages hold.
+
+        Points planned at such times keep their acceleration when they travel; rounding afterwards would
+        change the second difference of positions by up to a nanosecond of motion over the square of a step.
+        """
+        return np.round(time * 1e9) / 1e9
+
     @property
     def num_axes(self) -> int:
         """Number of axes n."""

@@ -168,8 +168,8 @@ class LineInverseKinematics:
         raise PlanningError(
             f'the line leaves the axis limits at {100.0 * fraction:.1f} % of its {length_text(line)}: '
             f'{name} would pass {bound:.6g} {unit} and have {q[axis]:.6g} {unit} at '
-            f'{100.0 * following.s:.1f} %, allowed is [{axes.lower[axis]:.6g}, {axes.upper[axis]:.6g}] {unit}; start in another configuration, '
-            'shorten the line, or move in joint space',
+            f'{100.0 * following.s:.1f} %, allowed is [{axes.lower[axis]:.6g}, {axes.upper[axis]:.6g}] '
+            f'{unit}; start in another configuration, shorten the line, or move in joint space',
             fraction=fraction,
             joint=name,
             value=float(q[axis]),
@@ -200,7 +200,8 @@ class LineInverseKinematics:
         name = self._axes.names[axis]
         return PlanningError(
             f'the line meets a singularity at {100.0 * s:.1f} % of its {length_text(line)}: {name} '
-            f'would have to turn without bound at {q[axis]:.6g} {self._axes.unit(axis)} (smallest singular value of the '
+            f'would have to turn without bound at {q[axis]:.6g} {self._axes.unit(axis)} '
+            f'(smallest singular value of the '
             f'Jacobian {values[-1]:.2g}); move in joint space, or shift or tilt the line a little',
             fraction=s,
             joint=name,

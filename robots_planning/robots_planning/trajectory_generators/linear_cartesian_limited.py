@@ -32,8 +32,8 @@ class LinearCartesianLimited(TrajectoryGenerator):
     """The tool moves on a straight line and turns about one axis, as fast as axes and tool limits allow.
 
     A forward and a backward pass over the path speed hold the limits on a grid; the time law is then
-    smoothed, so that acceleration is continuous, and slowed down where the smoothed motion would break an axis limit.
-    Near a singularity the motion becomes slow. Axis jerk and torque are not limited.
+    smoothed, so that acceleration is continuous, and slowed down where it would break an axis limit. Near a
+    singularity the motion becomes slow. Axis jerk and torque are not limited.
 
     Args:
         robot: The robot.
@@ -104,15 +104,8 @@ class LinearCartesianLimited(TrajectoryGenerator):
         return law
 
     def _trajectory(self, path: JointPath, law: TimeLaw, quantities: _Quantities) -> Trajectory:
-        t = trajectory_times(law.duration, self.smoothing)
-        s, s_dot, s_ddot = law.s_of(t)
-        s[0], s[-1] = 0.0, 1.0
-        s_dot[[0, -1]] = s_ddot[[0, -1]] = 0.0
-        q, q_s, q_ss = path.evaluate(s)
-        q_dot = q_s * s_dot[:, None]
-        q_ddot = q_ss * (s_dot**2)[:, None] + q_s * s_ddot[:, None]
-        trajectory = Trajectory(t, q, q_dot, q_ddot)
-        fine = np.linspace(0.0, law.duration, CHECKS_PER_POINT * (len(t) - 1) + 1)
+        trajectory = sample_law(path, law, self.smoothing)
+        fine = np.linspace(0.0, trajectory.duration, CHECKS_PER_POINT * (len(trajectory.time) - 1) + 1)
         _, q_dot_fine, q_ddot_fine = trajectory.sample(fine)
         stretch = max(
             quantities.largest_use(law, fine),
@@ -121,7 +114,7 @@ class LinearCartesianLimited(TrajectoryGenerator):
         )
         if stretch <= 1.0:
             return trajectory
-        return Trajectory(t * stretch, q, q_dot / stretch, q_ddot / stretch**2)
+        return sample_law(path, law, self.smoothing, stretch)
 
 
 class _Quantities:
@@ -169,6 +162,18 @@ class _Quantities:
     def largest_use(self, law: TimeLaw, t: Array) -> float:
         """By which factor time must be stretched to hold all limits at times `t`."""
         return float(np.sqrt(self.worst_ratio(law, t).max()))
+
+
+def sample_law(path: JointPath, law: TimeLaw, window: float, stretch: float = 1.0) -> Trajectory:
+    """The trajectory of a path under a time law that is slowed down evenly by `stretch`."""
+    t = Trajectory.message_times(trajectory_times(law.duration, window) * stretch)
+    s, s_dot, s_ddot = law.s_of(t / stretch)
+    s[0], s[-1] = 0.0, 1.0
+    s_dot[[0, -1]] = s_ddot[[0, -1]] = 0.0
+    s_dot /= stretch
+    s_ddot /= stretch**2
+    q, q_s, q_ss = path.evaluate(s)
+    return Trajectory(t, q, q_s * s_dot[:, None], q_ss * (s_dot**2)[:, None] + q_s * s_ddot[:, None])
 
 
 def speed_grid(knots: Array) -> Array:

@@ -75,7 +75,7 @@ def time_optimal(
         )
     profile = plan.profiles[0][0]
     switches = np.concatenate([[0.0], np.cumsum(profile.t)])
-    time = profile_grid(switches)
+    time = Trajectory.message_times(profile_grid(switches))
     # Between switches jerk is constant; state at a switch plus its cubic.
     phase = np.clip(np.searchsorted(switches, time, side='right') - 1, 0, 6)
     t = time - switches[phase]

@@ -68,8 +68,8 @@ def _highest_anywhere(first: Array, second: Array, velocity: Array, acceleration
         bound = np.where(curvature > 0.0, room / curvature, np.inf)
         # An axis that only has curvature is limited by it alone, also where the path stands still for it.
         alone = np.where(first == 0.0, acceleration / np.abs(second), np.inf)
-    highest = np.minimum(highest, np.minimum(bound.min(axis=(1, 2)), alone.min(axis=1)))
-    return highest
+    result: Array = np.minimum(highest, np.minimum(bound.min(axis=(1, 2)), alone.min(axis=1)))
+    return result
 
 
 def _backward_lines(
