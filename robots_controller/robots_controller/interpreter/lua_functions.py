@@ -233,7 +233,11 @@ class RobotFunctions:
     def _move(self, command: MotionCommand) -> None:
         try:
             self.state.command_motion(command)
-            self.events.command(command)
+            try:
+                self.events.command(command)
+            except BaseException:
+                self.state.finish_motion()
+                raise
             self.state.wait_for_motion()
         except RobotsError as error:
             self.error, self.error_text = error, f'{command.function}: {in_degrees(error)}'

@@ -40,10 +40,12 @@ local function own_words(problem)
   return problem
 end
 
-local function caught(ok, problem, ...)
+local function caught(ok, ...)
   if stopped then error(STOP, 0) end
-  if ok then return ok, problem, ... end
-  return ok, own_words(problem), ...
+  if ok then return ok, ... end
+  -- Where the stack is full the hook fails as any call does; here is room for it again.
+  hook()
+  return ok, own_words((...)), select(2, ...)
 end
 
 -- Where the program is -------------------------------------------------------------------------------
@@ -253,6 +255,7 @@ end
 local function unwrap(co, ok, ...)
   if stopped then error(STOP, 0) end
   if ok then return ... end
+  hook()
   if status(co) == 'dead' then close(co) end
   error(own_words((...)), 0)
 end

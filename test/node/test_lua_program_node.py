@@ -1,0 +1,396 @@
+"""lua_program_node: programs against a robot's side played by the test."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import PoseStamped
+from rcl_interfaces.msg import Log
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray, String, UInt8MultiArray
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_controller.nodes.lua_program_node import LuaProgramNode
+from robots_core import Pose
+from robots_core.errors import InvalidInputError
+from robots_core.nodes.messages import MotionResult, diagnostic_values, pose_from_message, stamp_id
+from robots_core.nodes.qos import COMMAND, STATE, STREAM
+
+ROBOT = 'kuka_kr210_r2700'
+MOVE = 'ptpJointSpaceAngles(0, -90, 45, 0, 45, 0)'
+# A monitor that must not lose a value: what is published faster than it listens is kept for it.
+EVERY_STATE = QoSProfile(depth=100, durability=STATE.durability, reliability=STATE.reliability)
+
+
+class Bench:
+    """The node under test, and a test node that plays planning_node and controller_node."""
+
+    def __init__(self, runner: Any, folder: Path, *, planner: bool = True, **parameters: Any) -> None:
+        self.runner = runner
+        self.folder = folder
+        self.commands: list[tuple[str, Any]] = []
+        self.states: list[str] = []
+        self.status: list[DiagnosticStatus] = []
+        self.digital: list[list[int]] = []
+        self.analog: list[list[float]] = []
+        self.log: list[Log] = []
+        self.controller_calls: list[str] = []
+        self.on_controller_call: Callable[[str], None] = lambda _: None
+        self.on_command: Callable[[str], None] = self.reached
+        self.tester = runner.create_node('monitor')
+        listen = self.tester.create_subscription
+        listen(String, 'command_state', lambda m: self.states.append(m.data), EVERY_STATE)
+        listen(DiagnosticStatus, 'program_status', self.status.append, EVERY_STATE)
+        listen(UInt8MultiArray, 'digital_outputs', lambda m: self.digital.append(list(m.data)), EVERY_STATE)
+        listen(Float64MultiArray, 'analog_outputs', lambda m: self.analog.append(list(m.data)), EVERY_STATE)
+        listen(Log, '/rosout', self.log.append, COMMAND)
+        # As a recorder does: subscribed to the commands without planning them.
+        listen(JointState, 'ptpjoint_joint', lambda _: None, COMMAND)
+        for name in ('pause', 'resume', 'stop'):
+            self.tester.create_service(
+                Trigger, f'controller_node/{name}', lambda _, r, name=name: self._controller(name, r)
+            )
+        self.planner: Any = None
+        if planner:
+            self.start_planner()
+        overrides = [Parameter('robot_model', value=ROBOT)]
+        overrides += [Parameter(name, value=value) for name, value in parameters.items()]
+        self.node = runner.add(LuaProgramNode(context=runner.context, parameter_overrides=overrides))
+        self._clients = {
+            name: self.tester.create_client(Trigger, f'lua_program_node/{name}')
+            for name in ('open', 'run', 'pause', 'resume', 'stop', 'reset', 'get_command_state')
+        }
+        for client in self._clients.values():
+            runner.wait_for(client.service_is_ready, what='the services')
+        runner.wait_for(lambda: self.states and self.status, what='the first states')
+
+    def start_planner(self) -> None:
+        self.planner = self.runner.create_node('planning_node')
+        self.results = self.planner.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
+        for topic, kind in (
+            ('ptpjoint_joint', JointState),
+            ('ptpjoint_cartesian', PoseStamped),
+            ('ptpcartesian', PoseStamped),
+        ):
+            self.planner.create_subscription(kind, topic, lambda m, t=topic: self._command(t, m), COMMAND)
+        self.planner.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
+
+    def _command(self, topic: str, message: Any) -> None:
+        self.commands.append((topic, message))
+        self.on_command(stamp_id(message.header.stamp))
+
+    def _controller(self, name: str, response: Trigger.Response) -> Trigger.Response:
+        self.controller_calls.append(name)
+        self.on_controller_call(name)
+        response.success = True
+        return response
+
+    def reached(self, id_: str) -> None:
+        self.answer(id_)
+
+    def answer(self, id_: str, message: str = 'reached', *, ok: bool = True, **details: str) -> None:
+        self.results.publish(MotionResult(id_, ok, message, details).to_message(ROBOT))
+
+    def command_id(self) -> str:
+        return stamp_id(self.commands[-1][1].header.stamp)
+
+    def call(self, name: str) -> Trigger.Response:
+        future = self._clients[name].call_async(Trigger.Request())
+        self.runner.wait_for(future.done, what=f'the answer of ~/{name}')
+        return future.result()
+
+    def write(self, text: str) -> None:
+        path = self.folder / 'test.lua'
+        path.write_text(text)
+        (result,) = self.node.set_parameters([Parameter('program', value=str(path))])
+        assert result.successful
+
+    def start(self, text: str) -> None:
+        self.write(text)
+        self.status.clear()
+        for name in ('open', 'run'):
+            response = self.call(name)
+            assert response.success, response.message
+
+    def wait_for_state(self, state: str) -> dict[str, str]:
+        def found() -> dict[str, str] | None:
+            values = [diagnostic_values(status) for status in self.status]
+            return next((value for value in values if value['state'] == state), None)
+
+        return self.runner.wait_for(found, what=f'state {state}')
+
+    def wait_for_command(self) -> None:
+        self.runner.wait_for(lambda: self.commands, what='a motion command')
+
+
+def ignore(_: str) -> None:
+    """Answers a command with nothing."""
+
+
+def test_program_moves_switches_and_prints(ros_nodes: Any, tmp_path: Path):
+    bench = Bench(ros_nodes, tmp_path)
+    bench.start(f"""
+        print('hello')
+        setDigitalOutput(2, 1)
+        {MOVE}
+        ptpCartesianSpace(0.37, -1.78, 1.21, -42.03, 117.47, -35.89)
+        setAnalogOutput(1, 0.5)
+        ptpJointSpacePosition(1, 0, 1, 0, 90, 0)
+        setDigitalOutput(2, 0)
+    """)
+    bench.wait_for_state('FINISHED')
+    ros_nodes.wait_for(lambda: len(bench.states) == 7, what='the last command state')
+    assert bench.states == [
+        *('IDLE', 'PTPJOINT_JOINT', 'IDLE', 'PTPCARTESIAN', 'IDLE', 'PTPJOINT_CARTESIAN', 'IDLE')
+    ]
+    (topic, joint), (topic_2, line), (topic_3, pose) = bench.commands
+    assert (topic, topic_2, topic_3) == ('ptpjoint_joint', 'ptpcartesian', 'ptpjoint_cartesian')
+    assert list(joint.name) == ['A1', 'A2', 'A3', 'A4', 'A5', 'A6']
+    np.testing.assert_array_equal(joint.position, np.radians([0.0, -90.0, 45.0, 0.0, 45.0, 0.0]))
+    expected = Pose.from_angles([0.37, -1.78, 1.21], np.radians([-42.03, 117.47, -35.89]))
+    # Through a quaternion: rounding of double precision.
+    assert pose_from_message(line.pose).distance_to(expected) == pytest.approx((0.0, 0.0), abs=1e-12)
+    assert line.header.frame_id == pose.header.frame_id == 'base'
+    assert len({stamp_id(message.header.stamp) for _, message in bench.commands}) == 3
+    ros_nodes.wait_for(lambda: len(bench.digital) == 3, what='the outputs')
+    assert [outputs[1] for outputs in bench.digital] == [0, 1, 0]
+    assert [outputs[0] for outputs in bench.analog] == [0.0, 0.5]
+    prints = [log.msg for log in bench.log if log.name.endswith('lua_program_node.print')]
+    assert prints == ['hello']
+
+
+def test_status_names_line_source_and_error(ros_nodes: Any, tmp_path: Path):
+    bench = Bench(ros_nodes, tmp_path)
+    bench.on_command = lambda id_: bench.answer(
+        id_,
+        'A2 = 0.2 rad is outside its limits [-2.4, -0.1] rad',
+        ok=False,
+        joint='A2',
+        value=str(np.radians(10.0)),
+        lower=str(np.radians(-140.0)),
+        upper=str(np.radians(-5.0)),
+        unit='rad',
+    )
+    bench.start(f'\n{MOVE}')
+    failed = bench.wait_for_state('FAILED')
+    assert failed == {
+        'state': 'FAILED',
+        'file': 'test.lua',
+        'line': '2',
+        'source': MOVE,
+        'error': 'test.lua:2: ptpJointSpaceAngles: A2 = 10.0 deg is outside its limits [-140.0, -5.0] deg',
+    }
+    assert bench.status[-1].level == DiagnosticStatus.ERROR
+    bench.on_command = bench.reached
+    bench.start(MOVE)
+    bench.wait_for_state('FINISHED')
+    assert bench.status[-1].level == DiagnosticStatus.OK
+
+
+def test_line_of_a_motion_is_told_before_it_moves(ros_nodes: Any, tmp_path: Path):
+    bench = Bench(ros_nodes, tmp_path)
+    bench.on_command = ignore
+    bench.start(f'wait(0)\nwait(0)\n{MOVE}')
+    bench.wait_for_command()
+    ros_nodes.wait_for(lambda: diagnostic_values(bench.status[-1])['line'] == '3', what='line 3')
+    assert diagnostic_values(bench.status[-1])['source'] == MOVE
+    bench.answer(bench.command_id())
+    bench.wait_for_state('FINISHED')
+
+
+def test_results_of_other_commands_are_ignored(ros_nodes: Any, tmp_path: Path):
+    bench = Bench(ros_nodes, tmp_path)
+    bench.on_command = ignore
+    bench.start(f'{MOVE}\nsetDigitalOutput(1, 1)')
+    bench.wait_for_command()
+    bench.answer('1.000000000', 'failed', ok=False)
+    bench.answer('2.000000000')
+    bench.answer(bench.command_id())
+    bench.wait_for_state('FINISHED')
+
+
+def test_motion_without_planner_is_an_error_although_a_recorder_listens(ros_nodes: Any, tmp_path: Path):
+    bench = Bench(ros_nodes, tmp_path, planner=False, planner_timeout=0.3)
+    bench.start(MOVE)
+    error = bench.wait_for_state('FAILED')['error']
+    assert error.startswith('test.lua:1: ptpJointSpaceAngles: nobody plans ptpjoint_joint within 0.3 s')
+    assert 'planning_node is not running' in error
+    bench.start_planner()
+    bench.start(MOVE)
+    bench.wait_for_state('FINISHED')
+
+
+def test_motion_waits_for_a_planner_that_comes_late(ros_nodes: Any, tmp_path: Path):
+    bench = Bench(ros_nodes, tmp_path, planner=False)
+    bench.start(MOVE)
+    ros_nodes.wait_for(lambda: 'PTPJOINT_JOINT' in bench.states, what='the command state')
+    bench.start_planner()
+    bench.wait_for_state('FINISHED')
+
+
+def test_planner_that_disappears_fails_the_motion_and_stops_the_robot(ros_nodes: Any, tmp_path: Path):
+    bench = Bench(ros_nodes, tmp_path)
+    bench.on_command = ignore
+    bench.start(MOVE)
+    bench.wait_for_command()
+    # Destroyed by the thread that spins it.
+    bench.on_controller_call = ignore
+    destroyed: list[bool] = []
+    once = bench.tester.create_timer(0.001, lambda: destroyed or destroyed.append(_destroy(bench)))
+    error = bench.wait_for_state('FAILED')['error']
+    once.cancel()
+    assert 'planning_node has been gone' in error
+    ros_nodes.wait_for(lambda: 'stop' in bench.controller_calls, what='the stop')
+
+
+def _destroy(bench: Bench) -> bool:
+    for publisher in list(bench.planner.publishers):
+        if publisher.topic_name == '/motion_result':
+            bench.planner.destroy_publisher(publisher)
+    return True
+
+
+def test_stop_stops_program_and_robot_until_the_robot_says_so(ros_nodes: Any, tmp_path: Path):
+    bench = Bench(ros_nodes, tmp_path)
+    bench.on_command = ignore
+    bench.start(MOVE)
+    bench.wait_for_command()
+    assert bench.call('stop').success
+    bench.wait_for_state('STOPPED')
+    # The first stop may come before the controller has the trajectory.
+    ros_nodes.wait_for(lambda: bench.controller_calls.count('stop') >= 2, what='another stop')
+    refused = bench.call('run')
+    assert not refused.success
+    assert 'the robot still moves for line 1' in refused.message
+    assert bench.call('get_command_state').message == 'PTPJOINT_JOINT'
+    bench.answer(bench.command_id(), 'stopped', ok=False)
+    ros_nodes.wait_for(lambda: bench.states[-1] == 'IDLE', what='IDLE')
+    bench.on_command = bench.reached
+    assert bench.call('reset').success
+    bench.start(MOVE)
+    bench.wait_for_state('FINISHED')
+
+
+def test_stop_before_the_motion_was_sent(ros_nodes: Any, tmp_path: Path):
+    bench = Bench(ros_nodes, tmp_path, planner=False)
+    bench.start(MOVE)
+    ros_nodes.wait_for(lambda: 'PTPJOINT_JOINT' in bench.states, what='the command state')
+    assert bench.call('stop').success
+    bench.wait_for_state('STOPPED')
+    ros_nodes.wait_for(lambda: bench.states[-1] == 'IDLE', what='IDLE')
+    bench.start_planner()
+    bench.start('wait(0)')
+    bench.wait_for_state('FINISHED')
+    assert bench.commands == []
+
+
+def test_pause_and_resume_hold_program_and_robot(ros_nodes: Any, tmp_path: Path):
+    bench = Bench(ros_nodes, tmp_path)
+    bench.on_command = ignore
+    bench.start(f'{MOVE}\nsetDigitalOutput(1, 1)')
+    bench.wait_for_command()
+    assert bench.call('pause').success
+    bench.wait_for_state('PAUSED')
+    ros_nodes.wait_for(lambda: bench.controller_calls == ['pause'], what='the pause')
+    assert not bench.call('pause').success
+    bench.answer(bench.command_id())
+    ros_nodes.wait_for(lambda: bench.states[-1] == 'IDLE', what='IDLE')
+    assert bench.digital == [[0] * 32]
+    assert bench.call('resume').success
+    bench.wait_for_state('FINISHED')
+    ros_nodes.wait_for(lambda: len(bench.digital) == 2, what='the output')
+    assert bench.controller_calls == ['pause', 'resume']
+
+
+@pytest.mark.parametrize('latched', [True, False])
+def test_inputs_reach_the_program_from_any_publisher(ros_nodes: Any, tmp_path: Path, latched: bool):  # noqa: FBT001
+    publisher = ros_nodes.create_node('plc')
+    qos = STATE if latched else STREAM
+    digital = publisher.create_publisher(UInt8MultiArray, 'digital_inputs', qos)
+    analog = publisher.create_publisher(Float64MultiArray, 'analog_inputs', qos)
+    if latched:
+        digital.publish(UInt8MultiArray(data=[0, 1]))
+        analog.publish(Float64MultiArray(data=[2.5]))
+    bench = Bench(ros_nodes, tmp_path)
+    bench.start("""
+        while not getDigitalInput(2) or getAnalogInput(1) == 0 do wait(0.001) end
+        setAnalogOutput(1, getAnalogInput(1))
+    """)
+    if not latched:
+        for one in (digital, analog):
+            ros_nodes.wait_for(lambda one=one: one.get_subscription_count(), what='a subscriber')
+        digital.publish(UInt8MultiArray(data=[0, 1]))
+        analog.publish(Float64MultiArray(data=[2.5]))
+    bench.wait_for_state('FINISHED')
+    ros_nodes.wait_for(lambda: len(bench.analog) == 2, what='the output')
+    assert bench.analog[-1][0] == 2.5
+
+
+def test_wrong_inputs_are_refused_and_told(ros_nodes: Any, tmp_path: Path):
+    bench = Bench(ros_nodes, tmp_path)
+    publisher = bench.tester.create_publisher(UInt8MultiArray, 'digital_inputs', STATE)
+    publisher.publish(UInt8MultiArray(data=[0, 7]))
+    ros_nodes.wait_for(
+        lambda: [log for log in bench.log if 'digital input 2 is 7; valid are 0 and 1' in log.msg],
+        what='the error in the log',
+    )
+
+
+@pytest.mark.parametrize(
+    ('text', 'message'),
+    [
+        (None, "parameter 'program' is empty"),
+        ('x = ', 'test.lua:1: unexpected symbol near <eof>'),
+        ('wait(1); // wait', "test.lua:1: '//' does not start a remark in Lua; write '--'"),
+    ],
+)
+def test_program_that_cannot_be_opened_is_told(
+    ros_nodes: Any, tmp_path: Path, text: str | None, message: str
+):
+    bench = Bench(ros_nodes, tmp_path)
+    if text is not None:
+        bench.write(text)
+    response = bench.call('open')
+    assert not response.success
+    assert response.message.startswith(message)
+    ros_nodes.wait_for(
+        lambda: diagnostic_values(bench.status[-1])['error'].startswith(message), what='the status'
+    )
+    assert not bench.call('run').success
+    bench.start('wait(0)')
+    bench.wait_for_state('FINISHED')
+
+
+def test_services_without_a_running_program_say_so(ros_nodes: Any, tmp_path: Path):
+    bench = Bench(ros_nodes, tmp_path)
+    for name in ('run', 'pause', 'resume', 'stop', 'reset'):
+        response = bench.call(name)
+        assert not response.success
+        assert response.message.startswith('no program is')
+    assert bench.call('get_command_state').message == 'IDLE'
+
+
+def test_autostart_runs_when_its_motions_are_planned(ros_nodes: Any, tmp_path: Path):
+    path = tmp_path / 'auto.lua'
+    path.write_text(MOVE)
+    bench = Bench(ros_nodes, tmp_path, planner=False, autostart=True, program=str(path))
+    assert diagnostic_values(bench.status[-1])['state'] == 'IDLE'
+    bench.start_planner()
+    bench.wait_for_state('FINISHED')
+    assert len(bench.commands) == 1
+
+
+@pytest.mark.parametrize(
+    'parameters', [{'orientation_convention': 'abc'}, {'digital_size': 0}, {'planner_timeout': -1.0}]
+)
+def test_wrong_parameters_are_refused_at_start(ros_nodes: Any, tmp_path: Path, parameters: dict[str, Any]):
+    with pytest.raises(InvalidInputError):
+        Bench(ros_nodes, tmp_path, **parameters)

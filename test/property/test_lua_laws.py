@@ -1,0 +1,148 @@
+"""Whatever a program holds: it runs, or a ProgramError says why not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
+from robots_controller.interpreter.lua_program import LuaProgram
+from robots_controller.interpreter.program_state import MotionCommand, OutputChange, RunState
+from robots_core.errors import ProgramError
+
+DEADLINE = 20.0  # s
+STOP_TIME = 1.0  # s
+
+
+class LuaHost:
+    """Runs programs; every motion ends at once."""
+
+    def __init__(self, folder: Path) -> None:
+        self.commands: list[MotionCommand] = []
+        self.outputs: list[OutputChange] = []
+        self.program = LuaProgram(6, on_command=self._on_command, on_output=self.outputs.append)
+        self._path = folder / 'test.lua'
+
+    def _on_command(self, command: MotionCommand) -> None:
+        self.commands.append(command)
+        self.program.finish_motion()
+
+    def start(self, data: bytes) -> None:
+        self._path.write_bytes(data)
+        self.program.open(self._path)
+        self.program.run()
+
+    def run(self, text: str) -> ProgramError | None:
+        self.start(text.encode())
+        assert self.program.join(DEADLINE)
+        return self.program.error
+
+
+# Each example writes its own file anew; the folder may be shared.
+SHARED_FOLDER = settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=150
+)
+ROBOT_FUNCTIONS = sorted(set(LUA_FUNCTIONS) - {'wait'})  # waiting any time is tested with a stepped clock
+
+LITERALS = st.one_of(
+    st.floats(allow_nan=False, allow_infinity=False).map(repr),
+    st.integers(-(2**63), 2**63 - 1).map(str),
+    st.integers(-2, 40).map(str),
+    st.sampled_from(
+        [
+            'nil',
+            'true',
+            'false',
+            '0/0',
+            '1/0',
+            '-1/0',
+            '{}',
+            '{1, 2}',
+            'print',
+            "'1'",
+            '""',
+            '-0.0',
+            'coroutine',
+        ]
+    ),
+    st.text(max_size=5).map(lambda text: '"' + ''.join(f'\\u{{{ord(c):x}}}' for c in text) + '"'),
+)
+
+
+@pytest.mark.parametrize('function', ROBOT_FUNCTIONS)
+@SHARED_FOLDER
+@given(arguments=st.lists(LITERALS, max_size=8), table=st.booleans())
+def test_any_arguments_run_or_are_explained(
+    tmp_path: Path,
+    function: str,
+    arguments: list[str],
+    table: bool,  # noqa: FBT001
+):
+    host = LuaHost(tmp_path)
+    listed = ', '.join(arguments)
+    error = host.run(f'{function}({{{listed}}})' if table else f'{function}({listed})')
+    if error is None:
+        assert host.program.run_state is RunState.FINISHED
+        for command in host.commands:
+            targets = [command.q] if command.pose is None else [command.pose.r, command.pose.T]
+            assert all(np.isfinite(target).all() for target in targets)
+    else:
+        assert error.reason.startswith(f'{function}: ')
+        assert error.line == 1
+        assert host.commands == []
+        assert host.outputs == []
+
+
+@SHARED_FOLDER
+@given(data=st.binary(max_size=200))
+def test_random_bytes_run_or_are_refused(tmp_path: Path, data: bytes):
+    _run_or_refuse(tmp_path, data)
+
+
+WORDS = (
+    *('if', 'then', 'else', 'end', 'while', 'do', 'for', 'in', 'repeat', 'until', 'function', 'return'),
+    *('local', 'goto', 'break', 'and', 'or', 'not', 'nil', 'true', 'false', '=', '==', '~=', '<', '>', '+'),
+    *('-', '*', '/', '//', '%', '^', '#', '..', '...', '(', ')', '{', '}', '[', ']', ';', ':', ',', '.'),
+    *('x', 'y', 'print', 'pcall', 'error', 'string.rep', 'coroutine.wrap', 'setmetatable', '1', '2', '3.5'),
+    *("'a'", '--', 'wait(-1)', '\n'),
+)
+
+
+@SHARED_FOLDER
+@given(words=st.lists(st.sampled_from(WORDS), max_size=25))
+def test_random_words_of_lua_run_or_are_refused(tmp_path: Path, words: list[str]):
+    _run_or_refuse(tmp_path, ' '.join(words).encode())
+
+
+@SHARED_FOLDER
+@given(values=st.lists(st.floats(-720.0, 720.0), min_size=6, max_size=6))
+def test_degrees_become_radians(tmp_path: Path, values: list[float]):
+    host = LuaHost(tmp_path)
+    assert host.run(f'ptpJointSpaceAngles({", ".join(map(repr, values))})') is None
+    np.testing.assert_array_equal(host.commands[0].q, np.radians(values))
+
+
+def _run_or_refuse(folder: Path, data: bytes) -> None:
+    host = LuaHost(folder)
+    try:
+        host.start(data)
+    except ProgramError as error:
+        refusal = error
+    else:
+        refusal = None
+    if refusal is not None:
+        assert refusal.file == 'test.lua'
+        assert host.program.run_state is RunState.IDLE
+        return
+    if not host.program.join(STOP_TIME):  # a random program may loop for ever; then it can be stopped
+        host.program.stop()
+        assert host.program.join(STOP_TIME)
+        assert host.program.run_state is RunState.STOPPED
+        return
+    failed = host.program.run_state is RunState.FAILED
+    assert failed or host.program.run_state is RunState.FINISHED
+    assert failed == isinstance(host.program.error, ProgramError)

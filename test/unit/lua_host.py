@@ -1,0 +1,81 @@
+"""A robot's side for tests of Lua programs: finishes motions from a thread of its own."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from pathlib import Path
+from typing import Any
+
+from robots_controller.interpreter.lua_program import LuaProgram
+from robots_controller.interpreter.program_state import MotionCommand, OutputChange
+from robots_core.errors import ProgramError, RobotsError
+
+DEADLINE = 20.0  # s, for programs that should need milliseconds
+
+
+class LuaHost:
+    """Runs a program; every motion ends at once, or with the error given for its number (from 0)."""
+
+    def __init__(self, folder: Path, num_axes: int = 6, **options: Any) -> None:
+        self.commands: list[MotionCommand] = []
+        self.outputs: list[OutputChange] = []
+        self.printed: list[str] = []
+        self.lines: list[int] = []
+        self.finished: list[ProgramError | None] = []
+        self.errors: dict[int, RobotsError] = {}
+        self.holding = False
+        self.commanded = threading.Semaphore(0)
+        self.spoken = threading.Semaphore(0)
+        self._folder = folder
+        self._robot: queue.SimpleQueue[int] = queue.SimpleQueue()
+        self.program = LuaProgram(
+            num_axes,
+            on_command=self._on_command,
+            on_output=self.outputs.append,
+            on_print=self._on_print,
+            on_line=self.lines.append,
+            on_finished=self.finished.append,
+            **options,
+        )
+        threading.Thread(target=self._move, daemon=True).start()
+
+    def _on_command(self, command: MotionCommand) -> None:
+        self.commands.append(command)
+        if not self.holding:
+            self._robot.put(len(self.commands) - 1)
+        self.commanded.release()
+
+    def _on_print(self, text: str, _line: int) -> None:
+        self.printed.append(text)
+        self.spoken.release()
+
+    def _move(self) -> None:
+        while True:
+            self.program.finish_motion(self.errors.get(self._robot.get()))
+
+    def write(self, text: str | bytes, name: str = 'test.lua') -> Path:
+        path = self._folder / name
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    def start(self, text: str | bytes) -> None:
+        self.program.open(self.write(text))
+        self.program.run()
+
+    def run(self, text: str | bytes) -> ProgramError | None:
+        """Run to the end; the error, if it failed."""
+        self.start(text)
+        assert self.program.join(DEADLINE), 'the program did not end'
+        return self.finished[-1]
+
+    def fails(self, text: str | bytes) -> ProgramError:
+        error = self.run(text)
+        assert error is not None, 'the program did not fail'
+        return error
+
+    def wait_for_print(self) -> None:
+        assert self.spoken.acquire(timeout=DEADLINE)
+
+    def wait_for_command(self) -> None:
+        assert self.commanded.acquire(timeout=DEADLINE)

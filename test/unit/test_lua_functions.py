@@ -1,0 +1,194 @@
+"""The robot functions of table 2, as a program uses them."""
+
+from __future__ import annotations
+
+import inspect
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, in_degrees
+from robots_core.errors import JointLimitError, PlanningError, RobotsError
+from robots_core.pose import Pose
+from robots_planning.robot_command_state import RobotCommandState
+
+from .lua_host import LuaHost
+
+PAPER = (
+    'ptpCartesianSpace',
+    'ptpJointSpaceAngles',
+    'ptpJointSpacePosition',
+    'setDigitalOutput',
+    'getDigitalInput',
+    'setAnalogOutput',
+    'getAnalogInput',
+    'wait',
+    'print',
+)
+
+
+def test_functions_are_those_of_the_paper():
+    assert tuple(LUA_FUNCTIONS) == PAPER
+    for name, function in LUA_FUNCTIONS.items():
+        assert function.name == name
+        assert function.doc.endswith('.')
+        assert inspect.cleandoc(function.doc) == function.doc
+    assert LUA_FUNCTIONS['ptpJointSpaceAngles'].signature == 'ptpJointSpaceAngles(q1, ..., qn)'
+    assert LUA_FUNCTIONS['ptpCartesianSpace'].signature == 'ptpCartesianSpace(x, y, z, phi1, phi2, phi3)'
+
+
+def test_all_functions_exist_in_a_program(tmp_path: Path):
+    host = LuaHost(tmp_path)
+    assert host.run(f'for _, f in ipairs {{{", ".join(PAPER)}}} do print(type(f)) end') is None
+    assert host.printed == ['function'] * len(PAPER)
+
+
+@pytest.mark.parametrize('arguments', ['0, -90, 45, 0, 45, 0', '{0, -90, 45, 0, 45, 0}'])
+def test_joint_angles_are_degrees(tmp_path: Path, arguments: str):
+    host = LuaHost(tmp_path)
+    assert host.run(f'\nptpJointSpaceAngles({arguments})') is None
+    (command,) = host.commands
+    assert (command.state, command.line, command.function, command.pose) == (
+        RobotCommandState.PTPJOINT_JOINT,
+        2,
+        'ptpJointSpaceAngles',
+        None,
+    )
+    np.testing.assert_array_equal(command.q, np.radians([0.0, -90.0, 45.0, 0.0, 45.0, 0.0]))
+    assert not command.q.flags.writeable
+
+
+def test_sliding_axes_are_metres(tmp_path: Path):
+    host = LuaHost(tmp_path, 3, prismatic=(False, True, False))
+    assert host.run('ptpJointSpaceAngles(90, 0.25, -180)') is None
+    np.testing.assert_array_equal(host.commands[0].q, [np.pi / 2, 0.25, -np.pi])
+
+
+@pytest.mark.parametrize('convention', ['zyx', 'xyz', 'zyz', 'XYZ'])
+@pytest.mark.parametrize(
+    ('function', 'state'),
+    [
+        ('ptpCartesianSpace', RobotCommandState.PTPCARTESIAN),
+        ('ptpJointSpacePosition', RobotCommandState.PTPJOINT_CARTESIAN),
+    ],
+)
+def test_poses_are_metres_and_degrees_of_the_convention(
+    tmp_path: Path, function: str, state: RobotCommandState, convention: str
+):
+    host = LuaHost(tmp_path, orientation_convention=convention)
+    assert host.run(f'{function}(0.37, -1.78, 1.21, -42.03, 117.47, -35.89)') is None
+    (command,) = host.commands
+    expected = Pose.from_angles(
+        [0.37, -1.78, 1.21], np.radians([-42.03, 117.47, -35.89]), convention=convention
+    )
+    assert command.state is state
+    assert command.q is None
+    assert command.pose is not None
+    np.testing.assert_array_equal(command.pose.r, expected.r)
+    np.testing.assert_array_equal(command.pose.T, expected.T)
+    assert host.program.reference_cartesian_position is command.pose
+
+
+def test_outputs_change_and_are_told_once(tmp_path: Path):
+    host = LuaHost(tmp_path)
+    assert (
+        host.run(
+            'setDigitalOutput(1, 0)\nsetDigitalOutput(1, 1)\nsetDigitalOutput(1, true)\n'
+            'setDigitalOutput(2, 1.0)\nsetDigitalOutput(1, false)\nsetAnalogOutput(8, -0.5)'
+        )
+        is None
+    )
+    assert [(c.kind, c.index, c.value, c.line) for c in host.outputs] == [
+        ('digital', 1, 1.0, 2),
+        ('digital', 2, 1.0, 4),
+        ('digital', 1, 0.0, 5),
+        ('analog', 8, -0.5, 6),
+    ]
+    assert np.flatnonzero(host.program.digital_outputs).tolist() == [1]
+    assert host.program.analog_outputs.tolist() == [0.0] * 7 + [-0.5]
+
+
+def test_inputs_are_booleans_and_numbers(tmp_path: Path):
+    host = LuaHost(tmp_path)
+    host.program.digital_inputs = [0, 1]
+    host.program.analog_inputs = [2.5]
+    assert (
+        host.run('print(getDigitalInput(1), getDigitalInput(2), getAnalogInput(1), getAnalogInput(2))')
+        is None
+    )
+    assert host.run("if getDigitalInput(1) then print('on') else print('off') end") is None
+    assert host.printed == ['false\ttrue\t2.5\t0.0', 'off']
+
+
+def test_print_is_that_of_lua(tmp_path: Path):
+    host = LuaHost(tmp_path)
+    assert host.run("print() print('a', 1, 1.5, nil, true) print('ü')") is None
+    assert host.printed == ['', 'a\t1\t1.5\tnil\ttrue', 'ü']
+
+
+@pytest.mark.parametrize(
+    ('call', 'message'),
+    [
+        ('ptpJointSpaceAngles(1, 2, 3, 4, 5)', 'got 5 joint angles, the robot has 6 axes'),
+        ('ptpJointSpaceAngles()', 'got 0 joint angles, the robot has 6 axes'),
+        ('ptpJointSpaceAngles({1, 2, 3, 4, 5, 6, 7})', 'got 7 joint angles, the robot has 6 axes'),
+        ('ptpJointSpaceAngles({1, 2}, 3, 4, 5, 6, 7)', 'q1 = a table; valid is a finite number'),
+        ("ptpJointSpaceAngles(1, '2', 3, 4, 5, 6)", "q2 = the string '2'; valid is a finite number"),
+        ('ptpJointSpaceAngles(1, 2, 0/0, 4, 5, 6)', 'nan deg (m); valid is a finite number'),
+        ('ptpCartesianSpace(1, 2, 3)', 'got 3 arguments, needed are 6: x (m), y (m), z (m), phi1 (deg)'),
+        ('ptpCartesianSpace(1, 2, 3, 4, 5, 1/0)', 'phi3 = inf deg; valid is a finite number'),
+        ('ptpJointSpacePosition(1, nil, 3, 4, 5, 6)', 'y = nil; valid is a finite number'),
+        ('setDigitalOutput(0, 1)', 'index = 0; valid is a whole number in 1..32'),
+        ('setDigitalOutput(33, 1)', 'index = 33; valid is a whole number in 1..32'),
+        ('setDigitalOutput(1.5, 1)', 'index = 1.5; valid is a whole number in 1..32'),
+        ('setDigitalOutput(1, 2)', 'value = 2; valid is 0, 1, true or false'),
+        ('setDigitalOutput(1)', 'got 1 arguments, needed are 2: index, value'),
+        ('getDigitalInput(true)', 'index = true; valid is a whole number in 1..32'),
+        ('getAnalogInput(9)', 'index = 9; valid is a whole number in 1..8'),
+        ('setAnalogOutput(1, -1/0)', 'value = -inf; valid is a finite number'),
+        ('wait(-1)', 'time = -1 s; valid is a finite number of at least 0'),
+        ('wait(print)', 'time = a function; valid is a finite number of at least 0'),
+        ('setAnalogOutput(table.unpack({}, 1, 200))', '200 arguments are too many'),
+    ],
+)
+def test_wrong_arguments_are_explained(tmp_path: Path, call: str, message: str):
+    host = LuaHost(tmp_path)
+    error = host.fails(f'\n\n{call}')
+    assert str(error).startswith(f'test.lua:3: {call.partition("(")[0]}: ')
+    assert message in str(error)
+    assert host.commands == []
+    assert host.outputs == []
+
+
+def test_motion_error_is_told_in_degrees_with_its_line(tmp_path: Path):
+    host = LuaHost(tmp_path)
+    host.errors[0] = JointLimitError('A2', *np.radians([10.0, -140.0, -5.0]).tolist())
+    error = host.fails('\nptpJointSpaceAngles(0, 10, 0, 0, 0, 0)')
+    assert str(error) == (
+        'test.lua:2: ptpJointSpaceAngles: A2 = 10.0 deg is outside its limits [-140.0, -5.0] deg'
+    )
+    assert error.details['joint'] == 'A2'
+    assert error.details['value'] == np.radians(10.0)
+
+
+def test_motion_error_can_be_caught(tmp_path: Path):
+    host = LuaHost(tmp_path)
+    host.errors[0] = PlanningError('no way')
+    assert (
+        host.run('print(pcall(ptpJointSpaceAngles, 0, 0, 0, 0, 0, 0)) ptpJointSpaceAngles(0,0,0,0,0,1)')
+        is None
+    )
+    assert host.printed == ['false\ttest.lua:1: ptpJointSpaceAngles: no way']
+    assert len(host.commands) == 2
+
+
+def test_only_complete_angles_in_radians_are_converted():
+    error = JointLimitError('J1', 0.5, -float('inf'), 0.25, unit='m')
+    assert in_degrees(error) == error.message
+    texts = {key: str(value) for key, value in JointLimitError('J1', np.pi, -1.0, 1.0).details.items()}
+    assert in_degrees(RobotsError('x', **texts)) == (
+        'J1 = 180.0 deg is outside its limits [-57.29578, 57.29578] deg'
+    )
+    assert in_degrees(RobotsError('x', **{**texts, 'value': 'high'})) == 'x'
+    assert in_degrees(RobotsError('x', unit='rad')) == 'x'
