@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 import pinocchio as pin
@@ -21,6 +22,8 @@ from robots_core.robot_model.urdf_chain import pinocchio_xml, read_urdf_chain
 from robots_core.robot_model.urdf_shapes import urdf_shapes, with_absolute_meshes
 from robots_core.validation import Array, finite_vector, read_only
 
+EARTH_GRAVITY: Final = (0.0, 0.0, -9.81)  # m/s^2, of a base that stands upright
+
 
 class UrdfRobotModel(BaseRobotModel):
     """A serial robot from a URDF file; kinematics and dynamics by Pinocchio, shapes by yourdfpy.
@@ -35,9 +38,11 @@ class UrdfRobotModel(BaseRobotModel):
         structural_data: The robot's own record of dimensions.
         home: Posture to start from, (n,) rad; by default zero, or mid-range where zero is not allowed.
         orientation_convention: Orientation-angle convention of the maker.
+        gravity: Acceleration of free fall in the base frame, (3,) m/s^2; zero for a robot in orbit.
 
     Raises:
         UnknownRobotError: the file is missing, or holds no serial chain.
+        InvalidInputError: `gravity` or `home` are not finite vectors of their length.
         JointLimitError: `home` lies outside the limits.
     """
 
@@ -52,6 +57,7 @@ class UrdfRobotModel(BaseRobotModel):
         structural_data: StructuralData | None = None,
         home: ArrayLike | None = None,
         orientation_convention: str = 'zyx',
+        gravity: ArrayLike = EARTH_GRAVITY,
     ) -> None:
         path = Path(urdf)
         if not path.is_file():
@@ -78,6 +84,7 @@ class UrdfRobotModel(BaseRobotModel):
             raise UnknownRobotError(
                 f'joints {list(model.names)[1:]} do not form one chain {list(chain.joints)}'
             )
+        model.gravity.linear = finite_vector(gravity, 3, 'gravity')
         self._model = model
         self._data = model.createData()
         self._tool0 = model.getFrameId(chain.tip)
