@@ -44,6 +44,7 @@ $(VENV_STAMP): $(REQUIREMENTS)
 $(BUILD_STAMP): $(VENV_STAMP) $(SOURCES)
 	@echo "Building the workspace ..."
 	@$(BUILD_ENVIRONMENT) colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
+	@.venv/bin/python -m compileall -q install
 	@touch $@
 
 .PHONY: build

@@ -64,11 +64,11 @@ class CellOptions:
 def main() -> None:
     """Run from the command line."""
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    console = Console(highlight=False)
+    console = Console(highlight=False, soft_wrap=True)
     try:
         code = run_cell(parse_options(sys.argv[1:]), console)
     except RobotsError as error:
-        Console(stderr=True).print(f'[bold red]error:[/] {error}', highlight=False, markup=True)
+        print(f'error: {error}', file=sys.stderr)
         code = EXIT_BAD_INPUT
     except KeyboardInterrupt:
         code = EXIT_INTERRUPTED

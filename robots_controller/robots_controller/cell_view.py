@@ -68,8 +68,11 @@ class CellView:
         show: Callable[[Any], None] = self._handlers[type(event)]
         show(event)
 
+    def _print(self, text: str) -> None:
+        self.console.print(text, highlight=False, soft_wrap=True)
+
     def _show_print(self, event: ProgramPrint) -> None:
-        self.console.print(f'{MARGIN}[bold]{escape(event.text)}[/]', highlight=False)
+        self._print(f'{MARGIN}[bold]{escape(event.text)}[/]')
 
     def _show_commanded(self, event: MotionCommanded) -> None:
         self._motion = event
@@ -80,34 +83,33 @@ class CellView:
 
     def _show_outputs(self, event: OutputsChanged) -> None:
         for index, value in event.changes:
-            self.console.print(
-                f'{MARGIN}{event.kind} output {index} [bold magenta]-> {value:g}[/]', highlight=False
-            )
+            self._print(f'{MARGIN}{event.kind} output {index} [bold magenta]-> {value:g}[/]')
 
     def _show_health(self, event: NodeHealth) -> None:
         if event.ok and event.node in self._waiting:
             self._waiting.remove(event.node)
             where = f'  [link={event.url}]{event.url}[/link]' if event.url else ''
-            self.console.print(f'  [green]ready[/]  {event.node}{where}', highlight=False)
+            self._print(f'  [green]ready[/]  {event.node}{where}')
         elif not event.ok and event.node not in self._waiting:
-            self.console.print(f'  [yellow]{event.node}: {escape(event.message)}[/]', highlight=False)
+            self._print(f'  [yellow]{event.node}: {escape(event.message)}[/]')
 
     def _show_program(self, event: ProgramStatus) -> None:
         if event.error:
-            self.console.print(f'[bold red]{escape(event.error)}[/]', highlight=False)
+            self._print(f'[bold red]{escape(event.error)}[/]')
         elif event.state == 'RUNNING' and event.line and event.line != self._line:
             self._line = event.line
-            self.console.print(f'[dim]{event.line:>5}[/]   {escape(event.source.strip())}', highlight=False)
+            self._print(f'[dim]{event.line:>5}[/]   {escape(event.source.strip())}')
 
     def _show_planned(self, event: MotionPlanned) -> None:
         if self._motion is None or self._motion.id != event.id:
             return
-        kind, target = self._motion.kind, _target(self._motion.target)
-        self.console.print(
-            f'{MARGIN}[cyan]{kind}[/] to {target}, planned [bold]{event.duration:.2f} s[/]', highlight=False
+        target = _target(self._motion.target)
+        self._print(
+            f'{MARGIN}[cyan]{self._motion.kind}[/] to {target}, planned [bold]{event.duration:.2f} s[/]'
         )
-        self._bar.start()
-        self._task = self._bar.add_task(kind, total=1.0)
+        if self.console.is_terminal:
+            self._bar.start()
+            self._task = self._bar.add_task(self._motion.kind, total=1.0)
 
     def _show_end(self, event: MotionEnded) -> None:
         if self._task is not None:
@@ -116,7 +118,7 @@ class CellView:
             self._bar.stop()
         if event.ok:
             duration = float(event.details.get('duration', 'nan'))
-            self.console.print(f'{MARGIN}[green]{event.message}[/] after {duration:.2f} s', highlight=False)
+            self._print(f'{MARGIN}[green]{event.message}[/] after {duration:.2f} s')
         self._motion = None
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
@@ -97,11 +98,12 @@ class MotionReport:
 
     def show(self, console: Console) -> None:
         """Print the table and a closing line."""
-        table = Table(title='Motions', title_justify='left', header_style='bold')
+        table = Table(box=SIMPLE_HEAD, header_style='bold', pad_edge=False)
         table.add_column('line', justify='right')
         table.add_column('motion')
-        for name in ('planned', 'real', 'position error', 'orientation error', 'off the line', *QUANTITIES):
-            table.add_column(name, justify='right')
+        names = ('planned\ns', 'real\ns', 'target missed by\nmm, deg', 'off line\nmm', *QUANTITIES)
+        for name in names:
+            table.add_column(name, justify='right', no_wrap=True)
         for row in self.rows:
             table.add_row(*_cells(row))
         console.print(table)
@@ -111,11 +113,13 @@ class MotionReport:
         if self.program_error:
             console.print(f'[bold red]{self.program_error}[/]', highlight=False)
         if self.ok:
+            count = f'{len(self.rows)} motion{"" if len(self.rows) == 1 else "s"}'
             console.print(
-                f'[bold green]program finished[/], {len(self.rows)} motions, all limits kept', highlight=False
+                f'[bold green]program finished[/]: {count}, every target reached, every limit kept',
+                highlight=False,
             )
         else:
-            console.print(f'[bold red]program {self.program_state}[/]', highlight=False)
+            console.print(f'[bold red]program {self.program_state.lower()}[/]', highlight=False)
 
 
 def motion_report(bag: Path, robot_name: str, *, namespace: str = '/') -> MotionReport:
@@ -240,16 +244,16 @@ def _cells(row: MotionRow) -> list[str]:
     def number(value: float | None, text: str) -> str:
         return '-' if value is None or math.isnan(value) else text.format(value)
 
+    missed = f'{1e3 * row.position_error:.4f}, {math.degrees(row.orientation_error):.4f}'
     cells = [
         str(row.line),
         row.kind,
-        number(row.planned, '{:.2f} s'),
-        number(row.duration, '{:.2f} s'),
-        number(1e3 * row.position_error, '{:.4f} mm'),
-        number(math.degrees(row.orientation_error), '{:.4f} deg'),
-        number(None if row.line_deviation is None else 1e3 * row.line_deviation, '{:.4f} mm'),
+        number(row.planned, '{:.2f}'),
+        number(row.duration, '{:.2f}'),
+        '-' if math.isnan(row.position_error) else missed,
+        number(None if row.line_deviation is None else 1e3 * row.line_deviation, '{:.4f}'),
     ]
     for quantity in QUANTITIES:
         use = row.uses.get(quantity)
-        cells.append('-' if use is None else f'{use.joint} {100.0 * use.ratio:.0f} %')
+        cells.append('-' if use is None else f'{use.joint} {100.0 * use.ratio:.0f}%')
     return cells

@@ -11,7 +11,6 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.event_handler import SubscriptionEventCallbacks
-from robots_planning.verification import verify
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from std_srvs.srv import Trigger
@@ -29,6 +28,7 @@ from robots_core.nodes.run import run
 from robots_core.periodic_thread import PeriodicThread
 from robots_core.validation import Array, fraction
 from robots_planning.trajectory import Trajectory
+from robots_planning.verification import verify
 
 PROGRESS_RATE = 25.0  # Hz
 # Feedback tells where the robot stands and that it is alive; faster than this it only costs time.

@@ -26,6 +26,12 @@ class DriveNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('drive_node', **options)
         rate = self.parameter('rate', 250.0, 'steps per second, Hz', bounds=(10.0, 2000.0), read_only=True)
+        priority = self.parameter(
+            'realtime_priority',
+            50,
+            'FIFO priority of the loop where the system permits it; 0: none',
+            read_only=True,
+        )
         bandwidth = self.parameter(
             'bandwidth',
             [15.0],
@@ -51,7 +57,11 @@ class DriveNode(RobotNode):
         self._message = JointState(name=list(axes.names))
         self._publisher = self.create_publisher(JointState, 'joint_states', STATE)
         self._thread = PeriodicThread(
-            self._step, period=1.0 / rate, name='drives', on_error=self.thread_failed
+            self._step,
+            period=1.0 / rate,
+            name='drives',
+            on_error=self.thread_failed,
+            realtime_priority=priority,
         )
         self._thread.start()
         self.ready(rate=rate)

@@ -17,6 +17,8 @@ from robots_core.validation import Array
 
 # CDR of a message that begins with a Header: 4 bytes of encapsulation, then the stamp's two 32-bit words.
 STAMP_OFFSET = 4
+EMPTY_SEQUENCE_SIZE = 4
+DURATION_SIZE = 8
 
 
 class ReferenceStream:
@@ -45,11 +47,11 @@ class ReferenceStream:
         point.time_from_start.sec = int(time_from_start)
         point.time_from_start.nanosec = round(1e9 * (time_from_start % 1.0))
         template = bytearray(serialize_message(JointTrajectory(joint_names=list(names), points=[point])))
+        offsets = [template.index(row.tobytes()) for row in marks]
+        # The serializer leaves padding behind the message's end: an empty sequence and a duration.
+        del template[offsets[-1] + 8 * n + EMPTY_SEQUENCE_SIZE + DURATION_SIZE :]
         self._buffer = template
-        self._rows = [
-            np.frombuffer(template, dtype=np.float64, count=n, offset=template.index(row.tobytes()))
-            for row in marks
-        ]
+        self._rows = [np.frombuffer(template, dtype=np.float64, count=n, offset=start) for start in offsets]
 
     def publish(self, reference: Array) -> None:
         """Publish a reference (3, n): position, velocity, acceleration, stamped now."""

@@ -1,0 +1,37 @@
+"""References come out of the serialized template as from a message object."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
+from rosbags.typesys import Stores, get_typestore
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_core.nodes.reference_stream import ReferenceStream
+
+
+@pytest.mark.parametrize('names', [('A1', 'A2', 'A3'), ('a',), tuple(f'joint_{i}' for i in range(7))])
+def test_publishes_what_it_is_given_and_nothing_else(ros_nodes: Any, names: tuple[str, ...]) -> None:
+    node = ros_nodes.create_node()
+    raw: list[bytes] = []
+    node.create_subscription(JointTrajectory, 'joint_reference', raw.append, QoSProfile(depth=10), raw=True)
+    stream = ReferenceStream(node, 'joint_reference', names, time_from_start=1.25)
+    ros_nodes.wait_for(stream._publisher.get_subscription_count)
+    reference = np.random.default_rng(1).normal(size=(3, len(names)))
+    before = node.get_clock().now().nanoseconds
+    stream.publish(reference)
+    ros_nodes.wait_for(lambda: raw)
+    message = deserialize_message(raw[0], JointTrajectory)
+    assert tuple(message.joint_names) == names
+    (point,) = message.points
+    np.testing.assert_array_equal([point.positions, point.velocities, point.accelerations], reference)
+    assert len(point.effort) == 0
+    assert (point.time_from_start.sec, point.time_from_start.nanosec) == (1, 250_000_000)
+    stamp = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
+    assert before <= stamp <= node.get_clock().now().nanoseconds
+    # Strict readers refuse trailing bytes.
+    get_typestore(Stores.ROS2_JAZZY).deserialize_cdr(raw[0], 'trajectory_msgs/msg/JointTrajectory')
