@@ -3,8 +3,9 @@
 from typing import Final
 
 PRELUDE: Final = rb"""
-local text, name, serve, next_bytes, ask, count, period, pattern_steps, table_steps, max_arguments = ...
-local robot_functions = {select(11, ...)}
+local text, name, serve, next_bytes, ask, count, period, pattern_steps, table_steps, max_arguments,
+  patterns_text = ...
+local robot_functions = {select(12, ...)}
 
 local error, getmetatable, ipairs, load, next, pairs = error, getmetatable, ipairs, load, next, pairs
 local pcall, xpcall, rawget, rawlen, select = pcall, xpcall, rawget, rawlen, select
@@ -143,11 +144,12 @@ end
 
 -- Bounded library functions --------------------------------------------------------------------------
 
--- Highest number of ways in which n characters can be shared among a pattern's repetitions.
-local function check_pattern(what, s, p, plain, always_search)
-  if type(s) ~= 'string' or type(p) ~= 'string' then return end
+-- Whether Lua's own matching ends in time: in the worst case it tries all ways to share the characters
+-- among the pattern's repetitions.
+local function is_quick(s, p, plain, always_search)
+  if type(s) ~= 'string' or type(p) ~= 'string' then return true end
   local n, size, i, repeats, steps = #s, #p, 1, 0, 1
-  local searches = always_search or byte(p, 1) ~= 94
+  local searches = always_search or plain or byte(p, 1) ~= 94
   while not plain and i <= size do
     local c = byte(p, i)
     if c == 37 then                                                   -- %
@@ -166,41 +168,38 @@ local function check_pattern(what, s, p, plain, always_search)
       if c == 63 then steps = steps * 2 end                             -- ?
       i = i + 1
     end
-    if repeats > 200 or steps > pattern_steps then steps = pattern_steps + 1 break end
+    if repeats > 200 or steps > pattern_steps then return false end
   end
   if searches then repeats = repeats + 1 end
   for k = 1, repeats do
     steps = steps * (n + k) / k
-    if steps > pattern_steps then break end
+    if steps > pattern_steps then return false end
   end
-  if size > 32 then steps = steps * size / 32 end
-  if steps > pattern_steps then
-    fail(what .. ': this pattern could take too long on ' .. n .. ' characters; use a shorter string, '
-      .. "fewer repetitions, or '^' at the pattern's start")
-  end
+  return steps * size / 32 <= pattern_steps
 end
 
 local lib = string
+local patterns = load(patterns_text, '=robots', 't')(lib)
 local string = {}
 for _, key in ipairs {'byte', 'char', 'format', 'len', 'lower', 'pack', 'packsize', 'reverse', 'sub',
                       'unpack', 'upper'} do
   string[key] = lib[key]
 end
 function string.find(s, p, init, plain)
-  check_pattern('string.find', s, p, plain)
-  return lib.find(s, p, init, plain)
+  if is_quick(s, p, plain) then return lib.find(s, p, init, plain) end
+  return patterns.find(s, p, init, plain)
 end
 function string.match(s, p, init)
-  check_pattern('string.match', s, p)
-  return lib.match(s, p, init)
+  if is_quick(s, p) then return lib.match(s, p, init) end
+  return patterns.match(s, p, init)
 end
 function string.gmatch(s, p, init)
-  check_pattern('string.gmatch', s, p, false, true)
-  return lib.gmatch(s, p, init)
+  if is_quick(s, p, false, true) then return lib.gmatch(s, p, init) end
+  return patterns.gmatch(s, p, init)
 end
 function string.gsub(s, p, by, n)
-  check_pattern('string.gsub', s, p)
-  return lib.gsub(s, p, by, n)
+  if is_quick(s, p) then return lib.gsub(s, p, by, n) end
+  return patterns.gsub(s, p, by, n)
 end
 function string.rep(s, n, separator)
   if s == '' and (separator or '') == '' and tonumber(n) then return '' end

@@ -6,8 +6,8 @@ Its count hook costs more than that of 5.3 (1.8 against 1.2 times the time of pu
 program that moves a robot does not notice.
 
 What Lua allows to run for ever without reaching a hook is wrapped: `pcall` and `xpcall` pass the stop on,
-every coroutine gets the hook, finalizers (which run without hooks) are refused, and library functions
-that loop in C (pattern matching, `table.move` and its like) are bounded.
+every coroutine gets the hook, finalizers (which run without hooks) are refused, patterns that might take
+long are matched in Lua, and other library functions that loop in C (`table.move` and its like) are bounded.
 
 No Python object is visible to the program. Numbers, booleans and strings go to Python, numbers and
 booleans alone come back: a value that needs memory of Lua would, where none is left, leave Python by a C
@@ -22,6 +22,7 @@ from typing import Any, Final, NoReturn
 
 from lupa import lua54
 
+from robots_controller.interpreter.lua_patterns import PATTERNS
 from robots_controller.interpreter.lua_prelude import PRELUDE
 from robots_controller.interpreter.lua_source import LuaSource
 from robots_controller.interpreter.program_state import ProgramStopped
@@ -127,6 +128,7 @@ class LuaSandbox:
             MAX_PATTERN_STEPS,
             MAX_TABLE_STEPS,
             MAX_ARGUMENTS,
+            PATTERNS,
             *(name.encode() for name in self._functions),
             name=b'=robots',
         )
