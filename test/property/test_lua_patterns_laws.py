@@ -36,26 +36,8 @@ end
 """
 
 SINGLES = st.sampled_from(
-    [
-        'a',
-        'b',
-        'c',
-        '.',
-        '%a',
-        '%d',
-        '%s',
-        '%W',
-        '%.',
-        '[ab]',
-        '[^a]',
-        '[a-c%d]',
-        '[]]',
-        '[^%s]',
-        '^',
-        '%$',
-        '(',
-    ]
-).filter(lambda single: single != '(')
+    ['a', 'b', 'c', '.', '%a', '%d', '%s', '%W', '%.', '[ab]', '[^a]', '[a-c%d]', '[]]', '[^%s]', '^', '%$']
+)
 REPEATED = st.tuples(SINGLES, st.sampled_from(['', '', '*', '+', '-', '?'])).map(''.join)
 ITEMS = st.one_of(REPEATED, REPEATED, st.sampled_from(['()', '%bab', '%b()', '%f[b]', '%f[^%w]']))
 GROUPS = st.lists(ITEMS, max_size=3).map(lambda items: f'({"".join(items)})')
@@ -105,4 +87,4 @@ def test_substitutions_agree(subject: str, pattern: str, by: bytes):
 def test_what_lua_refuses_is_refused(subject: str, pattern: str):
     theirs, ours = compare(b'match', subject.encode(), pattern.encode(), None)
     # Lua looks at a pattern as far as it gets; ours reads it whole before it begins.
-    assert ours in (theirs, 'fails' if theirs is None else b'fails')
+    assert ours in (theirs, b'fails')

@@ -115,16 +115,15 @@ def test_what_could_run_for_ever_in_c_is_refused(tmp_path: Path, statement: str)
     assert time.monotonic() - start < STOP_TIME
 
 
-def test_longest_allowed_patterns_end_in_time(tmp_path: Path):
+def test_longest_patterns_of_lua_s_own_matching_end_in_time(tmp_path: Path):
     for statement in (
-        "('a'):rep(14000):find('.-b')",
-        "('a'):rep(100):find('.-.-.-.-b')",
+        "('a'):rep(6300):find('.-b')",
+        "('a'):rep(72):find('.-.-.-.-b')",
         "('a'):rep(12):find(('a?'):rep(12) .. ('a'):rep(12))",
     ):
         start = time.monotonic()
         assert LuaHost(tmp_path).run(statement) is None
-        # Twice the time of a stop: the bound is one of steps, and machines differ.
-        assert time.monotonic() - start < 2 * STOP_TIME
+        assert time.monotonic() - start < STOP_TIME
 
 
 def test_patterns_work_as_in_lua(tmp_path: Path):

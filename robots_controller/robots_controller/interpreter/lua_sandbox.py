@@ -2,7 +2,7 @@
 
 Lua 5.4 of the five that lupa bundles: it is maintained, and each of its interpreters has a random
 generator of its own, so that a program draws the same numbers in every run (5.3 shares the C library's).
-Its count hook costs more than that of 5.3 (1.8 against 1.2 times the time of pure computation), which a
+Its count hook costs more than that of 5.3, which a
 program that moves a robot does not notice.
 
 What Lua allows to run for ever without reaching a hook is wrapped: `pcall` and `xpcall` pass the stop on,
@@ -32,8 +32,8 @@ DEFAULT_MEMORY: Final = 100_000_000  # bytes
 HOOK_INSTRUCTIONS: Final = 200
 # s of processor time between two looks at the stop flag: each takes the lock of the Python interpreter.
 POLL_PERIOD: Final = 0.005
-# So many steps in the worst case end within a second.
-MAX_PATTERN_STEPS: Final = 1e8
+# So many steps in the worst case end in some tenths of a second.
+MAX_PATTERN_STEPS: Final = 2e7
 MAX_TABLE_STEPS: Final = 1_000_000
 MAX_ARGUMENTS: Final = 100
 # Bytes of a message per call from Lua, as whole numbers; the prelude counts on the same number.
