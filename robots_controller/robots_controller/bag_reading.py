@@ -52,8 +52,8 @@ def seconds(stamp: Any) -> float:
 def reference_trajectory(references: list[Any]) -> Trajectory:
     """The references of a controller, one JointTrajectory message each, as one trajectory.
 
-    A reference belongs to a multiple of the controller's period after the first; the stamps tell which,
-    free of the jitter with which they were sent.
+    Their stamps are the instants when they were due: multiples of the controller's period, with gaps where
+    messages were lost.
 
     Raises:
         RobotsError: less than two references.
@@ -61,11 +61,8 @@ def reference_trajectory(references: list[Any]) -> Trajectory:
     if len(references) < 2:
         raise RobotsError(f'{len(references)} references make no trajectory, at least 2 are needed')
     period = seconds(references[0].points[0].time_from_start)
-    sent = np.array([seconds(message.header.stamp) for message in references])
-    ticks = np.round((sent - sent[0]) / period).astype(int)
-    # Sent late and early, two neighbours may round to the same tick: the later one moves on.
-    for index in range(1, len(ticks)):
-        ticks[index] = max(ticks[index], ticks[index - 1] + 1)
+    due = np.array([seconds(message.header.stamp) for message in references])
+    ticks = np.round((due - due[0]) / period)
     points = [message.points[0] for message in references]
     return Trajectory(
         ticks * period,

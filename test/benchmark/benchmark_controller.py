@@ -47,16 +47,16 @@ class Timing:
 
 
 class Receiver(Node):
-    """Collects the send stamps of `joint_reference`."""
+    """Collects when each `joint_reference` was sent, by the middleware's own stamp."""
 
     def __init__(self) -> None:
         super().__init__('receiver')
         self.stamps: list[int] = []
         self.create_subscription(JointTrajectory, 'joint_reference', self._on_message, QoSProfile(depth=1000))
 
-    def _on_message(self, message: JointTrajectory) -> None:
-        stamp = message.header.stamp
-        self.stamps.append(stamp.sec * 1_000_000_000 + stamp.nanosec)
+    def _on_message(self, message: JointTrajectory, info: dict[str, int]) -> None:
+        del message
+        self.stamps.append(info['source_timestamp'])
 
 
 def cpu_seconds(pid: int) -> float:

@@ -116,7 +116,7 @@ class ControllerNode(RobotNode):
         feedback = self._take_feedback() if self._cycle % self._feedback_every == 0 else None
         reference = controller.step(now, feedback)
         if reference is not None:
-            self._references.publish(reference)
+            self._references.publish(reference, now)
         while controller.outcomes:
             self._publish_result(controller.outcomes.popleft())
         self._publish_progress()

@@ -53,9 +53,18 @@ class ReferenceStream:
         self._buffer = template
         self._rows = [np.frombuffer(template, dtype=np.float64, count=n, offset=start) for start in offsets]
 
-    def publish(self, reference: Array) -> None:
-        """Publish a reference (3, n): position, velocity, acceleration, stamped now."""
-        nanoseconds = self._clock.now().nanoseconds if self._simulated else time.time_ns()
+    def publish(self, reference: Array, deadline: float) -> None:
+        """Publish a reference.
+
+        Args:
+            reference: (3, n): position, velocity, acceleration.
+            deadline: When it was due, s on the clock of `time.monotonic`: the message's stamp, free of the
+                jitter of sending.
+        """
+        if self._simulated:
+            nanoseconds = self._clock.now().nanoseconds
+        else:
+            nanoseconds = time.time_ns() + int(1e9 * (deadline - time.monotonic()))
         struct.pack_into('<iI', self._buffer, STAMP_OFFSET, *divmod(nanoseconds, 1_000_000_000))
         for row, values in zip(self._rows, reference, strict=True):
             row[:] = values
