@@ -29,6 +29,7 @@ from robots_core.robot_choice import load_robot_model
 
 START_TIMEOUT = 60.0  # s, for all nodes to be ready on a slow machine
 SERVICE_TIMEOUT = 10.0  # s
+LOG_WIDTH = 120
 POLL = 0.05  # s between looks at processes and events
 
 # What a report needs; the recorder is subscribed to these before the program starts.
@@ -64,7 +65,8 @@ class CellOptions:
 def main() -> None:
     """Run from the command line."""
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    console = Console(highlight=False, soft_wrap=True)
+    # A log file has no width of its own; the table needs this much.
+    console = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else LOG_WIDTH)
     try:
         code = run_cell(parse_options(sys.argv[1:]), console)
     except RobotsError as error:

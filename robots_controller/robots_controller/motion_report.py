@@ -101,7 +101,7 @@ class MotionReport:
         table = Table(box=SIMPLE_HEAD, header_style='bold', pad_edge=False)
         table.add_column('line', justify='right')
         table.add_column('motion')
-        names = ('planned\ns', 'real\ns', 'target missed by\nmm, deg', 'off line\nmm', *QUANTITIES)
+        names = ('planned\ns', 'real\ns', 'missed by\nmm, deg', 'off line\nmm', *QUANTITIES)
         for name in names:
             table.add_column(name, justify='right', no_wrap=True)
         for row in self.rows:
