@@ -130,3 +130,24 @@ class Trajectory:
         q_ddot = 2 * c[2] + x * (6 * c[3] + x * (12 * c[4] + x * 20 * c[5]))
         outside = ((times < 0.0) | (times > self.duration))[..., None]
         return q, np.where(outside, 0.0, q_dot), np.where(outside, 0.0, q_ddot)
+
+    def acceleration_extremes(self) -> tuple[Array, Array, Array]:
+        """Where acceleration or jerk can be largest: ends and inner extremes of every interval, exactly.
+
+        Returns:
+            Times, s, and absolute acceleration and jerk there, (k, n) each; k is some multiple of m - 1.
+        """
+        h = np.diff(self.time)[:, None]
+        c2, c3, c4, c5 = (self.coefficients[:, power] for power in (2, 3, 4, 5))
+        # Jerk 6 c3 + 24 c4 x + 60 c5 x^2 is zero at an extreme of acceleration, and extreme at its vertex.
+        with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
+            root = np.sqrt(np.maximum(c4**2 - 2.5 * c3 * c5, 0.0))
+            inner = [(-2.0 * c4 - 2.0 * root) / (10.0 * c5), (-2.0 * c4 + 2.0 * root) / (10.0 * c5)]
+            inner += [-c4 / (5.0 * c5), -c3 / (4.0 * c4)]
+        x = np.stack([np.zeros_like(c3), np.broadcast_to(h, c3.shape), *inner])
+        x = np.clip(np.where(np.isfinite(x), x, 0.0), 0.0, h)
+        acceleration = np.abs(2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5)))
+        jerk = np.abs(6.0 * c3 + x * (24.0 * c4 + x * 60.0 * c5))
+        times = self.time[:-1, None] + x
+        n = self.num_axes
+        return times.reshape(-1, n), acceleration.reshape(-1, n), jerk.reshape(-1, n)

@@ -132,7 +132,7 @@ class VerificationReport:
 
 
 class _Samples(NamedTuple):
-    """Times (m,), use of the limits (m, n), values (m, n), and limits, of one quantity."""
+    """Times (m,) or (m, n), use of the limits (m, n), values (m, n), and limits, of one quantity."""
 
     t: Array
     ratio: Array
@@ -174,14 +174,14 @@ def verify(
     # A difference is an average of what it stands for, so it can only understate a limit that is broken.
     velocity = np.maximum(np.abs(q_dot), np.abs(after - before) / (2.0 * SAMPLE_PERIOD))
     acceleration = np.maximum(np.abs(q_ddot), np.abs(after - 2.0 * q + before) / SAMPLE_PERIOD**2)
-    extreme_times, extremes, jerks = _extremes(trajectory)
+    extreme_times, extremes, jerks = trajectory.acceleration_extremes()
 
     middle, half = _range(axes.lower, axes.upper)
     ratios = {
         'position': _Samples(t, np.abs(q - middle) / half, q, np.where(q < middle, axes.lower, axes.upper)),
         'velocity': _Samples(t, velocity / axes.velocity, velocity, axes.velocity),
         'acceleration': _Samples(
-            np.concatenate([t, extreme_times]),
+            np.concatenate([np.broadcast_to(t[:, None], q.shape), extreme_times]),
             np.concatenate([acceleration, extremes]) / axes.acceleration,
             np.concatenate([acceleration, extremes]),
             axes.acceleration,
@@ -220,35 +220,11 @@ def _worst(quantity: str, robot: BaseRobotModel, samples: _Samples) -> LimitUse:
         quantity=quantity,
         ratio=float(ratio[row, axis]),
         joint=robot.axes_data.names[axis],
-        time=float(t[row]),
+        time=float(t[row] if t.ndim == 1 else t[row, axis]),
         value=float(value[row, axis]),
         limit=float(np.broadcast_to(limit, ratio.shape)[row, axis]),
         unit=force if quantity == 'torque' else position + units[quantity],
     )
-
-
-def _extremes(trajectory: Trajectory) -> tuple[Array, Array, Array]:
-    """Times (m,), and |acceleration| and |jerk| (m, n) where acceleration is extreme in an interval."""
-    h = np.diff(trajectory.time)[:, None]
-    c3, c4, c5 = (trajectory.coefficients[:, power] for power in (3, 4, 5))
-    # Jerk 6 c3 + 24 c4 x + 60 c5 x^2 is zero at an extreme of acceleration, and extreme itself at its vertex.
-    with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
-        root = np.sqrt(np.maximum(c4**2 - 2.5 * c3 * c5, 0.0))
-        inside = [
-            (-2.0 * c4 - 2.0 * root) / (10.0 * c5),
-            (-2.0 * c4 + 2.0 * root) / (10.0 * c5),
-            -c4 / (5.0 * c5),
-            -c3 / (4.0 * c4),
-        ]
-    points = [np.zeros_like(c3), np.broadcast_to(h, c3.shape)]
-    points += [np.clip(np.where(np.isfinite(x), x, 0.0), 0.0, h) for x in inside]
-    c2 = trajectory.coefficients[:, 2]
-    times, accelerations, jerks = [], [], []
-    for x in points:
-        times.append(trajectory.time[:-1] + x.max(axis=1))
-        accelerations.append(np.abs(2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))))
-        jerks.append(np.abs(6.0 * c3 + x * (24.0 * c4 + x * 60.0 * c5)))
-    return np.concatenate(times), np.concatenate(accelerations), np.concatenate(jerks)
 
 
 def _torques(trajectory: Trajectory, robot: BaseRobotModel) -> _Samples:

@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, positive
@@ -23,6 +24,7 @@ SHORTEST_ANGLE = 1e-8  # rad
 GRID = 200  # points of the speed profile over the line, at least
 POINTS_PER_WINDOW = 8  # of the trajectory, so that its quintics follow the smoothed acceleration
 CHECKS_PER_POINT = 4
+STRETCH_EXCESS = 1e-6  # so that rounding does not ask for another round
 ROUNDS = 4  # of lowering the limits where smoothing broke them
 # Smoothing and interpolation move speeds to where the limits are slightly different.
 SMOOTHING_MARGIN = 2e-3
@@ -84,7 +86,7 @@ class LinearCartesianLimited(TrajectoryGenerator):
         # A pose that no posture reaches is told as such, before the place where the line fails.
         try:
             return LineInverseKinematics(self.robot).follow(line, start)
-        except Exception:
+        except PlanningError:
             self.reach(line.end, start)
             raise
 
@@ -104,17 +106,22 @@ class LinearCartesianLimited(TrajectoryGenerator):
         return law
 
     def _trajectory(self, path: JointPath, law: TimeLaw, quantities: _Quantities) -> Trajectory:
-        trajectory = sample_law(path, law, self.smoothing)
+        """The trajectory of a time law, slowed down evenly until it keeps the limits everywhere."""
+        stretch = max(quantities.largest_use(law, trajectory_times(law.duration, self.smoothing)), 1.0)
+        for _ in range(ROUNDS):
+            trajectory = sample_law(path, law, self.smoothing, stretch)
+            use = self._largest_use(trajectory)
+            if use <= 1.0:
+                break
+            stretch *= use * (1.0 + STRETCH_EXCESS)
+        return trajectory
+
+    def _largest_use(self, trajectory: Trajectory) -> float:
+        """By which factor time must be stretched to hold all axis limits, between the points too."""
         fine = np.linspace(0.0, trajectory.duration, CHECKS_PER_POINT * (len(trajectory.time) - 1) + 1)
-        _, q_dot_fine, q_ddot_fine = trajectory.sample(fine)
-        stretch = max(
-            quantities.largest_use(law, fine),
-            float((np.abs(q_dot_fine) / self.velocity).max()),
-            float(np.sqrt((np.abs(q_ddot_fine) / self.acceleration).max())),
-        )
-        if stretch <= 1.0:
-            return trajectory
-        return sample_law(path, law, self.smoothing, stretch)
+        _, q_dot, _ = trajectory.sample(fine)
+        acceleration = float((trajectory.acceleration_extremes()[1] / self.acceleration).max())
+        return max(float((np.abs(q_dot) / self.velocity).max()), float(np.sqrt(acceleration)))
 
 
 class _Quantities:

@@ -1,0 +1,373 @@
+"""planning_node: commands in; joint_trajectory, refusals and finished out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import PoseStamped
+from rclpy.duration import Duration
+from rclpy.parameter import Parameter
+from rclpy.qos import LivelinessPolicy
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from robots_core import Pose, load_robot_model
+from robots_core.errors import InvalidInputError
+from robots_core.nodes.messages import (
+    MotionResult,
+    doubles,
+    joint_state_message,
+    pose_stamped_message,
+    stamp_id,
+)
+from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STATE
+from robots_planning import LinearCartesianLimited, Trajectory, verify
+from robots_planning.nodes.planning_node import PlanningNode
+
+ROBOT = 'bello_bot'
+
+
+class Bench:
+    """The node under test with everything around it: program, controller, sensor."""
+
+    def __init__(self, runner: Any, **parameters: Any) -> None:
+        self.runner = runner
+        self.robot = load_robot_model(ROBOT)
+        self.names = list(self.robot.axes_data.names)
+        overrides = [Parameter('robot_model', value=ROBOT)]
+        overrides += [Parameter(name, value=value) for name, value in parameters.items()]
+        self.node = runner.add(PlanningNode(context=runner.context, parameter_overrides=overrides))
+        self.peer = peer = runner.create_node('peer')
+        self.trajectories: list[JointTrajectory] = []
+        self.results: list[MotionResult] = []
+        self.finished: list[bool] = []
+        self.liveliness: list[Any] = []
+        peer.create_subscription(JointTrajectory, 'joint_trajectory', self.trajectories.append, COMMAND)
+        peer.create_subscription(
+            DiagnosticStatus,
+            'motion_result',
+            lambda message: self.results.append(MotionResult.from_message(message)),
+            COMMAND,
+        )
+        peer.create_subscription(
+            Bool, 'finished', lambda message: self.finished.append(message.data), PLANNER_ALIVE
+        )
+        self.publishers = {
+            topic: peer.create_publisher(kind, topic, qos)
+            for topic, kind, qos in (
+                ('ptpjoint_joint', JointState, COMMAND),
+                ('ptpjoint_cartesian', PoseStamped, COMMAND),
+                ('ptpcartesian', PoseStamped, COMMAND),
+                ('trigger', Bool, COMMAND),
+                ('reference_pose', PoseStamped, STATE),
+                ('motion_result', DiagnosticStatus, COMMAND),
+            )
+        }
+        self.references: Any = None
+        self.wait(
+            lambda: (
+                all(publisher.get_subscription_count() > 0 for publisher in self.publishers.values())
+                and peer.count_publishers('joint_trajectory')
+                and self.finished
+            ),
+            'the node is connected',
+        )
+
+    def wait(self, condition: Any, what: str) -> None:
+        self.runner.wait_for(condition, what=what)
+
+    def stand(self, q: np.ndarray, q_dot: np.ndarray | None = None) -> None:
+        """Publish a reference, as the controller does, and wait until the node has received it."""
+        if self.references is None:
+            self.references = self.peer.create_publisher(JointTrajectory, 'joint_reference', STATE)
+            self.wait(lambda: self.references.get_subscription_count() > 0, 'the reference is subscribed')
+            self.wait(
+                lambda: self.node.get_publishers_info_by_topic('joint_reference'), 'its publisher is known'
+            )
+        zero = np.zeros(len(q))
+        order = list(reversed(range(len(q))))  # references are matched by name
+        point = JointTrajectoryPoint(
+            positions=doubles(q[order]),
+            velocities=doubles((zero if q_dot is None else q_dot)[order]),
+            accelerations=doubles(zero),
+        )
+        self.references.publish(
+            JointTrajectory(joint_names=[self.names[index] for index in order], points=[point])
+        )
+        assert self.references.wait_for_all_acked(Duration(seconds=10.0))
+
+    def command(self, topic: str, target: Any, stamp: int) -> str:
+        """Send a command with a stamp; returns its id."""
+        time = Time(sec=stamp)
+        if topic == 'ptpjoint_joint':
+            message: Any = joint_state_message(time, self.names, target)
+        else:
+            message = pose_stamped_message(time, target)
+        self.publishers[topic].publish(message)
+        return stamp_id(time)
+
+    def planned(self, count: int = 1) -> Trajectory:
+        """The newest trajectory, after `count` have come."""
+        self.wait(lambda: len(self.trajectories) >= count, f'{count} trajectories')
+        message = self.trajectories[-1]
+        return Trajectory(
+            np.array([p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points]),
+            *(
+                np.array([getattr(point, field) for point in message.points])
+                for field in ('positions', 'velocities', 'accelerations')
+            ),
+        )
+
+    def refusal(self, id_: str) -> MotionResult:
+        """The result of a refused command."""
+        self.wait(lambda: any(result.id == id_ for result in self.results), f'a result of {id_}')
+        result = next(result for result in self.results if result.id == id_)
+        assert not result.ok
+        return result
+
+    def end(self, id_: str, *, ok: bool = True) -> None:
+        """End a motion, as the controller does."""
+        result = MotionResult(id_, ok, 'reached' if ok else 'stopped')
+        self.publishers['motion_result'].publish(result.to_message(ROBOT))
+        self.wait(lambda: self.node._motion != id_, 'the node has heard the result')
+        self.wait(lambda: id_ in [result.id for result in self.results], 'so has everybody')
+
+
+@pytest.fixture
+def bench(ros_nodes: Any) -> Bench:
+    return Bench(ros_nodes)
+
+
+def below(bench: Bench, distance: float = 0.1) -> Pose:
+    """A pose straight below home."""
+    start = Pose(*bench.robot.direct_kinematics(bench.robot.home))
+    return Pose(start.r - [0.0, 0.0, distance], start.T)
+
+
+def test_a_joint_motion_is_planned_and_verified(bench: Bench) -> None:
+    home = bench.robot.home
+    bench.stand(home)
+    bench.command('ptpjoint_joint', home + 0.2, 5)
+    trajectory = bench.planned()
+    message = bench.trajectories[0]
+    assert message.header.stamp == Time(sec=5)
+    assert message.header.frame_id == 'base'
+    assert list(message.joint_names) == bench.names
+    np.testing.assert_array_equal(trajectory.position[0], home)
+    np.testing.assert_array_equal(trajectory.position[-1], home + 0.2)
+    report = verify(trajectory, bench.robot, torque=False)
+    assert report.ok, report.describe()
+
+
+def test_joints_are_matched_by_name(bench: Bench) -> None:
+    home = bench.robot.home
+    target = home + np.linspace(0.01, 0.07, bench.robot.num_axes)
+    bench.stand(home)
+    message = JointState(name=['gripper', *reversed(bench.names)], position=[9.0, *reversed(target)])
+    bench.publishers['ptpjoint_joint'].publish(message)
+    np.testing.assert_array_equal(bench.planned().position[-1], target)
+    # A command without stamp gets the time as its id.
+    assert bench.trajectories[0].header.stamp.sec > 0
+
+
+def test_a_tool_line_survives_the_message(bench: Bench) -> None:
+    home, target = bench.robot.home, below(bench)
+    bench.stand(home)
+    bench.command('ptpcartesian', target, 5)
+    trajectory = bench.planned()
+    line = (Pose(*bench.robot.direct_kinematics(home)), target)
+    report = verify(trajectory, bench.robot, line=line)
+    assert report.ok, report.describe()
+    assert report.uses['acceleration'].ratio <= 1.0
+    planned = LinearCartesianLimited(bench.robot).generate(home, target)
+    # The orientation travels as a quaternion, which is rounded once more.
+    assert trajectory.duration == pytest.approx(planned.duration, rel=1e-6)
+    assert bench.finished[-1] is False
+
+
+def test_a_pose_is_reached_in_joint_space(bench: Bench) -> None:
+    bench.stand(bench.robot.home)
+    target = below(bench)
+    bench.command('ptpjoint_cartesian', target, 5)
+    reached = Pose(*bench.robot.direct_kinematics(bench.planned().position[-1]))
+    assert reached.distance_to(target)[0] < 1e-9
+
+
+def test_finished_follows_the_result_of_its_own_motion(bench: Bench) -> None:
+    bench.stand(bench.robot.home)
+    id_ = bench.command('ptpjoint_joint', bench.robot.home + 0.1, 5)
+    bench.planned()
+    bench.wait(lambda: bench.finished == [False, False], 'finished false at the start')
+    bench.end('4.000000000')
+    bench.end(id_)
+    bench.wait(lambda: bench.finished == [False, False, True], 'finished true at the end')
+
+
+def test_a_motion_that_was_stopped_is_not_finished(bench: Bench) -> None:
+    bench.stand(bench.robot.home)
+    id_ = bench.command('ptpjoint_joint', bench.robot.home + 0.1, 5)
+    bench.planned()
+    bench.end(id_, ok=False)
+    bench.command('ptpjoint_joint', bench.robot.home + 0.1, 6)
+    bench.planned(2)
+    assert True not in bench.finished
+
+
+def test_without_a_reference_it_says_what_is_missing(bench: Bench) -> None:
+    id_ = bench.command('ptpjoint_joint', bench.robot.home, 5)
+    assert 'no joint_reference received' in bench.refusal(id_).message
+    assert not bench.trajectories
+
+
+def test_a_moving_robot_is_not_planned_for(bench: Bench) -> None:
+    home = bench.robot.home
+    velocity = np.zeros(len(home))
+    velocity[2] = 0.3
+    bench.stand(home, velocity)
+    result = bench.refusal(bench.command('ptpjoint_joint', home + 0.1, 5))
+    assert 'still moving' in result.message
+    assert bench.names[2] in result.message
+    bench.stand(home)
+    bench.command('ptpjoint_joint', home + 0.1, 6)
+    bench.planned()
+
+
+def test_a_second_command_waits_for_the_first_to_end(bench: Bench) -> None:
+    home = bench.robot.home
+    bench.stand(home)
+    first = bench.command('ptpjoint_joint', home + 0.1, 5)
+    second = bench.command('ptpjoint_joint', home - 0.1, 6)
+    assert first in bench.refusal(second).message
+    bench.end(first)
+    bench.wait(lambda: bench.finished[-1], 'the first has finished')
+    bench.stand(home + 0.1)
+    bench.command('ptpjoint_joint', home, 7)
+    np.testing.assert_array_equal(bench.planned(2).position[0], home + 0.1)
+
+
+def test_a_command_that_comes_twice_is_planned_once(bench: Bench) -> None:
+    home = bench.robot.home
+    bench.stand(home)
+    first = bench.command('ptpjoint_joint', home + 0.1, 5)
+    bench.command('ptpjoint_joint', home + 0.1, 5)
+    later = bench.command('ptpjoint_joint', home + 0.1, 6)
+    bench.refusal(later)
+    assert len(bench.trajectories) == 1
+    assert first not in [result.id for result in bench.results]
+
+
+def test_a_lost_controller_does_not_block_the_next_motion(bench: Bench) -> None:
+    home = bench.robot.home
+    bench.stand(home)
+    bench.command('ptpjoint_joint', home + 0.1, 5)
+    bench.planned()
+    bench.peer.destroy_publisher(bench.references)
+    bench.wait(lambda: not bench.node.get_publishers_info_by_topic('joint_reference'), 'it is gone')
+    bench.references = None
+    bench.stand(home)
+    bench.command('ptpjoint_joint', home + 0.1, 6)
+    bench.planned(2)
+
+
+@pytest.mark.parametrize(
+    ('topic', 'message', 'reason'),
+    [
+        ('ptpjoint_joint', JointState(name=['J1'], position=[0.0]), 'lacks joint J2'),
+        ('ptpjoint_joint', JointState(), 'lacks joint J1'),
+        ('ptpjoint_cartesian', PoseStamped(), 'cannot reach'),
+        ('ptpcartesian', PoseStamped(), 'cannot reach'),
+    ],
+)
+def test_bad_commands_are_refused_with_the_reason(
+    bench: Bench, topic: str, message: Any, reason: str
+) -> None:
+    bench.stand(bench.robot.home)
+    message.header.stamp = Time(sec=5)
+    if topic != 'ptpjoint_joint':
+        message.pose.position.x = 50.0
+    bench.publishers[topic].publish(message)
+    result = bench.refusal('5.000000000')
+    assert reason in result.message
+    assert not bench.trajectories
+    bench.command('ptpjoint_joint', bench.robot.home, 6)
+    bench.planned()
+
+
+def test_values_and_bounds_travel_with_a_refusal(bench: Bench) -> None:
+    axes, home = bench.robot.axes_data, bench.robot.home
+    bench.stand(home)
+    target = home.copy()
+    target[3] = axes.upper[3] + 0.5
+    details = bench.refusal(bench.command('ptpjoint_joint', target, 5)).details
+    assert details['joint'] == axes.names[3]
+    assert float(details['upper']) == axes.upper[3]
+    assert float(details['value']) == target[3]
+    target[3] = np.nan
+    assert 'nan' in bench.refusal(bench.command('ptpjoint_joint', target, 6)).message
+
+
+def test_a_pose_in_another_frame_is_refused(bench: Bench) -> None:
+    bench.stand(bench.robot.home)
+    bench.publishers['ptpcartesian'].publish(pose_stamped_message(Time(sec=5), below(bench), 'camera'))
+    assert "frame 'camera' is unknown" in bench.refusal('5.000000000').message
+
+
+def test_trigger_moves_to_the_newest_reference_pose_on_its_rising_edge(bench: Bench) -> None:
+    bench.stand(bench.robot.home)
+    bench.publishers['trigger'].publish(Bool(data=True))
+    bench.wait(lambda: bench.results, 'a refusal')
+    assert 'without a valid reference_pose' in bench.results[0].message
+    bench.publishers['reference_pose'].publish(pose_stamped_message(Time(), below(bench)))
+    bench.wait(lambda: bench.node._reference_pose is not None, 'the pose is taken')
+    bench.publishers['trigger'].publish(Bool(data=True))  # still high: no edge
+    bench.publishers['trigger'].publish(Bool(data=False))
+    bench.publishers['trigger'].publish(Bool(data=True))
+    trajectory = bench.planned()
+    reached = Pose(*bench.robot.direct_kinematics(trajectory.position[-1]))
+    assert reached.distance_to(below(bench))[0] < 1e-9
+    assert len(bench.results) == 1
+
+
+def test_modal_settings_hold_from_the_next_command_on(bench: Bench) -> None:
+    bench.stand(bench.robot.home)
+    usual = LinearCartesianLimited(bench.robot).generate(bench.robot.home, below(bench)).duration
+    bench.runner.wait_for(
+        lambda: all(
+            result.successful
+            for result in bench.node.set_parameters(
+                [Parameter('cartesian_speed', value=0.01), Parameter('speed_fraction', value=0.5)]
+            )
+        ),
+        what='the settings are taken',
+    )
+    bench.command('ptpcartesian', below(bench), 5)
+    # 0.1 m at 0.01 m/s.
+    assert bench.planned().duration > 10.0 > usual
+
+
+@pytest.mark.parametrize('value', [0.0, -1.0, float('nan'), float('inf'), 2.0])
+def test_invalid_settings_are_refused_and_change_nothing(bench: Bench, value: float) -> None:
+    result = bench.node.set_parameters_atomically(
+        [Parameter('cartesian_speed', value=0.1), Parameter('speed_fraction', value=value)]
+    )
+    assert not result.successful
+    assert 'speed_fraction' in result.reason
+    assert bench.node.get_parameter('cartesian_speed').value == 0.5
+
+
+def test_an_invalid_setting_at_start_is_told(ros_nodes: Any) -> None:
+    with pytest.raises(InvalidInputError, match='rotation_speed'):
+        Bench(ros_nodes, rotation_speed=-1.0)
+
+
+def test_finished_is_a_sign_of_life(bench: Bench) -> None:
+    publishers = bench.peer.get_publishers_info_by_topic('finished')
+    assert len(publishers) == 1
+    qos = publishers[0].qos_profile
+    assert qos.liveliness == LivelinessPolicy.AUTOMATIC
+    assert qos.liveliness_lease_duration == Duration(seconds=0.5)

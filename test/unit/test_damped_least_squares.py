@@ -1,0 +1,81 @@
+"""DampedLeastSquares: options, unreachable poses, limits, determinism."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from robots_core import BaseRobotModel, Pose, load_robot_model
+from robots_core.blocks import DampedLeastSquares
+from robots_core.blocks.inverse_kinematics.damped_least_squares import pose_error
+from robots_core.errors import InvalidInputError, JointLimitError
+
+
+@pytest.fixture(scope='module', params=['kuka_kr210_r2700', 'bello_bot'])
+def robot(request: pytest.FixtureRequest) -> BaseRobotModel:
+    return load_robot_model(request.param)
+
+
+def test_a_solution_is_kept(robot: BaseRobotModel) -> None:
+    q = robot.home + 0.05
+    result = DampedLeastSquares(robot).solve(Pose(*robot.direct_kinematics(q)), q)
+    assert result.converged
+    np.testing.assert_array_equal(result.q, q)
+    assert result.iterations == 0
+
+
+def test_few_steps_from_near(robot: BaseRobotModel) -> None:
+    q = robot.home + 0.2
+    result = DampedLeastSquares(robot).solve(Pose(*robot.direct_kinematics(q)), q - 0.02)
+    assert result.converged
+    # Newton's method squares the error: 1e-2, 1e-4, 1e-8, 1e-16, and two steps until damping has faded.
+    assert result.iterations <= 6
+
+
+def test_unreachable_pose_gives_the_closest_posture(robot: BaseRobotModel) -> None:
+    pose = Pose(np.array([20.0, 0.0, 1.0]), np.eye(3))
+    result = DampedLeastSquares(robot).solve(pose, robot.home)
+    assert not result.converged
+    robot.axes_data.check_position(result.q)
+    position, orientation = Pose(*robot.direct_kinematics(result.q)).distance_to(pose)
+    assert result.position_error == pytest.approx(position, abs=1e-9)
+    assert result.orientation_error == pytest.approx(orientation, abs=1e-6)
+    # No random posture may come closer, in the sum of squares that is minimised.
+    rng = np.random.default_rng(0)
+    for q in rng.uniform(robot.axes_data.lower, robot.axes_data.upper, (300, robot.num_axes)):
+        other = Pose(*robot.direct_kinematics(q)).distance_to(pose)
+        assert np.hypot(*other) >= np.hypot(position, orientation) - 1e-9
+
+
+def test_result_is_reproducible(robot: BaseRobotModel) -> None:
+    rng = np.random.default_rng(5)
+    q = rng.uniform(robot.axes_data.lower, robot.axes_data.upper)
+    pose = Pose(*robot.direct_kinematics(q))
+    first, second = (DampedLeastSquares(robot, seed=4).solve(pose, robot.home) for _ in range(2))
+    np.testing.assert_array_equal(first.q, second.q)
+    assert first.iterations == second.iterations
+    with pytest.raises(ValueError, match='read-only'):
+        first.q[0] = 0.0
+
+
+def test_bad_input_is_refused(robot: BaseRobotModel) -> None:
+    pose = Pose.identity()
+    with pytest.raises(JointLimitError):
+        DampedLeastSquares(robot).solve(pose, robot.axes_data.upper + 1.0)
+    with pytest.raises(InvalidInputError, match='tolerance'):
+        DampedLeastSquares(robot, tolerances=(0.0, 1e-6))
+    with pytest.raises(InvalidInputError, match='max_iterations'):
+        DampedLeastSquares(robot, max_iterations=0)
+    with pytest.raises(InvalidInputError, match='restarts'):
+        DampedLeastSquares(robot, restarts=-1)
+
+
+@pytest.mark.parametrize('angle', [0.0, 1e-14, 1e-9, 1e-3, 1.0, 3.0, np.pi - 1e-9, np.pi])
+def test_pose_error_is_the_rotation_vector(angle: float) -> None:
+    axis = np.array([2.0, -3.0, 6.0]) / 7.0
+    T = Rotation.from_rotvec([0.3, 0.2, -0.4]).as_matrix()
+    target = Rotation.from_rotvec(angle * axis).as_matrix() @ T
+    error = pose_error(np.zeros(3), T, np.array([1.0, 2.0, 3.0]), target)
+    np.testing.assert_array_equal(error[:3], [1.0, 2.0, 3.0])
+    # Rounding of a rotation matrix is 1e-16; half a turn has two rotation vectors.
+    vector = error[3:] if error[3:] @ axis >= 0.0 else -error[3:]
+    np.testing.assert_allclose(vector, angle * axis, atol=1e-8 if angle > 3.1 else 1e-15)

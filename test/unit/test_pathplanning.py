@@ -1,0 +1,91 @@
+"""PathPlanning: the right generator per command state, settings, verified plans."""
+
+from dataclasses import FrozenInstanceError, fields, replace
+
+import numpy as np
+import pytest
+
+from robots_core import BaseRobotModel, Pose, load_robot_model
+from robots_core.errors import InvalidInputError
+from robots_planning import (
+    LinearCartesianLimited,
+    LinearJoint,
+    MotionSettings,
+    PathPlanning,
+    RobotCommandState,
+)
+
+
+@pytest.fixture(scope='module')
+def robot() -> BaseRobotModel:
+    return load_robot_model('bello_bot')
+
+
+@pytest.fixture(scope='module')
+def target(robot: BaseRobotModel) -> Pose:
+    start = Pose(*robot.direct_kinematics(robot.home))
+    return Pose(start.r - [0.0, 0.0, 0.15], start.T)
+
+
+def test_each_state_plans_its_kind(robot: BaseRobotModel, target: Pose) -> None:
+    planning = PathPlanning(robot)
+    joints = planning.plan(RobotCommandState.PTPJOINT_JOINT, robot.home, robot.home + 0.1)
+    np.testing.assert_array_equal(joints.trajectory.position[-1], robot.home + 0.1)
+    by_joints = planning.plan(RobotCommandState.PTPJOINT_CARTESIAN, robot.home, target)
+    straight = planning.plan(RobotCommandState.PTPCARTESIAN, robot.home, target)
+    for motion in (by_joints, straight):
+        reached = Pose(*robot.direct_kinematics(motion.trajectory.position[-1])).distance_to(target)
+        assert reached[0] < 1e-9
+        assert motion.report.ok
+        assert motion.duration == motion.trajectory.duration
+    assert straight.report.line_deviation is not None
+    assert by_joints.report.line_deviation is None
+    assert straight.kind is RobotCommandState.PTPCARTESIAN
+
+
+def test_generators_are_those_of_the_design(robot: BaseRobotModel) -> None:
+    planning, settings = PathPlanning(robot), MotionSettings()
+    assert isinstance(planning.generator(RobotCommandState.PTPJOINT_JOINT, settings), LinearJoint)
+    assert isinstance(planning.generator(RobotCommandState.PTPJOINT_CARTESIAN, settings), LinearJoint)
+    assert isinstance(planning.generator(RobotCommandState.PTPCARTESIAN, settings), LinearCartesianLimited)
+
+
+@pytest.mark.parametrize(
+    'state', [RobotCommandState.IDLE, RobotCommandState.TRAJECTORY, RobotCommandState.TEACH]
+)
+def test_a_state_that_plans_nothing_is_refused(robot: BaseRobotModel, state: RobotCommandState) -> None:
+    with pytest.raises(InvalidInputError, match='not planned ahead'):
+        PathPlanning(robot).plan(state, robot.home, robot.home)
+
+
+def test_a_target_of_the_wrong_kind_is_refused(robot: BaseRobotModel, target: Pose) -> None:
+    planning = PathPlanning(robot)
+    with pytest.raises(InvalidInputError, match='needs joint positions'):
+        planning.plan(RobotCommandState.PTPJOINT_JOINT, robot.home, target)
+    with pytest.raises(InvalidInputError, match='needs a Pose'):
+        planning.plan(RobotCommandState.PTPJOINT_CARTESIAN, robot.home, robot.home)
+
+
+def test_limiting_axis_is_the_one_that_takes_longest(robot: BaseRobotModel) -> None:
+    axes = robot.axes_data
+    for axis in range(robot.num_axes):
+        target = robot.home + 0.01
+        target[axis] = robot.home[axis] + 0.2
+        motion = PathPlanning(robot).plan(RobotCommandState.PTPJOINT_JOINT, robot.home, target)
+        # Twenty times the travel, but no axis is twenty times as strong.
+        assert motion.limiting_axis == axes.names[axis]
+
+
+@pytest.mark.parametrize('name', [field.name for field in fields(MotionSettings)])
+def test_every_setting_matters_and_is_checked(robot: BaseRobotModel, target: Pose, name: str) -> None:
+    turned = Pose(target.r, Pose.from_angles([0.0] * 3, [0.3, 0.0, 0.0]).T @ target.T)
+    default = MotionSettings()
+    slow = replace(default, **{name: 0.02 * getattr(default, name)})
+    planning, state = PathPlanning(robot), RobotCommandState.PTPCARTESIAN
+    usual = planning.plan(state, robot.home, turned, default).duration
+    assert planning.plan(state, robot.home, turned, slow).duration > 1.5 * usual
+    for value in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(InvalidInputError, match=name):
+            replace(default, **{name: value})
+    with pytest.raises(FrozenInstanceError):
+        setattr(default, name, 1.0)
