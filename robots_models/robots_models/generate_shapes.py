@@ -16,6 +16,7 @@ import pinocchio as pin
 from lxml import etree
 
 from robots_core.robot_model.shapes import Mesh
+from robots_core.validation import Array
 from robots_models.shape_generation import Part, stl
 
 MESHES = 'meshes'
@@ -27,7 +28,7 @@ def generate_shapes(folder: Path, parts: Sequence[Part], posture: Sequence[float
     Args:
         folder: The robot's folder; holds `robot.urdf`.
         parts: What it looks like, in base coordinates with its joints at `posture`.
-        posture: (n,) rad.
+        posture: (n,) rad (m).
     """
     urdf = folder / 'robot.urdf'
     root = etree.fromstring(urdf.read_bytes(), etree.XMLParser(remove_blank_text=True))
@@ -40,7 +41,7 @@ def generate_shapes(folder: Path, parts: Sequence[Part], posture: Sequence[float
 
     model = pin.buildModelFromXML(etree.tostring(root, encoding='unicode'))
     data = model.createData()
-    pin.framesForwardKinematics(model, data, np.asarray(posture, dtype=np.float64))
+    pin.framesForwardKinematics(model, data, _configuration(model, posture))
     meshes = folder / MESHES
     meshes.mkdir(exist_ok=True)
     for old in meshes.glob('*.stl'):
@@ -55,6 +56,16 @@ def generate_shapes(folder: Path, parts: Sequence[Part], posture: Sequence[float
     header = '<?xml version="1.0"?>\n'
     text = etree.tostring(root.getroottree(), encoding='unicode')
     urdf.write_text(header + text.replace('--><', '-->\n<') + '\n')
+
+
+def _configuration(model: pin.Model, posture: Sequence[float]) -> Array:
+    configuration = pin.neutral(model)
+    for joint, value in zip(list(model.joints)[1:], posture, strict=True):
+        # To Pinocchio a joint that turns without end is a point on the unit circle.
+        configuration[joint.idx_q : joint.idx_q + joint.nq] = (
+            value if joint.nq == 1 else (np.cos(value), np.sin(value))
+        )
+    return np.asarray(configuration)
 
 
 def _seen_from(placement: pin.SE3, mesh: Mesh) -> Mesh:

@@ -7,7 +7,7 @@ All lengths are in metres.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -41,6 +41,11 @@ class Part:
     colour: tuple[float, float, float]
     meshes: tuple[Mesh, ...]
     collision: bool = False
+
+
+def enlarged(part: Part, factor: float) -> Part:
+    """The part with all lengths multiplied by `factor`, seen from the base."""
+    return replace(part, meshes=tuple(Mesh(factor * mesh.vertices, mesh.faces) for mesh in part.meshes))
 
 
 def hub(
