@@ -1,0 +1,144 @@
+"""What Staubli's arms look like: our own drawing, arm upright (all joints at zero)."""
+
+from __future__ import annotations
+
+from robots_models.families.staubli import StaubliData
+from robots_models.shape_generation import Part, block, enlarged, hub, tapered_arm, tube
+
+_YELLOW = (0.98, 0.8, 0.12)
+_PALE = (0.93, 0.93, 0.9)
+_GREY = (0.42, 0.44, 0.46)
+_BLACK = (0.12, 0.12, 0.13)
+_STEEL = (0.78, 0.79, 0.8)
+
+_ASIDE = 0.19  # m, how far the upper arm stands beside the shoulder's middle
+
+
+def staubli_parts(data: StaubliData, *, bulk: float = 1.0, pale: bool = False) -> tuple[Part, ...]:
+    """The parts of a Staubli arm.
+
+    Args:
+        data: Its dimensions.
+        bulk: How much thicker it is than a TX2-90.
+        pale: White with grey caps, instead of yellow.
+    """
+    body, caps = (_PALE, _GREY) if pale else (_YELLOW, _BLACK)
+    shoulder = data.shoulder_height / bulk
+    x, y = data.shoulder_offset / bulk, data.lateral_offset / bulk
+    elbow = shoulder + data.upper_arm / bulk
+    wrist = elbow + data.forearm / bulk
+    flange = wrist + data.flange / bulk
+    parts = (
+        Part(
+            'foot',
+            'base_link',
+            _GREY,
+            (
+                block((-0.02, 0.0, 0.015), (0.34, 0.32, 0.03), rounding=0.05, chamfer=0.004),
+                block((-0.15, 0.0, 0.09), (0.12, 0.16, 0.12)),
+            ),
+        ),
+        Part(
+            'base',
+            'base_link',
+            body,
+            (
+                tube((0.0, 0.0, 0.03), (0.0, 0.0, 0.16), 0.15, 0.135, chamfer=0.02),
+                tube((0.0, 0.0, 0.14), (0.0, 0.0, shoulder - 0.17), 0.135, 0.13, chamfer=0.02),
+            ),
+            collision=True,
+        ),
+        Part(
+            'turntable',
+            'link_1',
+            _BLACK,
+            (tube((0.0, 0.0, shoulder - 0.17), (0.0, 0.0, shoulder - 0.155), 0.125, 0.125, chamfer=0.003),),
+        ),
+        Part(
+            'shoulder',
+            'link_1',
+            body,
+            (
+                tube((0.0, 0.0, shoulder - 0.155), (0.4 * x, 0.0, shoulder), 0.135, 0.12, chamfer=0.02),
+                hub((x, 0.01, shoulder), 'y', 0.13, 0.21, chamfer=0.03),
+            ),
+            collision=True,
+        ),
+        Part('shoulder_cap', 'link_1', caps, (hub((x, -0.105, shoulder), 'y', 0.09, 0.04),)),
+        Part(
+            'upper_arm',
+            'link_2',
+            body,
+            (
+                tapered_arm(
+                    (x, _ASIDE, shoulder),
+                    (x, _ASIDE, elbow),
+                    0.125,
+                    0.095,
+                    axis='y',
+                    width=0.13,
+                    chamfer=0.03,
+                ),
+            ),
+            collision=True,
+        ),
+        Part(
+            'upper_arm_caps',
+            'link_2',
+            caps,
+            (
+                hub((x, _ASIDE + 0.068, shoulder), 'y', 0.085, 0.02, chamfer=0.006),
+                hub((x, _ASIDE + 0.068, elbow), 'y', 0.065, 0.02, chamfer=0.006),
+            ),
+        ),
+        Part(
+            'elbow',
+            'link_3',
+            body,
+            (
+                tube((x, _ASIDE - 0.07, elbow), (x, y - 0.08, elbow), 0.095, 0.09, chamfer=0.02),
+                tube((x, y, elbow - 0.1), (x, y, elbow + 0.13), 0.075, 0.085, chamfer=0.025),
+            ),
+            collision=True,
+        ),
+        Part('elbow_cap', 'link_3', caps, (hub((x, y - 0.085, elbow), 'y', 0.06, 0.02, chamfer=0.006),)),
+        Part(
+            'forearm_ring',
+            'link_4',
+            _BLACK,
+            (tube((x, y, elbow + 0.13), (x, y, elbow + 0.142), 0.075, 0.075, chamfer=0.003),),
+        ),
+        Part(
+            'forearm',
+            'link_4',
+            body,
+            (
+                tube((x, y, elbow + 0.142), (x, y, wrist - 0.03), 0.082, 0.058, chamfer=0.015),
+                tapered_arm(
+                    (x, y + 0.04, wrist - 0.06), (x, y + 0.04, wrist), 0.05, 0.05, axis='y', width=0.03
+                ),
+                tapered_arm(
+                    (x, y - 0.04, wrist - 0.06), (x, y - 0.04, wrist), 0.05, 0.05, axis='y', width=0.03
+                ),
+            ),
+            collision=True,
+        ),
+        Part(
+            'hand',
+            'link_5',
+            caps,
+            (
+                hub((x, y, wrist), 'y', 0.047, 0.05),
+                tube((x, y, wrist + 0.01), (x, y, flange - 0.028), 0.042, 0.036),
+            ),
+            collision=True,
+        ),
+        Part(
+            'flange',
+            'link_6',
+            _STEEL,
+            (tube((x, y, flange - 0.028), (x, y, flange), 0.034, 0.034, chamfer=0.003),),
+            collision=True,
+        ),
+    )
+    return tuple(enlarged(part, bulk) for part in parts)
