@@ -1,0 +1,1 @@
+"""Mitsubishi RV-7FRL."""
