@@ -1,0 +1,1 @@
+"""KUKA LBR iiwa 14 R820."""
