@@ -65,6 +65,8 @@ def test_shapes_are_as_large_as_the_robot(robot: BaseRobotModel, kind: str):
         ]
     )
     low, high = points.min(axis=0), points.max(axis=0)
+    # Rails are as long as what slides on them.
+    chain = np.vstack([chain, *_ends_of_sliding_axes(robot)])
     # A body reaches at most about a quarter of the stretched robot beyond its axes.
     assert (low > chain.min(axis=0) - 0.25 * length).all()
     assert (high < chain.max(axis=0) + 0.25 * length).all()
@@ -84,3 +86,14 @@ def test_home_is_free_of_collisions_between_bodies_that_are_no_neighbours(robot:
         frame_of[shape.name] = shape.frame
     _, pairs = manager.in_collision_internal(return_names=True)
     assert {pair for pair in pairs if abs(frame_of[pair[0]] - frame_of[pair[1]]) > 1} == set()
+
+
+def _ends_of_sliding_axes(robot: BaseRobotModel) -> list[np.ndarray]:
+    axes = robot.axes_data
+    frames = []
+    for index in np.flatnonzero(axes.prismatic):
+        for end in (axes.lower[index], axes.upper[index]):
+            q = robot.home.copy()
+            q[index] = end
+            frames.append(robot.kinematic_model.frame_axes(q)[0])
+    return frames

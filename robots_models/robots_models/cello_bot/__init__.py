@@ -1,0 +1,1 @@
+"""Cello Bot, the fictive robot that slides."""

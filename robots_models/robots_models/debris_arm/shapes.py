@@ -1,0 +1,120 @@
+"""What the debris arm looks like: a satellite with a long arm, straight up (all joints at zero)."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from robots_models.debris_arm.model import DebrisArmData
+from robots_models.shape_generation import Part, block, hub, tube
+
+_DATA = DebrisArmData()
+_GOLD = (0.85, 0.65, 0.2)
+_PANEL = (0.1, 0.16, 0.4)
+_WHITE = (0.94, 0.94, 0.95)
+_GREY = (0.45, 0.47, 0.5)
+_BLACK = (0.1, 0.1, 0.11)
+
+_SHOULDER = _DATA.shoulder_height
+_ELBOW = _SHOULDER + _DATA.upper_arm
+_GRIPPER = _ELBOW + _DATA.forearm
+
+PARTS: Final = (
+    # The chaser satellite: gold foil, two solar wings, two thrusters below.
+    Part(
+        'satellite',
+        'base_link',
+        _GOLD,
+        (block((0.0, 0.0, -0.32), (0.7, 0.6, 0.62), rounding=0.03, chamfer=0.02),),
+        collision=True,
+    ),
+    Part(
+        'solar_wings',
+        'base_link',
+        _PANEL,
+        (
+            block((0.0, 0.56, -0.32), (0.46, 0.46, 0.02), rounding=0.01, chamfer=0.004),
+            block((0.0, -0.56, -0.32), (0.46, 0.46, 0.02), rounding=0.01, chamfer=0.004),
+        ),
+        collision=True,
+    ),
+    Part(
+        'thrusters',
+        'base_link',
+        _BLACK,
+        (
+            tube((0.18, 0.0, -0.6), (0.18, 0.0, -0.74), 0.04, 0.08, chamfer=0.005),
+            tube((-0.18, 0.0, -0.6), (-0.18, 0.0, -0.74), 0.04, 0.08, chamfer=0.005),
+        ),
+    ),
+    Part(
+        'mount',
+        'base_link',
+        _GREY,
+        (tube((0.0, 0.0, -0.02), (0.0, 0.0, 0.29), 0.2, 0.13, chamfer=0.015),),
+        collision=True,
+    ),
+    Part(
+        'shoulder',
+        'link_1',
+        _WHITE,
+        (
+            tube((0.0, 0.0, 0.3), (0.0, 0.0, _SHOULDER), 0.125, 0.11),
+            hub((0.0, 0.0, _SHOULDER), 'y', 0.12, 0.2, chamfer=0.02),
+        ),
+        collision=True,
+    ),
+    Part(
+        'shoulder_caps',
+        'link_1',
+        _GREY,
+        (
+            hub((0.0, 0.12, _SHOULDER), 'y', 0.09, 0.05),
+            hub((0.0, -0.12, _SHOULDER), 'y', 0.09, 0.05),
+        ),
+    ),
+    Part(
+        'upper_arm',
+        'link_2',
+        _WHITE,
+        (
+            tube((0.0, 0.0, _SHOULDER + 0.1), (0.0, 0.0, _ELBOW - 0.1), 0.075, 0.075),
+            hub((0.0, 0.0, _ELBOW), 'y', 0.11, 0.18, chamfer=0.02),
+        ),
+        collision=True,
+    ),
+    Part(
+        'upper_arm_bands',
+        'link_2',
+        _BLACK,
+        (
+            hub((0.0, 0.0, _SHOULDER + 0.5), 'z', 0.079, 0.05, chamfer=0.004),
+            hub((0.0, 0.0, _ELBOW - 0.5), 'z', 0.079, 0.05, chamfer=0.004),
+        ),
+    ),
+    Part(
+        'forearm',
+        'link_3',
+        _WHITE,
+        (tube((0.0, 0.0, _ELBOW + 0.09), (0.0, 0.0, _GRIPPER - 0.24), 0.066, 0.06),),
+        collision=True,
+    ),
+    Part(
+        'wrist',
+        'link_3',
+        _GREY,
+        (tube((0.0, 0.0, _GRIPPER - 0.25), (0.0, 0.0, _GRIPPER - 0.12), 0.085, 0.1),),
+        collision=True,
+    ),
+    # The gripper that holds a satellite's docking ring.
+    Part(
+        'jaws',
+        'link_3',
+        _BLACK,
+        (
+            block((0.0, 0.07, _GRIPPER - 0.05), (0.08, 0.03, 0.18), rounding=0.01, chamfer=0.005),
+            block((0.0, -0.07, _GRIPPER - 0.05), (0.08, 0.03, 0.18), rounding=0.01, chamfer=0.005),
+        ),
+        collision=True,
+    ),
+)
+DRAWING_POSTURE: Final = (0.0,) * 3
