@@ -250,6 +250,18 @@ def test_a_second_command_waits_for_the_first_to_end(bench: Bench) -> None:
     np.testing.assert_array_equal(bench.planned(2).position[0], home + 0.1)
 
 
+def test_a_command_may_overtake_the_result_before_it(bench: Bench) -> None:
+    home = bench.robot.home
+    bench.stand(home)
+    first = bench.command('ptpjoint_joint', home + 0.1, 5)
+    bench.planned()
+    bench.stand(home + 0.1)
+    bench.command('ptpjoint_joint', home, 6)
+    bench.wait(lambda: bench.node._waiting is not None, 'the second command waits')
+    bench.end(first)
+    np.testing.assert_array_equal(bench.planned(2).position[0], home + 0.1)
+
+
 def test_a_command_that_comes_twice_is_planned_once(bench: Bench) -> None:
     home = bench.robot.home
     bench.stand(home)

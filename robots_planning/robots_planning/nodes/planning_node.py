@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -35,6 +36,8 @@ from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import usable_fraction
 
 BASE_FRAME = 'base'
+# Who commands the next motion heard of the end of the last one; here that message may come a little later.
+RESULT_DELAY = 0.2  # s
 REST_SPEED = 1e-5  # rad/s (m/s); a reference this slow is rounding of one that stands
 
 
@@ -70,6 +73,8 @@ class PlanningNode(RobotNode):
         # The motion that the controller works on, and who published references when it was sent.
         self._motion = ''
         self._controllers: set[bytes] = set()
+        self._waiting: Callable[[], None] | None = None
+        self._patience = self.create_timer(RESULT_DELAY, self._answer_waiting, autostart=False)
 
         self._references: PolledSubscription[JointTrajectory] = PolledSubscription(
             self, JointTrajectory, 'joint_reference', STREAM
@@ -112,9 +117,10 @@ class PlanningNode(RobotNode):
                 target = joint_values(message.name, message.position, self._names, 'ptpjoint_joint')
             else:
                 target = self._pose(message)
-            self._plan(state, target, stamp)
         except RobotsError as error:
             self._refuse_command(state, stamp, error)
+            return
+        self._request(state, target, stamp)
 
     def _on_reference_pose(self, message: PoseStamped) -> None:
         try:
@@ -129,12 +135,11 @@ class PlanningNode(RobotNode):
             return
         stamp = self.get_clock().now().to_msg()
         state = RobotCommandState.PTPCARTESIAN
-        try:
-            if self._reference_pose is None:
-                raise PlanningError('trigger came without a valid reference_pose before it')
-            self._plan(state, self._reference_pose, stamp)
-        except RobotsError as error:
+        if self._reference_pose is None:
+            error = PlanningError('trigger came without a valid reference_pose before it')
             self._refuse_command(state, stamp, error)
+            return
+        self._request(state, self._reference_pose, stamp)
 
     def _pose(self, message: PoseStamped) -> Pose:
         frame = message.header.frame_id
@@ -143,6 +148,27 @@ class PlanningNode(RobotNode):
         return pose_from_message(message.pose)
 
     # -- planning ------------------------------------------------------------------------------------
+
+    def _request(self, state: RobotCommandState, target: Pose | ArrayLike, stamp: Time) -> None:
+        """Plan now, or as soon as the result of the motion before has come too."""
+        request = partial(self._answer, state, target, stamp)
+        if self._in_motion() and self._waiting is None:
+            self._waiting = request
+            self._patience.reset()
+        else:
+            request()
+
+    def _answer_waiting(self) -> None:
+        self._patience.cancel()
+        waiting, self._waiting = self._waiting, None
+        if waiting is not None:
+            waiting()
+
+    def _answer(self, state: RobotCommandState, target: Pose | ArrayLike, stamp: Time) -> None:
+        try:
+            self._plan(state, target, stamp)
+        except RobotsError as error:
+            self._refuse_command(state, stamp, error)
 
     def _plan(self, state: RobotCommandState, target: Pose | ArrayLike, stamp: Time) -> None:
         q_start = self._standing_reference()
@@ -175,7 +201,7 @@ class PlanningNode(RobotNode):
                 'joint_states?'
             )
         q, q_dot = self._reference
-        if self._motion and self._controllers <= self._reference_publishers():
+        if self._in_motion():
             raise PlanningError(
                 f'the robot is still moving: motion {self._motion} has not ended; wait for its '
                 'motion_result or stop it'
@@ -187,6 +213,10 @@ class PlanningNode(RobotNode):
                 f'{q_dot[fastest]:.4g} {self.robot.axes_data.unit(fastest)}/s; wait until it stands'
             )
         return q
+
+    def _in_motion(self) -> bool:
+        """A motion was sent, its result has not come, and its controller is still there."""
+        return bool(self._motion) and self._controllers <= self._reference_publishers()
 
     def _reference_state(self, message: JointTrajectory) -> tuple[Array, Array]:
         if len(message.points) != 1:
@@ -214,6 +244,7 @@ class PlanningNode(RobotNode):
             self._motion = ''
             if result.ok:
                 self._finished_publisher.publish(Bool(data=True))
+            self._answer_waiting()
 
 
 def trajectory_message(trajectory: Trajectory, names: list[str], stamp: Time) -> JointTrajectory:
