@@ -378,12 +378,14 @@ def test_services_without_a_running_program_say_so(ros_nodes: Any, tmp_path: Pat
     assert bench.call('get_command_state').message == 'IDLE'
 
 
-def test_autostart_runs_when_its_motions_are_planned(ros_nodes: Any, tmp_path: Path):
+def test_autostart_runs_when_the_robot_can_move(ros_nodes: Any, tmp_path: Path):
     path = tmp_path / 'auto.lua'
     path.write_text(MOVE)
     bench = Bench(ros_nodes, tmp_path, planner=False, autostart=True, program=str(path))
     assert diagnostic_values(bench.status[-1])['state'] == 'IDLE'
     bench.start_planner()
+    controller = bench.tester.create_publisher(JointTrajectory, 'joint_reference', STREAM)
+    bench.tester.create_timer(0.01, lambda: controller.publish(JointTrajectory()))
     bench.wait_for_state('FINISHED')
     assert len(bench.commands) == 1
 

@@ -12,13 +12,14 @@ from typing import Any, Final
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import Float64MultiArray, String, UInt8MultiArray
 from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE, LuaProgram
 from robots_controller.interpreter.program_state import MotionCommand, OutputChange
 from robots_controller.nodes.motion_client import MotionClient
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.nodes.messages import diagnostic_status, doubles
-from robots_core.nodes.qos import STATE, subscribe_state
+from robots_core.nodes.qos import STATE, STREAM, subscribe_state
 from robots_core.nodes.robot_node import RobotNode, bounded
 from robots_core.nodes.run import run
 
@@ -43,7 +44,7 @@ class LuaProgramNode(RobotNode):
         digital_size: Number of digital inputs, and of digital outputs.
         analog_size: Number of analog inputs, and of analog outputs.
         planner_timeout: Longest wait of a motion for planning_node, s.
-        autostart: Open and run the program as soon as somebody plans its motions.
+        autostart: Open and run the program as soon as somebody plans motions and the controller works.
     """
 
     def __init__(self, **options: Any) -> None:
@@ -70,7 +71,7 @@ class LuaProgramNode(RobotNode):
             read_only=True,
         )
         autostart = self.parameter(
-            'autostart', False, 'open and run the program as soon as its motions are planned', read_only=True
+            'autostart', False, 'open and run the program as soon as the robot can move', read_only=True
         )
         axes = self.robot.axes_data
         self._program = LuaProgram(
@@ -114,7 +115,12 @@ class LuaProgramNode(RobotNode):
         self._publish_outputs('digital')
         self._publish_outputs('analog')
         self._publish_status()
-        self._autostart = self.create_timer(AUTOSTART_PERIOD, self._start) if autostart else None
+        self._controller_works = False
+        if autostart:
+            self._autostart = self.create_timer(AUTOSTART_PERIOD, self._start)
+            self._reference = self.create_subscription(
+                JointTrajectory, 'joint_reference', self._on_reference, STREAM
+            )
         self.ready()
 
     # -- services -------------------------------------------------------------------------------------
@@ -176,15 +182,19 @@ class LuaProgramNode(RobotNode):
         return f'{self._program.file} is at its start'
 
     def _start(self) -> None:
-        if self._autostart is None or not self._motions.planner_listens():
+        if not (self._controller_works and self._motions.planner_listens()):
             return
         self.destroy_timer(self._autostart)
-        self._autostart = None
+        self.destroy_subscription(self._reference)
         try:
             self._open()
             self._run()
         except RobotsError as error:
             self.get_logger().error(f'autostart: {error}')  # type: ignore[no-untyped-call]
+
+    def _on_reference(self, _: JointTrajectory) -> None:
+        # A motion is planned from the reference: without one it would be refused.
+        self._controller_works = True
 
     # -- messages -------------------------------------------------------------------------------------
 
