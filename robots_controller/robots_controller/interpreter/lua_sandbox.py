@@ -2,8 +2,7 @@
 
 Lua 5.4 of the five that lupa bundles: it is maintained, and each of its interpreters has a random
 generator of its own, so that a program draws the same numbers in every run (5.3 shares the C library's).
-Its count hook costs more than that of 5.3, which a
-program that moves a robot does not notice.
+Its count hook costs more than that of 5.3, which a program that moves a robot does not notice.
 
 What Lua allows to run for ever without reaching a hook is wrapped: `pcall` and `xpcall` pass the stop on,
 every coroutine gets the hook, finalizers (which run without hooks) are refused, patterns that might take
