@@ -45,6 +45,7 @@ def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
                 held.enter_context(lock)
                 monkeypatch.setenv('ROS_DOMAIN_ID', str(domain))
                 monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+                monkeypatch.setenv('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')  # as the nodes choose themselves
                 yield domain
                 return
             if time.monotonic() > deadline:

@@ -25,6 +25,7 @@ from robots_controller.node_processes import NodeProcesses
 from robots_controller.nodes.bag_recorder import BagRecorder
 from robots_controller.nodes.cell_monitor import CellMonitor
 from robots_core.errors import RobotsError
+from robots_core.nodes.middleware import choose_transports
 from robots_core.robot_choice import load_robot_model
 
 START_TIMEOUT = 60.0  # s, for all nodes to be ready on a slow machine
@@ -65,6 +66,7 @@ class CellOptions:
 def main() -> None:
     """Run from the command line."""
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    choose_transports()
     # A log file has no width of its own; the table needs this much.
     console = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else LOG_WIDTH)
     try:

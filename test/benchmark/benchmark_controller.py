@@ -33,6 +33,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.cell_graph import NodeDescription
 from robots_core import load_robot_model
+from robots_core.nodes.middleware import choose_transports
 
 HERE = Path(__file__).parent
 MOVES = 20
@@ -102,7 +103,8 @@ def run_timings(robot: str, rate: float, seconds: float, rounds: int) -> tuple[l
     names = load_robot_model(robot).axes_data.names
     parameters = {'robot_model': robot, 'rate': rate}
     controller = NodeDescription('robots_controller', 'controller_node', parameters)
-    drive = NodeDescription('robots_core', 'drive_node', parameters)
+    drive = NodeDescription('robots_core', 'drive_node', {'robot_model': robot})
+    choose_transports()  # for all processes alike
     rclpy.init()
     receiver, executor = Receiver(), SingleThreadedExecutor()
     executor.add_node(receiver)
@@ -110,10 +112,12 @@ def run_timings(robot: str, rate: float, seconds: float, rounds: int) -> tuple[l
     thread.start()
     timer_runs, controller_runs = [], []
     for _ in track(range(rounds), description='measuring', transient=True):
-        with process(sys.executable, str(HERE / 'bare_timer.py'), str(rate), ','.join(names)) as pid:
-            timer_runs.append(measure(receiver, pid, rate, seconds))
-        with process(*node_command(drive)), process(*node_command(controller)) as pid:
-            controller_runs.append(measure(receiver, pid, rate, seconds))
+        # The drives listen to both, and tell both where the robot stands.
+        with process(*node_command(drive)):
+            with process(sys.executable, str(HERE / 'bare_timer.py'), str(rate), ','.join(names)) as pid:
+                timer_runs.append(measure(receiver, pid, rate, seconds))
+            with process(*node_command(controller)) as pid:
+                controller_runs.append(measure(receiver, pid, rate, seconds))
     executor.shutdown()
     thread.join()
     receiver.destroy_node()

@@ -11,6 +11,7 @@ from rclpy.node import Node
 from rclpy.utilities import try_shutdown
 
 from robots_core.errors import RobotsError
+from robots_core.nodes.middleware import choose_transports
 
 EXIT_BAD_INPUT = 2
 
@@ -27,6 +28,7 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
     Returns:
         Exit code: 0 after an interrupt, 2 if the node cannot start as configured.
     """
+    choose_transports()
     rclpy.init(args=args)
     node: Node | None = None
     try:
