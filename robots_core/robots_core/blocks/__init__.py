@@ -1,7 +1,15 @@
 """Functional blocks: robot-independent, ROS-free, numpy in and out."""
 
 from robots_core.blocks.direct_kinematics import DirectKinematics
+from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKinematic
 from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
 from robots_core.blocks.inverse_kinematics.ik_result import IkResult
+from robots_core.robot_model.analytic.configuration import Configuration
 
-__all__ = ['DampedLeastSquares', 'DirectKinematics', 'IkResult']
+__all__ = [
+    'AnalyticalInverseKinematic',
+    'Configuration',
+    'DampedLeastSquares',
+    'DirectKinematics',
+    'IkResult',
+]

@@ -116,20 +116,25 @@ class BaseRobotModel(ABC):
             InvalidInputError: an argument of another shape or not finite.
         """
 
-    def inverse_kinematics_analytic(self, r: Array, T: Array) -> Array:
+    def inverse_kinematics_analytic(self, r: Array, T: Array, *, q_near: Array | None = None) -> Array:
         """All joint configurations inside the limits that reach a pose, where a closed form exists.
 
         Args:
             r: Position of tool0 in the base frame, (3,), m.
             T: Orientation of tool0, (3, 3).
+            q_near: A posture, (n,); each solution has the full turns nearest to it. Where a singular pose
+                leaves axes free (a straight wrist, a wrist point on axis 1), they stand as here. The home
+                posture by default.
 
         Returns:
-            (k, n) rad; k = 0 if the pose is out of reach.
+            (k, n) rad, one row per branch; k = 0 if nothing inside the limits reaches the pose. A singular
+            pose is reached by one representative of each family of postures.
 
         Raises:
-            NoAnalyticInverseKinematicsError: the robot has no closed form.
+            NoAnalyticInverseKinematicsError: the robot has no closed form; says why.
+            InvalidInputError: values that are not finite, of the wrong shape, or `T` is no rotation.
         """
-        del r, T
+        del r, T, q_near
         raise NoAnalyticInverseKinematicsError(
             f'robot {self.name!r} has no analytic inverse kinematics; use DampedLeastSquares'
         )

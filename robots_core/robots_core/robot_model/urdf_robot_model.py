@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from functools import cached_property
 from pathlib import Path
 from typing import Final
 
@@ -12,6 +13,7 @@ import yourdfpy
 from numpy.typing import ArrayLike
 
 from robots_core.errors import UnknownRobotError
+from robots_core.robot_model.analytic.analytic_solver import AnalyticSolver
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.collision_model import CollisionModel
@@ -183,3 +185,11 @@ class UrdfRobotModel(BaseRobotModel):
         M = self._rigid_dynamics_model.mass_matrix(q)
         tau_aux = self._rigid_dynamics_model.bias_torques(q, q_dot)
         return M @ q_ddot + tau_aux, M, tau_aux
+
+    def inverse_kinematics_analytic(self, r: Array, T: Array, *, q_near: Array | None = None) -> Array:
+        """See `BaseRobotModel.inverse_kinematics_analytic`; the form is found from the lines of the axes."""
+        return self._analytic_solver.solve(r, T, q_near)
+
+    @cached_property
+    def _analytic_solver(self) -> AnalyticSolver:
+        return AnalyticSolver(self)

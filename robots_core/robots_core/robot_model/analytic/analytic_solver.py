@@ -1,0 +1,147 @@
+"""AnalyticSolver: closed-form inverse kinematics of one robot, chosen by the lines of its axes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from robots_core.errors import NoAnalyticInverseKinematicsError
+from robots_core.pose import Pose
+from robots_core.robot_model.analytic.axis_lines import STRUCTURE_TOLERANCE, AxisLines, no_closed_form
+from robots_core.robot_model.analytic.configuration import Configuration
+from robots_core.robot_model.analytic.spherical_wrist import spherical_wrist
+from robots_core.robot_model.analytic.ur_arm import ur_arm
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array, finite_vector, read_only, rotation_matrix
+
+# A structure this exact gives solutions to a few 1e-10; a coarser one is polished.
+EXACT_DEVIATION = 5e-11
+POLISH_STEPS = 4
+POLISHED = 1e-11  # m and rad
+POLISH_DROP = 1e-9
+SINGULAR_RATIO = 1e-7
+
+Family = Literal['spherical wrist', 'parallel axes']
+FAMILIES: Final[dict[Family, Callable[[AxisLines], tuple[Any, float]]]] = {
+    'spherical wrist': spherical_wrist,
+    'parallel axes': ur_arm,
+}
+
+
+class AnalyticSolver:
+    """All postures of a six-axis robot for a pose, in closed form.
+
+    Either axes 2 and 3 are parallel and axes 4, 5 and 6 meet in one point (Pieper 1968), or axes 2, 3 and 4
+    are parallel and axes 5 and 6 meet; both forms are written for axes of any sign, zero position and offset.
+    Angles that a singular pose leaves free stand as in the home posture, or in the posture that is given; if
+    that breaks a limit, 64 other values are tried.
+
+    An instance keeps scratch memory: use one per thread.
+
+    Args:
+        robot: The robot.
+        limited: Keep to the robot's limits; otherwise each branch has the turns nearest to mid-range.
+
+    Raises:
+        NoAnalyticInverseKinematicsError: the robot has another structure; says why.
+    """
+
+    def __init__(self, robot: BaseRobotModel, *, limited: bool = True) -> None:
+        lines = AxisLines.of(robot)
+        axes = robot.axes_data
+        lower, upper = axes.lower, axes.upper
+        near = robot.home
+        if not limited:
+            near = np.where(axes.continuous, 0.0, 0.5 * (lower + upper))
+            lower, upper = np.full(6, -np.inf), np.full(6, np.inf)
+        self._robot = robot
+        record, self.deviation, self.family = _structure(lines)
+        record[0]['lower'], record[0]['upper'] = lower, upper
+        record.flags.writeable = False
+        self._record = record
+        self._lower, self._upper = lower, upper
+        self._near = read_only(np.clip(near, lower, upper))
+        self._found = np.empty((9, 6))
+        # Compiled code takes 0.2 s to load: only who asks for a closed form waits for it.
+        self._kernel = _kernel(self.family)
+        self._forward, self._upward = _senses(record[0])
+        self._exact = self.deviation <= EXACT_DEVIATION
+
+    def solve(self, r: Array, T: Array, q_near: Array | None = None) -> Array:
+        """See `BaseRobotModel.inverse_kinematics_analytic`."""
+        near = self._near
+        if q_near is not None:
+            near = np.clip(finite_vector(q_near, 6, 'q_near'), self._lower, self._upper)
+        try:
+            count = self._kernel(self._record, r, T, near, self._found)
+        except TypeError:  # not the arrays that the kernel is compiled for
+            count = -1
+        if count < 0:
+            r, T = finite_vector(r, 3, 'r'), rotation_matrix(T)
+            count = self._kernel(self._record, r, T, near, self._found)
+        solutions = self._found[:count].copy()
+        return solutions if self._exact else self._polished(solutions, Pose(r, T))
+
+    def configuration(self, q: Array) -> Configuration:
+        """Which branch a posture (6,) belongs to."""
+        arm = self._record[0]
+        elbow = arm['sign_3'] * q[2] + arm['forearm_angle'] - arm['upper_arm_angle']
+        raised = q[1] + arm['upper_arm_angle']
+        reach = arm['shoulder'][0] + arm['upper_arm'] * np.cos(raised)
+        reach += arm['forearm'] * np.cos(raised + elbow)
+        turned = q[1] + arm['sign_3'] * q[2] + arm['sign_4'] * q[3]
+        reach += arm['hand'] @ (np.cos(turned), -np.sin(turned))
+        return Configuration(
+            shoulder='front' if reach * self._forward >= 0.0 else 'back',
+            elbow='up' if np.sin(elbow) * self._upward <= 0.0 else 'down',
+            wrist='no_flip' if np.sin(q[4] + arm['straight']) >= 0.0 else 'flip',
+        )
+
+    def _polished(self, solutions: Array, pose: Pose) -> Array:
+        """Newton steps with the robot's own kinematics, for axes that are a little off the ideal places."""
+        kept = []
+        for solution in solutions:
+            q = solution.copy()
+            for _ in range(POLISH_STEPS):
+                error = Pose(*self._robot.direct_kinematics(q)).error_to(pose)
+                if np.abs(error).max() <= POLISHED:
+                    break
+                # Least squares of smallest norm, so that singular postures move no farther than they must.
+                q += np.linalg.lstsq(self._robot.jacobian(q), error, rcond=SINGULAR_RATIO)[0]
+            np.clip(q, self._lower, self._upper, out=q)
+            error = Pose(*self._robot.direct_kinematics(q)).error_to(pose)
+            if np.abs(error).max() <= POLISH_DROP:
+                kept.append(q)
+        return np.array(kept).reshape(-1, 6)
+
+
+def _structure(lines: AxisLines) -> tuple[Any, float, Family]:
+    reasons = []
+    for family, derive in FAMILIES.items():
+        try:
+            record, deviation = derive(lines)
+        except NoAnalyticInverseKinematicsError as error:
+            reasons.append(f'{family}: {error.details["reason"]}')
+        else:
+            return record, deviation, family
+    raise no_closed_form(lines.name, '; '.join(reasons))
+
+
+def _kernel(family: Family) -> Callable[..., int]:
+    from robots_core.robot_model.analytic import kernels  # noqa: PLC0415
+
+    if family == 'spherical wrist':
+        return kernels.solve_spherical_wrist
+    return kernels.solve_parallel_axes
+
+
+def _senses(arm: Any) -> tuple[float, float]:
+    """Signs of forward along X, and of X's and Y's senses together: elbows bend the other way where -1."""
+    a, x, first = arm['basis']
+    y = np.cross(arm['tilt_cos'] * a + arm['tilt_sin'] * first, x)
+    sides = (arm['shoulder'][0], x[0], x[1], 1.0)
+    forward = next(float(np.sign(side)) for side in sides if abs(side) > STRUCTURE_TOLERANCE)
+    upward = -1.0 if y[2] < -STRUCTURE_TOLERANCE else 1.0
+    return forward, forward * upward

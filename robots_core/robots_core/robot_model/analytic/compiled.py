@@ -1,0 +1,33 @@
+"""Compilation of the closed forms to machine code, kept on disk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numba
+
+Function = TypeVar('Function', bound=Callable[..., Any])
+
+
+def compiled(*signatures: Any) -> Callable[[Function], Function]:
+    """Compile a function by Numba; with signatures at once, without when it is first called.
+
+    The code is kept beside the source, or in the user's cache folder where that cannot be written to (or
+    in $NUMBA_CACHE_DIR). Where none can be written, it is compiled anew in every process.
+    """
+
+    def decorate(function: Function) -> Function:
+        for options in ({'cache': True}, {}):
+            try:
+                result: Function = numba.njit(*([list(signatures)] if signatures else []), **options)(
+                    function
+                )
+            except RuntimeError as error:
+                if 'cannot cache' not in str(error) or not options:
+                    raise
+            else:
+                return result
+        raise AssertionError
+
+    return decorate

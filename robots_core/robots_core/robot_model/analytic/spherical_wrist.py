@@ -1,0 +1,35 @@
+"""Arms with a spherical wrist: KUKA, Staubli, Mitsubishi, Manutec and most others with six axes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from robots_core.robot_model.analytic.arm_record import arm_record, set_forearm, set_wrist
+from robots_core.robot_model.analytic.axis_lines import AxisLines
+
+
+def spherical_wrist(lines: AxisLines) -> tuple[Any, float]:
+    """The numbers of an arm whose axes 2 and 3 are parallel and whose axes 4, 5 and 6 meet in one point.
+
+    Axis 1 may pass axis 2 at any distance and the forearm may be offset to any side; the angles between
+    axes 1 and 2, 3 and 4, 4 and 5, 5 and 6 may be other than right; signs and zero positions are free.
+
+    Returns:
+        A record array (1,) of `ARM` without limits; how far the axes are off this structure, rad or m.
+
+    Raises:
+        NoAnalyticInverseKinematicsError: the robot is none of these; says why.
+    """
+    centre, off_point = lines.common_point(4, 5, 6)
+    parallel, signs, off_parallel = lines.common_direction(2, 3)
+    deviation = max(off_point, off_parallel)
+    record, body = arm_record(lines, parallel, centre, signs, deviation)
+    forearm = (body @ (centre - lines.points[2]))[:2]
+    set_forearm(record, lines, forearm, 'the wrist centre lies on axis 3')
+    # The wrist is seen from the forearm, whose X axis points from axis 3 across to the wrist centre.
+    cosine, sine = forearm / np.hypot(*forearm)
+    turn = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    set_wrist(record, lines, lines.directions[3], turn @ body)
+    return record, deviation
