@@ -23,7 +23,7 @@ def read_messages(bag: Path, topics: Collection[str]) -> dict[str, list[tuple[fl
         topics: Full topic names.
 
     Returns:
-        For each topic its (receive time in s since the bag's first message, message), in order; empty
+        For each topic its (time of sending in s since the bag's first message, message), in order; empty
         where the bag does not hold the topic.
 
     Raises:

@@ -77,15 +77,15 @@ class BagRecorder(Node):
         latched = all(p.qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL for p in publishers)
         reliable = all(p.qos_profile.reliability is ReliabilityPolicy.RELIABLE for p in publishers)
         offered = [_bag_qos(p.qos_profile) for p in publishers]
-        clock = self.get_clock()
 
-        def on_message(data: bytes) -> None:
-            self._queue.put((topic, type_name, offered, clock.now().nanoseconds, data))
+        def on_message(data: bytes, info: dict[str, int]) -> None:
+            # Sent, not received: topics keep their order to each other however late they come in.
+            self._queue.put((topic, type_name, offered, info['source_timestamp'], data))
 
         self._topics[topic] = self.create_subscription(
             _message_class(type_name),
             topic,
-            on_message,
+            on_message,  # type: ignore[arg-type]  # rclpy hands the info to a callback that takes it
             QoSProfile(
                 history=HistoryPolicy.KEEP_LAST,
                 depth=QUEUE_DEPTH,

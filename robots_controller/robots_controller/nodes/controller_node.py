@@ -17,7 +17,6 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.controller import Controller, ControllerSettings, ControllerState, MotionOutcome
-from robots_controller.nodes.trajectory_messages import trajectory_from_message
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.messages import MotionResult, joint_values, stamp_id
 from robots_core.nodes.polled_subscription import PolledSubscription
@@ -27,6 +26,7 @@ from robots_core.nodes.robot_node import RobotNode
 from robots_core.nodes.run import run
 from robots_core.periodic_thread import PeriodicThread
 from robots_core.validation import Array, fraction
+from robots_planning.nodes.trajectory_messages import trajectory_from_message
 from robots_planning.trajectory import Trajectory
 from robots_planning.verification import verify
 

@@ -14,12 +14,11 @@ from geometry_msgs.msg import PoseStamped
 from numpy.typing import ArrayLike
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
-from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.nodes.messages import (
     MotionResult,
-    doubles,
     joint_values,
     pose_from_message,
     stamp_id,
@@ -30,12 +29,12 @@ from robots_core.nodes.robot_node import RobotNode
 from robots_core.nodes.run import run
 from robots_core.pose import Pose
 from robots_core.validation import Array, positive
+from robots_planning.nodes.trajectory_messages import BASE_FRAME, trajectory_message
 from robots_planning.pathplanning import MotionSettings, PathPlanning
 from robots_planning.robot_command_state import RobotCommandState
-from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import usable_fraction
 
-BASE_FRAME = 'base'
+LOOK_PERIOD = 0.1  # s between looks for a first reference
 # Who commands the next motion heard of the end of the last one; here that message may come a little later.
 RESULT_DELAY = 0.2  # s
 REST_SPEED = 1e-5  # rad/s (m/s); a reference this slow is rounding of one that stands
@@ -89,7 +88,8 @@ class PlanningNode(RobotNode):
         self.create_subscription(PoseStamped, 'ptpcartesian', self._on_ptpcartesian, COMMAND)
         self.create_subscription(PoseStamped, 'reference_pose', self._on_reference_pose, STREAM)
         self.create_subscription(Bool, 'trigger', self._on_trigger, COMMAND)
-        self.ready()
+        self._look = self.create_timer(LOOK_PERIOD, self._look_for_reference)
+        self.report_health(DiagnosticStatus.WARN, 'waiting for joint_reference')
 
     # -- commands ------------------------------------------------------------------------------------
 
@@ -186,6 +186,19 @@ class PlanningNode(RobotNode):
     def _settings(self) -> MotionSettings:
         return MotionSettings(**{name: self.get_parameter(name).value for name in self._settings_names})
 
+    def _look_for_reference(self) -> None:
+        """Ready as soon as there is a place to plan from."""
+        message = self._references.take()
+        if message is None:
+            return
+        try:
+            self._reference = self._reference_state(message)
+        except RobotsError as error:
+            self.refuse('joint_reference', error)
+            return
+        self.destroy_timer(self._look)
+        self.ready()
+
     def _standing_reference(self) -> Array:
         """Where the controller's reference stands, (n,).
 
@@ -245,29 +258,6 @@ class PlanningNode(RobotNode):
             if result.ok:
                 self._finished_publisher.publish(Bool(data=True))
             self._answer_waiting()
-
-
-def trajectory_message(trajectory: Trajectory, names: list[str], stamp: Time) -> JointTrajectory:
-    """A trajectory as trajectory_msgs/JointTrajectory, stamped with its command's id."""
-    message = JointTrajectory(joint_names=names)
-    message.header.stamp = stamp
-    message.header.frame_id = BASE_FRAME
-    rows = zip(
-        np.round(trajectory.time * 1e9).astype(np.int64).tolist(),
-        trajectory.position,
-        trajectory.velocity,
-        trajectory.acceleration,
-        strict=True,
-    )
-    points = []
-    for nanoseconds, q, q_dot, q_ddot in rows:
-        point = JointTrajectoryPoint(
-            positions=doubles(q), velocities=doubles(q_dot), accelerations=doubles(q_ddot)
-        )
-        point.time_from_start.sec, point.time_from_start.nanosec = divmod(nanoseconds, 1_000_000_000)
-        points.append(point)
-    message.points = points
-    return message
 
 
 def main() -> None:

@@ -1,15 +1,18 @@
-"""trajectory_msgs/JointTrajectory as a Trajectory."""
+"""trajectory_msgs/JointTrajectory to a Trajectory and back."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-from trajectory_msgs.msg import JointTrajectory
+from builtin_interfaces.msg import Time
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.messages import joint_indices
+from robots_core.nodes.messages import doubles, joint_indices
 from robots_planning.trajectory import Trajectory
+
+BASE_FRAME = 'base'
 
 
 def trajectory_from_message(message: JointTrajectory, names: Sequence[str]) -> Trajectory:
@@ -35,3 +38,26 @@ def trajectory_from_message(message: JointTrajectory, names: Sequence[str]) -> T
     )
     time = [p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points]
     return Trajectory(np.array(time), position, velocity, acceleration)
+
+
+def trajectory_message(trajectory: Trajectory, names: list[str], stamp: Time) -> JointTrajectory:
+    """A trajectory as trajectory_msgs/JointTrajectory, stamped with its command's id."""
+    message = JointTrajectory(joint_names=names)
+    message.header.stamp = stamp
+    message.header.frame_id = BASE_FRAME
+    rows = zip(
+        np.round(trajectory.time * 1e9).astype(np.int64).tolist(),
+        trajectory.position,
+        trajectory.velocity,
+        trajectory.acceleration,
+        strict=True,
+    )
+    points = []
+    for nanoseconds, q, q_dot, q_ddot in rows:
+        point = JointTrajectoryPoint(
+            positions=doubles(q), velocities=doubles(q_dot), accelerations=doubles(q_ddot)
+        )
+        point.time_from_start.sec, point.time_from_start.nanosec = divmod(nanoseconds, 1_000_000_000)
+        points.append(point)
+    message.points = points
+    return message
