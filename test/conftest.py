@@ -29,6 +29,17 @@ SPIN_PERIOD = 0.02  # s, how often a condition that no message triggers is looke
 @pytest.fixture
 def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     """A ROS_DOMAIN_ID that no other test on this machine uses now, set in the environment."""
+    yield from _reserve_domain(monkeypatch)
+
+
+@pytest.fixture(scope='module')
+def module_ros_domain() -> Iterator[int]:
+    """The same for what all tests of a module share."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        yield from _reserve_domain(monkeypatch)
+
+
+def _reserve_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     folder = Path(tempfile.gettempdir()) / 'robots_test_domains'
     folder.mkdir(exist_ok=True)
     deadline = time.monotonic() + DOMAIN_DEADLINE

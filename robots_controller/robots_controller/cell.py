@@ -17,7 +17,7 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 
-from robots_controller.cell_events import Event, NodeHealth, ProgramStatus
+from robots_controller.cell_events import Event, MotionEnded, MotionPlanned, NodeHealth, ProgramStatus
 from robots_controller.cell_graph import cell_graph
 from robots_controller.cell_view import CellView
 from robots_controller.motion_report import motion_report
@@ -30,6 +30,7 @@ from robots_core.robot_choice import load_robot_model
 
 START_TIMEOUT = 60.0  # s, for all nodes to be ready on a slow machine
 SERVICE_TIMEOUT = 10.0  # s
+REST_TIMEOUT = 5.0  # s, for the robot to stop on its path
 LOG_WIDTH = 120
 POLL = 0.05  # s between looks at processes and events
 
@@ -133,9 +134,11 @@ def run_cell(options: CellOptions, console: Console) -> int:
         try:
             processes.start()
             code = cell.run()
+            cell.bring_to_rest()
         except KeyboardInterrupt:
             console.print('\nstopping ...')
             code = EXIT_INTERRUPTED
+            cell.bring_to_rest()
         finally:
             view.close()
             processes.stop()
@@ -167,6 +170,7 @@ class _Cell:
         self._console = view.console
         self._waiting = set(processes.names)
         self._failed = False
+        self._motion: str | None = None
         self.program_ended = False
         self._view = view
 
@@ -183,6 +187,15 @@ class _Cell:
             if self.program_ended and self._options.once and not self._options.view:
                 return EXIT_FAILED if self._failed else EXIT_OK
         return EXIT_FAILED
+
+    def bring_to_rest(self) -> None:
+        """Stop a running motion on its path, before the nodes end."""
+        if self._motion is None or 'controller_node' in {node.name for node in self._processes.dead()}:
+            return
+        self._monitor.call('controller_node/stop')
+        deadline = time.monotonic() + REST_TIMEOUT
+        while self._motion is not None and time.monotonic() < deadline:
+            self._show_events()
 
     def _ready(self) -> bool:
         return not self._waiting and (self._recorder is None or self._recorder.records(REPORTED_TOPICS))
@@ -224,6 +237,10 @@ class _Cell:
             case NodeHealth(node, ok, _, _):
                 if ok:
                     self._waiting.discard(node)
+            case MotionPlanned(id_):
+                self._motion = id_
+            case MotionEnded(id_) if id_ == self._motion:
+                self._motion = None
             case ProgramStatus(state):
                 self.program_ended = state in ('FINISHED', 'FAILED', 'STOPPED')
                 self._failed = state in ('FAILED', 'STOPPED')

@@ -119,6 +119,8 @@ class CellView:
         if event.ok:
             duration = float(event.details.get('duration', 'nan'))
             self._print(f'{MARGIN}[green]{event.message}[/] after {duration:.2f} s')
+        else:
+            self._print(f'{MARGIN}[yellow]stopped: {escape(event.message)}[/]')
         self._motion = None
 
 

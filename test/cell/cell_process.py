@@ -1,0 +1,95 @@
+"""A whole cell as its user starts it: one command, its output, its end."""
+
+from __future__ import annotations
+
+import os
+import queue
+import signal
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+from robots_controller.cell_graph import NodeDescription
+
+# Six processes start on a machine that may be busy with other things.
+DEADLINE = 120.0
+
+
+class CellProcess:
+    """`cell` started with some options; its output is read line by line."""
+
+    def __init__(self, *options: str, out: Path) -> None:
+        self.out = out
+        command = [str(NodeDescription('robots_controller', 'cell').executable_path()), *options]
+        self.process = subprocess.Popen(
+            [*command, '--record', str(out)],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            env={**os.environ, 'PYTHONUNBUFFERED': '1'},
+        )
+        self.lines: list[str] = []
+        self._queue: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self._queue.put(line.rstrip('\n'))
+        self._queue.put(None)
+
+    @property
+    def text(self) -> str:
+        return '\n'.join(self.lines)
+
+    @property
+    def bag(self) -> Path:
+        return next(self.out.glob('*/bag'))
+
+    def until(self, text: str) -> str:
+        """Read on until a line holds `text`; returns that line."""
+        deadline = time.monotonic() + DEADLINE
+        while True:
+            line = self._queue.get(timeout=max(0.0, deadline - time.monotonic()))
+            assert line is not None, f'cell ended before {text!r}:\n{self.text}'
+            self.lines.append(line)
+            if text in line:
+                return line
+
+    def until_ready(self) -> None:
+        for _ in range(6):
+            self.until('ready')
+
+    def interrupt(self) -> None:
+        self.process.send_signal(signal.SIGINT)
+
+    def wait(self) -> int:
+        """Read to the end; returns the exit code."""
+        deadline = time.monotonic() + DEADLINE
+        while (line := self._queue.get(timeout=max(0.0, deadline - time.monotonic()))) is not None:
+            self.lines.append(line)
+        return self.process.wait(10.0)
+
+    def close(self) -> None:
+        if self.process.poll() is None:
+            self.interrupt()
+            try:
+                self.process.wait(20.0)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+
+    def node_pids(self) -> dict[str, int]:
+        """Process ids of the running nodes, children of the cell."""
+        pids = {}
+        for stat in Path('/proc').glob('[0-9]*/stat'):
+            try:
+                fields = stat.read_text().rsplit(')', 1)[1].split()
+                words = (stat.parent / 'cmdline').read_bytes().split(b'\0')
+            except (FileNotFoundError, ProcessLookupError):
+                continue
+            if int(fields[1]) == self.process.pid and fields[0] != 'Z':
+                name = next((Path(w.decode()).name for w in words if w.endswith(b'_node')), '')
+                pids[name] = int(stat.parent.name)
+        return pids

@@ -1,0 +1,102 @@
+"""cell with what users do to it: other robots, wrong input, Ctrl-C, and nodes that die."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from robots_controller.bag_reading import read_messages
+
+from .cell_process import CellProcess
+from .conftest import PROGRAMS
+
+StartCell = Callable[..., CellProcess]
+
+WRONG_PROGRAMS = {
+    'syntax': ('wait(1', "wrong.lua:1: ')' expected"),
+    'remark': ('wait(0) // weld', "'//' does not start a remark in Lua"),
+    'runtime': ('local x = nil\nx.y = 1', 'wrong.lua:2: '),
+    'unreachable': ('ptpCartesianSpace(9, 0, 1, 0, 0, 0)', 'wrong.lua:1: ptpCartesianSpace: '),
+    'not a number': ('ptpJointSpaceAngles(0/0, -90, 45, 0, 45, 0)', 'wrong.lua:1: ptpJointSpaceAngles: '),
+    'limit': (
+        'ptpJointSpaceAngles(0, 10, 45, 0, 45, 0)',
+        'A2 = 10.0 deg is outside its limits [-140.0, -5.0] deg',
+    ),
+    'axes': ('ptpJointSpaceAngles(0, -90)', 'wrong.lua:1: ptpJointSpaceAngles: '),
+}
+
+
+def test_another_robot_changes_nothing_else(start_cell: StartCell) -> None:
+    cell = start_cell('--robot', 'bello_bot', '--program', str(PROGRAMS / 'bello_bot_tour.lua'), '--once')
+    assert cell.wait() == 0, cell.text
+    assert 'every target reached, every limit kept' in cell.text
+
+
+@pytest.mark.parametrize(
+    ('options', 'message'),
+    [
+        (('--robot', 'no_such_robot'), "unknown robot 'no_such_robot'; robots are: "),
+        (('--program', 'no_such.lua'), "program 'no_such.lua' not found"),
+        (('--robot', 'urdf:/no/such.urdf'), 'not found'),
+        (('--once',), '--once needs a --program'),
+    ],
+)
+def test_a_wrong_option_is_told_in_one_line(
+    start_cell: StartCell, options: tuple[str, ...], message: str
+) -> None:
+    cell = start_cell(*options)
+    assert cell.wait() == 2
+    assert len(cell.lines) == 1
+    assert cell.lines[0].startswith('error: ')
+    assert message in cell.lines[0]
+
+
+@pytest.mark.parametrize('case', WRONG_PROGRAMS)
+def test_a_wrong_program_is_told_and_leads_to_an_error_code(
+    start_cell: StartCell, tmp_path: Path, case: str
+) -> None:
+    text, message = WRONG_PROGRAMS[case]
+    program = tmp_path / 'wrong.lua'
+    program.write_text(text + '\n')
+    cell = start_cell('--robot', 'kuka_kr210_r2700', '--program', str(program), '--once')
+    assert cell.wait() == 1, cell.text
+    assert message in cell.text
+    assert 'Traceback' not in cell.text
+
+
+def test_ctrl_c_stops_all_nodes(start_cell: StartCell) -> None:
+    cell = start_cell('--robot', 'bello_bot')
+    cell.until_ready()
+    pids = cell.node_pids()
+    assert len(pids) == 6
+    cell.interrupt()
+    assert cell.wait() == 130
+    assert not [name for name, pid in pids.items() if Path(f'/proc/{pid}').exists()]
+    assert 'Traceback' not in cell.text
+    logs = ''.join(file.read_text() for file in cell.out.glob('*/log/*.log'))
+    assert 'Traceback' not in logs
+
+
+def test_says_which_node_died_and_why(start_cell: StartCell) -> None:
+    cell = start_cell('--robot', 'bello_bot')
+    cell.until_ready()
+    os.kill(cell.node_pids()['drive_node'], signal.SIGKILL)
+    assert cell.wait() == 1
+    assert 'drive_node killed by SIGKILL' in cell.text
+
+
+def test_a_planner_killed_in_a_motion_leaves_the_robot_standing_on_its_path(
+    start_cell: StartCell,
+) -> None:
+    cell = start_cell('--robot', 'kuka_kr210_r2700', '--program', str(PROGRAMS / 'welding.lua'))
+    cell.until('PTPCARTESIAN to')
+    os.kill(cell.node_pids()['planning_node'], signal.SIGKILL)
+    cell.until('planning_node killed by SIGKILL')
+    assert cell.wait() == 1
+    assert 'stopped' in cell.text
+    references = read_messages(cell.bag, ['/joint_reference'])['/joint_reference']
+    assert not any(references[-1][1].points[0].velocities)

@@ -1,0 +1,163 @@
+"""The welding program, from one command to its recorded bag (paper, section 4.4 and figure 9)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rosbags.rosbag2 import Reader
+
+from robots_controller.bag_reading import read_messages, reference_trajectory, seconds
+from robots_controller.motion_report import motion_report
+from robots_core import Pose, load_robot_model
+
+from .cell_process import CellProcess
+from .conftest import PROGRAMS
+
+ROBOT = 'kuka_kr210_r2700'
+TOPICS = (
+    '/command_state',
+    '/digital_outputs',
+    '/joint_reference',
+    '/joint_states',
+    '/joint_trajectory',
+    '/motion_progress',
+    '/motion_result',
+    '/program_status',
+    '/ptpcartesian',
+    '/ptpjoint_joint',
+    '/robot_description',
+    '/tcp_pose',
+)
+# The references in the bag are samples; quintics through them differ from what was averaged by about 1e-4.
+RESAMPLED = 1.0 + 1e-3
+
+
+@pytest.fixture(scope='module')
+def cell(module_ros_domain: int, tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellProcess]:
+    """One run of the demo for all tests of this file."""
+    del module_ros_domain
+    cell = CellProcess(
+        '--robot', ROBOT, '--program', str(PROGRAMS / 'welding.lua'), '--once', '--port', '0',
+        out=tmp_path_factory.mktemp('out'),
+    )  # fmt: skip
+    cell.wait()
+    yield cell
+    cell.close()
+
+
+@pytest.fixture(scope='module')
+def bag(cell: CellProcess) -> dict[str, list[tuple[float, Any]]]:
+    return read_messages(cell.bag, TOPICS)
+
+
+def test_the_program_finishes(cell: CellProcess) -> None:
+    assert cell.process.returncode == 0, cell.text
+
+
+def test_shows_every_line_every_motion_and_the_table(cell: CellProcess) -> None:
+    program = (PROGRAMS / 'welding.lua').read_text().splitlines()
+    shown = [line for line in program if line and not line.startswith('--')]
+    position = 0
+    for line in shown:  # in the program's order
+        found = cell.text.find(line, position)
+        assert found >= 0, f'{line!r} is not shown in order:\n{cell.text}'
+        position = found
+    assert 'Welding Program 1' in cell.text
+    assert cell.text.count('PTPCARTESIAN to (0.37') == 3
+    assert cell.text.count('reached after') == 4
+    assert 'digital output 1 -> 1' in cell.text
+    assert 'every target reached, every limit kept' in cell.text
+
+
+def test_the_bag_holds_all_topics_as_mcap(cell: CellProcess) -> None:
+    with Reader(cell.bag) as reader:
+        assert {connection.topic for connection in reader.connections} >= set(TOPICS)
+    assert (cell.bag / 'metadata.yaml').is_file()
+    assert [file.suffix for file in cell.bag.iterdir() if file.suffix != '.yaml'] == ['.mcap']
+
+
+def test_command_states_alternate_between_idle_and_motion(bag: dict[str, Any]) -> None:
+    states = [message.data for _, message in bag['/command_state']]
+    assert states == [
+        'IDLE',
+        'PTPJOINT_JOINT', 'IDLE',
+        'PTPCARTESIAN', 'IDLE',
+        'PTPCARTESIAN', 'IDLE',
+        'PTPCARTESIAN', 'IDLE',
+    ]  # fmt: skip
+
+
+def test_the_welding_gun_switches_between_the_motions(bag: dict[str, Any]) -> None:
+    images = [(time, message.data[0]) for time, message in bag['/digital_outputs']]
+    changes = [(time, new) for (_, old), (time, new) in zip(images, images[1:], strict=False) if old != new]
+    assert [value for _, value in changes] == [1, 0]
+    ends = [time for time, _ in bag['/motion_result']]
+    starts = [time for topic in ('/ptpjoint_joint', '/ptpcartesian') for time, _ in bag[topic]]
+    on, off = (time for time, _ in changes)
+    assert ends[2] < on < off < sorted(starts)[3]
+    assert off - on >= 1.0  # wait(1)
+
+
+def test_references_keep_all_limits_resampled_at_1_khz(bag: dict[str, Any]) -> None:
+    axes = load_robot_model(ROBOT).axes_data
+    trajectory = reference_trajectory([message for _, message in bag['/joint_reference']])
+    q, q_dot, q_ddot = trajectory.sample(np.arange(0.0, trajectory.duration, 1e-3))
+    assert np.all(q >= axes.lower)
+    assert np.all(q <= axes.upper)
+    for values, limit in ((q_dot, axes.velocity), (q_ddot, axes.acceleration)):
+        assert np.max(np.abs(values) / limit) <= RESAMPLED
+    step = np.diff(q, axis=0) / 1e-3
+    assert np.max(np.abs(step) / axes.velocity) <= RESAMPLED
+    assert np.max(np.abs(np.diff(step, axis=0) / 1e-3) / axes.acceleration) <= RESAMPLED
+
+
+def test_no_reference_is_missing(bag: dict[str, Any]) -> None:
+    stamps = np.array([seconds(message.header.stamp) for _, message in bag['/joint_reference']])
+    start, end = bag['/joint_trajectory'][0][0], bag['/motion_result'][-1][0]
+    sent = np.array([time for time, _ in bag['/joint_reference']])
+    during = stamps[(sent >= start) & (sent <= end)]
+    # The period, and what the two clocks behind a stamp differ by from cycle to cycle.
+    np.testing.assert_allclose(np.diff(during), 0.004, atol=1e-4)
+
+
+def test_cartesian_motions_stay_on_their_lines(bag: dict[str, Any]) -> None:
+    robot = load_robot_model(ROBOT)
+    results = [time for time, _ in bag['/motion_result']]
+    for number, (_, command) in enumerate(bag['/ptpcartesian'], 1):
+        start, end = bag['/joint_trajectory'][number][0], results[number]
+        references = [message for time, message in bag['/joint_reference'] if start <= time <= end]
+        trajectory = reference_trajectory(references)
+        q = trajectory.sample(np.arange(0.0, trajectory.duration, 1e-3))[0]
+        r = np.array([robot.direct_kinematics(row)[0] for row in q])
+        p = command.pose.position
+        target = np.array([p.x, p.y, p.z])
+        direction = (target - r[0]) / np.linalg.norm(target - r[0])
+        away = r - r[0]
+        distance = np.linalg.norm(away - np.outer(away @ direction, direction), axis=1)
+        assert distance.max() <= 1e-4
+        assert np.linalg.norm(r[-1] - target) <= 1e-4
+
+
+def test_the_robot_stands_at_every_target(cell: CellProcess, bag: dict[str, Any]) -> None:
+    report = motion_report(cell.bag, ROBOT)
+    assert report.ok
+    assert [row.kind for row in report.rows] == ['PTPJOINT_JOINT'] + 3 * ['PTPCARTESIAN']
+    assert [row.line for row in report.rows] == [6, 7, 8, 12]
+    robot = load_robot_model(ROBOT)
+    last = bag['/joint_states'][-1][1]
+    stood = Pose(*robot.direct_kinematics(np.array(last.position)))
+    # The listing's last target, with KUKA's A, B, C.
+    angles = np.radians([-42.03, 117.47, -35.89])
+    position, orientation = stood.distance_to(Pose.from_angles([0.375, -1.78, 1.21], angles, 'zyx'))
+    assert position <= 1e-4
+    assert orientation <= np.radians(0.01)
+
+
+def test_every_node_left_its_log(cell: CellProcess) -> None:
+    logs = {file.name for file in Path(cell.bag.parent, 'log').iterdir()}
+    assert 'controller_node.log' in logs
+    assert 'Traceback' not in ''.join(Path(cell.bag.parent, 'log', name).read_text() for name in logs)
