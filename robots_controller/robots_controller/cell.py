@@ -20,6 +20,7 @@ from rich.console import Console
 from robots_controller.cell_events import Event, MotionEnded, MotionPlanned, NodeHealth, ProgramStatus
 from robots_controller.cell_graph import cell_graph
 from robots_controller.cell_view import CellView
+from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.motion_report import motion_report
 from robots_controller.node_processes import NodeProcesses
 from robots_controller.nodes.bag_recorder import BagRecorder
@@ -120,9 +121,12 @@ def run_cell(options: CellOptions, console: Console) -> int:
         or a node died; 130 after Ctrl-C.
 
     Raises:
-        RobotsError: an unknown robot, or the suite is not installed.
+        RobotsError: an unknown robot, a program that is not Lua, or the suite is not installed.
     """
-    load_robot_model(options.robot)  # a wrong name is said before anything starts
+    # A wrong name and a program that is not Lua are said before anything starts.
+    robot = load_robot_model(options.robot)
+    if options.program:
+        LuaProgram(robot.num_axes).open(options.program)
     graph = cell_graph(robot=options.robot, program=options.program, rate=options.rate, port=options.port)
     folder = _run_folder(options.record or Path('out'), options)
     processes = NodeProcesses(graph, namespace=options.namespace, log_folder=folder / 'log')

@@ -17,8 +17,6 @@ from .conftest import PROGRAMS
 StartCell = Callable[..., CellProcess]
 
 WRONG_PROGRAMS = {
-    'syntax': ('wait(1', "wrong.lua:1: ')' expected"),
-    'remark': ('wait(0) // weld', "'//' does not start a remark in Lua"),
     'runtime': ('local x = nil\nx.y = 1', 'wrong.lua:2: '),
     'unreachable': ('ptpCartesianSpace(9, 0, 1, 0, 0, 0)', 'wrong.lua:1: ptpCartesianSpace: '),
     'not a number': ('ptpJointSpaceAngles(0/0, -90, 45, 0, 45, 0)', 'wrong.lua:1: ptpJointSpaceAngles: '),
@@ -52,6 +50,24 @@ def test_a_wrong_option_is_told_in_one_line(
     assert cell.wait() == 2
     assert len(cell.lines) == 1
     assert cell.lines[0].startswith('error: ')
+    assert message in cell.lines[0]
+
+
+@pytest.mark.parametrize(
+    ('text', 'message'),
+    [
+        ('wait(1 2)', "wrong.lua:1: ')' expected near '2'"),
+        ('wait(0)\nwait(0) // weld', "wrong.lua:2: '//' does not start a remark in Lua"),
+    ],
+)
+def test_a_program_that_is_not_lua_is_told_before_anything_starts(
+    start_cell: StartCell, tmp_path: Path, text: str, message: str
+) -> None:
+    program = tmp_path / 'wrong.lua'
+    program.write_text(text + '\n')
+    cell = start_cell('--program', str(program))
+    assert cell.wait() == 2
+    assert len(cell.lines) == 1
     assert message in cell.lines[0]
 
 

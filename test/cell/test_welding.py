@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -93,7 +94,7 @@ def test_command_states_alternate_between_idle_and_motion(bag: dict[str, Any]) -
 
 def test_the_welding_gun_switches_between_the_motions(bag: dict[str, Any]) -> None:
     images = [(time, message.data[0]) for time, message in bag['/digital_outputs']]
-    changes = [(time, new) for (_, old), (time, new) in zip(images, images[1:], strict=False) if old != new]
+    changes = [(time, new) for (_, old), (time, new) in itertools.pairwise(images) if old != new]
     assert [value for _, value in changes] == [1, 0]
     ends = [time for time, _ in bag['/motion_result']]
     starts = [time for topic in ('/ptpjoint_joint', '/ptpcartesian') for time, _ in bag[topic]]
