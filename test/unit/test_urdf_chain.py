@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robots_core.errors import UnknownRobotError
+from robots_core.errors import InvalidInputError, UnknownRobotError
 from robots_core.robot_model.urdf_chain import DEFAULT_JERK_TIME, DEFAULT_RAMP_TIME, read_urdf_chain
 
 LIMIT = '<limit lower="-1" upper="2" velocity="3" effort="4"/>'
@@ -128,7 +128,7 @@ def test_gear_ratio_of_a_transmission():
     [
         ('no xml', 'not a URDF'),
         ('<sdf/>', 'root element is <sdf>'),
-        (robot(links='base'), 'no chain|no moving joint'),
+        (robot(links='base'), 'no moving joint'),
         (robot(joint('one', 'base', 'a', 'fixed', ''), links='base a'), 'no moving joint'),
         (robot(joint('one', 'base', 'a'), links='base a b'), '2 root links'),
         ('<robot name="x"><joint name="one" type="revolute"/></robot>', "'one' has no <parent>"),
@@ -183,3 +183,24 @@ def test_broken_limits_file_is_refused(tmp_path: Path, text: str, message: str):
 def test_missing_limits_file_is_refused(tmp_path: Path):
     with pytest.raises(UnknownRobotError, match='not found'):
         read_urdf_chain(CHAIN, joint_limits=tmp_path / 'none.yaml')
+
+
+def test_limits_that_the_urdf_lacks_can_come_from_the_limits_file(tmp_path: Path):
+    xml = robot(joint('one', 'base', 'a', inside='<limit lower="-1" upper="1"/>'), links='base a')
+    file = limits_file(tmp_path, 'joint_limits: {one: {max_velocity: 2, max_effort: 3}}')
+    axes = read_urdf_chain(xml, joint_limits=file).axes_data
+    np.testing.assert_array_equal([axes.velocity, axes.effort], [[2.0], [3.0]])
+
+
+def test_range_of_no_width_is_refused():
+    xml = robot(joint('one', 'base', 'a', inside='<limit velocity="1" effort="1"/>'), links='base a')
+    with pytest.raises(InvalidInputError, match='axis one: lower limit 0 must be below upper limit 0'):
+        read_urdf_chain(xml)
+
+
+def test_continuous_axis_with_a_range_in_the_limits_file_turns_within_it(tmp_path: Path):
+    xml = robot(joint('one', 'base', 'a', 'continuous', LIMIT), links='base a')
+    file = limits_file(tmp_path, 'joint_limits: {one: {min_position: -3, max_position: 3}}')
+    chain = read_urdf_chain(xml, joint_limits=file)
+    assert not chain.axes_data.continuous[0]
+    assert read_urdf_chain(chain.xml).axes_data.upper[0] == 3.0

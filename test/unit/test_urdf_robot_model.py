@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -168,3 +169,93 @@ def test_missing_urdf_is_refused():
 
 def test_urdf_prefix_loads_any_file(tmp_path: Path):
     assert load_robot_model(f'urdf:{write_arm(tmp_path)}').num_axes == 3
+
+
+def test_options_of_a_urdf_follow_its_path(tmp_path: Path):
+    part = load_robot_model(f'urdf:{write_arm(tmp_path)}?base=upper&tip=hand&name=part')
+    assert (part.name, part.axes_data.names) == ('part', ('two', 'three'))
+
+
+def test_description_is_the_robot_alone_with_its_tool(tmp_path: Path):
+    text = ARM.replace('tool0', 'gripper')
+    part = UrdfRobotModel(write_arm(tmp_path, text=text), base='upper', tip='hand')
+    again = tmp_path / 'again.urdf'
+    again.write_text(part.description)
+    whole = UrdfRobotModel(again)
+    assert whole.axes_data.names == part.axes_data.names
+    q = np.array([0.3, -0.2])
+    for mine, its in zip(whole.direct_kinematics(q), part.direct_kinematics(q), strict=True):
+        np.testing.assert_array_equal(mine, its)
+    assert 'name="tool0"' in part.description
+    assert 'name="base"' not in part.description
+
+
+def test_description_has_the_limits_of_the_limits_file(tmp_path: Path):
+    (tmp_path / 'joint_limits.yaml').write_text(
+        'joint_limits: {two: {max_velocity: 0.25, max_effort: 7}, three: {min_position: -1, max_position: 2}}'
+    )
+    robot = UrdfRobotModel(write_arm(tmp_path))
+    again = tmp_path / 'elsewhere' / 'again.urdf'
+    again.parent.mkdir()
+    again.write_text(robot.description)
+    axes = UrdfRobotModel(again).axes_data
+    np.testing.assert_array_equal(axes.velocity, [1.0, 0.25, 1.0])
+    np.testing.assert_array_equal(axes.effort, [100.0, 7.0, 10.0])
+    np.testing.assert_array_equal([axes.lower[2], axes.upper[2]], [-1.0, 2.0])
+
+
+def test_joints_and_links_may_have_the_same_names(tmp_path: Path, arm: UrdfRobotModel):
+    text = ARM.replace('"one"', '"upper"').replace('"two"', '"lower"').replace('"flange"', '"tool0"')
+    robot = UrdfRobotModel(write_arm(tmp_path / 'same', text=text))
+    assert robot.axes_data.names == ('upper', 'lower', 'three')
+    q = np.array([0.7, -0.4, 1.1])
+    for mine, its in zip(robot.direct_kinematics(q), arm.direct_kinematics(q), strict=True):
+        np.testing.assert_array_equal(mine, its)
+    assert [shape.frame for shape in robot.visualization.shapes] == [1, 1, 2]
+
+
+def test_sliding_axis_moves_in_metres(tmp_path: Path):
+    slide = ARM.replace('<joint name="two" type="revolute">', '<joint name="two" type="prismatic">')
+    robot = UrdfRobotModel(write_arm(tmp_path, text=slide))
+    assert robot.axes_data.prismatic == (False, True, False)
+    low, _ = robot.direct_kinematics(np.array([1.0, 0.0, 0.0]))
+    high, _ = robot.direct_kinematics(np.array([1.0, 0.5, 0.0]))
+    np.testing.assert_allclose(high - low, [0.0, 0.0, 0.5], atol=EXACT)
+
+
+def test_gravity_can_be_chosen(tmp_path: Path):
+    standing = ARM.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 1 0"/>')
+    zero, q = np.zeros(3), np.array([1.0, 0.3, 0.2])
+    earth, moon, orbit = (
+        UrdfRobotModel(write_arm(tmp_path, text=standing), gravity=(0.0, 0.0, -g)) for g in (9.81, 1.62, 0.0)
+    )
+    tau = earth.rigid_dynamics(q, zero, zero)[2]
+    assert np.abs(tau[:2]).min() > 1.0
+    np.testing.assert_allclose(moon.rigid_dynamics(q, zero, zero)[2], tau * 1.62 / 9.81, rtol=1e-12)
+    np.testing.assert_array_equal(orbit.rigid_dynamics(q, zero, zero)[2], 0.0)
+    np.testing.assert_array_equal(orbit.rigid_dynamics(q, zero, q)[1], earth.rigid_dynamics(q, zero, q)[1])
+
+
+def test_robot_without_masses_moves_and_weighs_nothing(tmp_path: Path, arm: UrdfRobotModel):
+    massless = re.sub('<inertial>.*?</inertial>', '', ARM)
+    robot = UrdfRobotModel(write_arm(tmp_path / 'massless', text=massless))
+    q = np.array([0.7, -0.4, 1.1])
+    np.testing.assert_array_equal(robot.direct_kinematics(q)[0], arm.direct_kinematics(q)[0])
+    for result in robot.rigid_dynamics(q, q, q):
+        np.testing.assert_array_equal(result, 0.0)
+
+
+def test_mesh_that_says_its_unit_is_as_large_as_it_says(tmp_path: Path):
+    dae = trimesh.creation.box((500.0, 500.0, 500.0)).export(file_type='dae').decode()
+    (tmp_path / 'mm.dae').write_text(
+        dae.replace('<asset>', '<asset><unit name="millimeter" meter="0.001"/>', 1)
+    )
+    robot = UrdfRobotModel(write_arm(tmp_path, mesh='mm.dae'))
+    (cube,) = (shape.geometry for shape in robot.visualization.shapes if isinstance(shape.geometry, Mesh))
+    np.testing.assert_allclose(np.ptp(cube.vertices, axis=0), 1.0)  # the URDF's scale is 2
+
+
+def test_xacro_file_is_refused_with_what_to_do(tmp_path: Path):
+    text = '<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm/></robot>'
+    with pytest.raises(UnknownRobotError, match='expand it first'):
+        UrdfRobotModel(write_arm(tmp_path, text=text))

@@ -13,12 +13,13 @@ from lxml import etree
 
 from robots_core.errors import UnknownRobotError
 from robots_core.robot_model.axes_data import AxesData
-
-MOVING_JOINTS: Final = ('revolute', 'continuous', 'prismatic')
+from robots_core.robot_model.urdf_tree import MOVING_JOINTS, TOOL, LinkTree
 
 # The rule for a URDF that says nothing: full speed within half a second, full acceleration within a tenth.
 DEFAULT_RAMP_TIME = 0.5  # s
 DEFAULT_JERK_TIME = 0.1  # s
+
+XACRO: Final = 'http://www.ros.org/wiki/xacro'
 
 EXTRA_KEYS: Final = (
     'min_position',
@@ -37,7 +38,8 @@ class UrdfChain:
     """A URDF reduced to one serial chain.
 
     Attributes:
-        xml: URDF text: root is `base`, the chain's joints are the only moving ones.
+        xml: URDF text: root is `base`, the chain's joints are the only moving ones, their limits are those
+            of `axes_data`, and a link `tool0` marks the tip unless the URDF has one elsewhere.
         base: Name of the base link.
         tip: Name of the tool link.
         joints: Names of the moving joints, base to tip.
@@ -56,38 +58,44 @@ def read_urdf_chain(
 ) -> UrdfChain:
     """Cut the chain from `base` to `tip` out of a URDF.
 
-    Moving joints off the chain are held fixed at zero. Accelerations and jerks come from
-    `joint_limits` (the format of MoveIt's joint_limits.yaml); where it has none, full speed is reached
-    in 0.5 s and full acceleration in 0.1 s.
+    The default base is the URDF's root. The default tip is `tool0` if there is one; else the way leads at
+    every branch to the most axes. It ends before branches that are shorter than the way so far: the fingers
+    of a hand. Behind the last axis, the fixed links are followed to the end. Branches of equal length (two
+    arms, four legs) are refused: choose a tip.
+
+    Moving joints off the chain, such as fingers or joints that mimic others, are held fixed at zero.
+    Accelerations and jerks come from `joint_limits` (the format of MoveIt's joint_limits.yaml), which goes
+    before the URDF with every other limit too; where it has none, full speed is reached in 0.5 s and full
+    acceleration in 0.1 s. Speed and effort have no default: a robot needs them from one of the files.
 
     Args:
         xml: URDF text.
-        base: Base link; the URDF's root link by default.
-        tip: Tool link; by default `tool0` if there is one, else the link behind the most moving joints.
+        base: Base link.
+        tip: Tool link.
         joint_limits: A YAML file with further limits.
 
     Raises:
-        UnknownRobotError: not a URDF, no such link, no moving joint, or a moving joint without limits.
+        UnknownRobotError: not a URDF, no such link, no single chain, no moving joint, or a moving joint
+            without limits.
+        InvalidInputError: limits that contradict each other.
     """
     root = _parse(xml)
-    children: dict[str, list[etree._Element]] = {}
-    parent_joint: dict[str, etree._Element] = {}
-    for joint in root.findall('joint'):
-        children.setdefault(_link(joint, 'parent'), []).append(joint)
-        parent_joint[_link(joint, 'child')] = joint
-    links = [str(link.get('name')) for link in root.findall('link')]
-    base = _pick_base(links, parent_joint, base)
-    chain = _pick_chain(links, parent_joint, base, tip)
+    tree = LinkTree(root)
+    base = tree.base(base)
+    tip = tree.tip(base, tip)
+    chain = tree.chain(base, tip)
     moving = [joint for joint in chain if joint.get('type') in MOVING_JOINTS]
     if not moving:
-        raise UnknownRobotError(f'the URDF has no moving joint from {base!r} to its tip')
-    limits = _extra_limits(joint_limits)
-    axes_data = _axes_data(root, moving, limits)
-    _reduce(root, base, children, {str(joint.get('name')) for joint in moving})
+        raise UnknownRobotError(f'the URDF has no moving joint from {base!r} to {tip!r}')
+    axes_data = _axes_data(root, moving, _extra_limits(joint_limits))
+    _reduce(root, tree.below(base), {str(joint.get('name')) for joint in moving})
+    _write_limits(moving, axes_data)
+    if TOOL not in tree.links:
+        _add_tool(root, tip)
     return UrdfChain(
         xml=etree.tostring(root, encoding='unicode'),
         base=base,
-        tip=_link(chain[-1], 'child'),
+        tip=tip,
         joints=axes_data.names,
         axes_data=axes_data,
     )
@@ -113,58 +121,11 @@ def _parse(xml: str) -> etree._Element:
         raise UnknownRobotError(f'not a URDF: {error}') from error
     if root.tag != 'robot':
         raise UnknownRobotError(f'not a URDF: the root element is <{root.tag}>, not <robot>')
-    return root
-
-
-def _link(joint: etree._Element, role: str) -> str:
-    element = joint.find(role)
-    if element is None:
-        raise UnknownRobotError(f'joint {joint.get("name")!r} has no <{role}> link')
-    return str(element.get('link'))
-
-
-def _pick_base(links: list[str], parent_joint: dict[str, etree._Element], base: str | None) -> str:
-    if base is None:
-        roots = [link for link in links if link not in parent_joint]
-        if len(roots) != 1:
-            raise UnknownRobotError(f'the URDF has {len(roots)} root links, one is valid: {roots}')
-        return roots[0]
-    if base not in links:
-        raise UnknownRobotError(f'base link {base!r} not found; links are {", ".join(links)}')
-    return base
-
-
-def _pick_chain(
-    links: list[str], parent_joint: dict[str, etree._Element], base: str, tip: str | None
-) -> list[etree._Element]:
-    def joints_to(link: str) -> list[etree._Element]:
-        joints = []
-        while link != base and link in parent_joint:
-            joints.append(parent_joint[link])
-            link = _link(joints[-1], 'parent')
-        return joints[::-1] if link == base else []
-
-    def moving(link: str) -> int:
-        return sum(joint.get('type') in MOVING_JOINTS for joint in joints_to(link))
-
-    if tip is not None and tip not in links:
-        raise UnknownRobotError(f'tip link {tip!r} not found; links are {", ".join(links)}')
-    if tip is None:
-        tip = (
-            'tool0' if 'tool0' in links else max(links, key=lambda link: (moving(link), len(joints_to(link))))
+    if next(root.iter(f'{{{XACRO}}}*'), None) is not None:
+        raise UnknownRobotError(
+            'not a URDF but a xacro file: expand it first (xacro robot.xacro > robot.urdf)'
         )
-    chain = joints_to(tip)
-    if not chain:
-        raise UnknownRobotError(f'no chain of joints leads from {base!r} to {tip!r}')
-    for joint in chain:
-        if joint.get('type') not in (*MOVING_JOINTS, 'fixed'):
-            raise UnknownRobotError(
-                f'joint {joint.get("name")!r} is {joint.get("type")!r}; joints of a chain are fixed, '
-                f'{", ".join(MOVING_JOINTS)}'
-            )
-        if joint.find('mimic') is not None:
-            raise UnknownRobotError(f'joint {joint.get("name")!r} mimics another, a chain needs its own axes')
-    return chain
+    return root
 
 
 def _extra_limits(path: Path | None) -> dict[str, dict[str, float]]:
@@ -220,17 +181,21 @@ def _axes_data(
             }
         )
         for key in ('velocity', 'effort'):
-            if not given.get(key, 0.0) > 0.0:
-                raise UnknownRobotError(f'joint {name!r} needs a {key} limit above 0 in <limit>')
+            given[key] = extra.get(f'max_{key}', given.get(key, 0.0))
+            if not given[key] > 0.0:
+                raise UnknownRobotError(
+                    f'joint {name!r} needs a {key} limit above 0: as {key} in <limit>, or as max_{key} in '
+                    f'joint_limits.yaml'
+                )
         continuous = joint.get('type') == 'continuous'
-        velocity = extra.get('max_velocity', given['velocity'])
+        velocity = given['velocity']
         acceleration = extra.get('max_acceleration', velocity / DEFAULT_RAMP_TIME)
         columns['lower'].append(extra.get('min_position', -np.inf if continuous else given.get('lower', 0.0)))
         columns['upper'].append(extra.get('max_position', np.inf if continuous else given.get('upper', 0.0)))
         columns['velocity'].append(velocity)
         columns['acceleration'].append(acceleration)
         columns['jerk'].append(extra.get('max_jerk', acceleration / DEFAULT_JERK_TIME))
-        columns['effort'].append(extra.get('max_effort', given['effort']))
+        columns['effort'].append(given['effort'])
         columns['gear'].append(extra.get('gear_ratio', reductions.get(name, np.nan)))
         columns['rotor'].append(extra.get('rotor_inertia', 0.0))
     return AxesData(
@@ -258,20 +223,12 @@ def _transmissions(root: etree._Element) -> dict[str, float]:
     return reductions
 
 
-def _reduce(
-    root: etree._Element, base: str, children: dict[str, list[etree._Element]], moving: set[str]
-) -> None:
-    """Keep what hangs on `base`; hold every joint fixed that is not in `moving`."""
-    kept_links, kept_joints = {base}, set()
-    pending = [base]
-    while pending:
-        for joint in children.get(pending.pop(), []):
-            kept_joints.add(str(joint.get('name')))
-            kept_links.add(_link(joint, 'child'))
-            pending.append(_link(joint, 'child'))
+def _reduce(root: etree._Element, kept: tuple[set[str], set[str]], moving: set[str]) -> None:
+    """Keep the links and joints `kept`; hold every joint fixed that is not in `moving`."""
+    links, joints = kept
     for element in list(root):
         name = element.get('name')
-        keep = {'link': kept_links, 'joint': kept_joints}.get(str(element.tag))
+        keep = {'link': links, 'joint': joints}.get(str(element.tag))
         if keep is not None and name not in keep:
             root.remove(element)
         elif element.tag == 'joint' and name not in moving:
@@ -279,3 +236,28 @@ def _reduce(
             for tag in ('axis', 'limit', 'mimic', 'dynamics'):
                 for part in element.findall(tag):
                     element.remove(part)
+
+
+def _write_limits(moving: list[etree._Element], axes: AxesData) -> None:
+    """Write the limits into the URDF, so that it says the same as the axes' data."""
+    for index, joint in enumerate(moving):
+        limit = joint.find('limit')
+        limit = etree.SubElement(joint, 'limit') if limit is None else limit
+        if axes.continuous[index]:
+            joint.set('type', 'continuous')
+            for key in ('lower', 'upper'):
+                limit.attrib.pop(key, None)
+        else:
+            if joint.get('type') == 'continuous':
+                joint.set('type', 'revolute')
+            limit.set('lower', repr(float(axes.lower[index])))
+            limit.set('upper', repr(float(axes.upper[index])))
+        limit.set('velocity', repr(float(axes.velocity[index])))
+        limit.set('effort', repr(float(axes.effort[index])))
+
+
+def _add_tool(root: etree._Element, tip: str) -> None:
+    etree.SubElement(root, 'link', name=TOOL)
+    joint = etree.SubElement(root, 'joint', name=f'{TOOL}_joint', type='fixed')
+    etree.SubElement(joint, 'parent', link=tip)
+    etree.SubElement(joint, 'child', link=TOOL)

@@ -30,11 +30,13 @@ EARTH_GRAVITY: Final = (0.0, 0.0, -9.81)  # m/s^2, of a base that stands upright
 class UrdfRobotModel(BaseRobotModel):
     """A serial robot from a URDF file; kinematics and dynamics by Pinocchio, shapes by yourdfpy.
 
+    A link without <inertial> has no mass; a robot without any moves as it should, with torques of zero.
+
     Args:
         urdf: The URDF file; relative mesh names start in its folder.
         name: The robot's name; the URDF's own by default.
         base: Base link; the root link by default.
-        tip: Tool link (tool0); the end of the longest chain by default.
+        tip: Tool link; by default `tool0` if there is one, else found (see `read_urdf_chain`).
         joint_limits: YAML file with acceleration, jerk, gear and rotor data; by default
             `joint_limits.yaml` beside the URDF if it exists.
         structural_data: The robot's own record of dimensions.
@@ -69,7 +71,7 @@ class UrdfRobotModel(BaseRobotModel):
         chain = read_urdf_chain(
             xml, base=base, tip=tip, joint_limits=limits if joint_limits or limits.is_file() else None
         )
-        self._description = with_absolute_meshes(xml, path.parent)
+        self._description = with_absolute_meshes(chain.xml, path.parent)
         self._axes_data = chain.axes_data
         self._structural_data = structural_data or StructuralData(source=path.name)
         self._orientation_convention = orientation_convention
@@ -80,7 +82,7 @@ class UrdfRobotModel(BaseRobotModel):
             load_meshes=False,
             load_collision_meshes=False,
         )
-        self._name = name or str(parsed.robot.name)
+        self._name = name or parsed.robot.name or path.stem
         model = pin.buildModelFromXML(pinocchio_xml(chain))
         if tuple(model.names)[1:] != chain.joints:
             raise UnknownRobotError(
@@ -89,7 +91,7 @@ class UrdfRobotModel(BaseRobotModel):
         model.gravity.linear = finite_vector(gravity, 3, 'gravity')
         self._model = model
         self._data = model.createData()
-        self._tool0 = model.getFrameId(chain.tip)
+        self._tool0 = model.getFrameId(chain.tip, pin.FrameType.BODY)
         self._kinematic_model = PinocchioKinematicModel(model)
         self._rigid_dynamics_model = PinocchioRigidDynamicsModel(model, model.inertias[0])
         self._visualization = RobotVisualization(urdf_shapes(parsed, model, path.parent, 'visual'))
@@ -142,7 +144,7 @@ class UrdfRobotModel(BaseRobotModel):
 
     @property
     def description(self) -> str:
-        """The URDF text, with absolute mesh names."""
+        """The robot as URDF: from its base to all that hangs on it, `tool0` its tip, meshes absolute."""
         return self._description
 
     @property

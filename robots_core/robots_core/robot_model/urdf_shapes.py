@@ -41,7 +41,8 @@ def urdf_shapes(
     }
     shapes: list[Shape] = []
     for link in description.robot.links:
-        frame = model.frames[model.getFrameId(link.name)]
+        # A joint may have the same name.
+        frame = model.frames[model.getFrameId(link.name, pin.FrameType.BODY)]
         for index, element in enumerate(link.visuals if kind == 'visual' else link.collisions):
             local = np.eye(4) if element.origin is None else np.asarray(element.origin, dtype=np.float64)
             placement = frame.placement * pin.SE3(local[:3, :3], local[:3, 3])
@@ -84,6 +85,8 @@ def _geometry(geometry: Any, folder: Path) -> Geometry:
     if len(mesh.faces) == 0:
         raise UnknownRobotError(f'mesh file {str(path)!r} cannot be read: it holds no triangles')
     scale = 1.0 if geometry.mesh.scale is None else geometry.mesh.scale
+    if path.suffix.lower() == '.dae' and mesh.units:  # the one format that says its unit
+        scale = scale * trimesh.units.unit_conversion(mesh.units, 'meters')
     return Mesh(np.asarray(mesh.vertices) * scale, np.asarray(mesh.faces))
 
 

@@ -1,0 +1,173 @@
+"""The tree of links in a URDF, and the serial chain that a robot is made of."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from lxml import etree
+
+from robots_core.errors import UnknownRobotError
+
+MOVING_JOINTS: Final = ('revolute', 'continuous', 'prismatic')
+TOOL: Final = 'tool0'
+
+
+class LinkTree:
+    """Links and joints of a URDF.
+
+    Attributes:
+        links: Names of the links, as they stand in the file.
+
+    Raises:
+        UnknownRobotError: a joint without parent or child, a link that is missing, or links in a closed loop.
+    """
+
+    def __init__(self, root: etree._Element) -> None:
+        self.links = [str(link.get('name')) for link in root.findall('link')]
+        self._children: dict[str, list[etree._Element]] = {}
+        self._parent_joint: dict[str, etree._Element] = {}
+        for joint in root.findall('joint'):
+            for role in ('parent', 'child'):
+                if link_of(joint, role) not in self.links:
+                    raise UnknownRobotError(
+                        f'{role} link {link_of(joint, role)!r} of joint {joint.get("name")!r} is missing'
+                    )
+            child = link_of(joint, 'child')
+            if child in self._parent_joint:
+                other = self._parent_joint[child].get('name')
+                raise UnknownRobotError(
+                    f'link {child!r} has two parents, by joints {other!r} and {joint.get("name")!r}: a '
+                    f'closed loop is no tree'
+                )
+            self._children.setdefault(link_of(joint, 'parent'), []).append(joint)
+            self._parent_joint[child] = joint
+        for link in self.links:
+            self._refuse_circle(link)
+
+    def below(self, link: str) -> tuple[set[str], set[str]]:
+        """Names of all links (itself too) and joints that hang on a link."""
+        links, joints, pending = {link}, set(), [link]
+        while pending:
+            for joint in self._children.get(pending.pop(), []):
+                joints.add(str(joint.get('name')))
+                links.add(link_of(joint, 'child'))
+                pending.append(link_of(joint, 'child'))
+        return links, joints
+
+    def base(self, base: str | None) -> str:
+        """The base link: `base` if it exists, by default the root.
+
+        Raises:
+            UnknownRobotError: no such link, or not exactly one root.
+        """
+        if base is not None:
+            return self._known(base, 'base')
+        roots = [link for link in self.links if link not in self._parent_joint]
+        if not roots:
+            raise UnknownRobotError(f'the URDF has no root link among its {len(self.links)} links')
+        if len(roots) > 1:
+            raise UnknownRobotError(
+                f'the URDF has {len(roots)} root links, {", ".join(roots)}: choose one as base'
+            )
+        return roots[0]
+
+    def tip(self, base: str, tip: str | None) -> str:
+        """The tool link: `tip` if it exists, by default the one that the rule of `read_urdf_chain` finds.
+
+        Raises:
+            UnknownRobotError: no such link, or several branches that are equally good.
+        """
+        if tip is not None:
+            return self._known(tip, 'tip')
+        if TOOL in self.below(base)[0]:
+            return TOOL
+        link, axes = base, 0
+        while True:
+            branches = [joint for joint in self._children.get(link, []) if self._axes_from(joint) > 0]
+            if not branches:
+                return self._end(link)
+            counts = [self._axes_from(joint) for joint in branches]
+            if len(branches) > 1 and axes > max(counts):
+                return link  # the branches are the fingers of a hand
+            if counts.count(max(counts)) > 1:
+                equal = [
+                    link_of(joint, 'child')
+                    for joint, count in zip(branches, counts, strict=True)
+                    if count == max(counts)
+                ]
+                raise UnknownRobotError(
+                    f'behind link {link!r} the URDF branches into {len(equal)} equally long chains, '
+                    f'beginning with {", ".join(equal)}: choose a tip'
+                )
+            branch = branches[counts.index(max(counts))]
+            axes += _moves(branch)
+            link = link_of(branch, 'child')
+
+    def chain(self, base: str, tip: str) -> list[etree._Element]:
+        """The joints from `base` to `tip`, each one that a serial robot can have.
+
+        Raises:
+            UnknownRobotError: the links are not connected, or a joint that a serial robot cannot have.
+        """
+        joints: list[etree._Element] = []
+        link = tip
+        while link != base:
+            if link not in self._parent_joint:
+                raise UnknownRobotError(f'no chain of joints leads from {base!r} to {tip!r}')
+            joints.append(self._parent_joint[link])
+            link = link_of(joints[-1], 'parent')
+        for joint in joints:
+            if joint.get('type') not in (*MOVING_JOINTS, 'fixed'):
+                raise UnknownRobotError(
+                    f'joint {joint.get("name")!r} is {joint.get("type")!r}; joints of a chain are fixed, '
+                    f'{", ".join(MOVING_JOINTS)}; choose base={link_of(joint, "child")} to begin behind it'
+                )
+            if (mimic := joint.find('mimic')) is not None:
+                raise UnknownRobotError(
+                    f'joint {joint.get("name")!r} mimics {mimic.get("joint")!r}, a chain needs its own axes; '
+                    f'choose tip={link_of(joint, "parent")} to end before it'
+                )
+        return joints[::-1]
+
+    def _refuse_circle(self, start: str) -> None:
+        link = start
+        while link in self._parent_joint:
+            link = link_of(self._parent_joint[link], 'parent')
+            if link == start:
+                raise UnknownRobotError(f'link {start!r} hangs on itself: a closed loop is no tree')
+
+    def _known(self, link: str, role: str) -> str:
+        if link not in self.links:
+            raise UnknownRobotError(f'{role} link {link!r} not found; links are {", ".join(self.links)}')
+        return link
+
+    def _axes_from(self, joint: etree._Element) -> int:
+        """Most axes on one way from `joint`, itself included, to an end."""
+        child = link_of(joint, 'child')
+        beyond = max((self._axes_from(following) for following in self._children.get(child, [])), default=0)
+        return _moves(joint) + beyond
+
+    def _end(self, link: str) -> str:
+        """The last of the links that are fixed to `link`, along the longest way."""
+
+        def way(link: str) -> list[str]:
+            ways = [way(link_of(joint, 'child')) for joint in self._children.get(link, [])]
+            return [link, *max(ways, key=len, default=[])]
+
+        return way(link)[-1]
+
+
+def link_of(joint: etree._Element, role: str) -> str:
+    """Name of a joint's `parent` or `child` link.
+
+    Raises:
+        UnknownRobotError: the joint names none.
+    """
+    element = joint.find(role)
+    if element is None:
+        raise UnknownRobotError(f'joint {joint.get("name")!r} has no <{role}> link')
+    return str(element.get('link'))
+
+
+def _moves(joint: etree._Element) -> int:
+    return int(joint.get('type') != 'fixed')
