@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
+from urllib.parse import parse_qsl
 
-from robots_core.errors import UnknownRobotError
+from robots_core.errors import RobotsError, UnknownRobotError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.urdf_robot_model import UrdfRobotModel
 
@@ -19,33 +21,96 @@ def available_robot_models() -> tuple[str, ...]:
     return tuple(sorted(_plugins()))
 
 
-def load_robot_model(name: str) -> BaseRobotModel:
+def load_robot_model(name: str, **options: Any) -> BaseRobotModel:
     """Load a robot.
 
     Args:
-        name: An installed robot's name, or `urdf:/path/to/robot.urdf`.
+        name: An installed robot's name, or `urdf:/path/to/robot.urdf`. Options may follow as in a web
+            address, so that they fit into the parameter of a node: `urdf:/path/robot.urdf?tip=hand`,
+            `debris_arm?gravity=0,0,0`. Numbers with commas between them are a vector, all else is text.
+        options: Options by keyword; they go before those in the name. What a robot takes is up to its
+            plugin; a URDF takes the options of `UrdfRobotModel`.
 
     Raises:
-        UnknownRobotError: no such robot, a broken plugin, or a URDF that is not a serial robot.
+        UnknownRobotError: no such robot, two robots of this name, a broken plugin, an option that it does
+            not take, or a URDF that is not a serial robot.
+        InvalidInputError: an option's value is not valid.
     """
-    if name.startswith(URDF_PREFIX):
-        return UrdfRobotModel(Path(name.removeprefix(URDF_PREFIX)))
+    plain, _, query = name.partition('?')
+    options = _options(name, query) | options
+    if plain.startswith(URDF_PREFIX):
+        _check_options(plain, UrdfRobotModel, (Path(),), options)
+        return UrdfRobotModel(Path(plain.removeprefix(URDF_PREFIX)), **options)
+    return _load_plugin(_plugin(plain), options)
+
+
+def _options(name: str, query: str) -> dict[str, Any]:
+    try:
+        pairs = parse_qsl(query, keep_blank_values=True, strict_parsing=bool(query))
+    except ValueError as error:
+        raise UnknownRobotError(f'{name!r}: options look like ?option=value&other=value') from error
+    return {key: _value(text) for key, text in pairs}
+
+
+def _value(text: str) -> str | tuple[float, ...]:
+    parts = text.split(',')
+    if len(parts) == 1:
+        return text
+    try:
+        return tuple(float(part) for part in parts)
+    except ValueError:
+        return text
+
+
+def _plugins() -> dict[str, list[EntryPoint]]:
+    plugins: dict[str, list[EntryPoint]] = {}
+    for point in entry_points(group=ENTRY_POINT_GROUP):
+        plugins.setdefault(point.name, []).append(point)
+    return plugins
+
+
+def _plugin(name: str) -> EntryPoint:
     plugins = _plugins()
     if name not in plugins:
         known = ', '.join(sorted(plugins)) or 'none installed'
         raise UnknownRobotError(f'unknown robot {name!r}; robots are: {known}; or urdf:/path/to/robot.urdf')
-    try:
-        robot = plugins[name].load()()
-    except (ImportError, AttributeError) as error:
+    if len(plugins[name]) > 1:
         raise UnknownRobotError(
-            f'plugin {name!r} ({plugins[name].value}) cannot be loaded: {error}'
-        ) from error
-    if not isinstance(robot, BaseRobotModel):
-        raise UnknownRobotError(
-            f'plugin {name!r} ({plugins[name].value}) returns {type(robot).__name__}, not a BaseRobotModel'
+            f'robot {name!r} is offered by several distributions, keep one: '
+            + '; '.join(_origin(point) for point in plugins[name])
         )
+    return plugins[name][0]
+
+
+def _load_plugin(point: EntryPoint, options: dict[str, Any]) -> BaseRobotModel:
+    who = f'plugin {point.name!r} ({_origin(point)})'
+    try:
+        factory = point.load()
+    except Exception as error:  # whatever a third party's module raises
+        raise UnknownRobotError(f'{who} cannot be loaded: {type(error).__name__}: {error}') from error
+    if not callable(factory):
+        raise UnknownRobotError(f'{who} is {type(factory).__name__}, not a class or function')
+    _check_options(who, factory, (), options)
+    try:
+        robot = factory(**options)
+    except RobotsError:
+        raise
+    except Exception as error:  # whatever a third party's robot raises
+        raise UnknownRobotError(f'{who} fails: {type(error).__name__}: {error}') from error
+    if not isinstance(robot, BaseRobotModel):
+        raise UnknownRobotError(f'{who} returns {type(robot).__name__}, not a BaseRobotModel')
     return robot
 
 
-def _plugins() -> dict[str, EntryPoint]:
-    return {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
+def _origin(point: EntryPoint) -> str:
+    distribution = 'unknown' if point.dist is None else f'{point.dist.name} {point.dist.version}'
+    return f'{point.value}, distribution {distribution}'
+
+
+def _check_options(who: str, factory: Any, arguments: tuple[Any, ...], options: dict[str, Any]) -> None:
+    signature = inspect.signature(factory)
+    try:
+        signature.bind(*arguments, **options)
+    except TypeError as error:
+        known = list(signature.parameters)[len(arguments) :]
+        raise UnknownRobotError(f'{who}: {error}; options are: {", ".join(known) or "none"}') from error
