@@ -62,8 +62,8 @@ class Visualizer:
             self._server = viser.ViserServer(host, first, label=title or robot.name, verbose=False)
         self._show_surroundings()
         self._frames = [
-            self._server.scene.add_frame(f'/robot/{name}', show_axes=False)
-            for name in ('base', *robot.axes_data.names)
+            self._server.scene.add_frame(f'/robot/{index}_{name}', show_axes=False)
+            for index, name in enumerate(('base', *robot.axes_data.names))
         ]
         size = 0.04 * self._reach
         for frame in self._frames:
