@@ -17,7 +17,7 @@ class DebrisArmData(StructuralData):
         'chosen for this project. Its base is a satellite: load it with gravity=(0, 0, 0), or by the name '
         '"debris_arm?gravity=0,0,0"; by default it stands on a test bench on earth'
     )
-    shoulder_height: float = 0.5
+    shoulder_height: float = 1.15
     upper_arm: float = 1.7
     forearm: float = 1.6
     rated_payload_kg: float = 10.0

@@ -19,12 +19,12 @@ _ELBOW = _SHOULDER + _DATA.upper_arm
 _GRIPPER = _ELBOW + _DATA.forearm
 
 PARTS: Final = (
-    # The chaser satellite: gold foil, two solar wings, two thrusters below.
+    # The chaser satellite: gold foil, two solar wings, two thrusters behind.
     Part(
         'satellite',
         'base_link',
         _GOLD,
-        (block((0.0, 0.0, -0.32), (0.7, 0.6, 0.62), rounding=0.03, chamfer=0.02),),
+        (block((0.0, 0.0, 0.36), (0.7, 0.6, 0.64), rounding=0.03, chamfer=0.02),),
         collision=True,
     ),
     Part(
@@ -32,8 +32,8 @@ PARTS: Final = (
         'base_link',
         _PANEL,
         (
-            block((0.0, 0.56, -0.32), (0.46, 0.46, 0.02), rounding=0.01, chamfer=0.004),
-            block((0.0, -0.56, -0.32), (0.46, 0.46, 0.02), rounding=0.01, chamfer=0.004),
+            block((0.0, 0.56, 0.5), (0.46, 0.46, 0.02), rounding=0.01, chamfer=0.004),
+            block((0.0, -0.56, 0.5), (0.46, 0.46, 0.02), rounding=0.01, chamfer=0.004),
         ),
         collision=True,
     ),
@@ -42,15 +42,15 @@ PARTS: Final = (
         'base_link',
         _BLACK,
         (
-            tube((0.18, 0.0, -0.6), (0.18, 0.0, -0.74), 0.04, 0.08, chamfer=0.005),
-            tube((-0.18, 0.0, -0.6), (-0.18, 0.0, -0.74), 0.04, 0.08, chamfer=0.005),
+            tube((-0.33, 0.16, 0.3), (-0.48, 0.16, 0.3), 0.04, 0.08, chamfer=0.005),
+            tube((-0.33, -0.16, 0.3), (-0.48, -0.16, 0.3), 0.04, 0.08, chamfer=0.005),
         ),
     ),
     Part(
         'mount',
         'base_link',
         _GREY,
-        (tube((0.0, 0.0, -0.02), (0.0, 0.0, 0.29), 0.2, 0.13, chamfer=0.015),),
+        (tube((0.0, 0.0, 0.66), (0.0, 0.0, 0.94), 0.2, 0.13, chamfer=0.015),),
         collision=True,
     ),
     Part(
@@ -58,7 +58,7 @@ PARTS: Final = (
         'link_1',
         _WHITE,
         (
-            tube((0.0, 0.0, 0.3), (0.0, 0.0, _SHOULDER), 0.125, 0.11),
+            tube((0.0, 0.0, 0.95), (0.0, 0.0, _SHOULDER), 0.125, 0.11),
             hub((0.0, 0.0, _SHOULDER), 'y', 0.12, 0.2, chamfer=0.02),
         ),
         collision=True,
