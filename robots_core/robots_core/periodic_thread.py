@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import threading
 import time
@@ -12,6 +11,22 @@ from robots_core.validation import positive
 
 # Past this many missed periods the thread starts a new schedule instead of catching up in a burst.
 MAX_LATE_PERIODS = 5
+
+
+def ask_for_realtime(priority: int) -> bool:
+    """Ask the system for first-in-first-out scheduling of the calling thread.
+
+    Args:
+        priority: 1 to 99.
+
+    Returns:
+        True if the system permits it; otherwise the thread runs as before.
+    """
+    try:
+        os.sched_setscheduler(threading.get_native_id(), os.SCHED_FIFO, os.sched_param(priority))
+    except PermissionError:
+        return False
+    return True
 
 
 class PeriodicThread:
@@ -59,15 +74,9 @@ class PeriodicThread:
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join()
 
-    def _ask_for_realtime(self) -> None:
-        with contextlib.suppress(PermissionError):
-            parameter = os.sched_param(self._realtime_priority)
-            os.sched_setscheduler(threading.get_native_id(), os.SCHED_FIFO, parameter)
-            self.realtime = True
-
     def _loop(self) -> None:
         if self._realtime_priority > 0:
-            self._ask_for_realtime()
+            self.realtime = ask_for_realtime(self._realtime_priority)
         period, work, stopped, clock = self.period, self._work, self._stop.is_set, time.monotonic
         try:
             deadline = clock() + period

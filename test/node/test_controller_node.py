@@ -37,9 +37,11 @@ class Bench:
     def __init__(self, nodes: Any) -> None:
         self.nodes = nodes
         options: dict[str, Any] = {'context': nodes.context}
+        # One process runs the test too, which no thread may push aside.
         robot = Parameter('robot_model', value='kuka_kr210_r2700')
-        self.drive = DriveNode(**options, parameter_overrides=[robot, *FAST_DRIVES])
-        self.controller = ControllerNode(**options, parameter_overrides=[robot])
+        ordinary = Parameter('realtime_priority', value=0)
+        self.drive = DriveNode(**options, parameter_overrides=[robot, ordinary, *FAST_DRIVES])
+        self.controller = ControllerNode(**options, parameter_overrides=[robot, ordinary])
         node = self.node = nodes.create_node('planner')
         self.references: list[np.ndarray] = []
         self.results: list[MotionResult] = []
@@ -238,7 +240,10 @@ def test_says_what_is_wrong_with_a_trajectory(bench: Bench) -> None:
 
 def test_refuses_joint_states_that_lack_a_joint(ros_nodes: Any) -> None:
     robot = Parameter('robot_model', value='kuka_kr210_r2700')
-    controller = ros_nodes.add(ControllerNode(context=ros_nodes.context, parameter_overrides=[robot]))
+    ordinary = Parameter('realtime_priority', value=0)
+    controller = ros_nodes.add(
+        ControllerNode(context=ros_nodes.context, parameter_overrides=[robot, ordinary])
+    )
     node = ros_nodes.create_node('robot')
     messages: list[str] = []
     node.create_subscription(

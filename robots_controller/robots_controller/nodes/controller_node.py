@@ -24,7 +24,7 @@ from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STATE, STREAM, subscri
 from robots_core.nodes.reference_stream import ReferenceStream
 from robots_core.nodes.robot_node import RobotNode
 from robots_core.nodes.run import run
-from robots_core.periodic_thread import PeriodicThread
+from robots_core.periodic_thread import PeriodicThread, ask_for_realtime
 from robots_core.validation import Array, fraction
 from robots_planning.nodes.trajectory_messages import trajectory_from_message
 from robots_planning.trajectory import Trajectory
@@ -94,6 +94,7 @@ class ControllerNode(RobotNode):
         for name, handler in (('pause', self._pause), ('resume', self._resume), ('stop', self._stop)):
             self.create_service(Trigger, f'~/{name}', handler)
         self.create_timer(0.1, self._report)
+        self._executor_priority = priority - 1
 
         sys.setswitchinterval(SWITCH_INTERVAL)
         gc.freeze()
@@ -216,6 +217,11 @@ class ControllerNode(RobotNode):
         self._controller.paused = False
 
     def _report(self) -> None:
+        if self._executor_priority > 0:
+            # This thread shares the interpreter with the loop: preempted while it holds it, it would hold
+            # up the loop too.
+            ask_for_realtime(self._executor_priority)
+            self._executor_priority = 0
         controller = self._controller
         values: dict[str, Any] = {
             'state': controller.state.value,
