@@ -26,6 +26,17 @@ WAIT_DEADLINE = 20.0  # s
 SPIN_PERIOD = 0.02  # s, how often a condition that no message triggers is looked at
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """The contract suite's choice of robots; pytest takes options from this folder's conftest alone."""
+    parser.addoption(
+        '--robot-model',
+        action='append',
+        metavar='NAME',
+        help='run the contract suite on this robot alone (an installed one, or urdf:/path/robot.urdf); '
+        'may be given several times',
+    )
+
+
 @pytest.fixture
 def ros_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     """A ROS_DOMAIN_ID that no other test on this machine uses now, set in the environment."""

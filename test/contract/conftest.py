@@ -1,6 +1,11 @@
-"""The contract suite runs on every robot that is installed, third-party ones too."""
+"""The contract suite runs on every robot that is installed, third-party ones too.
+
+`pytest test/contract --robot-model NAME` runs it on one robot alone; NAME may be `urdf:/path/robot.urdf` too.
+"""
 
 from __future__ import annotations
+
+from functools import cache
 
 import numpy as np
 import pytest
@@ -10,10 +15,20 @@ from robots_core import BaseRobotModel, available_robot_models, load_robot_model
 POSTURES = 20
 
 
-@pytest.fixture(params=available_robot_models())
-def robot(request: pytest.FixtureRequest) -> BaseRobotModel:
-    """Each installed robot in turn."""
-    return load_robot_model(request.param)
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Run every test that takes a robot on each of the robots."""
+    if 'robot_name' in metafunc.fixturenames:
+        names = metafunc.config.getoption('--robot-model') or available_robot_models()
+        metafunc.parametrize('robot_name', names)
+
+
+@pytest.fixture
+def robot(robot_name: str) -> BaseRobotModel:
+    """Each robot in turn, loaded once."""
+    return _loaded(robot_name)
+
+
+_loaded = cache(load_robot_model)
 
 
 @pytest.fixture
