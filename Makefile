@@ -45,6 +45,7 @@ $(BUILD_STAMP): $(VENV_STAMP) $(SOURCES)
 	@echo "Building the workspace ..."
 	@$(BUILD_ENVIRONMENT) colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
 	@.venv/bin/python -m compileall -q install
+	@$(RUN) python -c 'import robots_core.robot_model.analytic.kernels'
 	@touch $@
 
 .PHONY: build
@@ -64,6 +65,15 @@ lint: $(VENV_STAMP)  ## Lint, format and type checks
 .PHONY: test
 test: build lint  ## Lint, types and all tests
 	@$(RUN) python -m pytest
+
+# Without dependencies and beside the other packages: what a peer wants must not change what we run with.
+.venv/benchmark/.installed: requirements-benchmark.txt $(VENV_STAMP)
+	@.venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade --no-deps --target .venv/benchmark -r $<
+	@touch $@
+
+.PHONY: benchmark-analytic-ik
+benchmark-analytic-ik: build .venv/benchmark/.installed  ## Analytic inverse kinematics side by side with EAIK
+	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_analytic_ik.py
 
 .PHONY: clean
 clean:  ## Remove what was built; .venv stays
