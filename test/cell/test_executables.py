@@ -1,0 +1,75 @@
+"""Every executable of the built workspace, started the way `ros2 run` finds it."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ament_index_python.packages import get_package_prefix
+from diagnostic_msgs.msg import DiagnosticArray
+
+PACKAGES = ('robots_core', 'robots_planning', 'robots_controller')
+EXECUTABLES = sorted(
+    {
+        (point.value.split('.')[0], point.name)
+        for point in entry_points(group='console_scripts')
+        if point.value.startswith(PACKAGES)
+    }
+)
+NODES = [(package, name) for package, name in EXECUTABLES if name.endswith('_node')]
+PROGRAMS = [(package, name) for package, name in EXECUTABLES if not name.endswith('_node')]
+
+
+def path_of(package: str, executable: str) -> Path:
+    return Path(get_package_prefix(package), 'lib', package, executable)
+
+
+@pytest.mark.parametrize(('package', 'executable'), EXECUTABLES)
+def test_is_in_the_ament_index(package: str, executable: str) -> None:
+    prefix = Path(get_package_prefix(package))
+    assert path_of(package, executable).is_file()
+    assert (prefix / 'share' / package / 'package.xml').is_file()
+    assert (prefix / 'share' / 'ament_index' / 'resource_index' / 'packages' / package).is_file()
+
+
+@pytest.mark.parametrize(('package', 'executable'), NODES)
+def test_node_starts_reports_its_health_and_ends_on_an_interrupt(
+    ros_nodes: Any, package: str, executable: str
+) -> None:
+    names: set[str] = set()
+    node = ros_nodes.create_node()
+    node.create_subscription(
+        DiagnosticArray, '/diagnostics', lambda m: names.update(s.name for s in m.status), 10
+    )
+    command = [str(path_of(package, executable)), '--ros-args', '-p', 'robot_model:=bello_bot']
+    if executable == 'visualizer_node':
+        command += ['-p', 'port:=0']
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    try:
+        ros_nodes.wait_for(lambda: f'/{executable}' in names, timeout=60.0, what=f'health of {executable}')
+    finally:
+        process.send_signal(signal.SIGINT)
+        output, _ = process.communicate(timeout=20.0)
+    assert process.returncode == 0, output
+    assert 'Traceback' not in output
+
+
+@pytest.mark.parametrize(('package', 'executable'), NODES)
+def test_node_names_a_robot_that_it_does_not_know(ros_domain: int, package: str, executable: str) -> None:
+    del ros_domain
+    command = [str(path_of(package, executable)), '--ros-args', '-p', 'robot_model:=no_such_robot']
+    result = subprocess.run(command, capture_output=True, text=True, timeout=60.0, check=False)
+    assert result.returncode == 2
+    assert "unknown robot 'no_such_robot'; robots are: bello_bot" in result.stderr
+    assert 'Traceback' not in result.stderr
+
+
+@pytest.mark.parametrize(('package', 'executable'), PROGRAMS)
+def test_program_explains_itself(package: str, executable: str) -> None:
+    command = [str(path_of(package, executable)), '--help']
+    result = subprocess.run(command, capture_output=True, text=True, timeout=60.0, check=True)
+    assert '--robot' in result.stdout

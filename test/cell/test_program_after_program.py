@@ -1,0 +1,101 @@
+"""A cell outlives wrong programs: each is explained, and the next one runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
+
+from robots_core import load_robot_model
+from robots_core.nodes.messages import diagnostic_values
+from robots_core.nodes.qos import STATE
+
+from .cell_process import CellProcess
+
+ROBOT = 'bello_bot'
+WRONG = [
+    ('wait(1 2)', "1: ')' expected near '2'"),
+    ('local t = nil\nt.x = 1', "2: attempt to index a nil value (local 't')"),
+    ('ptpCartesianSpace(9, 9, 9, 0, 0, 0)', '1: ptpCartesianSpace: '),
+    ('ptpJointSpaceAngles(0/0, 0, 0, 0, 0, 0, 0)', '1: ptpJointSpaceAngles: '),
+    ('ptpJointSpaceAngles(0, 0, 0, 999, 0, 0, 0)', 'J4 = 999.0 deg is outside its limits ['),
+    ('ptpJointSpaceAngles(0, 0)', '1: ptpJointSpaceAngles: '),
+    ('setDigitalOutput(99, 1)', '1: setDigitalOutput: '),
+    ('error("my own words")', 'my own words'),
+]
+
+
+class Operator:
+    """Somebody who opens and runs programs by the node's services."""
+
+    def __init__(self, nodes: Any) -> None:
+        self.nodes = nodes
+        self.node = nodes.create_node('operator')
+        self.status: dict[str, str] = {}
+        self.node.create_subscription(DiagnosticStatus, 'program_status', self._on_status, STATE)
+
+    def _on_status(self, message: DiagnosticStatus) -> None:
+        self.status = diagnostic_values(message)
+
+    def _call(self, service_type: Any, name: str, request: Any) -> Any:
+        client = self.node.create_client(service_type, f'lua_program_node/{name}')
+        self.nodes.wait_for(client.service_is_ready, what=name)
+        future = client.call_async(request)
+        return self.nodes.wait_for(lambda: future.done() and future.result(), what=name)
+
+    def run(self, program: Path) -> str:
+        """Open and run a program; returns '' or why it failed."""
+        parameter = Parameter('program', value=str(program)).to_parameter_msg()
+        self._call(SetParameters, 'set_parameters', SetParameters.Request(parameters=[parameter]))
+        opened = self._call(Trigger, 'open', Trigger.Request())
+        if not opened.success:
+            return str(opened.message)
+        started = self._call(Trigger, 'run', Trigger.Request())
+        assert started.success, started.message
+        self.nodes.wait_for(
+            lambda: (
+                self.status.get('file') == program.name and self.status.get('state') in ('FINISHED', 'FAILED')
+            ),
+            timeout=60.0,
+            what=f'the end of {program.name}',
+        )
+        return self.status['error']
+
+
+@pytest.mark.timeout(300)
+def test_every_mistake_is_explained_and_the_next_program_runs(
+    ros_nodes: Any, start_cell: Callable[..., CellProcess], tmp_path: Path
+) -> None:
+    cell = start_cell('--robot', ROBOT)
+    cell.until_ready()
+    operator = Operator(ros_nodes)
+    good = tmp_path / 'good.lua'
+    home = np.degrees(load_robot_model(ROBOT).home)
+    turned = ', '.join(f'{angle:.6f}' for angle in home + [5.0, *6 * [0.0]])
+    there = ', '.join(f'{angle:.6f}' for angle in home)
+    good.write_text(f'ptpJointSpaceAngles({turned})\nptpJointSpaceAngles({there})\n')
+    for number, (text, message) in enumerate(WRONG):
+        wrong = tmp_path / f'wrong_{number}.lua'
+        wrong.write_text(text)
+        error = operator.run(wrong)
+        assert message in error
+        assert wrong.name in error
+        assert operator.run(good) == ''
+    assert 'no such file' in operator.run(tmp_path / 'missing.lua').lower()
+    assert operator.run(good) == ''
+    assert not cell.node_pids().keys() ^ {
+        'controller_node',
+        'direct_kinematics_node',
+        'drive_node',
+        'lua_program_node',
+        'planning_node',
+        'visualizer_node',
+    }
+    assert 'Traceback' not in ''.join(file.read_text() for file in cell.out.glob('*/log/*.log'))
