@@ -18,16 +18,13 @@ def compiled(*signatures: Any) -> Callable[[Function], Function]:
     """
 
     def decorate(function: Function) -> Function:
-        for options in ({'cache': True}, {}):
-            try:
-                result: Function = numba.njit(*([list(signatures)] if signatures else []), **options)(
-                    function
-                )
-            except RuntimeError as error:
-                if 'cannot cache' not in str(error) or not options:
-                    raise
-            else:
-                return result
-        raise AssertionError
+        chosen = [list(signatures)] if signatures else []
+        try:
+            result: Function = numba.njit(*chosen, cache=True)(function)
+        except RuntimeError as error:
+            if 'cannot cache' not in str(error):
+                raise
+            result = numba.njit(*chosen)(function)
+        return result
 
     return decorate

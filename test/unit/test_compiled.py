@@ -1,0 +1,23 @@
+"""compiled: machine code with the function's own results, kept where there is a place for it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from robots_core.robot_model.analytic.compiled import compiled
+
+
+def halved(values: np.ndarray) -> float:
+    return float(values.sum()) / 2.0
+
+
+def test_compiled_code_does_what_the_function_does():
+    assert compiled()(halved)(np.arange(5.0)) == halved(np.arange(5.0))
+
+
+def test_code_without_a_file_to_keep_it_beside_is_compiled_all_the_same():
+    names: dict[str, Any] = {}
+    exec('def doubled(value):\n    return 2.0 * value\n', names)  # noqa: S102  # a function without a file
+    assert compiled('float64(float64)')(names['doubled'])(3.0) == 6.0
