@@ -78,7 +78,7 @@ def test_every_mistake_is_explained_and_the_next_program_runs(
     operator = Operator(ros_nodes)
     good = tmp_path / 'good.lua'
     home = np.degrees(load_robot_model(ROBOT).home)
-    turned = ', '.join(f'{angle:.6f}' for angle in home + [5.0, *6 * [0.0]])
+    turned = ', '.join(f'{angle:.6f}' for angle in np.add(home, [5.0, *6 * [0.0]]))
     there = ', '.join(f'{angle:.6f}' for angle in home)
     good.write_text(f'ptpJointSpaceAngles({turned})\nptpJointSpaceAngles({there})\n')
     for number, (text, message) in enumerate(WRONG):
