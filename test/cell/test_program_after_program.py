@@ -88,7 +88,7 @@ def test_every_mistake_is_explained_and_the_next_program_runs(
         assert message in error
         assert wrong.name in error
         assert operator.run(good) == ''
-    assert 'no such file' in operator.run(tmp_path / 'missing.lua').lower()
+    assert 'there is no program' in operator.run(tmp_path / 'missing.lua')
     assert operator.run(good) == ''
     assert not cell.node_pids().keys() ^ {
         'controller_node',
