@@ -139,21 +139,37 @@ def run_cell(options: CellOptions, console: Console) -> int:
             processes.start()
             code = cell.run()
             cell.bring_to_rest()
+            if recorder is not None:
+                code = _close_recording(recorder, options, console, cell.program_ended) or code
+            if options.once and options.view and cell.program_ended:
+                console.print('the page stays open; Ctrl-C ends it')
+                cell.watch()
         except KeyboardInterrupt:
             console.print('\nstopping ...')
             code = EXIT_INTERRUPTED
             cell.bring_to_rest()
+            if recorder is not None and not recorder.closed:
+                _close_recording(recorder, options, console, program_ended=False)
         finally:
             view.close()
             processes.stop()
-    if recorder is not None:
-        console.print(f'bag: {recorder.path}')
-        if cell.program_ended:
-            report = motion_report(recorder.path, options.robot, namespace=options.namespace)
-            report.show(console)
-            if not report.ok:
-                code = code or EXIT_FAILED
     return code
+
+
+def _close_recording(
+    recorder: BagRecorder,
+    options: CellOptions,
+    console: Console,
+    program_ended: bool,  # noqa: FBT001
+) -> int:
+    """Close the bag and report on it; returns an exit code."""
+    recorder.close()
+    console.print(f'bag: {recorder.path}')
+    if not program_ended:
+        return EXIT_OK
+    report = motion_report(recorder.path, options.robot, namespace=options.namespace)
+    report.show(console)
+    return EXIT_OK if report.ok else EXIT_FAILED
 
 
 class _Cell:
@@ -188,9 +204,14 @@ class _Cell:
             return EXIT_FAILED
         while self._healthy():
             self._show_events()
-            if self.program_ended and self._options.once and not self._options.view:
+            if self.program_ended and self._options.once:
                 return EXIT_FAILED if self._failed else EXIT_OK
         return EXIT_FAILED
+
+    def watch(self) -> None:
+        """Until a node dies, or forever."""
+        while self._healthy():
+            self._show_events()
 
     def bring_to_rest(self) -> None:
         """Stop a running motion on its path, before the nodes end."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import queue
 import threading
 from collections.abc import Iterable
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
@@ -24,13 +24,22 @@ from rosbags.interfaces import (
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from robots_core.nodes.polled_subscription import PolledSubscription
+
 DISCOVERY_PERIOD = 0.1  # s
-QUEUE_DEPTH = 1000
+WRITE_PERIOD = 0.02  # s
+QUEUE_DEPTH = 1000  # messages of one topic between two writes
 BAG_VERSION: Final = 9
 
 
+@dataclass(frozen=True)
+class _RecordedTopic:
+    connection: Connection
+    subscription: PolledSubscription[bytes]
+
+
 class BagRecorder(Node):
-    """Subscribes to every topic that it sees, without deserialising, and writes it with its own thread.
+    """Subscribes to every topic that it sees and writes it as it came, with a thread of its own.
 
     Args:
         path: Folder of the bag; must not exist.
@@ -43,26 +52,26 @@ class BagRecorder(Node):
         self._prefix = namespace.rstrip('/') + '/'
         self._typestore = get_typestore(Stores.ROS2_JAZZY)
         self._writer = Writer(path, version=BAG_VERSION, storage_plugin=StoragePlugin.MCAP)
-        self._connections: dict[str, Connection] = {}
-        self._topics: dict[str, object] = {}
-        self._queue: queue.SimpleQueue[tuple[str, str, list[Qos], int, bytes] | None] = queue.SimpleQueue()
+        self._topics: dict[str, _RecordedTopic] = {}
         self._writer.open()
+        self._closed = threading.Event()
         self._thread = threading.Thread(target=self._write, name='bag writer', daemon=True)
         self._thread.start()
         self.create_timer(DISCOVERY_PERIOD, self._discover)
 
     def records(self, topics: Iterable[str]) -> bool:
         """Every one of these topics is subscribed and has a publisher."""
-        matched = {
-            topic
-            for topic, subscription in self._topics.items()
-            if subscription.get_publisher_count() > 0  # type: ignore[attr-defined]
-        }
-        return all((topic if topic.startswith('/') else self._prefix + topic) in matched for topic in topics)
+        heard = {name for name, topic in list(self._topics.items()) if topic.subscription.publishers > 0}
+        return all((topic if topic.startswith('/') else self._prefix + topic) in heard for topic in topics)
+
+    @property
+    def closed(self) -> bool:
+        """The bag is complete."""
+        return self._closed.is_set()
 
     def close(self) -> None:
-        """Write what is left and close the bag."""
-        self._queue.put(None)
+        """Write what has come and close the bag; further calls do nothing."""
+        self._closed.set()
         self._thread.join()
 
     def _discover(self) -> None:
@@ -71,39 +80,38 @@ class BagRecorder(Node):
                 continue
             publishers = self.get_publishers_info_by_topic(topic)
             if publishers and types[0] in self._typestore.types:
-                self._subscribe(topic, types[0], publishers)
+                self._topics[topic] = self._subscribe(topic, types[0], publishers)
 
-    def _subscribe(self, topic: str, type_name: str, publishers: list[TopicEndpointInfo]) -> None:
+    def _subscribe(self, topic: str, type_name: str, publishers: list[TopicEndpointInfo]) -> _RecordedTopic:
         latched = all(p.qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL for p in publishers)
         reliable = all(p.qos_profile.reliability is ReliabilityPolicy.RELIABLE for p in publishers)
-        offered = [_bag_qos(p.qos_profile) for p in publishers]
-
-        def on_message(data: bytes, info: dict[str, int]) -> None:
-            # Sent, not received: topics keep their order to each other however late they come in.
-            self._queue.put((topic, type_name, offered, info['source_timestamp'], data))
-
-        self._topics[topic] = self.create_subscription(
-            _message_class(type_name),
+        qos = QoSProfile(
+            history=HistoryPolicy.KEEP_LAST,
+            depth=QUEUE_DEPTH,
+            reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+        )
+        connection = self._writer.add_connection(
             topic,
-            on_message,  # type: ignore[arg-type]  # rclpy hands the info to a callback that takes it
-            QoSProfile(
-                history=HistoryPolicy.KEEP_LAST,
-                depth=QUEUE_DEPTH,
-                reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-                durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
-            ),
-            raw=True,
+            type_name,
+            typestore=self._typestore,
+            offered_qos_profiles=[_bag_qos(p.qos_profile) for p in publishers],
+        )
+        return _RecordedTopic(
+            connection, PolledSubscription(self, _message_class(type_name), topic, qos, raw=True)
         )
 
     def _write(self) -> None:
-        while (item := self._queue.get()) is not None:
-            topic, type_name, offered, stamp, data = item
-            if topic not in self._connections:
-                self._connections[topic] = self._writer.add_connection(
-                    topic, type_name, typestore=self._typestore, offered_qos_profiles=offered
-                )
-            self._writer.write(self._connections[topic], stamp, data)
+        while not self._closed.wait(WRITE_PERIOD):
+            self._write_what_came()
+        self._write_what_came()
         self._writer.close()
+
+    def _write_what_came(self) -> None:
+        for topic in list(self._topics.values()):
+            for data, info in topic.subscription.take_all():
+                # Sent, not received: topics keep their order to each other however late they come in.
+                self._writer.write(topic.connection, info['source_timestamp'], data)
 
 
 def _message_class(type_name: str) -> Any:

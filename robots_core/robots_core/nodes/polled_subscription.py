@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, Generic, TypeVar
 
 from rclpy.callback_groups import CallbackGroup
@@ -37,22 +38,36 @@ class PolledSubscription(Generic[Message]):
         message_type: The topic's type.
         topic: The topic's name.
         qos: Depth 1 for the newest message only.
+        raw: Take messages as bytes, not deserialized.
     """
 
-    def __init__(self, node: Node, message_type: type[Message], topic: str, qos: QoSProfile) -> None:
+    def __init__(
+        self, node: Node, message_type: type[Message], topic: str, qos: QoSProfile, *, raw: bool = False
+    ) -> None:
         self._subscription = node.create_subscription(
-            message_type, topic, _never_called, qos, callback_group=_Polled()
+            message_type, topic, _never_called, qos, callback_group=_Polled(), raw=raw
         )
 
     def take(self) -> Message | None:
         """The newest message since the last call, or None."""
-        subscription = self._subscription
         newest: Message | None = None
+        for message, _ in self.take_all():
+            newest = message
+        return newest
+
+    def take_all(self) -> Iterator[tuple[Message, dict[str, int]]]:
+        """All messages since the last call, oldest first, each with its info (`source_timestamp`, ns)."""
+        subscription = self._subscription
         while True:
-            taken = subscription.handle.take_message(subscription.msg_type, False)
+            taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
             if taken is None:
-                return newest
-            newest = taken[0]
+                return
+            yield taken
+
+    @property
+    def publishers(self) -> int:
+        """Number of publishers that this subscription hears."""
+        return int(self._subscription.get_publisher_count())
 
 
 def _never_called(message: object) -> None:
