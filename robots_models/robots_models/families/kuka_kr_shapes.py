@@ -203,7 +203,7 @@ def kuka_kr_parts(data: KukaKrData, *, bulk: float = 1.0) -> tuple[Part, ...]:
             'link_4',
             _BLACK,
             (
-                tube((a5_x - 0.24, 0.0, a4_z), (a5_x - 0.1, 0.0, a4_z), 0.125, 0.12),
+                tube((a5_x - 0.24, 0.0, a4_z), (a5_x - 0.17, 0.0, a4_z), 0.12, 0.115),
                 tapered_arm((a5_x - 0.14, 0.105, a4_z), (a5_x, 0.105, a4_z), 0.1, 0.1, axis='y', width=0.05),
                 tapered_arm(
                     (a5_x - 0.14, -0.105, a4_z), (a5_x, -0.105, a4_z), 0.1, 0.1, axis='y', width=0.05
@@ -227,7 +227,7 @@ def kuka_kr_parts(data: KukaKrData, *, bulk: float = 1.0) -> tuple[Part, ...]:
             _STEEL,
             (
                 tube((flange_x - 0.05, 0.0, a4_z), (flange_x - 0.012, 0.0, a4_z), 0.07, 0.07, chamfer=0.004),
-                tube((flange_x - 0.012, 0.0, a4_z), (flange_x, 0.0, a4_z), 0.08, 0.08, chamfer=0.003),
+                tube((flange_x - 0.012, 0.0, a4_z), (flange_x, 0.0, a4_z), 0.075, 0.075, chamfer=0.003),
             ),
             collision=True,
         ),

@@ -113,12 +113,12 @@ def staubli_parts(data: StaubliData, *, bulk: float = 1.0, pale: bool = False) -
             'link_4',
             body,
             (
-                tube((x, y, elbow + 0.142), (x, y, wrist - 0.03), 0.082, 0.058, chamfer=0.015),
+                tube((x, y, elbow + 0.142), (x, y, wrist - 0.115), 0.082, 0.06, chamfer=0.015),
                 tapered_arm(
-                    (x, y + 0.04, wrist - 0.06), (x, y + 0.04, wrist), 0.05, 0.05, axis='y', width=0.03
+                    (x, y + 0.05, wrist - 0.14), (x, y + 0.05, wrist), 0.045, 0.04, axis='y', width=0.025
                 ),
                 tapered_arm(
-                    (x, y - 0.04, wrist - 0.06), (x, y - 0.04, wrist), 0.05, 0.05, axis='y', width=0.03
+                    (x, y - 0.05, wrist - 0.14), (x, y - 0.05, wrist), 0.045, 0.04, axis='y', width=0.025
                 ),
             ),
             collision=True,
@@ -128,8 +128,8 @@ def staubli_parts(data: StaubliData, *, bulk: float = 1.0, pale: bool = False) -
             'link_5',
             caps,
             (
-                hub((x, y, wrist), 'y', 0.047, 0.05),
-                tube((x, y, wrist + 0.01), (x, y, flange - 0.028), 0.042, 0.036),
+                hub((x, y, wrist), 'y', 0.038, 0.07),
+                tube((x, y, wrist + 0.01), (x, y, flange - 0.028), 0.035, 0.032),
             ),
             collision=True,
         ),
@@ -137,7 +137,7 @@ def staubli_parts(data: StaubliData, *, bulk: float = 1.0, pale: bool = False) -
             'flange',
             'link_6',
             _STEEL,
-            (tube((x, y, flange - 0.028), (x, y, flange), 0.034, 0.034, chamfer=0.003),),
+            (tube((x, y, flange - 0.028), (x, y, flange), 0.03, 0.03, chamfer=0.003),),
             collision=True,
         ),
     )

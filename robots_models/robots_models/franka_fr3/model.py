@@ -43,9 +43,10 @@ class FrankaFr3Data(StructuralData):
         'github.com/frankarobotics/franka_description @566ba44 (Franka Robotics, Apache-2.0): robots/fr3; '
         'github.com/frankaemika/docs @1da6bd3: source/control_parameters.rst; velocity limits by position: '
         'libfranka, rate_limiting.h. Published: kinematics, limits of position, velocity, acceleration, jerk '
-        'and effort, masses and inertias. Unconfirmed data-sheet figures: payload, reach. Not published: '
-        'gear ratios, rotor inertias. AxesData.velocity holds the constant caps: true velocity limits fall '
-        'to zero towards the ends of the range, see velocity_limits; limits="rectangular" loads the '
+        'and effort, masses and inertias. Unconfirmed data-sheet figures: payload, reach. Estimated: '
+        'nothing. Not published: gear ratios, rotor inertias. AxesData.velocity holds the constant caps: '
+        'true velocity limits fall to zero towards the ends of the range, see velocity_limits; '
+        'limits="rectangular" loads the '
         "maker's narrower range, inside which constant limits are true"
     )
     shoulder_height: float = 0.333
