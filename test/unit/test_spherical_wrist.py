@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from robots_core import load_robot_model
+from robots_core import UrdfRobotModel, load_robot_model
 from robots_core.errors import NoAnalyticInverseKinematicsError
 from robots_core.robot_model.analytic.axis_lines import STRUCTURE_TOLERANCE, AxisLines
 from robots_core.robot_model.analytic.spherical_wrist import spherical_wrist
@@ -88,4 +90,14 @@ def test_other_arms_are_refused_by_reason(lines: AxisLines, words: str):
 def test_real_robots_without_closed_form_say_why(robot: str, words: str):
     model = load_robot_model(robot)
     with pytest.raises(NoAnalyticInverseKinematicsError, match=words):
+        model.inverse_kinematics_analytic(*model.direct_kinematics(model.home))
+
+
+def test_an_axis_that_slides_is_named(tmp_path: Path):
+    text = load_robot_model('kuka_kr210_r2700').description
+    (tmp_path / 'arm.urdf').write_text(
+        text.replace('name="A3" type="revolute"', 'name="A3" type="prismatic"')
+    )
+    model = UrdfRobotModel(tmp_path / 'arm.urdf')
+    with pytest.raises(NoAnalyticInverseKinematicsError, match=re.escape('axis 3 (A3) slides')):
         model.inverse_kinematics_analytic(*model.direct_kinematics(model.home))

@@ -20,8 +20,8 @@ from robots_core.validation import Array, finite_vector, read_only, rotation_mat
 EXACT_DEVIATION = 5e-11
 POLISH_STEPS = 4
 POLISHED = 1e-11  # m and rad
-POLISH_DROP = 1e-9
-SINGULAR_RATIO = 1e-7
+POLISH_DROP = 1e-9  # the accuracy that is promised; what stays above is no posture of the pose
+SINGULAR_RATIO = 1e-7  # of singular values; motions below change the pose by less than rounding asks for
 
 Family = Literal['spherical wrist', 'parallel axes']
 FAMILIES: Final[dict[Family, Callable[[AxisLines], tuple[Any, float]]]] = {
@@ -36,7 +36,7 @@ class AnalyticSolver:
     Either axes 2 and 3 are parallel and axes 4, 5 and 6 meet in one point (Pieper 1968), or axes 2, 3 and 4
     are parallel and axes 5 and 6 meet; both forms are written for axes of any sign, zero position and offset.
     Angles that a singular pose leaves free stand as in the home posture, or in the posture that is given; if
-    that breaks a limit, 64 other values are tried.
+    that breaks a limit, 63 other values are tried.
 
     An instance keeps scratch memory: use one per thread.
 
@@ -54,7 +54,8 @@ class AnalyticSolver:
         lower, upper = axes.lower, axes.upper
         near = robot.home
         if not limited:
-            near = np.where(axes.continuous, 0.0, 0.5 * (lower + upper))
+            ends = np.where(axes.continuous, 0.0, (lower, upper))
+            near = 0.5 * (ends[0] + ends[1])
             lower, upper = np.full(6, -np.inf), np.full(6, np.inf)
         self._robot = robot
         record, self.deviation, self.family = _structure(lines)
