@@ -200,6 +200,12 @@ class _Cell:
             late = ', '.join(sorted(self._waiting)) or 'the recorder'
             self._console.print(f'[bold red]not ready after {START_TIMEOUT:g} s:[/] {late}')
             return EXIT_FAILED
+        if doubled := self._monitor.doubled(self._processes.names):
+            self._console.print(
+                f'[bold red]there are two nodes {doubled[0]} in namespace {self._options.namespace}[/]: another '
+                f'cell is running; stop it, or give this one a --namespace or a ROS_DOMAIN_ID of its own'
+            )
+            return EXIT_FAILED
         if self._options.program and not (self._call('open') and self._call('run')):
             return EXIT_FAILED
         while self._healthy():

@@ -116,3 +116,16 @@ def test_a_planner_killed_in_a_motion_leaves_the_robot_standing_on_its_path(
     assert 'stopped' in cell.text
     references = read_messages(cell.bag, ['/joint_reference'])['/joint_reference']
     assert not any(references[-1][1].points[0].velocities)
+
+
+def test_a_second_cell_beside_the_first_is_told_and_leaves_it_alone(start_cell: StartCell) -> None:
+    first = start_cell('--robot', 'bello_bot')
+    first.until_ready()
+    second = start_cell('--robot', 'kuka_kr210_r2700')
+    assert second.wait() == 1
+    assert 'another cell is running' in second.text
+    third = start_cell('--robot', 'bello_bot', '--namespace', 'left')
+    third.until_ready()
+    third.interrupt()
+    assert third.wait() == 130
+    assert len(first.node_pids()) == 6
