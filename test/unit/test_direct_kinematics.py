@@ -24,7 +24,9 @@ def robot(request: pytest.FixtureRequest) -> BaseRobotModel:
 @pytest.fixture
 def postures(robot: BaseRobotModel) -> np.ndarray:
     axes = robot.axes_data
-    return np.random.default_rng(11).uniform(axes.lower, axes.upper, (10, axes.num_axes))
+    lower = np.where(axes.continuous, -np.pi, axes.lower)
+    upper = np.where(axes.continuous, np.pi, axes.upper)
+    return np.random.default_rng(11).uniform(lower, upper, (10, axes.num_axes))
 
 
 def test_without_tool_it_is_the_robot(robot: BaseRobotModel, postures: np.ndarray):
