@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
+import signal
 import sys
 import threading
 import time
@@ -69,6 +70,9 @@ def main() -> None:
     """Run from the command line."""
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     choose_transports()
+    # Started in the background, a process ignores SIGINT; ended by a supervisor, it gets SIGTERM.
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.default_int_handler)
     # A log file has no width of its own; the table needs this much.
     console = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else LOG_WIDTH)
     try:
@@ -202,8 +206,8 @@ class _Cell:
             return EXIT_FAILED
         if doubled := self._monitor.doubled(self._processes.names):
             self._console.print(
-                f'[bold red]there are two nodes {doubled[0]} in namespace {self._options.namespace}[/]: another '
-                f'cell is running; stop it, or give this one a --namespace or a ROS_DOMAIN_ID of its own'
+                f'[bold red]there are two nodes {doubled[0]} in namespace {self._options.namespace}[/]: '
+                f'another cell is running; stop it, or give this one a --namespace or a ROS_DOMAIN_ID'
             )
             return EXIT_FAILED
         if self._options.program and not (self._call('open') and self._call('run')):

@@ -84,12 +84,13 @@ def test_a_wrong_program_is_told_and_leads_to_an_error_code(
     assert 'Traceback' not in cell.text
 
 
-def test_ctrl_c_stops_all_nodes(start_cell: StartCell) -> None:
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_and_terminate_stop_all_nodes(start_cell: StartCell, number: signal.Signals) -> None:
     cell = start_cell('--robot', 'bello_bot')
     cell.until_ready()
     pids = cell.node_pids()
     assert len(pids) == 6
-    cell.interrupt()
+    cell.process.send_signal(number)
     assert cell.wait() == 130
     assert not [name for name, pid in pids.items() if Path(f'/proc/{pid}').exists()]
     assert 'Traceback' not in cell.text
@@ -124,8 +125,4 @@ def test_a_second_cell_beside_the_first_is_told_and_leaves_it_alone(start_cell: 
     second = start_cell('--robot', 'kuka_kr210_r2700')
     assert second.wait() == 1
     assert 'another cell is running' in second.text
-    third = start_cell('--robot', 'bello_bot', '--namespace', 'left')
-    third.until_ready()
-    third.interrupt()
-    assert third.wait() == 130
     assert len(first.node_pids()) == 6

@@ -108,9 +108,10 @@ class CellMonitor(Node):
     def _health(self, message: DiagnosticArray) -> Iterable[Event]:
         prefix = self.get_namespace().rstrip('/') + '/'
         for status in message.status:
-            if status.name.startswith(prefix):
+            name = status.name.removeprefix(prefix)
+            if status.name.startswith(prefix) and '/' not in name:
                 yield NodeHealth(
-                    node=status.name.removeprefix(prefix),
+                    node=name,
                     ok=status.level == DiagnosticStatus.OK,
                     message=status.message,
                     url=diagnostic_values(status).get('url', ''),
