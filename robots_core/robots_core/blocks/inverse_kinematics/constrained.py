@@ -1,0 +1,174 @@
+"""ConstrainedInverseKinematics: follow a reference pose inside all limits (the paper's block)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robots_core.blocks.inverse_kinematics.chain import SerialChain
+from robots_core.blocks.inverse_kinematics.constrained_kernel import (
+    ACCELERATION,
+    POSITION,
+    VELOCITY,
+    constrained_step,
+)
+from robots_core.blocks.inverse_kinematics.constrained_step import ActiveLimit, ConstrainedStep, Quantity
+from robots_core.blocks.inverse_kinematics.quadratic_program import SOLVED
+from robots_core.blocks.inverse_kinematics.redundancy import Redundancy, redundancy_arrays
+from robots_core.errors import InvalidInputError
+from robots_core.pose import Pose
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array, finite_vector, positive
+
+QUANTITIES: dict[int, Quantity] = {
+    POSITION: 'position',
+    VELOCITY: 'velocity',
+    ACCELERATION: 'acceleration',
+}
+DEFAULT_GAIN = 0.5  # of the position error per period
+TORQUE_SAMPLES = 1500
+# The largest torque of a braking robot is found by sampling; this part of the room is not used.
+TORQUE_RESERVE = 0.05
+# An arm that its motors hardly hold at full speed would not move near its limits at all; below this part,
+# what is missing may show as torque slack.
+SMALLEST_BRAKING = 0.3
+NO_TWIST = np.zeros(6)
+
+
+class ConstrainedInverseKinematics:
+    """Joint motion that follows a reference pose as closely as all limits of the axes allow.
+
+    In every period dt the velocities w that the axes have at its end minimise
+
+        |W (J w - V - k e)|^2 + rho |w - p|^2
+
+    subject to the limits, by a small quadratic program (the idea of Bellmann, Otter and Hirzinger 2011, The
+    DLR robot motion simulator part II, as the paper describes it). e is the pose error that remains if the
+    robot moves as the reference does from now on, V the reference's twist, and k shrinks with the distance so
+    that every axis can stop again when it arrives; p is what a redundancy criterion wants. Axes have constant
+    acceleration within a period, so that limits kept at its ends are kept in it.
+
+    Position limits are kept by viability (see `viability`): a state from which all axes can brake before
+    their limits is followed by such a state, whatever the reference does. Braking uses the deceleration that
+    the torques allow everywhere, found once by sampling the workspace (`deceleration`). Where a state that is
+    given makes the limits contradict each other, acceleration is kept, then braking for the position limit,
+    then torques with the smallest overload; the step says by how much (`slack`).
+
+    The quadratic program is solved by a dual active-set method of our own (`quadratic_program`), compiled
+    together with all that surrounds it. `make benchmark-inverse-kinematics` times it against daqp, piqp,
+    proxsuite and quadprog on the same programs.
+
+    A step is a function of its arguments alone. An instance keeps scratch memory: use one per thread.
+
+    Args:
+        robot: The robot.
+        dt: Period, s.
+        tool: Pose of the tool centre point in tool0, which follows the reference; tool0 itself by default.
+        weights: Of position (per m) and orientation (per rad) where both cannot be had; 0 leaves one free.
+        gain: Part of the pose error that is removed per second, 1/s, at most 1/dt; 0.5/dt by default.
+        redundancy: What to do with freedom that the pose leaves.
+
+    Raises:
+        InvalidInputError: an option out of its range, or an axis whose range is too short to stop in.
+        JointLimitError: the posture of the redundancy criterion lies outside the limits.
+    """
+
+    def __init__(
+        self,
+        robot: BaseRobotModel,
+        dt: float,
+        *,
+        tool: Pose | None = None,
+        weights: tuple[float, float] = (1.0, 0.5),
+        gain: float | None = None,
+        redundancy: Redundancy | None = None,
+    ) -> None:
+        self.robot = robot
+        self.dt = positive(dt, 'dt', 's')
+        axes = robot.axes_data
+        gain = DEFAULT_GAIN / dt if gain is None else positive(gain, 'gain', '1/s')
+        if gain * dt > 1.0:
+            raise InvalidInputError(f'gain = {gain:g} 1/s must be at most 1/dt = {1.0 / dt:g} 1/s')
+        if not (min(weights) >= 0.0 and 0.0 < max(weights) < np.inf):
+            raise InvalidInputError(
+                f'weights {weights} must be finite, not negative and not both 0: (per m, per rad)'
+            )
+        self.deceleration = braking_deceleration(robot)
+        """Of every axis when all brake, (n,), rad/s^2: inside the torque limits in any posture."""
+        self._limits = np.array(
+            [axes.lower, axes.upper, axes.velocity, axes.acceleration, self.deceleration, axes.effort]
+        )
+        self._options = np.array([dt, gain, *weights])
+        chain = SerialChain.of(robot, tool)
+        self._fixed = (chain.arrays, self._limits, self._options, redundancy_arrays(redundancy, axes))
+        self._n = axes.num_axes
+        self._still = np.zeros(self._n)
+        self._errors = np.empty(3)
+        self._active = np.zeros((2, self._n), dtype=np.int64)
+        # Compiled code is loaded here and not in the first step of a real-time loop.
+        self.step(Pose(chain.r, chain.T), robot.home, self._still)
+
+    def step(
+        self, pose: Pose, q: ArrayLike, q_dot: ArrayLike, twist: ArrayLike | None = None
+    ) -> ConstrainedStep:
+        """Joint motion of the next period.
+
+        Args:
+            pose: Where the tool centre point should be at the end of the period, base frame.
+            q: Joint positions now, (n,), rad (m): of the last step, or of the robot at the start.
+            q_dot: Joint velocities now, (n,), rad/s.
+            twist: How the reference moves at the end of the period, (6,): velocity (m/s), angular velocity
+                (rad/s), base frame; at rest by default, which makes the robot lag behind a moving one.
+
+        Raises:
+            InvalidInputError: an argument of another shape or not finite.
+        """
+        n = self._n
+        q, q_dot = finite_vector(q, n, 'q'), finite_vector(q_dot, n, 'q_dot')
+        v = NO_TWIST if twist is None else finite_vector(twist, 6, 'twist')
+        _, M, tau_aux = self.robot.rigid_dynamics(q, q_dot, self._still)
+        values, active, errors = np.empty((7, n)), self._active, self._errors
+        motion, slacks = values[:4], values[4:]
+        status = constrained_step(
+            *self._fixed, (q, q_dot, M, tau_aux), (pose.r, pose.T, v), (motion, slacks, errors, active)
+        )
+        motion.flags.writeable = slacks.flags.writeable = False
+        position_error, orientation_error, slack = errors.tolist()
+        limits = self._active_limits() if active.any() else ()
+        return ConstrainedStep(
+            motion, slacks, slack, limits, position_error, orientation_error, status == SOLVED
+        )
+
+    def _active_limits(self) -> tuple[ActiveLimit, ...]:
+        found = []
+        names = self.robot.axes_data.names
+        for name, bound, torque in zip(names, *self._active.tolist(), strict=True):
+            if bound:
+                found.append(ActiveLimit(name, QUANTITIES[abs(bound)], 'upper' if bound > 0 else 'lower'))
+            if torque:
+                found.append(ActiveLimit(name, 'torque', 'upper' if torque > 0 else 'lower'))
+        return tuple(found)
+
+
+def braking_deceleration(robot: BaseRobotModel) -> Array:
+    """Decelerations that all axes can have at once inside their torque limits, (n,), rad/s^2.
+
+    The acceleration limits, all scaled by the part that the torques leave in the worst of many random states
+    with axes at up to full speed; each axis may brake or have stopped already.
+    """
+    axes = robot.axes_data
+    low = np.where(axes.continuous, -np.pi, axes.lower)
+    high = np.where(axes.continuous, np.pi, axes.upper)
+    rng = np.random.default_rng(0)
+    n, still = axes.num_axes, np.zeros(axes.num_axes)
+    part = 1.0
+    for sample in range(TORQUE_SAMPLES):
+        q = rng.uniform(low, high)
+        q_dot = axes.velocity * (rng.choice([-1.0, 1.0], n) if sample % 2 else rng.uniform(-1.0, 1.0, n))
+        _, M, tau_aux = robot.rigid_dynamics(q, q_dot, still)
+        torques = -M * (np.sign(q_dot) * axes.acceleration)
+        up, down = np.maximum(torques, 0.0).sum(axis=1), np.maximum(-torques, 0.0).sum(axis=1)
+        room = (1.0 - TORQUE_RESERVE) * axes.effort
+        part = min(part, float(((room - tau_aux) / np.maximum(up, 1e-12)).min()))
+        part = min(part, float(((room + tau_aux) / np.maximum(down, 1e-12)).min()))
+    return np.asarray(max(part, SMALLEST_BRAKING) * axes.acceleration)

@@ -1,0 +1,273 @@
+# ruff: noqa: PLR0917  # compiled functions take arrays, not objects
+"""The step of the constrained inverse kinematics, compiled."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from robots_core.blocks.inverse_kinematics.chain import ChainArrays, error_between, pose_and_jacobian
+from robots_core.blocks.inverse_kinematics.quadratic_program import (
+    INFEASIBLE,
+    SOLVED,
+    solve_quadratic_program,
+)
+from robots_core.blocks.inverse_kinematics.redundancy import (
+    NO_CRITERION,
+    RedundancyArrays,
+    wanted_displacement,
+)
+from robots_core.blocks.inverse_kinematics.viability import (
+    braking_distance,
+    fastest_stoppable,
+    velocity_interval,
+)
+from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.validation import Array
+
+POSITION, VELOCITY, ACCELERATION = 1, 2, 3
+# Relative weight of joint motion: keeps the program strictly convex where the pose leaves freedom.
+MOTION_WEIGHT = 1e-6
+# Below this singular value (m or 1 per rad, weighted) motion is damped, most in the singularity itself
+# (Nakamura and Hanafusa 1986).
+SINGULAR_VALUE = 0.06
+DAMPING = 0.03
+# Part of the deceleration used for approaching the reference; the rest is for what the linearisation misses.
+APPROACH_SHARE = 0.8
+SMALLEST_SPEED_SHARE = 0.05
+POSTURE_RATE = 2.0  # 1/s
+POSTURE_SPEED_SHARE = 0.25
+# A bound is named as active by what it was made of; rounding of sums of terms of order one.
+SAME = 1e-9
+OVERLOAD_MARGIN = 1e-9
+
+
+@compiled()
+def constrained_step(
+    chain: ChainArrays,
+    limits: Array,
+    options: Array,
+    redundancy: RedundancyArrays,
+    state: Any,
+    reference: Any,
+    result: Any,
+) -> int:
+    """One step; see `ConstrainedInverseKinematics`.
+
+    Args:
+        chain: Arrays of a `SerialChain`.
+        limits: (6, n): lower, upper, velocity, acceleration, deceleration of braking, effort.
+        options: (4,): dt (s), gain (1/s), weights of position (1/m) and of orientation (1/rad).
+        redundancy: Kind, posture (n,) and pull (n,); see `Redundancy`.
+        state: q (n,), q_dot (n,), M (n, n) and tau_aux (n,) at the start.
+        reference: At the end of the period: r (3,), T (3, 3), twist (6,).
+        result: Filled: motion (4, n) and slacks (3, n) of `ConstrainedStep`; errors (3,): position (m),
+            orientation (rad), largest relative slack; active (2, n): per axis what bounds its velocity, and
+            whether its torque is bounded, the sign being the side, 0 for nothing.
+
+    Returns:
+        Status of the quadratic program.
+    """
+    q, q_dot, M, tau_aux = state
+    motion, slacks, errors, active = result
+    n, dt = q.size, options[0]
+    pose_errors, J = np.empty(6), np.empty((6, n))
+    H, gradients = _task(chain, options, state, reference, J, pose_errors)
+    f = _towards_reference(H, gradients, limits, options)
+    if redundancy[0] != NO_CRITERION:
+        _add_posture(redundancy, q, J, options, limits, f)
+    low, high = np.empty(n), np.empty(n)
+    velocity_interval(q, q_dot, limits[0], limits[1], limits[2], limits[3], limits[4], dt, low, high)
+    C, c = np.empty((2 * n, n)), np.empty(2 * n)
+    _torque_rows(q_dot, M, tau_aux, limits[5], dt, C, c)
+    w, multipliers = np.empty(n), np.empty(4 * n)
+    status = solve_quadratic_program(H, f, low, high, C, c, w, multipliers)
+    if status == INFEASIBLE:
+        overload = _smallest_overload(low, high, C, c)
+        for row in range(2 * n):
+            c[row] += overload
+        status = solve_quadratic_program(H, f, low, high, C, c, w, multipliers)
+    if status != SOLVED:
+        multipliers[:] = 0.0
+        w[:] = 0.0
+    _fill_motion(state, limits, dt, low, high, w, motion)
+    errors[2] = _fill_slacks(motion, limits, dt, slacks)
+    _fill_active(q_dot, limits, dt, motion, multipliers, active)
+    r, T = np.empty(3), np.empty((3, 3))
+    pose_and_jacobian(chain, motion[0], r, T, J)
+    error_between(r, T, reference[0], reference[1], pose_errors)
+    errors[0] = sqrt(pose_errors[0] ** 2 + pose_errors[1] ** 2 + pose_errors[2] ** 2)
+    errors[1] = sqrt(pose_errors[3] ** 2 + pose_errors[4] ** 2 + pose_errors[5] ** 2)
+    return status
+
+
+@compiled()
+def _task(
+    chain: ChainArrays, options: Array, state: Any, reference: Any, J: Array, error: Array
+) -> tuple[Array, Array]:
+    """Quadratic form of |W (J w - V - k e)|^2, damped near singularities, and J^T W^2 [V e], (n, 2).
+
+    Fills J and error, both weighted.
+    """
+    q, q_dot = state[0], state[1]
+    twist = reference[2]
+    n, dt = q.size, options[0]
+    r, T = np.empty(3), np.empty((3, 3))
+    # Half of the way that the robot moves anyway; the rest of the period's way is dt w / 2.
+    pose_and_jacobian(chain, q + 0.5 * dt * q_dot, r, T, J)
+    error_between(r, T, reference[0], reference[1], error)
+    rows = 0
+    gradients = np.zeros((n, 2))
+    for row in range(6):
+        weight = options[2] if row < 3 else options[3]
+        error[row] = weight * (error[row] - 0.5 * dt * twist[row])
+        for i in range(n):
+            J[row, i] *= weight
+            gradients[i, 0] += J[row, i] * weight * twist[row]
+            gradients[i, 1] += J[row, i] * error[row]
+        if weight > 0.0:
+            rows += 1
+    H = J.T @ J
+    smallest = np.linalg.eigvalsh(H)[max(n - rows, 0)]
+    damping = MOTION_WEIGHT
+    if smallest < SINGULAR_VALUE**2:
+        damping += DAMPING**2 * (1.0 - max(smallest, 0.0) / SINGULAR_VALUE**2)
+    for i in range(n):
+        H[i, i] += damping
+    return H, gradients
+
+
+@compiled()
+def _towards_reference(H: Array, gradients: Array, limits: Array, options: Array) -> Array:
+    """Linear term (n,): as fast towards the reference as every axis can stop again when it is there."""
+    velocity, deceleration = limits[2], limits[4]
+    free = np.linalg.solve(H, gradients)
+    rate = options[1]
+    for i in range(velocity.size):
+        way = abs(free[i, 1])
+        if way > 0.0:
+            fastest = fastest_stoppable(way, APPROACH_SHARE * deceleration[i], options[0])
+            left = max(velocity[i] - abs(free[i, 0]), SMALLEST_SPEED_SHARE * velocity[i])
+            rate = min(rate, fastest / way, left / way)
+    f: Array = -gradients[:, 0] - rate * gradients[:, 1]
+    return f
+
+
+@compiled()
+def _torque_rows(
+    q_dot: Array, M: Array, tau_aux: Array, effort: Array, dt: float, C: Array, c: Array
+) -> None:
+    """Fill C w <= c, (2 n, n) and (2 n,): torques M (w - q_dot) / dt + tau_aux relative to their limits."""
+    n = q_dot.size
+    for i in range(n):
+        standing = tau_aux[i]
+        for j in range(n):
+            C[i, j] = M[i, j] / (dt * effort[i])
+            C[n + i, j] = -C[i, j]
+            standing -= M[i, j] * q_dot[j] / dt
+        c[i] = 1.0 - standing / effort[i]
+        c[n + i] = 1.0 + standing / effort[i]
+
+
+@compiled()
+def _add_posture(
+    redundancy: RedundancyArrays, q: Array, J: Array, options: Array, limits: Array, f: Array
+) -> None:
+    """Pull the joints to where the redundancy criterion wants them."""
+    n = q.size
+    wanted = np.empty(n)
+    wanted_displacement(redundancy, q, J, wanted)
+    rate = POSTURE_RATE
+    for i in range(n):
+        way = abs(wanted[i])
+        if way > 0.0:
+            fastest = fastest_stoppable(way, APPROACH_SHARE * limits[4, i], options[0])
+            rate = min(rate, min(fastest, POSTURE_SPEED_SHARE * limits[2, i]) / way)
+    for i in range(n):
+        f[i] -= MOTION_WEIGHT * rate * wanted[i]
+
+
+@compiled()
+def _smallest_overload(low: Array, high: Array, C: Array, c: Array) -> float:
+    """By how much all torque limits must be raised, relative to each, so that a motion exists."""
+    n, m = low.size, c.size
+    H, f = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
+    wide_low, wide_high = np.zeros(n + 1), np.empty(n + 1)
+    wide, x, multipliers = np.empty((m, n + 1)), np.empty(n + 1), np.empty(2 * n + 2 + m)
+    for i in range(n):
+        H[i, i] = MOTION_WEIGHT
+        wide_low[i], wide_high[i] = low[i], high[i]
+    H[n, n] = 1.0
+    wide_high[n] = np.inf
+    for row in range(m):
+        for i in range(n):
+            wide[row, i] = C[row, i]
+        wide[row, n] = -1.0
+    solve_quadratic_program(H, f, wide_low, wide_high, wide, c, x, multipliers)
+    return float(max(x[n], 0.0) * (1.0 + OVERLOAD_MARGIN) + OVERLOAD_MARGIN)
+
+
+@compiled()
+def _fill_motion(
+    state: Any, limits: Array, dt: float, low: Array, high: Array, w: Array, motion: Array
+) -> None:
+    q, q_dot, M, tau_aux = state
+    for i in range(q.size):
+        end = min(max(w[i], low[i]), high[i])
+        motion[1, i] = end
+        motion[2, i] = (end - q_dot[i]) / dt
+        motion[0, i] = q[i] + 0.5 * dt * (q_dot[i] + end)
+        # The sum may round to one unit in the last place past the limit.
+        if abs(motion[0, i] - limits[0, i]) < SAME:
+            motion[0, i] = max(motion[0, i], limits[0, i])
+        if abs(motion[0, i] - limits[1, i]) < SAME:
+            motion[0, i] = min(motion[0, i], limits[1, i])
+    for i in range(q.size):
+        torque = tau_aux[i]
+        for j in range(q.size):
+            torque += M[i, j] * motion[2, j]
+        motion[3, i] = torque
+
+
+@compiled()
+def _fill_slacks(motion: Array, limits: Array, dt: float, slacks: Array) -> float:
+    largest = 0.0
+    for i in range(motion.shape[1]):
+        speed = motion[1, i]
+        way = braking_distance(abs(speed), limits[4, i], dt)
+        over = motion[0, i] - limits[1, i] + (way if speed > 0.0 else 0.0)
+        under = limits[0, i] - motion[0, i] + (way if speed < 0.0 else 0.0)
+        past = max(over, under)
+        slacks[0, i] = past if past > SAME else 0.0
+        fast = abs(speed) - limits[2, i]
+        slacks[1, i] = fast if fast > SAME * limits[2, i] else 0.0
+        strong = abs(motion[3, i]) - limits[5, i]
+        slacks[2, i] = strong if strong > SAME * limits[5, i] else 0.0
+        if slacks[0, i] > 0.0:
+            largest = max(largest, slacks[0, i] / (limits[1, i] - limits[0, i]))
+        largest = max(largest, slacks[1, i] / limits[2, i], slacks[2, i] / limits[5, i])
+    return largest
+
+
+@compiled()
+def _fill_active(
+    q_dot: Array, limits: Array, dt: float, motion: Array, multipliers: Array, active: Array
+) -> None:
+    n = q_dot.size
+    for i in range(n):
+        active[0, i] = active[1, i] = 0
+        sign = -1 if multipliers[i] > 0.0 else 1 if multipliers[n + i] > 0.0 else 0
+        if sign != 0:
+            speed, rounding = sign * motion[1, i], SAME * limits[2, i]
+            if speed >= sign * q_dot[i] + dt * limits[3, i] - rounding:
+                active[0, i] = sign * ACCELERATION
+            elif speed >= limits[2, i] - rounding:
+                active[0, i] = sign * VELOCITY
+            else:
+                active[0, i] = sign * POSITION
+        if multipliers[2 * n + i] > 0.0:
+            active[1, i] = 1
+        elif multipliers[3 * n + i] > 0.0:
+            active[1, i] = -1

@@ -1,0 +1,87 @@
+"""ConstrainedStep: one step of the constrained inverse kinematics, and the limits it met."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from robots_core.validation import Array
+
+Quantity = Literal['position', 'velocity', 'acceleration', 'torque']
+
+
+@dataclass(frozen=True)
+class ActiveLimit:
+    """A limit that kept the robot from following more closely.
+
+    Attributes:
+        joint: The axis' name.
+        quantity: What is limited; 'position' also while the axis brakes for its end.
+        side: Which end of the range.
+    """
+
+    joint: str
+    quantity: Quantity
+    side: Literal['lower', 'upper']
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ConstrainedStep:
+    """Joint motion of one period with constant acceleration, and how well it follows the reference.
+
+    Attributes:
+        motion: (4, n), read-only: the rows `q`, `q_dot` at the end of the period, `q_ddot` during it,
+            `torque` at its start.
+        slacks: (3, n), read-only: the rows `position_slack`, `velocity_slack`, `torque_slack`; all zero
+            unless the step began in a state from which the limits cannot be kept.
+        slack: The largest of them, each relative to its limit (positions: to the range); 0 in a sound step.
+        active_limits: Limits that the step lies on and that cost accuracy.
+        position_error: Distance to the reference at the end of the period, m.
+        orientation_error: Angle to the reference at the end of the period, rad.
+        solved: False if the quadratic program gave up and the robot brakes instead.
+    """
+
+    motion: Array
+    slacks: Array
+    slack: float
+    active_limits: tuple[ActiveLimit, ...]
+    position_error: float
+    orientation_error: float
+    solved: bool
+
+    @property
+    def q(self) -> Array:
+        """Joint positions at the end of the period, (n,), rad (m)."""
+        return np.asarray(self.motion[0])
+
+    @property
+    def q_dot(self) -> Array:
+        """Joint velocities at the end of the period, (n,), rad/s."""
+        return np.asarray(self.motion[1])
+
+    @property
+    def q_ddot(self) -> Array:
+        """Joint accelerations during the period, (n,), rad/s^2."""
+        return np.asarray(self.motion[2])
+
+    @property
+    def torque(self) -> Array:
+        """Torques at the start of the period, M q_ddot + tau_aux, (n,), N m."""
+        return np.asarray(self.motion[3])
+
+    @property
+    def position_slack(self) -> Array:
+        """How far each axis will pass its position limit, however it brakes, (n,), rad (m)."""
+        return np.asarray(self.slacks[0])
+
+    @property
+    def velocity_slack(self) -> Array:
+        """Speed above the limit at the end of the period, (n,), rad/s."""
+        return np.asarray(self.slacks[1])
+
+    @property
+    def torque_slack(self) -> Array:
+        """Torque above the limit, (n,), N m: the smallest largest overload, relative to the limits."""
+        return np.asarray(self.slacks[2])

@@ -1,0 +1,209 @@
+# ruff: noqa: PLR0917, C901, PLR0912, PLR0915  # one compiled loop over arrays
+"""A small dense quadratic program with bounds and rows, compiled."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.validation import Array
+
+SOLVED = 0
+INFEASIBLE = 1
+EXHAUSTED = 2
+MAX_ITERATIONS = 200
+# A constraint broken by less is kept: rounding of sums of terms of order one.
+TOLERANCE = 1e-11
+# A step direction shorter than this, relative to the constraint, is rounding: the constraint depends on the
+# active ones.
+DEPENDENT = 1e-12
+
+
+@compiled()
+def solve_quadratic_program(
+    H: Array, f: Array, low: Array, high: Array, C: Array, c: Array, x: Array, multipliers: Array
+) -> int:
+    """Minimise x^T H x / 2 + f^T x subject to low <= x <= high and C x <= c.
+
+    Dual active-set method of Goldfarb and Idnani (1983), with Givens rotations: it starts at the minimum
+    without constraints and adds the one broken most, so that few active limits take few steps.
+
+    Args:
+        H: Symmetric, positive definite, (n, n).
+        f: (n,).
+        low: (n,).
+        high: (n,), not below `low`; both may be infinite.
+        C: (m, n).
+        c: (m,).
+        x: Filled: the solution, (n,).
+        multipliers: Filled: of low, high and rows, (2 n + m,); above zero where active.
+
+    Returns:
+        SOLVED, INFEASIBLE or EXHAUSTED.
+    """
+    n, m = f.size, c.size
+    total = 2 * n + m
+    L = np.linalg.cholesky(H)
+    # J = L^-T, columns; d = J^T normal.
+    J = np.zeros((n, n))
+    for j in range(n):
+        J[j, j] = 1.0 / L[j, j]
+        for i in range(j + 1, n):
+            total_ij = 0.0
+            for k in range(j, i):
+                total_ij += L[i, k] * J[j, k]
+            J[j, i] = -total_ij / L[i, i]
+    y = np.zeros(n)
+    for j in range(n):
+        for i in range(n):
+            y[j] += J[i, j] * f[i]
+    for i in range(n):
+        value = 0.0
+        for j in range(n):
+            value -= J[i, j] * y[j]
+        x[i] = value
+    scale = np.ones(total)
+    for row in range(m):
+        norm = 0.0
+        for i in range(n):
+            norm += C[row, i] * C[row, i]
+        scale[2 * n + row] = sqrt(norm) if norm > 0.0 else 1.0
+    multipliers[:] = 0.0
+    R = np.zeros((n, n))
+    active = np.zeros(n, np.int64)
+    is_active = np.zeros(total, np.bool_)
+    u = np.zeros(n + 1)
+    d, z, r, normal = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
+    count = 0
+    iterations = 0
+    while True:
+        worst, chosen = -TOLERANCE, -1
+        for p in range(total):
+            if is_active[p]:
+                continue
+            gap = _gap(p, n, low, high, C, c, x) / scale[p]
+            if gap < worst:
+                worst, chosen = gap, p
+        if chosen < 0:
+            for k in range(count):
+                multipliers[active[k]] = u[k]
+            return SOLVED
+        normal[:] = 0.0
+        if chosen < n:
+            normal[chosen] = 1.0
+        elif chosen < 2 * n:
+            normal[chosen - n] = -1.0
+        else:
+            for i in range(n):
+                normal[i] = -C[chosen - 2 * n, i]
+        u[count] = 0.0
+        while True:
+            iterations += 1
+            if iterations > MAX_ITERATIONS:
+                return EXHAUSTED
+            length, rest = 0.0, 0.0
+            for j in range(n):
+                value = 0.0
+                for i in range(n):
+                    value += J[i, j] * normal[i]
+                d[j] = value
+                length += value * value
+                if j >= count:
+                    rest += value * value
+            for i in range(n):
+                value = 0.0
+                for j in range(count, n):
+                    value += J[i, j] * d[j]
+                z[i] = value
+            for i in range(count - 1, -1, -1):
+                value = d[i]
+                for j in range(i + 1, count):
+                    value -= R[i, j] * r[j]
+                r[i] = value / R[i, i]
+            partial, leaving = np.inf, -1
+            for k in range(count):
+                if r[k] > 0.0 and u[k] < partial * r[k]:
+                    partial, leaving = u[k] / r[k], k
+            full = np.inf
+            if count < n and rest > DEPENDENT * length:
+                full = -_gap(chosen, n, low, high, C, c, x) / rest
+            step = min(partial, full)
+            if step == np.inf:
+                return INFEASIBLE
+            for k in range(count):
+                u[k] -= step * r[k]
+            u[count] += step
+            if full < np.inf:
+                for i in range(n):
+                    x[i] += step * z[i]
+            if full <= partial:
+                _add(J, R, d, count)
+                active[count] = chosen
+                is_active[chosen] = True
+                count += 1
+                break
+            is_active[active[leaving]] = False
+            for k in range(leaving, count - 1):
+                active[k] = active[k + 1]
+                u[k] = u[k + 1]
+            u[count - 1] = u[count]
+            _remove(J, R, leaving, count)
+            count -= 1
+
+
+@compiled()
+def _gap(p: int, n: int, low: Array, high: Array, C: Array, c: Array, x: Array) -> float:
+    """How far x is inside constraint p; negative outside."""
+    if p < n:
+        return x[p] - low[p]  # type: ignore[no-any-return]
+    if p < 2 * n:
+        return high[p - n] - x[p - n]  # type: ignore[no-any-return]
+    value = c[p - 2 * n]
+    for i in range(n):
+        value -= C[p - 2 * n, i] * x[i]
+    return value  # type: ignore[no-any-return]
+
+
+@compiled()
+def _add(J: Array, R: Array, d: Array, count: int) -> None:
+    """Rotate the columns of J behind `count` so that the new constraint meets only the first of them."""
+    n = d.size
+    for j in range(n - 1, count, -1):
+        a, b = d[j - 1], d[j]
+        if b == 0.0:
+            continue
+        h = sqrt(a * a + b * b)
+        cosine, sine = a / h, b / h
+        d[j - 1], d[j] = h, 0.0
+        for i in range(n):
+            first, second = J[i, j - 1], J[i, j]
+            J[i, j - 1] = cosine * first + sine * second
+            J[i, j] = cosine * second - sine * first
+    for i in range(count + 1):
+        R[i, count] = d[i]
+
+
+@compiled()
+def _remove(J: Array, R: Array, leaving: int, count: int) -> None:
+    """Drop column `leaving` of R and rotate the rest upper triangular again."""
+    n = J.shape[0]
+    for k in range(leaving, count - 1):
+        for i in range(k + 2):
+            R[i, k] = R[i, k + 1]
+    for k in range(leaving, count - 1):
+        a, b = R[k, k], R[k + 1, k]
+        h = sqrt(a * a + b * b)
+        if h == 0.0:
+            continue
+        cosine, sine = a / h, b / h
+        R[k, k], R[k + 1, k] = h, 0.0
+        for j in range(k + 1, count - 1):
+            first, second = R[k, j], R[k + 1, j]
+            R[k, j] = cosine * first + sine * second
+            R[k + 1, j] = cosine * second - sine * first
+        for i in range(n):
+            first, second = J[i, k], J[i, k + 1]
+            J[i, k] = cosine * first + sine * second
+            J[i, k + 1] = cosine * second - sine * first

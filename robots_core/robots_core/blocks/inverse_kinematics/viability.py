@@ -1,0 +1,87 @@
+# ruff: noqa: PLR0917  # compiled functions take arrays, not objects
+"""Viability of one axis in discrete time: which speeds leave it able to stop before its limit.
+
+An axis whose acceleration is constant over each period dt moves by dt (v + w) / 2 while its speed goes from
+v to w. Braking by the same deceleration a in every period, and by less in the last one so that it stands at
+its end, takes the way
+
+    D(v) = dt (v / 2 + k v - a dt k (k + 1) / 2),    k = floor(v / (a dt)),
+
+exact and not only the limit dt -> 0, v^2 / (2 a). A state is viable when this way ends before the limit. From
+a viable state braking leads to a viable state, so that there is always a next step; between the samples the
+axis does not pass the limit either, because where its speed changes sign within a period it has moved on by
+less than dt v / 2 <= D(v).
+"""
+
+from __future__ import annotations
+
+from math import floor, inf, sqrt
+
+from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.validation import Array
+
+
+@compiled()
+def braking_distance(speed: float, deceleration: float, dt: float) -> float:
+    """D(v) of a speed v >= 0, rad (m)."""
+    k = floor(speed / (deceleration * dt))
+    return dt * (0.5 * speed + k * speed - 0.5 * deceleration * dt * k * (k + 1.0))
+
+
+@compiled()
+def fastest_stoppable(distance: float, deceleration: float, dt: float) -> float:
+    """Highest speed w at the end of a period from which an axis can stop.
+
+    Args:
+        distance: From where the axis would stand if the period ended at rest, rad (m): w solves
+            dt w / 2 + D(w) = distance, which is piecewise linear.
+        deceleration: Of the braking, rad/s^2.
+        dt: s.
+
+    Returns:
+        rad/s; negative for a negative distance: the axis has to move back.
+    """
+    if distance == inf:
+        return inf
+    if distance < 0.0:
+        return 2.0 * distance / dt
+    k = floor(0.5 * (sqrt(1.0 + 8.0 * distance / (deceleration * dt * dt)) - 1.0))
+    return (distance / dt + 0.5 * deceleration * dt * k * (k + 1.0)) / (k + 1.0)
+
+
+@compiled()
+def velocity_interval(
+    q: Array,
+    q_dot: Array,
+    lower: Array,
+    upper: Array,
+    velocity: Array,
+    acceleration: Array,
+    deceleration: Array,
+    dt: float,
+    low: Array,
+    high: Array,
+) -> None:
+    """Fill the velocities [low, high], (n,) each, that the axes may have after the next period.
+
+    They keep acceleration and velocity limits, and the states viable for braking by `deceleration`, which is
+    at most the acceleration limit. From a state outside, the acceleration limit is kept and the others are
+    approached as fast as that allows.
+    """
+    for i in range(q.size):
+        v = q_dot[i]
+        change = acceleration[i] * dt
+        ahead = 0.5 * dt * v
+        top = min(velocity[i], fastest_stoppable(upper[i] - q[i] - ahead, deceleration[i], dt))
+        bottom = -min(velocity[i], fastest_stoppable(q[i] - lower[i] + ahead, deceleration[i], dt))
+        # Braking is always right; rounding must not forbid it on the boundary.
+        brake = v - min(max(v, -deceleration[i] * dt), deceleration[i] * dt)
+        if v > 0.0 and upper[i] - q[i] >= ahead:
+            top = max(top, min(brake, velocity[i]))
+        if v < 0.0 and q[i] - lower[i] >= -ahead:
+            bottom = min(bottom, max(brake, -velocity[i]))
+        top = min(max(top, v - change), v + change)
+        bottom = min(max(bottom, v - change), v + change)
+        if bottom > top:
+            bottom = top = 0.5 * (bottom + top)
+        low[i], high[i] = bottom, top

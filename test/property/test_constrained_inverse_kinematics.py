@@ -1,0 +1,129 @@
+"""Laws of ConstrainedInverseKinematics: inside every limit, whatever the reference does."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from robots_core import BaseRobotModel, Pose, load_robot_model
+from robots_core.blocks import ConstrainedInverseKinematics, Redundancy
+
+DT = 0.004
+# Sums of a few terms of order one, relative to a limit.
+ROUNDING = 1e-9
+
+
+@cache
+def solver(name: str, redundancy: str = '') -> ConstrainedInverseKinematics:
+    criterion = Redundancy.away_from_limits() if redundancy else None
+    return ConstrainedInverseKinematics(load_robot_model(name), DT, redundancy=criterion)
+
+
+def ranges(robot: BaseRobotModel) -> tuple[np.ndarray, np.ndarray]:
+    axes = robot.axes_data
+    return np.where(axes.continuous, -3.0, axes.lower), np.where(axes.continuous, 3.0, axes.upper)
+
+
+def check_limits(ik: ConstrainedInverseKinematics, q: np.ndarray, q_dot: np.ndarray, step: object) -> None:
+    """Every limit, from the robot's own dynamics and the definition of constant acceleration."""
+    axes = ik.robot.axes_data
+    assert step.solved
+    assert step.slack == 0.0
+    assert (step.q >= axes.lower).all()
+    assert (step.q <= axes.upper).all()
+    assert (np.abs(step.q_dot) <= axes.velocity * (1.0 + ROUNDING)).all()
+    assert (np.abs(step.q_ddot) <= axes.acceleration * (1.0 + ROUNDING)).all()
+    np.testing.assert_allclose(step.q_dot, q_dot + DT * step.q_ddot, atol=1e-12)
+    np.testing.assert_allclose(step.q, q + DT * q_dot + 0.5 * DT**2 * step.q_ddot, atol=ROUNDING)
+    torque, _, _ = ik.robot.rigid_dynamics(q, q_dot, step.q_ddot)
+    assert (np.abs(torque) <= axes.effort * (1.0 + 1e-8)).all()
+
+
+@pytest.mark.parametrize('name', ['kuka_kr500_r2830', 'bello_bot', 'franka_fr3', 'manutec_r3', 'cello_bot'])
+@settings(max_examples=12, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    hold=st.integers(1, 80),
+    speed=st.sampled_from([0.0, 1.0, 20.0]),
+    wild=st.booleans(),
+)
+def test_no_reference_leads_out_of_the_limits(
+    name: str, seed: int, hold: int, speed: float, *, wild: bool
+) -> None:
+    ik, rng = solver(name), np.random.default_rng(seed)
+    low, high = ranges(ik.robot)
+    q, q_dot = rng.uniform(low, high), np.zeros(low.size)
+    for k in range(300):
+        if k % hold == 0:
+            r, T = ik.robot.direct_kinematics(rng.choice([low, high]) if k % 2 else rng.uniform(low, high))
+            pose = Pose(r + (10.0 * rng.normal(size=3) if wild else 0.0), T)
+            twist = speed * rng.normal(size=6)
+        step = ik.step(pose, q, q_dot, twist)
+        check_limits(ik, q, q_dot, step)
+        q, q_dot = step.q, step.q_dot
+
+
+@pytest.mark.parametrize('name', ['kuka_kr500_r2830', 'bello_bot', 'franka_fr3'])
+@settings(max_examples=10, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_arrives_at_a_pose_near_by_and_stands_there(name: str, seed: int) -> None:
+    ik, rng = solver(name), np.random.default_rng(seed)
+    low, high = ranges(ik.robot)
+    start = 0.6 * np.array(ik.robot.home) + 0.4 * rng.uniform(low, high)
+    target = np.clip(start + rng.uniform(-0.1, 0.1, low.size), low, high)
+    if np.linalg.svd(ik.robot.jacobian(target))[1][-1] < 0.1:
+        return  # a singular pose is approached more and more slowly
+    pose = Pose(*ik.robot.direct_kinematics(target))
+    q, q_dot = start, np.zeros(low.size)
+    for _ in range(2500):
+        step = ik.step(pose, q, q_dot)
+        q, q_dot = step.q, step.q_dot
+    assert step.position_error < 1e-6
+    assert step.orientation_error < 1e-6
+    assert np.abs(q_dot).max() < 1e-6
+
+
+@settings(max_examples=10, deadline=None)
+@given(direction=st.floats(0.0, 2.0 * np.pi), speed=st.floats(0.01, 0.3), tilt=st.floats(-0.02, 0.02))
+def test_smooth_through_a_singular_wrist(direction: float, speed: float, tilt: float) -> None:
+    """Axes 4 and 6 aligned: motion sideways; joint acceleration never alternates from step to step."""
+    ik = solver('kuka_kr500_r2830')
+    q, q_dot = np.array(ik.robot.home) + np.array([0, 0, 0, 0, tilt, 0]), np.zeros(6)
+    r, T = ik.robot.direct_kinematics(q)
+    way = speed * np.array([0.0, np.cos(direction), np.sin(direction)])
+    accelerations = []
+    for k in range(400):
+        t = (k + 1) * DT
+        step = ik.step(Pose(r + way * t, T), q, q_dot, np.concatenate([way, np.zeros(3)]))
+        check_limits(ik, q, q_dot, step)
+        q, q_dot = step.q, step.q_dot
+        accelerations.append(step.q_ddot / ik.robot.axes_data.acceleration)
+    changes = np.diff(np.array(accelerations), axis=0)
+    # Chatter would alternate between two bounds; a bang-bang start and stop changes a few times.
+    alternations = (changes[1:] * changes[:-1] < 0.0) & (np.abs(changes[1:]) > 0.2)
+    assert alternations.sum(axis=0).max() <= 12
+
+
+@settings(max_examples=10, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_self_motion_of_seven_axes_leaves_the_tool_where_it_is(seed: int) -> None:
+    robot = load_robot_model('bello_bot')
+    rng = np.random.default_rng(seed)
+    low, high = ranges(robot)
+    q = 0.7 * np.array(robot.home) + 0.3 * rng.uniform(low, high)
+    wish = np.clip(q + rng.uniform(-0.5, 0.5, robot.num_axes), low, high)
+    ik = ConstrainedInverseKinematics(robot, DT, redundancy=Redundancy.near(wish))
+    pose = Pose(*robot.direct_kinematics(q))
+    far, q_dot = np.linalg.norm(wish - q), np.zeros(robot.num_axes)
+    for _ in range(800):
+        step = ik.step(pose, q, q_dot)
+        check_limits(ik, q, q_dot, step)
+        q, q_dot = step.q, step.q_dot
+        # Self-motion bends the path of the tool by the square of a period's motion.
+        assert step.position_error < 1e-4
+        assert step.orientation_error < 1e-4
+    assert np.linalg.norm(wish - q) <= far + 1e-9

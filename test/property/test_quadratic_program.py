@@ -1,0 +1,43 @@
+"""Laws of the quadratic program: what it calls solved is the minimum, what it calls infeasible is."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import linprog
+
+from robots_core.blocks.inverse_kinematics.quadratic_program import (
+    INFEASIBLE,
+    SOLVED,
+    solve_quadratic_program,
+)
+
+
+@settings(max_examples=300, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 8), rows=st.integers(0, 16))
+def test_solution_fulfils_the_optimality_conditions(seed: int, n: int, rows: int) -> None:
+    rng = np.random.default_rng(seed)
+    A = rng.normal(size=(n, n)) * 10.0 ** rng.uniform(-3.0, 1.0, (n, 1))  # nearly singular ones too
+    H, f = A.T @ A + 1e-6 * np.eye(n), A.T @ rng.normal(size=n)
+    centre, width = rng.normal(size=n), rng.uniform(0.0, 1.0, n)
+    low, high = centre - width, centre + width
+    C = rng.normal(size=(rows, n))
+    c = C @ (centre + rng.uniform(-0.5, 0.5, n) * width) + 0.3 * rng.normal(size=rows)
+    x, multipliers = np.empty(n), np.empty(2 * n + rows)
+    status = solve_quadratic_program(H, f, low, high, C, c, x, multipliers)
+    if status == INFEASIBLE:
+        proof = linprog(
+            np.zeros(n),
+            A_ub=C if rows else None,
+            b_ub=c if rows else None,
+            bounds=np.stack([low, high], axis=1),
+        )
+        assert proof.status == 2
+        return
+    assert status == SOLVED
+    constraints = np.vstack([-np.eye(n), np.eye(n), C])
+    gap = np.concatenate([-low, high, c]) - constraints @ x
+    assert gap.min() >= -1e-9  # rounding of sums of terms of order one
+    assert multipliers.min() >= 0.0
+    # Stationary, and a multiplier only where the gap is closed; the multipliers reach 1e3 here.
+    np.testing.assert_allclose(H @ x + f + constraints.T @ multipliers, 0.0, atol=1e-7)
+    np.testing.assert_allclose(gap * multipliers, 0.0, atol=1e-7)
