@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,6 +21,20 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if 'robot_name' in metafunc.fixturenames:
         names = metafunc.config.getoption('--robot-model') or available_robot_models()
         metafunc.parametrize('robot_name', names)
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave our own robots' figures out where robots are chosen."""
+    if not config.getoption('--robot-model'):
+        return
+    here = Path(__file__).parent
+    others = [
+        item
+        for item in items
+        if here in item.path.parents and 'robot_name' not in getattr(item, 'fixturenames', ())
+    ]
+    config.hook.pytest_deselected(items=others)
+    items[:] = [item for item in items if item not in others]
 
 
 @pytest.fixture
