@@ -200,11 +200,11 @@ class _Cell:
 
     def run(self) -> int:
         """Until the program has ended, a node dies, or forever."""
-        if not self._until(self._ready, START_TIMEOUT):
+        if not self._until(lambda: self._doubled() or self._ready(), START_TIMEOUT):
             late = ', '.join(sorted(self._waiting)) or 'the recorder'
             self._console.print(f'[bold red]not ready after {START_TIMEOUT:g} s:[/] {late}')
             return EXIT_FAILED
-        if doubled := self._monitor.doubled(self._processes.names):
+        if doubled := self._doubled():
             self._console.print(
                 f'[bold red]there are two nodes {doubled[0]} in namespace {self._options.namespace}[/]: '
                 f'another cell is running; stop it, or give this one a --namespace or a ROS_DOMAIN_ID'
@@ -231,6 +231,9 @@ class _Cell:
         deadline = time.monotonic() + REST_TIMEOUT
         while self._motion is not None and time.monotonic() < deadline:
             self._show_events()
+
+    def _doubled(self) -> list[str]:
+        return self._monitor.doubled(self._processes.names)
 
     def _ready(self) -> bool:
         return not self._waiting and (self._recorder is None or self._recorder.records(REPORTED_TOPICS))
