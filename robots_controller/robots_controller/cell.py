@@ -17,6 +17,7 @@ import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
+from rich.markup import escape
 
 from robots_controller.cell_events import Event, MotionEnded, MotionPlanned, NodeHealth, ProgramStatus
 from robots_controller.cell_graph import cell_graph
@@ -195,20 +196,16 @@ class _Cell:
         self._waiting = set(processes.names)
         self._failed = False
         self._motion: str | None = None
+        self._ended = False
         self.program_ended = False
         self._view = view
 
     def run(self) -> int:
         """Until the program has ended, a node dies, or forever."""
-        if not self._until(lambda: self._doubled() or self._ready(), START_TIMEOUT):
-            late = ', '.join(sorted(self._waiting)) or 'the recorder'
-            self._console.print(f'[bold red]not ready after {START_TIMEOUT:g} s:[/] {late}')
-            return EXIT_FAILED
-        if doubled := self._doubled():
-            self._console.print(
-                f'[bold red]there are two nodes {doubled[0]} in namespace {self._options.namespace}[/]: '
-                f'another cell is running; stop it, or give this one a --namespace or a ROS_DOMAIN_ID'
-            )
+        if not self._until(self._ready, START_TIMEOUT):
+            if not self._ended:
+                late = ', '.join(sorted(self._waiting)) or 'the recorder'
+                self._console.print(f'[bold red]not ready after {START_TIMEOUT:g} s:[/] {late}')
             return EXIT_FAILED
         if self._options.program and not (self._call('open') and self._call('run')):
             return EXIT_FAILED
@@ -232,9 +229,6 @@ class _Cell:
         while self._motion is not None and time.monotonic() < deadline:
             self._show_events()
 
-    def _doubled(self) -> list[str]:
-        return self._monitor.doubled(self._processes.names)
-
     def _ready(self) -> bool:
         return not self._waiting and (self._recorder is None or self._recorder.records(REPORTED_TOPICS))
 
@@ -248,10 +242,19 @@ class _Cell:
         return True
 
     def _healthy(self) -> bool:
-        dead = self._processes.dead()
-        for node in dead:
-            self._console.print(f'[bold red]{node.name} {node.reason}[/]\n{node.last_words}', markup=True)
-        return not dead
+        """All nodes live, and this cell is alone in its place; otherwise says why not, once."""
+        if self._ended:
+            return False
+        for node in self._processes.dead():
+            self._console.print(f'[bold red]{node.name} {node.reason}[/]\n{escape(node.last_words)}')
+            self._ended = True
+        if doubled := self._monitor.doubled(self._processes.names):
+            self._console.print(
+                f'[bold red]there are two nodes {doubled[0]} in namespace {self._options.namespace}[/]: '
+                f'another cell is running; stop it, or give this one a --namespace or a ROS_DOMAIN_ID'
+            )
+            self._ended = True
+        return not self._ended
 
     def _call(self, service: str) -> bool:
         future = self._monitor.call(f'lua_program_node/{service}')

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -24,6 +25,7 @@ from robots_controller.cell_events import (
 from robots_core.pose import Pose
 
 MARGIN = ' ' * 8
+REPEAT_TIME = 5.0  # s
 
 
 class CellView:
@@ -38,6 +40,7 @@ class CellView:
         self.console = console
         self._waiting = list(nodes)
         self._line = 0
+        self._told: dict[str, float] = {}
         self._motion: MotionCommanded | None = None
         self._bar = Progress(
             TextColumn(f'{MARGIN}[cyan]{{task.description}}'),
@@ -90,8 +93,17 @@ class CellView:
             self._waiting.remove(event.node)
             where = f'  [link={event.url}]{event.url}[/link]' if event.url else ''
             self._print(f'  [green]ready[/]  {event.node}{where}')
-        elif not event.ok and event.node not in self._waiting:
+        elif not event.ok and event.node not in self._waiting and self._is_news(event):
             self._print(f'  [yellow]{event.node}: {escape(event.message)}[/]')
+
+    def _is_news(self, event: NodeHealth) -> bool:
+        """Not said of this node within the last seconds; trouble tends to repeat itself."""
+        now = time.monotonic()
+        last = self._told.get(event.node, -REPEAT_TIME)
+        if now - last < REPEAT_TIME:
+            return False
+        self._told[event.node] = now
+        return True
 
     def _show_program(self, event: ProgramStatus) -> None:
         if event.error:
