@@ -9,13 +9,15 @@ from enum import StrEnum
 import numpy as np
 
 from robots_controller.brake import Brake
+from robots_controller.controller_settings import ControllerSettings
 from robots_controller.followed_motion import FollowedMotion
 from robots_controller.interpolator import Interpolator
 from robots_controller.limit_guard import LimitGuard
 from robots_controller.path_speed import PathSpeed
+from robots_controller.streamed_reference import StreamedReference, StreamPoint
 from robots_core.errors import TrajectoryRefusedError
 from robots_core.robot_model.axes_data import AxesData
-from robots_core.validation import Array, fraction, positive
+from robots_core.validation import Array, fraction
 from robots_planning.trajectory import Trajectory
 
 # A planned start may differ from the reference by the rounding of its way through a message and by what
@@ -31,39 +33,7 @@ class ControllerState(StrEnum):
     FOLLOWING = 'following'
     SETTLING = 'settling'
     BRAKING = 'braking'
-
-
-@dataclass(frozen=True, kw_only=True)
-class ControllerSettings:
-    """How the controller works.
-
-    Attributes:
-        period: Time between two references, s.
-        smoothing_time: Window of the moving average, s; 0 switches it off.
-        ramp_time: Shortest time from standstill to full path speed after pause or override, s.
-        feedback_timeout: Feedback older than this is lost, s.
-        goal_tolerance: The robot stands at its target when every axis is this close, rad (m).
-        settling_time: Longest time from the end of the reference until it stands there, s.
-        following_error: Largest distance of an axis to its reference, rad (m).
-
-    Raises:
-        InvalidInputError: a value that is not a positive, finite number.
-    """
-
-    period: float = 0.004
-    smoothing_time: float = 0.02
-    ramp_time: float = 0.2
-    feedback_timeout: float = 0.2
-    goal_tolerance: float = 1e-5
-    settling_time: float = 3.0
-    following_error: float = 0.5
-
-    def __post_init__(self) -> None:
-        for name in ('period', 'ramp_time', 'feedback_timeout', 'goal_tolerance', 'settling_time'):
-            positive(getattr(self, name), name)
-        positive(self.following_error, 'following_error')
-        if self.smoothing_time != 0.0:
-            positive(self.smoothing_time, 'smoothing_time', 's')
+    STREAMING = 'following a stream'
 
 
 @dataclass(frozen=True)
@@ -109,6 +79,8 @@ class Controller:
         self._sample = np.zeros((3, axes.num_axes))
         self._unchanged = 0
         self._motion: FollowedMotion | None = None
+        self._stream = StreamedReference(axes, period=period, timeout=self.settings.stream_timeout)
+        self._stream_refused_until = -np.inf
         self._brake: Brake | None = None
         self._feedback: Array | None = None
         self._feedback_time = -np.inf
@@ -121,6 +93,8 @@ class Controller:
             return ControllerState.WAITING
         if self._brake is not None:
             return ControllerState.BRAKING
+        if self._stream.active:
+            return ControllerState.STREAMING
         if self._motion is None:
             return ControllerState.HOLDING
         if self._motion.settling_since is not None:
@@ -168,7 +142,7 @@ class Controller:
             raise TrajectoryRefusedError(
                 f'the trajectory has {trajectory.num_axes} axes, the robot has {self._axes.num_axes}'
             )
-        if self.state in (ControllerState.FOLLOWING, ControllerState.BRAKING):
+        if self.state in (ControllerState.FOLLOWING, ControllerState.BRAKING, ControllerState.STREAMING):
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
         offset = trajectory.position[0] - self._reference[0]
         worst = int(np.abs(offset).argmax())
@@ -183,8 +157,39 @@ class Controller:
         self._path_speed.reset(self._target_speed())
         self._motion = FollowedMotion(trajectory, id_, now)
 
+    def stream(self, point: StreamPoint, id_: str, now: float) -> None:
+        """Follow a point, the next of a stream or the first of one.
+
+        The reference stays inside the limits whatever the points are; when they stop coming it brakes.
+
+        Args:
+            point: The newest point.
+            id_: Of the stream, if this is its first point: comes back in the outcome.
+            now: Time, s.
+
+        Raises:
+            TrajectoryRefusedError: a motion is still running, there is no feedback, or the stream was stopped
+                and has not paused since.
+            InvalidInputError: the point breaks a limit or is due too far ahead.
+        """
+        if self._reference is None or self._feedback_lost:
+            raise TrajectoryRefusedError('no feedback from the robot: is its drive publishing joint_states?')
+        point.check(self._axes, now)
+        if self._stream.failure or now < self._stream_refused_until:
+            self._stream_refused_until = now + self.settings.stream_timeout
+            raise TrajectoryRefusedError(
+                f'the stream was stopped; it may begin anew after {self.settings.stream_timeout:g} s of pause'
+            )
+        if self._motion is not None or self._brake is not None:
+            raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
+        if not self._stream.active:
+            self._stream.begin(id_, now)
+        self._stream.put(point, now)
+
     def stop(self, reason: str) -> None:
         """Stop on the path and give up the motion; without one, nothing happens."""
+        if self._stream.active and not self._stream.failure:
+            self._stream.failure = reason
         if self._motion is not None and self._motion.failure is None:
             self._motion.failure = reason
 
@@ -203,6 +208,8 @@ class Controller:
             return None
         if self._brake is not None:
             self._step_brake(now)
+        elif self._stream.active:
+            self._step_stream(now)
         elif self._motion is not None:
             self._step_motion(self._motion, now)
         return self._reference
@@ -246,6 +253,28 @@ class Controller:
             motion.settling_since = now
             self._settle(motion, now)
 
+    def _step_stream(self, now: float) -> None:
+        stream = self._stream
+        assert self._reference is not None
+        if stream.failure is None:
+            stream.failure = self._lag(self._reference)
+        reference, over = stream.step(now, self._reference, self._target_speed())
+        if over:
+            self._end_stream(now, stream.failure or '')
+            self._stand_at(self._reference[0])
+        elif not self._guarded(reference):
+            self._step_brake(now)
+
+    def _end_stream(self, now: float, failure: str) -> None:
+        stream = self._stream
+        duration = round(now - stream.start, 6)
+        message = failure or 'the stream ended'
+        self.outcomes.append(MotionOutcome(stream.id, not failure, message, {'duration': duration}))
+        stream.end()
+        stream.failure = None
+        if failure:  # who goes on sending must notice
+            self._stream_refused_until = now + self.settings.stream_timeout
+
     def _advance(self, motion: FollowedMotion, target: float) -> bool:
         """Move along the path for one period; False when the reference stands."""
         law = self._path_speed
@@ -268,7 +297,10 @@ class Controller:
         return True
 
     def _put_out(self, sample: Array) -> bool:
-        reference = self._interpolator.push(sample)
+        return self._guarded(self._interpolator.push(sample))
+
+    def _guarded(self, reference: Array) -> bool:
+        """Take a reference if it breaks no limit; otherwise start to brake."""
         broken = self._guard.check(reference)
         if broken is None:
             self._reference = reference
@@ -279,15 +311,21 @@ class Controller:
         return False
 
     def _check_following(self, motion: FollowedMotion) -> None:
-        if self._feedback is None or self._reference is None:
-            return
-        error = np.abs(self._feedback - self._reference[0])
-        if error.max() > self.settings.following_error:
-            worst = int(error.argmax())
-            motion.failure = (
-                f'{self._axes.names[worst]} is {error[worst]:.4g} {self._axes.unit(worst)} behind its '
-                f'reference, allowed is {self.settings.following_error:g}: does the drive follow?'
-            )
+        if self._reference is not None:
+            motion.failure = self._lag(self._reference)
+
+    def _lag(self, reference: Array) -> str | None:
+        """Which axis is too far from the reference, for a person."""
+        if self._feedback is None:
+            return None
+        error = np.abs(self._feedback - reference[0])
+        worst = int(error.argmax())
+        if error[worst] <= self.settings.following_error:
+            return None
+        return (
+            f'{self._axes.names[worst]} is {error[worst]:.4g} {self._axes.unit(worst)} behind its '
+            f'reference, allowed is {self.settings.following_error:g}: does the drive follow?'
+        )
 
     def _settle(self, motion: FollowedMotion, now: float) -> None:
         assert motion.settling_since is not None
@@ -318,6 +356,8 @@ class Controller:
             return
         self._brake = None
         self._stand_at(self._reference[0])
+        if self._stream.active:
+            self._end_stream(now, brake.reason)
         if self._motion is not None:
             self._finish(self._motion, now, brake.reason, ok=False)
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import gc
+import math
 import sys
+import time
 from collections import deque
 from collections.abc import Callable
 from functools import partial
@@ -16,7 +18,10 @@ from std_msgs.msg import Bool, Float64
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.controller import Controller, ControllerSettings, ControllerState, MotionOutcome
+from robots_controller.controller import Controller, ControllerState, MotionOutcome
+from robots_controller.controller_settings import ControllerSettings
+from robots_controller.nodes.stream_messages import stream_point_from_message
+from robots_controller.streamed_reference import StreamPoint
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.messages import MotionResult, joint_values, stamp_id
 from robots_core.nodes.polled_subscription import PolledSubscription
@@ -35,6 +40,7 @@ PROGRESS_RATE = 25.0  # Hz
 FEEDBACK_RATE = 125.0  # Hz
 # A callback may hold the interpreter for this long before the loop gets its turn.
 SWITCH_INTERVAL = 1e-4  # s
+REFUSAL_PERIOD = 1.0  # s
 
 
 class ControllerNode(RobotNode):
@@ -59,6 +65,7 @@ class ControllerNode(RobotNode):
                 ('goal_tolerance', 'the robot stands at its target when every axis is this close, rad'),
                 ('settling_time', 'longest time from the end of the reference until it stands there, s'),
                 ('following_error', 'largest distance of an axis to its reference, rad'),
+                ('stream_timeout', 'a stream of single points is stale without one for this long, s'),
             )
         }
         priority = self.parameter(
@@ -71,6 +78,8 @@ class ControllerNode(RobotNode):
         self._names = list(self.robot.axes_data.names)
         self._mailbox: deque[Callable[[float], None]] = deque()
         self._planner_seen = False
+        self._refusal: RobotsError | None = None
+        self._refused_at = -math.inf
         self._progress_every = max(1, round(rate / PROGRESS_RATE))
         self._feedback_every = max(1, round(rate / FEEDBACK_RATE))
         self._cycle = 0
@@ -154,6 +163,16 @@ class ControllerNode(RobotNode):
             return
         self._publish_progress()
 
+    def _stream(self, point: StreamPoint, id_: str, now: float) -> None:
+        try:
+            self._controller.stream(point, id_, now)
+        except RobotsError as error:
+            # A refused stream goes on at its rate: one line a second says enough.
+            self.get_logger().error(  # type: ignore[no-untyped-call]
+                f'joint_trajectory: {error}', throttle_duration_sec=REFUSAL_PERIOD
+            )
+            self._refusal, self._refused_at = error, now
+
     # -- the executor's thread -----------------------------------------------------------------------
 
     def _on_trajectory(self, message: JointTrajectory) -> None:
@@ -161,6 +180,9 @@ class ControllerNode(RobotNode):
             self._mailbox.append(lambda _: self._controller.stop('stopped by an empty joint_trajectory'))
             return
         id_ = stamp_id(message.header.stamp)
+        if len(message.points) == 1:
+            self._on_streamed_point(message, id_)
+            return
         try:
             trajectory = trajectory_from_message(message, self._names)
             report = verify(trajectory, self.robot, torque=False)
@@ -170,6 +192,15 @@ class ControllerNode(RobotNode):
             self._refuse_motion(id_, error)
             return
         self._mailbox.append(partial(self._follow, trajectory, id_))
+
+    def _on_streamed_point(self, message: JointTrajectory, id_: str) -> None:
+        ros_time, now = 1e-9 * self.get_clock().now().nanoseconds, time.monotonic()
+        try:
+            point = stream_point_from_message(message, self._names, ros_time=ros_time, now=now)
+        except RobotsError as error:
+            self.refuse('joint_trajectory', error)
+            return
+        self._mailbox.append(partial(self._stream, point, id_))
 
     def _refuse_motion(self, id_: str, error: RobotsError) -> None:
         details = {key: str(value) for key, value in error.details.items()}
@@ -228,10 +259,13 @@ class ControllerNode(RobotNode):
             'missed_deadlines': self._thread.missed,
             'realtime': self._thread.realtime,
         }
+        refused_lately = time.monotonic() - self._refused_at < REFUSAL_PERIOD
         if controller.state is ControllerState.WAITING:
             self.report_health(DiagnosticStatus.WARN, 'waiting for joint_states', **values)
         elif controller.feedback_lost:
             self.report_health(DiagnosticStatus.ERROR, 'joint_states are lost', **values)
+        elif refused_lately:
+            self.report_health(DiagnosticStatus.WARN, f'joint_trajectory: {self._refusal}', **values)
         else:
             self.ready(**values)
 

@@ -1,0 +1,43 @@
+"""ControllerSettings: how the controller works."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robots_core.validation import positive
+
+
+@dataclass(frozen=True, kw_only=True)
+class ControllerSettings:
+    """How the controller works.
+
+    Attributes:
+        period: Time between two references, s.
+        smoothing_time: Window of the moving average, s; 0 switches it off.
+        ramp_time: Shortest time from standstill to full path speed after pause or override, s.
+        feedback_timeout: Feedback older than this is lost, s.
+        goal_tolerance: The robot stands at its target when every axis is this close, rad (m).
+        settling_time: Longest time from the end of the reference until it stands there, s.
+        following_error: Largest distance of an axis to its reference, rad (m).
+        stream_timeout: A stream of single points is stale without one for this long, s.
+
+    Raises:
+        InvalidInputError: a value that is not a positive, finite number.
+    """
+
+    period: float = 0.004
+    smoothing_time: float = 0.02
+    ramp_time: float = 0.2
+    feedback_timeout: float = 0.2
+    goal_tolerance: float = 1e-5
+    settling_time: float = 3.0
+    following_error: float = 0.5
+    stream_timeout: float = 0.1
+
+    def __post_init__(self) -> None:
+        for name in ('period', 'ramp_time', 'feedback_timeout', 'goal_tolerance', 'settling_time'):
+            positive(getattr(self, name), name)
+        positive(self.following_error, 'following_error')
+        positive(self.stream_timeout, 'stream_timeout', 's')
+        if self.smoothing_time != 0.0:
+            positive(self.smoothing_time, 'smoothing_time', 's')

@@ -1,0 +1,98 @@
+# ruff: noqa: PLR0917  # compiled functions take arrays, not objects
+"""AxisFollowing: every axis follows a moving reference inside its limits, able to brake at any time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robots_core.blocks.inverse_kinematics.viability import fastest_stoppable, velocity_interval
+from robots_core.errors import InvalidInputError
+from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.robot_model.axes_data import AxesData
+from robots_core.validation import Array, positive
+
+GAIN = 0.5  # part of the position error that is removed per period
+# Part of the deceleration used for approaching the reference; the rest is for a reference that moves.
+APPROACH_SHARE = 0.8
+
+
+class AxisFollowing:
+    """Follows joint references, axis by axis, with constant acceleration in each period.
+
+    A reference that keeps the limits itself is followed exactly; one that jumps is approached as fast as the
+    axis can stop again when it arrives. The state stays viable (see `viability`), whatever the reference is.
+
+    Args:
+        axes: The limits.
+        dt: Period, s.
+        deceleration: For braking, (n,), rad/s^2; the acceleration limits by default.
+
+    Raises:
+        InvalidInputError: a period or deceleration that is not positive, or one above the acceleration limit.
+    """
+
+    def __init__(self, axes: AxesData, dt: float, *, deceleration: Array | None = None) -> None:
+        self.dt = positive(dt, 'dt', 's')
+        braking = axes.acceleration if deceleration is None else np.asarray(deceleration)
+        if not ((braking > 0.0) & (braking <= axes.acceleration)).all():
+            raise InvalidInputError(
+                f'deceleration {braking} must be above 0 and at most the acceleration limits'
+            )
+        self._limits = np.array([axes.lower, axes.upper, axes.velocity, axes.acceleration, braking])
+        self._still = np.zeros(axes.num_axes)
+        # Compiled code is loaded here and not in the first step of a real-time loop.
+        middle = np.where(axes.continuous, 0.0, 0.5 * (axes.lower + axes.upper))
+        self.step(middle, self._still, middle, self._still)
+        self.brake(middle, self._still)
+
+    def step(
+        self, q: Array, q_dot: Array, q_reference: Array, q_dot_reference: Array, speed: float = 1.0
+    ) -> Array:
+        """State after the next period, (3, n): positions, velocities, and accelerations during it.
+
+        Args:
+            q: Positions now, (n,), rad (m); not checked.
+            q_dot: Velocities now, (n,), rad/s.
+            q_reference: Where the axes should be at the end of the period, (n,).
+            q_dot_reference: How fast they should be then, (n,).
+            speed: Part of the velocity limits to use, 0..1.
+        """
+        state = np.empty((3, q.size))
+        _follow(q, q_dot, q_reference, q_dot_reference, self._limits, speed, self.dt, state)
+        return state
+
+    def brake(self, q: Array, q_dot: Array) -> Array:
+        """State after a period of braking, (3, n), as `step`; each axis stands as soon as it can."""
+        deceleration = self._limits[4]
+        change = np.clip(-q_dot, -deceleration * self.dt, deceleration * self.dt)
+        # Subtracting a speed from itself leaves zero exactly, so that braking ends.
+        end = q_dot + change
+        state: Array = np.array([q + 0.5 * self.dt * (q_dot + end), end, change / self.dt])
+        return state
+
+
+@compiled()
+def _follow(
+    q: Array,
+    q_dot: Array,
+    q_reference: Array,
+    q_dot_reference: Array,
+    limits: Array,
+    speed: float,
+    dt: float,
+    state: Array,
+) -> None:
+    n = q.size
+    low, high = np.empty(n), np.empty(n)
+    velocity_interval(q, q_dot, limits[0], limits[1], speed * limits[2], limits[3], limits[4], dt, low, high)
+    for i in range(n):
+        # What is left of the error if the axis moves as the reference does from now on.
+        error = q_reference[i] - q[i] - 0.5 * dt * (q_dot[i] + q_dot_reference[i])
+        towards = min(
+            GAIN / dt * abs(error), fastest_stoppable(abs(error), APPROACH_SHARE * limits[4, i], dt)
+        )
+        wanted = q_dot_reference[i] + (towards if error > 0.0 else -towards)
+        end = min(max(wanted, low[i]), high[i])
+        state[0, i] = q[i] + 0.5 * dt * (q_dot[i] + end)
+        state[1, i] = end
+        state[2, i] = (end - q_dot[i]) / dt
