@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import math
 import os
 import signal
 import sys
@@ -33,6 +34,7 @@ from robots_core.robot_choice import load_robot_model
 
 START_TIMEOUT = 60.0  # s, for all nodes to be ready on a slow machine
 SERVICE_TIMEOUT = 10.0  # s
+SETTLING_TIME = 2.0  # s after all are ready, in which another cell would have been noticed
 REST_TIMEOUT = 5.0  # s, for the robot to stop on its path
 LOG_WIDTH = 120
 POLL = 0.05  # s between looks at processes and events
@@ -197,6 +199,7 @@ class _Cell:
         self._failed = False
         self._motion: str | None = None
         self._ended = False
+        self._settled = math.inf
         self.program_ended = False
         self._view = view
 
@@ -207,6 +210,7 @@ class _Cell:
                 late = ', '.join(sorted(self._waiting)) or 'the recorder'
                 self._console.print(f'[bold red]not ready after {START_TIMEOUT:g} s:[/] {late}')
             return EXIT_FAILED
+        self._settled = time.monotonic() + SETTLING_TIME
         if self._options.program and not (self._call('open') and self._call('run')):
             return EXIT_FAILED
         while self._healthy():
@@ -248,7 +252,9 @@ class _Cell:
         for node in self._processes.dead():
             self._console.print(f'[bold red]{node.name} {node.reason}[/]\n{escape(node.last_words)}')
             self._ended = True
-        if doubled := self._monitor.doubled(self._processes.names):
+        # Who has been here for a while stays; who comes second leaves.
+        new = time.monotonic() < self._settled
+        if new and (doubled := self._monitor.doubled(self._processes.names)):
             self._console.print(
                 f'[bold red]there are two nodes {doubled[0]} in namespace {self._options.namespace}[/]: '
                 f'another cell is running; stop it, or give this one a --namespace or a ROS_DOMAIN_ID'
