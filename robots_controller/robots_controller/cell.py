@@ -275,15 +275,16 @@ class _Cell:
     def _show_events(self) -> None:
         """Show what came in since the last call."""
         for event in self._monitor.take():
+            if isinstance(event, NodeHealth) and event.pid != self._processes.pid(event.node):
+                continue  # a node of somebody else
             self._note(event)
             self._view.show(event)
         time.sleep(POLL)
 
     def _note(self, event: Event) -> None:
         match event:
-            case NodeHealth(node, ok, _, _):
-                if ok:
-                    self._waiting.discard(node)
+            case NodeHealth(node=node, ok=True):
+                self._waiting.discard(node)
             case MotionPlanned(id_):
                 self._motion = id_
             case MotionEnded(id_) if id_ == self._motion:

@@ -10,9 +10,10 @@ from robots_core.validation import Array
 
 @dataclass(frozen=True)
 class NodeHealth:
-    """A node's own report; `ok` means ready."""
+    """A node's own report; `ok` means ready, `pid` is its process."""
 
     node: str
+    pid: int
     ok: bool
     message: str
     url: str

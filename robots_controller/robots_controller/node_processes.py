@@ -85,8 +85,9 @@ class NodeProcesses:
         return self._log_folder / f'{name}.log'
 
     def pid(self, name: str) -> int:
-        """Process id of a node."""
-        return self._processes[name].pid
+        """Process id of a node; -1 if it is none of these."""
+        process = self._processes.get(name)
+        return -1 if process is None else process.pid
 
     def dead(self) -> tuple[DeadNode, ...]:
         """Nodes that have ended by themselves."""

@@ -110,11 +110,13 @@ class CellMonitor(Node):
         for status in message.status:
             name = status.name.removeprefix(prefix)
             if status.name.startswith(prefix) and '/' not in name:
+                values = diagnostic_values(status)
                 yield NodeHealth(
+                    pid=int(values.get('pid', 0)),
                     node=name,
                     ok=status.level == DiagnosticStatus.OK,
                     message=status.message,
-                    url=diagnostic_values(status).get('url', ''),
+                    url=values.get('url', ''),
                 )
 
     def _changes(self, kind: str, message: UInt8MultiArray | Float64MultiArray) -> Iterable[Event]:

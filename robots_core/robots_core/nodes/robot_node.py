@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from typing import Any
 
@@ -113,6 +114,7 @@ class RobotNode(Node):
             message,
             level=level,
             hardware_id=self.robot_name,
+            pid=os.getpid(),
             **self._health_values,
         )
         array = DiagnosticArray(status=[status])
