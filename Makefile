@@ -66,6 +66,10 @@ lint: $(VENV_STAMP)  ## Lint, format and type checks
 test: build lint  ## Lint, types and all tests
 	@$(RUN) python -m pytest
 
+.PHONY: benchmark-controller
+benchmark-controller: build  ## The controller's timing side by side with a bare rclpy timer
+	@$(RUN) python test/benchmark/benchmark_controller.py
+
 # Without dependencies and beside the other packages: what a peer wants must not change what we run with.
 .venv/benchmark/.installed: requirements-benchmark.txt $(VENV_STAMP)
 	@.venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade --no-deps --target .venv/benchmark -r $<

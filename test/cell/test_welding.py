@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -79,6 +80,19 @@ def test_the_bag_holds_all_topics_as_mcap(cell: CellProcess) -> None:
         assert {connection.topic for connection in reader.connections} >= set(TOPICS)
     assert (cell.bag / 'metadata.yaml').is_file()
     assert [file.suffix for file in cell.bag.iterdir() if file.suffix != '.yaml'] == ['.mcap']
+
+
+def test_the_readme_lists_the_topics(cell: CellProcess) -> None:
+    readme = (PROGRAMS.parent / 'README.md').read_text()
+    table = readme[readme.index('### Topics') : readme.index('### Services')]
+    rows = [line.split('|')[1:-1] for line in table.splitlines() if line.startswith('| `')]
+    listed = {name for row in rows for name in re.findall(r'`([^`]+)`', row[0])}
+    from_nodes = {name for row in rows if '_node' in row[2] for name in re.findall(r'`([^`]+)`', row[0])}
+    with Reader(cell.bag) as reader:
+        recorded = {connection.topic for connection in reader.connections}
+    ros_own = {'/rosout'}
+    assert {topic.removeprefix('/') for topic in recorded - ros_own - {'/diagnostics'}} <= listed
+    assert {f'/{name}' for name in from_nodes - {'trigger'}} <= recorded
 
 
 def test_command_states_alternate_between_idle_and_motion(bag: dict[str, Any]) -> None:

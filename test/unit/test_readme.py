@@ -1,0 +1,105 @@
+"""What the README says is so."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import fields
+from importlib import import_module
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import pytest
+
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
+from robots_core import available_robot_models, load_robot_model
+from robots_planning import MotionSettings
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / 'README.md').read_text()
+
+
+def section(title: str) -> str:
+    """The text below a heading, up to the next one of the same or a higher level."""
+    level = re.search(rf'^(##+) {re.escape(title)}$', README, re.MULTILINE)
+    assert level, f'no heading {title!r}'
+    rest = README[level.end() :]
+    following = re.search(rf'^#{{1,{len(level.group(1))}}} ', rest, re.MULTILINE)
+    return rest[: following.start()] if following else rest
+
+
+def table(title: str) -> list[list[str]]:
+    """Rows of the first table of a section, cells stripped, without the heading."""
+    lines = [line for line in section(title).splitlines() if line.startswith('|')]
+    rows = [[cell.strip() for cell in re.split(r'(?<!\\)\|', line)[1:-1]] for line in lines]
+    return [row for row in rows[2:] if len(row) == len(rows[0])]
+
+
+def names(cell: str) -> list[str]:
+    return re.findall(r'`([^`]+)`', cell)
+
+
+def test_the_robots_are_those_that_are_installed() -> None:
+    listed = {names(row[0])[0]: int(row[1]) for row in table('Robots')}
+    ours = [
+        point.name
+        for point in entry_points(group='robots_core.robot_models')
+        if point.value.startswith('robots_models.')
+    ]
+    assert set(listed) == set(ours) <= set(available_robot_models())
+    for name, axes in listed.items():
+        assert load_robot_model(name).num_axes == axes, name
+
+
+def test_the_nodes_are_the_executables() -> None:
+    listed = {(row[1], names(row[0])[0]) for row in table('Nodes')}
+    packages = ('robots_core', 'robots_planning', 'robots_controller')
+    installed = {
+        (point.value.split('.')[0], point.name)
+        for point in entry_points(group='console_scripts')
+        if point.value.startswith(packages)
+    }
+    assert listed == installed
+
+
+def test_the_names_of_the_paper_lead_to_something() -> None:
+    rows = table('From the paper to the code')
+    assert len(rows) > 15
+    for row in rows:
+        for name in names(row[1]):
+            if '/' in name:
+                assert (ROOT / name).is_file(), name
+            else:
+                module, _, attribute = name.rpartition('.')
+                assert hasattr(import_module(module), attribute), name
+
+
+def test_the_lua_functions_are_those_of_the_interpreter() -> None:
+    listed = {names(row[0])[0]: (row[1], row[2]) for row in table('Robot programs')}
+    assert listed == {f.signature: (f.doc, f.result or '-') for f in LUA_FUNCTIONS.values()}
+
+
+def test_the_motion_settings_are_those_of_the_planner() -> None:
+    listed = {names(row[0])[0]: float(row[1]) for row in table('Motion settings')}
+    assert listed == {field.name: field.default for field in fields(MotionSettings)}
+
+
+def test_the_ten_lines_run(capsys: pytest.CaptureFixture[str]) -> None:
+    (code,) = re.findall(r'```python\n(.*?)```', section('Ten lines'), re.DOTALL)
+    exec(compile(code, 'README.md', 'exec'), {})  # noqa: S102  # our own README
+    out = capsys.readouterr().out
+    assert out.count('all limits kept') == 2
+
+
+def test_the_programs_and_pictures_exist() -> None:
+    for path in re.findall(r'!\[[^\]]*\]\(([^)]+)\)', README):
+        assert (ROOT / path).is_file(), path
+    for path in re.findall(r'programs/\w+\.lua', README):
+        assert (ROOT / path).is_file(), path
+
+
+def test_the_make_targets_exist() -> None:
+    makefile = (ROOT / 'Makefile').read_text()
+    targets = set(re.findall(r'^([a-z][a-z-]*):', makefile, re.MULTILINE))
+    code = '\n'.join(re.findall(r'```bash\n(.*?)```', README, re.DOTALL) + re.findall(r'`([^`\n]+)`', README))
+    named = set(re.findall(r'\bmake ([a-z][a-z-]*)', code))
+    assert {'demo', 'test', 'build'} <= named <= targets
