@@ -23,6 +23,7 @@ setup(
         'console_scripts': [
             'direct_kinematics_node = robots_core.nodes.direct_kinematics_node:main',
             'drive_node = robots_core.nodes.drive_node:main',
+            'inverse_kinematics_node = robots_core.nodes.inverse_kinematics_node:main',
             'visualizer_node = robots_core.nodes.visualizer_node:main',
         ],
     },

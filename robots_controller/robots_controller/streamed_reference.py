@@ -57,7 +57,7 @@ class StreamPoint:
                     f'({axes.unit(worst)}, s)',
                     joint=axes.names[worst],
                 )
-        if not self.due - now <= FARTHEST_DUE:
+        if not self.due - now <= FARTHEST_DUE + TOLERANCE:
             raise InvalidInputError(
                 f'a single point is a streamed reference, due at most {FARTHEST_DUE:g} s ahead, this one is '
                 f'due in {self.due - now:.3g} s; a motion needs at least 2 points'

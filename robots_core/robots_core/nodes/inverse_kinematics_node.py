@@ -1,0 +1,286 @@
+"""inverse_kinematics_node: a reference pose in, a stream of joint references to the controller out."""
+
+from __future__ import annotations
+
+import gc
+import math
+import sys
+import time
+from collections import deque
+from typing import Any
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import PoseStamped, TwistStamped
+from std_msgs.msg import String
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_core.blocks.pose_following import METHODS, FollowedStep, pose_following
+from robots_core.blocks.pose_reference import PoseReference, moved
+from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
+from robots_core.nodes.messages import joint_values, pose_from_message
+from robots_core.nodes.polled_subscription import PolledSubscription
+from robots_core.nodes.qos import STREAM, subscribe_state
+from robots_core.nodes.reference_stream import ReferenceStream
+from robots_core.nodes.robot_node import RobotNode
+from robots_core.nodes.run import run
+from robots_core.periodic_thread import PeriodicThread
+from robots_core.pose import Pose
+from robots_core.validation import Array
+
+REPORT_PERIOD = 0.1  # s
+REFUSAL_SHOWN = 1.0  # s
+# Which reference the controller follows is looked at this often; each look costs as much as half a step.
+CONTROLLER_RATE = 25.0  # Hz
+SWITCH_INTERVAL = 1e-4  # s, as the controller's
+# Stamps from the near future come from clocks that differ a little.
+FUTURE = 0.05  # s
+# While servoing, the pose that the twist leads to runs ahead of the robot by no more.
+LEASH = (0.01, 0.02)  # m, rad
+
+
+class InverseKinematicsNode(RobotNode):
+    """Follows `reference_pose` and publishes one-point `joint_trajectory` messages at its own rate.
+
+    For sensor-guided motion: references may come at any rate and may jump; the robot follows inside its
+    limits. Their stamps tell when they were valid. `reference_twist` beside fresh poses says how they move;
+    alone it is followed itself (servoing). When neither comes for `timeout` the robot brakes to a stop. Where
+    a `command_state` is published, only in state TRAJECTORY.
+
+    Parameters:
+        method: constrained (all limits, torques too), damped_least_squares or analytical.
+        rate: Joint references per second, Hz.
+        timeout: A reference older than this is stale, s.
+        tool: Pose of the tool centre point in tool0: x, y, z in metres, then quaternion x, y, z, w.
+        largest_deviation: The controller's reference may be this far from the one sent, rad (m), before this
+            node starts again from there.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('inverse_kinematics_node', **options)
+        method = self.parameter('method', METHODS[0], f'one of {", ".join(METHODS)}', read_only=True)
+        rate = self.parameter(
+            'rate', 250.0, 'joint references per second, Hz', bounds=(10.0, 1000.0), read_only=True
+        )
+        timeout = self.parameter(
+            'timeout', 0.2, 'a reference older than this is stale, s', bounds=(0.01, 10.0), read_only=True
+        )
+        tool = self.parameter(
+            'tool',
+            NO_TOOL,
+            'tool in tool0: x y z (m), quaternion x y z w',
+            check=pose_from_parameter,
+            read_only=True,
+        )
+        self._largest_deviation = self.parameter(
+            'largest_deviation',
+            0.1,
+            "largest distance of the controller's reference to the one sent, rad",
+            bounds=(1e-4, 3.0),
+            read_only=True,
+        )
+        priority = self.parameter(
+            'realtime_priority',
+            40,
+            'FIFO priority of the loop where the system permits it; 0: none',
+            read_only=True,
+        )
+        self._method, self._dt = method, 1.0 / rate
+        self._following = pose_following(method, self.robot, self._dt, pose_from_parameter(tool))
+        self._reference = PoseReference(timeout=timeout)
+        self._names = list(self.robot.axes_data.names)
+        self._state: Array | None = None
+        self._controller_state: Array | None = None
+        self._streaming = False
+        self._servo_pose: Pose | None = None
+        self._command_state: str | None = None
+        self._oldest = math.inf
+        self._step_result: FollowedStep | None = None
+        self._durations: deque[float] = deque(maxlen=round(10.0 * rate))
+        self._refusal, self._refused_at = '', -math.inf
+        self._ended = ''
+        self._cycle = 0
+        self._controller_every = max(1, round(rate / CONTROLLER_RATE))
+
+        self._poses: PolledSubscription[PoseStamped] = PolledSubscription(
+            self, PoseStamped, 'reference_pose', STREAM
+        )
+        self._twists: PolledSubscription[TwistStamped] = PolledSubscription(
+            self, TwistStamped, 'reference_twist', STREAM
+        )
+        self._controller: PolledSubscription[JointTrajectory] = PolledSubscription(
+            self, JointTrajectory, 'joint_reference', STREAM
+        )
+        subscribe_state(self, String, 'command_state', self._on_command_state)
+        self._stream = ReferenceStream(self, 'joint_trajectory', self._names, time_from_start=self._dt)
+        self.create_timer(REPORT_PERIOD, self._report)
+        sys.setswitchinterval(SWITCH_INTERVAL)
+        gc.freeze()
+        self._thread = PeriodicThread(
+            self._step,
+            period=self._dt,
+            name='inverse kinematics',
+            on_error=self.thread_failed,
+            realtime_priority=priority,
+        )
+        self._thread.start()
+
+    # -- the loop's thread ---------------------------------------------------------------------------
+
+    def _step(self, now: float) -> None:
+        self._cycle += 1
+        self._take_references(now)
+        if self._cycle % self._controller_every == 0:
+            self._take_controller_state()
+        wanted = self._command_state in (None, 'TRAJECTORY') and (
+            self._reference.fresh_pose(now) or self._reference.fresh_twist(now)
+        )
+        if wanted and not self._streaming and self._controller_state is not None:
+            self._take_controller_state()
+            self._state = self._controller_state
+            self._streaming, self._servo_pose, self._ended = True, None, ''
+        if not self._streaming or self._state is None:
+            return
+        start = time.thread_time()
+        q, q_dot = self._state[0], self._state[1]
+        state = self._follow(now, q, q_dot) if wanted else None
+        if state is None:
+            state = self._following.brake(q, q_dot)
+            self._streaming = bool(q_dot.any())
+            if not self._streaming and not wanted:
+                self._ended = (
+                    f'no reference for {self._reference.timeout:g} s, the robot stands'
+                    if self._command_state in (None, 'TRAJECTORY')
+                    else ''
+                )
+        self._state = state
+        self._stream.publish(state, now)
+        self._durations.append(time.thread_time() - start)
+
+    def _follow(self, now: float, q: Array, q_dot: Array) -> Array | None:
+        """State (3, n) at the end of the period; None if there is nothing to follow."""
+        due = now + self._dt
+        if self._reference.fresh_pose(now):
+            pose, twist = self._reference.at(due, now)
+            self._servo_pose = None
+        else:
+            twist = self._reference.twist(now)
+            pose = moved(self._servo_pose or self._following.pose(q), twist, self._dt)
+            self._servo_pose = pose
+        try:
+            step = self._following.follow(pose, twist, q, q_dot)
+        except RobotsError as error:
+            self._refused('reference_pose', error)
+            return None
+        if step.position_error > LEASH[0] or step.orientation_error > LEASH[1]:
+            self._servo_pose = None
+        self._step_result = step
+        return step.state
+
+    def _take_references(self, now: float) -> None:
+        message = self._poses.take()
+        if message is not None:
+            try:
+                self._reference.put(pose_from_message(message.pose), self._valid_at(message, now))
+            except RobotsError as error:
+                self._refused('reference_pose', error)
+        twist_message = self._twists.take()
+        if twist_message is not None:
+            v, w = twist_message.twist.linear, twist_message.twist.angular
+            try:
+                self._reference.put_twist([v.x, v.y, v.z, w.x, w.y, w.z], self._valid_at(twist_message, now))
+            except RobotsError as error:
+                self._refused('reference_twist', error)
+
+    def _valid_at(self, message: Any, now: float) -> float:
+        """When a message was valid, s on the loop's clock.
+
+        A stamp that cannot be of this machine's clock (a recording, another machine) still tells the time
+        between messages; the soonest that one ever came is taken as its delay.
+        """
+        stamp = message.header.stamp
+        if not stamp.sec and not stamp.nanosec:
+            return now
+        age: float = 1e-9 * self.get_clock().now().nanoseconds - stamp.sec - 1e-9 * stamp.nanosec
+        if not -FUTURE <= age <= self._reference.timeout:
+            if not -self._reference.timeout <= age - self._oldest <= self._reference.timeout:
+                self._oldest = age
+            self._oldest = min(self._oldest, age)
+            age -= self._oldest
+        return now - age
+
+    def _take_controller_state(self) -> None:
+        message = self._controller.take()
+        if message is None:
+            return
+        try:
+            state = self._controller_reference(message)
+        except RobotsError as error:
+            self._refused('joint_reference', error)
+            return
+        self._controller_state = state
+        if not self._streaming or self._state is None:
+            return
+        if np.abs(state[0] - self._state[0]).max() > self._largest_deviation:
+            self._state, self._servo_pose = state, None
+            self._refused('joint_reference', InvalidInputError('the controller does not follow'))
+
+    def _controller_reference(self, message: JointTrajectory) -> Array:
+        if len(message.points) != 1:
+            raise InvalidInputError(f'{len(message.points)} points came, a reference is one point')
+        point = message.points[0]
+        rows = (point.positions, point.velocities)
+        position, velocity = (
+            joint_values(message.joint_names, row, self._names, 'joint_reference') for row in rows
+        )
+        axes = self.robot.axes_data
+        position = np.clip(axes.check_position(position, 'joint_reference'), axes.lower, axes.upper)
+        return np.array([position, velocity, np.zeros_like(position)])
+
+    def _refused(self, topic: str, error: RobotsError) -> None:
+        self._refusal, self._refused_at = f'{topic}: {error}', time.monotonic()
+        self.get_logger().error(  # type: ignore[no-untyped-call]
+            self._refusal, throttle_duration_sec=REFUSAL_SHOWN
+        )
+
+    # -- the executor's thread -----------------------------------------------------------------------
+
+    def _on_command_state(self, message: String) -> None:
+        self._command_state = message.data
+
+    def _report(self) -> None:
+        values: dict[str, Any] = {'method': self._method, 'missed_deadlines': self._thread.missed}
+        step = self._step_result
+        if step is not None:
+            values |= {
+                'position_error': f'{step.position_error:.3g}',
+                'orientation_error': f'{step.orientation_error:.3g}',
+                'slack': f'{step.slack:.3g}',
+                'active_limits': ', '.join(step.limits),
+            }
+        durations = list(self._durations)
+        if durations:
+            values['computation_p99_ms'] = f'{1e3 * float(np.percentile(durations, 99.0)):.3f}'
+        if time.monotonic() - self._refused_at < REFUSAL_SHOWN:
+            self.report_health(DiagnosticStatus.WARN, self._refusal, **values)
+        elif self._streaming:
+            self.ready('following', **values)
+        elif self._ended:
+            self.report_health(DiagnosticStatus.WARN, self._ended, **values)
+        else:
+            self.ready('waiting for reference_pose', **values)
+
+    def destroy_node(self) -> None:
+        """End the loop before what it uses."""
+        self._thread.stop()
+        super().destroy_node()  # type: ignore[no-untyped-call]
+
+
+def main() -> None:
+    """Start the node."""
+    sys.exit(run(InverseKinematicsNode))
+
+
+if __name__ == '__main__':
+    main()

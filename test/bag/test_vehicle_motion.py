@@ -1,0 +1,203 @@
+"""A recorded vehicle motion, replayed into the real nodes: the paper's motion simulator (section 5.1)."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped
+from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
+from rosbags.rosbag2 import Reader, StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+from scipy.spatial.transform import Rotation
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_core import Pose, load_robot_model
+from robots_core.nodes.messages import diagnostic_values
+from robots_core.nodes.qos import COMMAND
+
+ROBOT = load_robot_model('kuka_kr500_r2830')
+AXES = ROBOT.axes_data
+NAMES = list(AXES.names)
+# Elbow and wrist bent: a cabin moves about here in all six directions.
+CABIN = np.array([0.0, -1.3, 1.8, 0.0, 0.9, 0.0])
+DT = 0.004
+RATE = 100.0  # Hz, of the reference
+SINES = 6.0  # s
+DURATION = 12.0  # s
+RECORDED_AT = 1_600_000_000.0  # s: stamps of a day long past
+MANY = QoSProfile(depth=10000)
+
+
+def vehicle_motion(t: float) -> Pose:
+    """Sums of sines as of a road, then steps, then impacts that no robot can follow."""
+    fade = min(t, 1.0) ** 2 * (3.0 - 2.0 * min(t, 1.0)) if t < SINES else 1.0
+    waves = [(0.02, 0.35, 0.3), (0.008, 0.9, 1.1), (0.002, 2.1, 2.0)]  # m, Hz, rad
+    away = np.zeros(6)
+    for axis in range(6):
+        for size, frequency, phase in waves:
+            size_here = size if axis < 3 else 0.7 * size
+            away[axis] += size_here * (
+                np.sin(2.0 * np.pi * frequency * t + phase * (axis + 1)) - np.sin(phase * (axis + 1))
+            )
+    away *= fade
+    if t >= SINES:
+        away *= 0.3
+        away[:3] += 0.1 * np.array([1.0, -1.0, 0.5]) * (int(t - SINES) % 2)  # a step every second
+        if 9.0 <= t < 9.03 or 10.5 <= t < 10.51:
+            away += np.array([0.5, 0.3, -0.4, 0.4, -0.3, 0.5])  # an impact: there and back within 30 ms
+    r, T = ROBOT.direct_kinematics(CABIN)
+    return Pose(r + away[:3], Rotation.from_rotvec(away[3:]).as_matrix() @ T)
+
+
+def write_bag(path: Path) -> None:
+    typestore = get_typestore(Stores.ROS2_JAZZY)
+    types = typestore.types
+    kind = 'geometry_msgs/msg/PoseStamped'
+    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection('/reference_pose', kind, typestore=typestore)
+        for k in range(int(DURATION * RATE)):
+            pose, nanoseconds = vehicle_motion(k / RATE), int(1e9 * (RECORDED_AT + k / RATE))
+            stamp = types['builtin_interfaces/msg/Time'](*divmod(nanoseconds, 1_000_000_000))
+            message = types[kind](
+                types['std_msgs/msg/Header'](stamp, 'base'),
+                types['geometry_msgs/msg/Pose'](
+                    types['geometry_msgs/msg/Point'](*pose.r),
+                    types['geometry_msgs/msg/Quaternion'](*pose.quaternion()),
+                ),
+            )
+            writer.write(connection, nanoseconds, typestore.serialize_cdr(message, kind))
+
+
+@contextlib.contextmanager
+def node(module: str, *parameters: str) -> Iterator[None]:
+    command = [sys.executable, '-P', '-m', module, '--ros-args', '-p', 'robot_model:=kuka_kr500_r2830']
+    for parameter in parameters:
+        command += ['-p', parameter]
+    process = subprocess.Popen(command, start_new_session=True)
+    try:
+        yield
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(20.0)
+
+
+class Recorder:
+    """What the nodes send, and the player of the bag."""
+
+    def __init__(self, nodes: Any) -> None:
+        self.nodes = nodes
+        node = nodes.create_node('recorder')
+        self.references: list[JointTrajectory] = []
+        self.stream: list[JointTrajectory] = []
+        self.health: dict[str, dict[str, str]] = {}
+        self.publisher = node.create_publisher(PoseStamped, 'reference_pose', COMMAND)
+        node.create_subscription(JointTrajectory, 'joint_reference', self.references.append, MANY)
+        node.create_subscription(JointTrajectory, 'joint_trajectory', self.stream.append, MANY)
+        node.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, MANY)
+
+    def _on_health(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            self.health[status.name.lstrip('/')] = diagnostic_values(status)
+
+    def play(self, path: Path) -> list[tuple[float, Pose]]:
+        """Publish the bag in real time; returns when each pose was sent, s since the epoch."""
+        sent, pause = [], threading.Event()
+        with Reader(path) as reader:
+            start = None
+            for _, nanoseconds, data in reader.messages():
+                start = start or (time.monotonic(), nanoseconds)
+                due = start[0] + 1e-9 * (nanoseconds - start[1])
+                pause.wait(max(0.0, due - time.monotonic()))
+                message = deserialize_message(bytes(data), PoseStamped)
+                sent.append((time.time(), vehicle_motion(1e-9 * (nanoseconds - start[1]))))
+                self.publisher.publish(message)
+        return sent
+
+
+def rows(messages: list[JointTrajectory]) -> tuple[np.ndarray, np.ndarray]:
+    """Stamps (m,) s and positions, velocities, accelerations (m, 3, n)."""
+    stamps = np.array([m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec for m in messages])
+    values = [(m.points[0].positions, m.points[0].velocities, m.points[0].accelerations) for m in messages]
+    return stamps, np.array(values)
+
+
+def check_limits(values: np.ndarray) -> None:
+    """Positions, velocities and accelerations, as stated and as differences of the positions."""
+    q, q_dot, q_ddot = values[:, 0], values[:, 1], values[:, 2]
+    within = 1.0 + 1e-5  # second differences of positions over (4 ms)^2 round to 1e-9 rad/s^2 of 1 rad/s^2
+    assert (q >= AXES.lower - 1e-9).all()
+    assert (q <= AXES.upper + 1e-9).all()
+    assert (np.abs(q_dot) <= AXES.velocity * within).all()
+    assert (np.abs(q_ddot) <= AXES.acceleration * within).all()
+    assert (np.abs(np.diff(q, axis=0)) <= AXES.velocity * DT * within).all()
+    assert (np.abs(np.diff(q, 2, axis=0)) <= AXES.acceleration * DT**2 * within).all()
+
+
+@pytest.mark.timeout(180)
+def test_vehicle_motion_is_followed_inside_all_limits(ros_nodes: Any, tmp_path: Path) -> None:
+    write_bag(tmp_path / 'bag')
+    start = f'initial_position:=[{", ".join(map(str, CABIN))}]'
+    with (
+        node('robots_core.nodes.drive_node', start),
+        node('robots_controller.nodes.controller_node'),
+        node('robots_core.nodes.inverse_kinematics_node'),
+    ):
+        recorder = Recorder(ros_nodes)
+        ros_nodes.wait_for(
+            lambda: (
+                recorder.references
+                and recorder.publisher.get_subscription_count()
+                and 'inverse_kinematics_node' in recorder.health
+            ),
+            timeout=60.0,
+            what='nodes that are ready',
+        )
+        sent = recorder.play(tmp_path / 'bag')
+        values = [np.empty(0)]
+
+        def stands() -> bool:
+            values[0] = rows(recorder.references[-50:])[1]
+            return not values[0][:, 1].any()
+
+        ros_nodes.wait_for(stands, what='a robot that stands after the end of the reference')
+        ros_nodes.wait_for(
+            lambda: 'computation_p99_ms' in recorder.health['inverse_kinematics_node'], what='a health report'
+        )
+        health = dict(recorder.health['inverse_kinematics_node'])
+
+    stamps, references = rows(recorder.references)
+    # Every message counts for second differences, so none may be missing.
+    assert np.diff(stamps).max() < 1.9 * DT
+    check_limits(references)
+    _, stream = rows(recorder.stream)
+    torque = [
+        ROBOT.rigid_dynamics(before[0], before[1], after[2])[0]
+        for before, after in itertools.pairwise(stream)
+    ]
+    assert (np.abs(torque) <= AXES.effort * (1.0 + 1e-6)).all()
+
+    errors = []
+    for time_sent, pose in sent:
+        index = min(np.searchsorted(stamps, time_sent), len(stamps) - 1)
+        errors.append(Pose(*ROBOT.direct_kinematics(references[index, 0])).distance_to(pose))
+    smooth = np.array(errors)[int(1.5 * RATE) : int(SINES * RATE) - 10]
+    whole = np.array(errors)
+    for name, part in (('sines', smooth), ('all', whole)):
+        rms = np.sqrt((part**2).mean(axis=0))
+        print(f'{name}: rms {1e3 * rms[0]:.2f} mm {1e3 * rms[1]:.2f} mrad')
+    print('p99 of the computation:', health['computation_p99_ms'], 'ms')
+    assert np.sqrt((smooth**2).mean(axis=0)).max() < 0.01  # m, rad
+    assert float(health['computation_p99_ms']) < 0.5 * 1e3 * DT
