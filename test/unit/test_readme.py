@@ -29,9 +29,12 @@ def section(title: str) -> str:
 
 def table(title: str) -> list[list[str]]:
     """Rows of the first table of a section, cells stripped, without the heading."""
-    lines = [line for line in section(title).splitlines() if line.startswith('|')]
-    rows = [[cell.strip() for cell in re.split(r'(?<!\\)\|', line)[1:-1]] for line in lines]
-    return [row for row in rows[2:] if len(row) == len(rows[0])]
+    found = re.search(r'(?:^\|.*\n)+', section(title), re.MULTILINE)
+    assert found, f'no table below {title!r}'
+    rows = [
+        [cell.strip() for cell in re.split(r'(?<!\\)\|', line)[1:-1]] for line in found.group().splitlines()
+    ]
+    return rows[2:]
 
 
 def names(cell: str) -> list[str]:
