@@ -73,3 +73,20 @@ def test_program_explains_itself(package: str, executable: str) -> None:
     command = [str(path_of(package, executable)), '--help']
     result = subprocess.run(command, capture_output=True, text=True, timeout=60.0, check=True)
     assert '--robot' in result.stdout
+
+
+def test_a_node_interrupted_twice_ends_without_a_traceback(ros_nodes: Any) -> None:
+    names: set[str] = set()
+    node = ros_nodes.create_node()
+    node.create_subscription(
+        DiagnosticArray, '/diagnostics', lambda m: names.update(s.name for s in m.status), 10
+    )
+    command = [str(path_of('robots_core', 'drive_node')), '--ros-args', '-p', 'robot_model:=bello_bot']
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    ros_nodes.wait_for(lambda: '/drive_node' in names, timeout=60.0, what='health of drive_node')
+    # As `ros2 launch` does on Ctrl-C: once from the terminal, once from launch.
+    while process.poll() is None:
+        process.send_signal(signal.SIGINT)
+    output, _ = process.communicate(timeout=20.0)
+    assert process.returncode == 0, output
+    assert 'Traceback' not in output

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Callable
 
@@ -44,6 +45,8 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
         print(f'error: {error}', file=sys.stderr)
         return EXIT_BAD_INPUT
     finally:
+        # A terminal's Ctrl-C reaches a launched process twice; once is enough to end it.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
         if node is not None:
             node.destroy_node()
         try_shutdown()
