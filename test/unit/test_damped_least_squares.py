@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
-from robots_core.blocks import DampedLeastSquares
+from robots_core.blocks import DampedLeastSquares, Redundancy
 from robots_core.blocks.inverse_kinematics.damped_least_squares import pose_error
 from robots_core.errors import InvalidInputError, JointLimitError
 
@@ -79,3 +79,66 @@ def test_pose_error_is_the_rotation_vector(angle: float) -> None:
     # Rounding of a rotation matrix is 1e-16; half a turn has two rotation vectors.
     vector = error[3:] if error[3:] @ axis >= 0.0 else -error[3:]
     np.testing.assert_allclose(vector, angle * axis, atol=1e-8 if angle > 3.1 else 1e-15)
+
+
+def test_many_poses_at_once_give_the_same_as_one_by_one(robot: BaseRobotModel) -> None:
+    rng = np.random.default_rng(2)
+    axes = robot.axes_data
+    poses = [
+        Pose(*robot.direct_kinematics(q)) for q in rng.uniform(axes.lower, axes.upper, (50, robot.num_axes))
+    ]
+    ik = DampedLeastSquares(robot, tolerances=(1e-6, 1e-6))
+    batch = ik.solve_many([pose.r for pose in poses], [pose.T for pose in poses], robot.home)
+    for k, pose in enumerate(poses):
+        single = ik.solve(pose, robot.home)
+        np.testing.assert_array_equal(batch.q[k], single.q)
+        assert batch.converged[k] == single.converged
+        assert batch.iterations[k] == single.iterations
+    with pytest.raises(ValueError, match='read-only'):
+        batch.q[0, 0] = 0.0
+    assert ik.solve_many(np.empty((0, 3)), np.empty((0, 3, 3)), robot.home).q.shape == (0, robot.num_axes)
+
+
+def test_bad_batches_are_refused(robot: BaseRobotModel) -> None:
+    ik = DampedLeastSquares(robot)
+    with pytest.raises(InvalidInputError, match=r'needed are \(m, 3\)'):
+        ik.solve_many(np.zeros((2, 3)), np.zeros((3, 3, 3)), robot.home)
+    with pytest.raises(InvalidInputError, match='pose 1 is not'):
+        ik.solve_many(np.zeros((2, 3)), [np.eye(3), np.full((3, 3), np.nan)], robot.home)
+    with pytest.raises(InvalidInputError, match='q_start has shape'):
+        ik.solve_many(np.zeros((2, 3)), [np.eye(3), np.eye(3)], np.zeros((3, robot.num_axes)))
+
+
+def test_a_tool_is_brought_to_the_pose(robot: BaseRobotModel) -> None:
+    tool = Pose.from_angles([0.1, 0.0, 0.2], [0.0, 0.3, 0.1])
+    pose = Pose(*robot.direct_kinematics(robot.home + 0.1)) @ tool
+    result = DampedLeastSquares(robot, tool=tool).solve(pose, robot.home)
+    assert result.converged
+    reached = Pose(*robot.direct_kinematics(result.q)) @ tool
+    assert max(reached.distance_to(pose)) < 1e-7  # the angle of two matrices
+
+
+@pytest.mark.parametrize(
+    'criterion',
+    [Redundancy.near(np.full(7, 0.3)), Redundancy.away_from_limits(), Redundancy.manipulability()],
+)
+def test_redundancy_improves_its_criterion_and_keeps_the_pose(criterion: Redundancy) -> None:
+    robot = load_robot_model('bello_bot')
+    axes = robot.axes_data
+
+    def badness(q: np.ndarray) -> float:
+        if criterion.posture.size:
+            return float(((q - criterion.posture) ** 2).sum())
+        if criterion.kind == Redundancy.manipulability().kind:
+            return -float(np.log(np.linalg.det(robot.jacobian(q) @ robot.jacobian(q).T)))
+        return float((((q - 0.5 * (axes.lower + axes.upper)) / (axes.upper - axes.lower)) ** 2).sum())
+
+    rng = np.random.default_rng(4)
+    plain, chosen = DampedLeastSquares(robot), DampedLeastSquares(robot, redundancy=criterion)
+    for _ in range(10):
+        q = 0.5 * robot.home + 0.5 * rng.uniform(axes.lower, axes.upper)
+        pose = Pose(*robot.direct_kinematics(q))
+        without, result = plain.solve(pose, q), chosen.solve(pose, q)
+        assert result.converged
+        axes.check_position(result.q)
+        assert badness(result.q) <= badness(without.q) + 1e-9

@@ -5,7 +5,7 @@ from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKi
 from robots_core.blocks.inverse_kinematics.constrained import ConstrainedInverseKinematics
 from robots_core.blocks.inverse_kinematics.constrained_step import ActiveLimit, ConstrainedStep
 from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
-from robots_core.blocks.inverse_kinematics.ik_result import IkResult
+from robots_core.blocks.inverse_kinematics.ik_result import IkBatch, IkResult
 from robots_core.blocks.inverse_kinematics.redundancy import Redundancy
 from robots_core.robot_model.analytic.configuration import Configuration
 
@@ -17,6 +17,7 @@ __all__ = [
     'ConstrainedStep',
     'DampedLeastSquares',
     'DirectKinematics',
+    'IkBatch',
     'IkResult',
     'Redundancy',
 ]

@@ -2,36 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import os
+from concurrent.futures import ThreadPoolExecutor
 from math import atan2, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
-from scipy.stats import qmc
 
-from robots_core.blocks.inverse_kinematics.ik_result import IkResult
+from robots_core.blocks.inverse_kinematics.chain import SerialChain
+from robots_core.blocks.inverse_kinematics.damped_kernel import reached, search, solve_pose, solve_poses
+from robots_core.blocks.inverse_kinematics.ik_result import IkBatch, IkResult
+from robots_core.blocks.inverse_kinematics.redundancy import Redundancy, redundancy_arrays
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array, positive
+from robots_core.validation import ROTATION_TOLERANCE, Array, positive, read_only
 
-DAMPING_START = 1e-3
-DAMPING_GROWTH = 8.0
-DAMPING_HIGHEST = 1e8  # above, a step is shorter than rounding: the search stands still
-# Newton's last steps shrink the error by orders of magnitude; damping of this size does not slow them.
-DAMPING_LOWEST = 1e-14
-LARGEST_STEP = 0.7  # rad (m) per axis; beyond, the linearisation says nothing about the pose
-# A restart ends when this many steps together gain less than the factor: it crawls along a limit.
-PROGRESS_STEPS = 12
-PROGRESS_FACTOR = 0.9
-
-
-@dataclass(frozen=True)
-class _State:
-    q: Array
-    error: Array
-    cost: float
+CHUNKS_PER_CORE = 4  # of a batch: cores that have easy poses help the others out
 
 
 class DampedLeastSquares:
@@ -40,8 +28,10 @@ class DampedLeastSquares:
     Each step solves (J^T J + mu I) dq = J^T e for the axes that are free to move (Wampler 1986), where mu
     follows the gain of the last step (Levenberg-Marquardt). An axis that a step would carry past its limit
     is stopped at the limit and the others are solved again, so that every iterate is inside the limits.
-    When the search stands still it starts again from a scrambled Sobol set; the same seed gives the same
-    result.
+    When the search stands still it starts again from a low-discrepancy set (Roberts 2018, the additive
+    recurrence of the generalised golden ratio, shifted by `seed`); the same seed gives the same result.
+
+    The search is compiled; it works on the axes as screws, taken from the robot once.
 
     Args:
         robot: The robot.
@@ -49,9 +39,13 @@ class DampedLeastSquares:
         max_iterations: Steps per start.
         restarts: Further starts after the one from `q_start`.
         seed: Of the restart points.
+        tool: Pose of the tool centre point in tool0; tool0 itself by default.
+        redundancy: What to do with freedom that the pose leaves: from the solution, self-motion goes on to
+            where the criterion is satisfied.
 
     Raises:
-        InvalidInputError: an option that is not positive.
+        InvalidInputError: an option that is not positive, or a robot whose axes are coupled.
+        JointLimitError: the posture of the redundancy criterion lies outside the limits.
     """
 
     def __init__(
@@ -60,145 +54,144 @@ class DampedLeastSquares:
         *,
         tolerances: tuple[float, float] = (1e-10, 1e-10),
         max_iterations: int = 60,
-        restarts: int = 24,
+        restarts: int = 100,
         seed: int = 0,
+        tool: Pose | None = None,
+        redundancy: Redundancy | None = None,
     ) -> None:
-        self._robot = robot
         self._axes = robot.axes_data
-        self._tolerances = (
-            positive(tolerances[0], 'position tolerance', 'm'),
-            positive(tolerances[1], 'orientation tolerance', 'rad'),
-        )
         if max_iterations < 1:
             raise InvalidInputError(f'max_iterations = {max_iterations} must be at least 1')
         if restarts < 0:
             raise InvalidInputError(f'restarts = {restarts} must be at least 0')
-        self._max_iterations = max_iterations
-        self._restarts = restarts
-        self._seed = seed
-        self._starts: Array | None = None
+        self._options = (
+            positive(tolerances[0], 'position tolerance', 'm'),
+            positive(tolerances[1], 'orientation tolerance', 'rad'),
+            int(max_iterations),
+        )
+        self._chain = SerialChain.of(robot, tool).arrays
+        self._limits = np.array([self._axes.lower, self._axes.upper])
+        self._redundancy = redundancy_arrays(redundancy, self._axes)
+        self._starts = self._low_discrepancy(restarts, seed)
 
     def solve(self, pose: Pose, q_start: ArrayLike) -> IkResult:
-        """Joint positions that bring tool0 to `pose`, searched from `q_start`.
+        """Joint positions that bring the tool to `pose`, searched from `q_start`.
 
         Args:
-            pose: Of tool0 in the base frame.
+            pose: Of the tool centre point in the base frame.
             q_start: Where to start, (n,), rad (m); inside the limits.
+
+        Returns:
+            The solution, its full turns nearest to `q_start`; the closest posture found if there is none.
 
         Raises:
             JointLimitError: `q_start` outside the limits.
             InvalidInputError: `q_start` of another shape or not finite.
         """
-        start = self._axes.check_position(q_start, 'q_start')
-        best, iterations = self._search(pose, start, self._max_iterations)
-        if not self._reached(best):
-            for restart in self._restart_points():
-                state, steps = self._search(pose, restart, self._max_iterations)
-                iterations += steps
-                if state.cost < best.cost:
-                    best = state
-                if self._reached(best):
-                    break
-        return IkResult(
-            self._nearest_turn(best.q, start),
-            self._reached(best),
-            iterations,
-            float(np.linalg.norm(best.error[:3])),
-            float(np.linalg.norm(best.error[3:])),
+        q, error = self._axes.check_position(q_start, 'q_start').copy(), np.empty(6)
+        steps = solve_pose(
+            self._chain,
+            self._limits,
+            self._starts,
+            self._redundancy,
+            self._options,
+            (pose.r, pose.T),
+            q,
+            error,
         )
+        return self._result(q, error, steps)
 
     def refine(self, pose: Pose, q_near: Array, max_iterations: int = 8) -> IkResult:
         """Like `solve` from a point close to the solution: few steps, no restarts, no checks."""
-        state, iterations = self._search(pose, q_near, max_iterations)
+        q, error = np.array(q_near, dtype=np.float64), np.empty(6)
+        options = (*self._options[:2], max_iterations)
+        steps = search(self._chain, self._limits, options, (pose.r, pose.T), q, error)
+        return self._result(q, error, steps)
+
+    def solve_many(self, r: ArrayLike, T: ArrayLike, q_start: ArrayLike) -> IkBatch:
+        """`solve` for many poses at once, on all cores; the results are the same.
+
+        Args:
+            r: Positions of the tool centre point, (m, 3), m.
+            T: Its orientations, (m, 3, 3).
+            q_start: Where to start, (n,) for all or (m, n), rad (m); inside the limits.
+
+        Raises:
+            JointLimitError: a start outside the limits.
+            InvalidInputError: arrays of other shapes, not finite, or a T that is no rotation.
+        """
+        positions, orientations = _checked_poses(r, T)
+        count, n = len(positions), self._axes.num_axes
+        starts = np.asarray(q_start, dtype=np.float64)
+        if starts.shape not in ((n,), (count, n)):
+            raise InvalidInputError(f'q_start has shape {starts.shape}, needed is ({n},) or ({count}, {n})')
+        for start in starts.reshape(-1, n):
+            self._axes.check_position(start, 'q_start')
+        q = np.array(np.broadcast_to(starts, (count, n)))
+        errors, steps = np.empty((count, 6)), np.empty(count, dtype=np.int64)
+
+        def solve_part(part: slice) -> None:
+            solve_poses(
+                self._chain,
+                self._limits,
+                self._starts,
+                self._redundancy,
+                self._options,
+                positions[part],
+                orientations[part],
+                q[part],
+                errors[part],
+                steps[part],
+            )
+
+        cores = len(os.sched_getaffinity(0))
+        size = max(1, -(-count // (cores * CHUNKS_PER_CORE)))
+        # Compiled code runs without the interpreter's lock.
+        with ThreadPoolExecutor(cores) as pool:
+            list(pool.map(solve_part, [slice(begin, begin + size) for begin in range(0, count, size)]))
+        position_error = np.linalg.norm(errors[:, :3], axis=1)
+        orientation_error = np.linalg.norm(errors[:, 3:], axis=1)
+        converged = (position_error <= self._options[0]) & (orientation_error <= self._options[1])
+        return IkBatch(q, converged, steps, position_error, orientation_error)
+
+    def _result(self, q: Array, error: Array, steps: int) -> IkResult:
+        x, y, z, a, b, c = error.tolist()
         return IkResult(
-            state.q,
-            self._reached(state),
-            iterations,
-            float(np.linalg.norm(state.error[:3])),
-            float(np.linalg.norm(state.error[3:])),
+            q,
+            reached(error, self._options),
+            steps,
+            sqrt(x * x + y * y + z * z),
+            sqrt(a * a + b * b + c * c),
         )
 
-    def _search(self, pose: Pose, start: Array, max_iterations: int) -> tuple[_State, int]:
-        state = self._evaluate(pose, np.clip(start, self._axes.lower, self._axes.upper))
-        damping, growth = DAMPING_START, DAMPING_GROWTH
-        costs = [state.cost]
-        for iteration in range(max_iterations):
-            if self._reached(state):
-                return state, iteration
-            J = self._robot.jacobian(state.q)
-            while True:
-                candidate = self._evaluate(pose, state.q + self._step(J, state, damping))
-                if candidate.cost < state.cost:
-                    # Close to the solution damping fades with the error, which makes the last steps Newton's.
-                    damping = max(min(damping / DAMPING_GROWTH**2, candidate.cost), DAMPING_LOWEST)
-                    growth = DAMPING_GROWTH
-                    state = candidate
-                    break
-                damping, growth = max(damping, 1e-9) * growth, 2.0 * growth
-                if damping > DAMPING_HIGHEST:
-                    return state, iteration + 1
-            costs.append(state.cost)
-            if iteration >= PROGRESS_STEPS and costs[-1] > PROGRESS_FACTOR * costs[-1 - PROGRESS_STEPS]:
-                return state, iteration + 1
-        return state, max_iterations
+    def _low_discrepancy(self, count: int, seed: int) -> Array:
+        """Points that fill the joint space evenly, (count, n); continuous axes within half a turn of 0."""
+        axes, n = self._axes, self._axes.num_axes
+        low = np.where(axes.continuous, -np.pi, axes.lower)
+        high = np.where(axes.continuous, np.pi, axes.upper)
+        ratio = 2.0  # the positive root of x^(n+1) = x + 1
+        for _ in range(60):
+            ratio = (1.0 + ratio) ** (1.0 / (n + 1.0))
+        offset = np.random.default_rng(seed).uniform(size=n)
+        points = (offset + np.outer(np.arange(1, count + 1), ratio ** -np.arange(1.0, n + 1.0))) % 1.0
+        return read_only(low + points * (high - low))
 
-    def _step(self, J: Array, state: _State, damping: float) -> Array:
-        """Damped step with axes at their limits held, (n,)."""
-        lower, upper = self._axes.lower - state.q, self._axes.upper - state.q
-        step = np.zeros(self._axes.num_axes)
-        gradient = J.T @ state.error
-        free = ~(((lower >= 0.0) & (gradient < 0.0)) | ((upper <= 0.0) & (gradient > 0.0)))
-        error = state.error
-        while free.any():
-            Jf = J[:, free]
-            normal = Jf.T @ Jf
-            normal.flat[:: normal.shape[0] + 1] += damping
-            dq = np.linalg.solve(normal, Jf.T @ error)
-            low, high = lower[free], upper[free]
-            clipped = np.clip(dq, low, high)
-            past = clipped != dq
-            step[free] = clipped
-            if not past.any():
-                break
-            stopped: NDArray[np.intp] = np.flatnonzero(free)[past]
-            error = error - J[:, stopped] @ step[stopped]
-            free[stopped] = False
-        largest = float(np.abs(step).max())
-        if largest > LARGEST_STEP:
-            step *= LARGEST_STEP / largest
-        return step
 
-    def _evaluate(self, pose: Pose, q: Array) -> _State:
-        # Rounding of q + step may pass a limit by one unit in the last place.
-        inside = np.clip(q, self._axes.lower, self._axes.upper)
-        r, T = self._robot.direct_kinematics(inside)
-        error = pose_error(r, T, pose.r, pose.T)
-        return _State(inside, error, float(error @ error))
-
-    def _reached(self, state: _State) -> bool:
-        e = state.error
-        return (
-            sqrt(float(e[:3] @ e[:3])) <= self._tolerances[0]
-            and sqrt(float(e[3:] @ e[3:])) <= self._tolerances[1]
+def _checked_poses(r: ArrayLike, T: ArrayLike) -> tuple[Array, Array]:
+    positions = np.ascontiguousarray(r, dtype=np.float64)
+    orientations = np.ascontiguousarray(T, dtype=np.float64)
+    if positions.ndim != 2 or positions.shape[1] != 3 or orientations.shape != (len(positions), 3, 3):
+        raise InvalidInputError(
+            f'r has shape {positions.shape} and T {orientations.shape}, needed are (m, 3) and (m, 3, 3)'
         )
-
-    def _restart_points(self) -> Array:
-        if self._starts is None:
-            axes = self._axes
-            low = np.where(np.isfinite(axes.lower), axes.lower, -np.pi)
-            high = np.where(np.isfinite(axes.upper), axes.upper, np.pi)
-            # Sobol sets are balanced at powers of two.
-            power = max(self._restarts - 1, 1).bit_length()
-            sobol = qmc.Sobol(axes.num_axes, scramble=True, rng=np.random.default_rng(self._seed))
-            self._starts = low + sobol.random_base2(power)[: self._restarts] * (high - low)
-        return self._starts
-
-    def _nearest_turn(self, q: Array, reference: Array) -> Array:
-        """The same posture with full turns added inside the limits, each axis nearest to `reference`."""
-        axes = self._axes
-        turned = q + 2.0 * np.pi * np.round((reference - q) / (2.0 * np.pi))
-        allowed = (turned >= axes.lower) & (turned <= axes.upper) & ~np.array(axes.prismatic)
-        return np.where(allowed, turned, q)
+    deviation = np.abs(orientations @ orientations.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2), initial=0)
+    handedness = (np.cross(orientations[:, 0], orientations[:, 1]) * orientations[:, 2]).sum(axis=1)
+    right = (deviation <= ROTATION_TOLERANCE) & (handedness > 0.0)
+    right &= np.isfinite(positions).all(axis=1)
+    if not right.all():
+        worst = int(np.flatnonzero(~right)[0])
+        raise InvalidInputError(f'pose {worst} is not a finite position with a rotation matrix', index=worst)
+    return positions, orientations
 
 
 def pose_error(r: Array, T: Array, r_target: Array, T_target: Array) -> Array:

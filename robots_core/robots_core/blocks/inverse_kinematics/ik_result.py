@@ -1,6 +1,9 @@
-"""IkResult: what a numerical inverse kinematics block found."""
+"""IkResult and IkBatch: what a numerical inverse kinematics block found."""
 
 from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
 
 from robots_core.validation import Array, read_only
 
@@ -25,3 +28,26 @@ class IkResult:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, 'q', read_only(self.q))
+
+
+@dataclass(frozen=True, eq=False)
+class IkBatch:
+    """Joint positions for m poses; each array is read-only and means the same as in `IkResult`.
+
+    Attributes:
+        q: (m, n), rad (m).
+        converged: (m,) bool.
+        iterations: (m,).
+        position_error: (m,), m.
+        orientation_error: (m,), rad.
+    """
+
+    q: Array
+    converged: NDArray[np.bool_]
+    iterations: NDArray[np.int64]
+    position_error: Array
+    orientation_error: Array
+
+    def __post_init__(self) -> None:
+        for array in (self.q, self.converged, self.iterations, self.position_error, self.orientation_error):
+            array.flags.writeable = False

@@ -20,11 +20,11 @@ def compiled(*signatures: Any) -> Callable[[Function], Function]:
     def decorate(function: Function) -> Function:
         chosen = [list(signatures)] if signatures else []
         try:
-            result: Function = numba.njit(*chosen, cache=True)(function)
+            result: Function = numba.njit(*chosen, cache=True, nogil=True)(function)
         except RuntimeError as error:
             if 'cannot cache' not in str(error):
                 raise
-            result = numba.njit(*chosen)(function)
+            result = numba.njit(*chosen, nogil=True)(function)
         return result
 
     return decorate
