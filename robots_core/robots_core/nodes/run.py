@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 from collections.abc import Callable
+from types import FrameType
 
 import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -30,6 +31,7 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
         Exit code: 0 after an interrupt, 2 if the node cannot start as configured.
     """
     choose_transports()
+    signal.signal(signal.SIGINT, _interrupt_once)
     rclpy.init(args=args)
     node: Node | None = None
     try:
@@ -45,9 +47,14 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
         print(f'error: {error}', file=sys.stderr)
         return EXIT_BAD_INPUT
     finally:
-        # A terminal's Ctrl-C reaches a launched process twice; once is enough to end it.
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
         if node is not None:
             node.destroy_node()
         try_shutdown()
     return 0
+
+
+def _interrupt_once(number: int, frame: FrameType | None) -> None:
+    """Ctrl-C in a terminal reaches a launched process twice; the second must not disturb its ending."""
+    del frame
+    signal.signal(number, signal.SIG_IGN)
+    raise KeyboardInterrupt
