@@ -127,6 +127,17 @@ class NodeRunner:
 
         return self.add(Node(name, context=self.context, **options))
 
+    def call(self, function: Callable[[], object]) -> None:
+        """Call a function in the spinning thread: only there may entities end that it waits for."""
+        done = threading.Event()
+
+        def call() -> None:
+            function()
+            done.set()
+
+        self._executor.create_task(call)
+        self.wait_for(done.is_set, what='a call in the spinning thread')
+
     def wait_for(self, condition: Callable[[], Any], timeout: float = WAIT_DEADLINE, what: str = '') -> Any:
         """Wait until `condition()` is true and return its value.
 

@@ -90,7 +90,7 @@ def test_the_readme_lists_the_topics(cell: CellProcess) -> None:
     from_nodes = {name for row in rows if '_node' in row[2] for name in re.findall(r'`([^`]+)`', row[0])}
     with Reader(cell.bag) as reader:
         recorded = {connection.topic for connection in reader.connections}
-    ros_own = {'/rosout'}
+    ros_own = {'/rosout', '/parameter_events'}
     assert {topic.removeprefix('/') for topic in recorded - ros_own - {'/diagnostics'}} <= listed
     assert {f'/{name}' for name in from_nodes - {'trigger'}} <= recorded
 

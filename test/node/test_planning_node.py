@@ -278,7 +278,7 @@ def test_a_lost_controller_does_not_block_the_next_motion(bench: Bench) -> None:
     bench.stand(home)
     bench.command('ptpjoint_joint', home + 0.1, 5)
     bench.planned()
-    bench.peer.destroy_publisher(bench.references)
+    bench.runner.call(lambda: bench.peer.destroy_publisher(bench.references))
     bench.wait(lambda: not bench.node.get_publishers_info_by_topic('joint_reference'), 'it is gone')
     bench.references = None
     bench.stand(home)
