@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.errors import InvalidInputError, PlanningError
+from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import positive
@@ -16,6 +18,8 @@ from robots_planning.trajectory_generators.base import TrajectoryGenerator, usab
 from robots_planning.trajectory_generators.linear_cartesian_limited import LinearCartesianLimited
 from robots_planning.trajectory_generators.linear_joint import LinearJoint
 from robots_planning.verification import VerificationReport, verify
+
+WARM_UP_STEP = 0.01  # rad, m
 
 
 @dataclass(frozen=True)
@@ -120,6 +124,21 @@ class PathPlanning:
         if not report.ok:
             raise PlanningError(f'the plan of {state} breaks a limit: {report.describe()}')
         return PlannedMotion(trajectory, state, report)
+
+    def warm_up(self) -> None:
+        """Plan a tiny motion of every kind, so that the first real one finds all code loaded."""
+        home = self._robot.home
+        axes = self._robot.axes_data
+        near = home + np.where(home + WARM_UP_STEP < axes.upper, WARM_UP_STEP, -WARM_UP_STEP)
+        pose = Pose(*self._robot.direct_kinematics(near))
+        for state, target in (
+            (RobotCommandState.PTPJOINT_JOINT, near),
+            (RobotCommandState.PTPJOINT_CARTESIAN, pose),
+            (RobotCommandState.PTPCARTESIAN, pose),
+        ):
+            # A home may be singular, and then has no line; its code is loaded all the same.
+            with contextlib.suppress(RobotsError):
+                self.plan(state, home, target)
 
     def generator(self, state: RobotCommandState, settings: MotionSettings) -> TrajectoryGenerator:
         """The trajectory generator for a command state.

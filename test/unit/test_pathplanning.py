@@ -89,3 +89,14 @@ def test_every_setting_matters_and_is_checked(robot: BaseRobotModel, target: Pos
             replace(default, **{name: value})
     with pytest.raises(FrozenInstanceError):
         setattr(default, name, 1.0)
+
+
+def test_warming_up_plans_for_any_home_and_leaves_nothing_behind() -> None:
+    for name in ('kuka_kr210_r2700', 'bello_bot'):  # one home is singular, the other is not
+        robot = load_robot_model(name)
+        planning = PathPlanning(robot)
+        planning.warm_up()
+        target = 0.9 * robot.home
+        cold = PathPlanning(robot).plan(RobotCommandState.PTPJOINT_JOINT, robot.home, target)
+        warm = planning.plan(RobotCommandState.PTPJOINT_JOINT, robot.home, target)
+        np.testing.assert_array_equal(warm.trajectory.position, cold.trajectory.position)

@@ -138,7 +138,7 @@ class ControllerNode(RobotNode):
         try:
             return joint_values(message.name, message.position, self._names, 'joint_states')
         except InvalidInputError as error:
-            self.refuse('joint_states', error)
+            self.refuse('joint_states', error, stream=True)
             return None
 
     def _publish_result(self, outcome: MotionOutcome) -> None:

@@ -56,7 +56,7 @@ class DirectKinematicsNode(RobotNode):
             q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
             pose = self._kinematics.forward(q)
         except RobotsError as error:
-            self.refuse('joint_states', error)
+            self.refuse('joint_states', error, stream=True)
             return
         self._publisher.publish(pose_stamped_message(message.header.stamp, pose))
         self.ready()

@@ -73,7 +73,7 @@ class DriveNode(RobotNode):
             try:
                 self._reference = self._read(message)
             except RobotsError as error:
-                self.refuse('joint_reference', error)
+                self.refuse('joint_reference', error, stream=True)
         q, q_dot = self._drives.step(self._reference)
         state = self._message
         state.header.stamp = self.get_clock().now().to_msg()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -18,6 +19,7 @@ from robots_core.nodes.qos import COMMAND
 from robots_core.robot_choice import load_robot_model
 
 HEALTH_PERIOD = 1.0  # s
+REPEAT_PERIOD = 5.0  # s
 
 
 class RobotNode(Node):
@@ -45,6 +47,7 @@ class RobotNode(Node):
         self.robot = load_robot_model(self.robot_name)
         self._health = (DiagnosticStatus.STALE, 'starting')
         self._health_values: dict[str, object] = {}
+        self._refused_at: dict[str, float] = {}
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', COMMAND)
         self.create_timer(HEALTH_PERIOD, self._publish_health)
 
@@ -129,9 +132,18 @@ class RobotNode(Node):
         self.report_health(DiagnosticStatus.ERROR, f'internal error: {error!r}')
         self.context.try_shutdown()
 
-    def refuse(self, topic: str, error: RobotsError) -> None:
-        """Log and report bad input on a topic; the node goes on."""
-        self.get_logger().error(f'{topic}: {error}')  # type: ignore[no-untyped-call]
+    def refuse(self, topic: str, error: RobotsError, *, stream: bool = False) -> None:
+        """Log and report bad input on a topic; the node goes on.
+
+        Args:
+            topic: Where it came from.
+            error: What is wrong with it.
+            stream: The topic is a stream: as long as it stays bad it is logged once in `REPEAT_PERIOD`.
+        """
+        now = time.monotonic()
+        if not stream or now - self._refused_at.get(topic, -REPEAT_PERIOD) >= REPEAT_PERIOD:
+            self._refused_at[topic] = now
+            self.get_logger().error(f'{topic}: {error}')  # type: ignore[no-untyped-call]
         self.report_health(DiagnosticStatus.WARN, f'{topic}: {error}')
 
 

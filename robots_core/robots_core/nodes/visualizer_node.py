@@ -81,7 +81,7 @@ class VisualizerNode(RobotNode):
             q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
             self._visualizer.update(q)
         except RobotsError as error:
-            self.refuse('joint_states', error)
+            self.refuse('joint_states', error, stream=True)
             return
         if self._transforms is not None:
             self._tf.publish(self._tf_message(transforms=self._transforms.messages(message.header.stamp, q)))

@@ -66,6 +66,7 @@ class PlanningNode(RobotNode):
         self._settings_names = tuple(default.__dataclass_fields__)
         self._names = list(self.robot.axes_data.names)
         self._planning = PathPlanning(self.robot)
+        self._planning.warm_up()
         self._reference: tuple[Array, Array] | None = None
         self._reference_pose: Pose | None = None
         self._triggered = False
@@ -194,7 +195,7 @@ class PlanningNode(RobotNode):
         try:
             self._reference = self._reference_state(message)
         except RobotsError as error:
-            self.refuse('joint_reference', error)
+            self.refuse('joint_reference', error, stream=True)
             return
         self.destroy_timer(self._look)
         self.ready()
