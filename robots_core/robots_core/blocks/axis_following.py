@@ -22,6 +22,8 @@ class AxisFollowing:
     A reference that keeps the limits itself is followed exactly; one that jumps is approached as fast as the
     axis can stop again when it arrives. The state stays viable (see `viability`), whatever the reference is.
 
+    An instance keeps scratch memory: use one per thread.
+
     Args:
         axes: The limits.
         dt: Period, s.
@@ -40,6 +42,7 @@ class AxisFollowing:
             )
         self._limits = np.array([axes.lower, axes.upper, axes.velocity, axes.acceleration, braking])
         self._still = np.zeros(axes.num_axes)
+        self._arguments = np.empty((4, axes.num_axes))
         # Compiled code is loaded here and not in the first step of a real-time loop.
         middle = np.where(axes.continuous, 0.0, 0.5 * (axes.lower + axes.upper))
         self.step(middle, self._still, middle, self._still)
@@ -57,8 +60,10 @@ class AxisFollowing:
             q_dot_reference: How fast they should be then, (n,).
             speed: Part of the velocity limits to use, 0..1.
         """
-        state = np.empty((3, q.size))
-        _follow(q, q_dot, q_reference, q_dot_reference, self._limits, speed, self.dt, state)
+        # Compiled code is made for one layout of memory; another would be compiled anew, for seconds.
+        a, state = self._arguments, np.empty((3, q.size))
+        a[0], a[1], a[2], a[3] = q, q_dot, q_reference, q_dot_reference
+        _follow(a[0], a[1], a[2], a[3], self._limits, speed, self.dt, state)
         return state
 
     def brake(self, q: Array, q_dot: Array) -> Array:

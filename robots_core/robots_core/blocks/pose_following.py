@@ -84,7 +84,7 @@ class ConstrainedFollowing(PoseFollowing):
         """See `PoseFollowing.follow`."""
         step = self._ik.step(pose, q, q_dot, twist)
         limits = tuple(f'{limit.joint} {limit.quantity} {limit.side}' for limit in step.active_limits)
-        return FollowedStep(step.motion[:3], step.position_error, step.orientation_error, step.slack, limits)
+        return FollowedStep(step.values[:3], step.position_error, step.orientation_error, step.slack, limits)
 
 
 class _JointFollowing(PoseFollowing):

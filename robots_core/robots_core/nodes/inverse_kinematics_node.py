@@ -171,7 +171,7 @@ class InverseKinematicsNode(RobotNode):
         try:
             step = self._following.follow(pose, twist, q, q_dot)
         except RobotsError as error:
-            self._refused('reference_pose', error)
+            self._refuse_input('reference_pose', error)
             return None
         if step.position_error > LEASH[0] or step.orientation_error > LEASH[1]:
             self._servo_pose = None
@@ -184,14 +184,14 @@ class InverseKinematicsNode(RobotNode):
             try:
                 self._reference.put(pose_from_message(message.pose), self._valid_at(message, now))
             except RobotsError as error:
-                self._refused('reference_pose', error)
+                self._refuse_input('reference_pose', error)
         twist_message = self._twists.take()
         if twist_message is not None:
             v, w = twist_message.twist.linear, twist_message.twist.angular
             try:
                 self._reference.put_twist([v.x, v.y, v.z, w.x, w.y, w.z], self._valid_at(twist_message, now))
             except RobotsError as error:
-                self._refused('reference_twist', error)
+                self._refuse_input('reference_twist', error)
 
     def _valid_at(self, message: Any, now: float) -> float:
         """When a message was valid, s on the loop's clock.
@@ -217,14 +217,14 @@ class InverseKinematicsNode(RobotNode):
         try:
             state = self._controller_reference(message)
         except RobotsError as error:
-            self._refused('joint_reference', error)
+            self._refuse_input('joint_reference', error)
             return
         self._controller_state = state
         if not self._streaming or self._state is None:
             return
         if np.abs(state[0] - self._state[0]).max() > self._largest_deviation:
             self._state, self._servo_pose = state, None
-            self._refused('joint_reference', InvalidInputError('the controller does not follow'))
+            self._refuse_input('joint_reference', InvalidInputError('the controller does not follow'))
 
     def _controller_reference(self, message: JointTrajectory) -> Array:
         if len(message.points) != 1:
@@ -238,7 +238,7 @@ class InverseKinematicsNode(RobotNode):
         position = np.clip(axes.check_position(position, 'joint_reference'), axes.lower, axes.upper)
         return np.array([position, velocity, np.zeros_like(position)])
 
-    def _refused(self, topic: str, error: RobotsError) -> None:
+    def _refuse_input(self, topic: str, error: RobotsError) -> None:
         self._refusal, self._refused_at = f'{topic}: {error}', time.monotonic()
         self.get_logger().error(  # type: ignore[no-untyped-call]
             self._refusal, throttle_duration_sec=REFUSAL_SHOWN

@@ -6,13 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.inverse_kinematics.chain import SerialChain
-from robots_core.blocks.inverse_kinematics.constrained_kernel import (
-    ACCELERATION,
-    POSITION,
-    VELOCITY,
-    constrained_step,
-)
-from robots_core.blocks.inverse_kinematics.constrained_step import ActiveLimit, ConstrainedStep, Quantity
+from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics
+from robots_core.blocks.inverse_kinematics.constrained_kernel import NOT_FINITE, constrained_step
+from robots_core.blocks.inverse_kinematics.constrained_step import ConstrainedStep
 from robots_core.blocks.inverse_kinematics.quadratic_program import SOLVED
 from robots_core.blocks.inverse_kinematics.redundancy import Redundancy, redundancy_arrays
 from robots_core.errors import InvalidInputError
@@ -20,11 +16,6 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, positive
 
-QUANTITIES: dict[int, Quantity] = {
-    POSITION: 'position',
-    VELOCITY: 'velocity',
-    ACCELERATION: 'acceleration',
-}
 DEFAULT_GAIN = 0.5  # of the position error per period
 TORQUE_SAMPLES = 1500
 # The largest torque of a braking robot is found by sampling; this part of the room is not used.
@@ -101,10 +92,15 @@ class ConstrainedInverseKinematics:
         self._options = np.array([dt, gain, *weights])
         chain = SerialChain.of(robot, tool)
         self._fixed = (chain.arrays, self._limits, self._options, redundancy_arrays(redundancy, axes))
-        self._n = axes.num_axes
-        self._still = np.zeros(self._n)
+        dynamics = ChainDynamics.of(robot, SerialChain.of(robot))
+        self._dynamics = () if dynamics is None else (dynamics.arrays,)
+        self._names = axes.names
+        self._shape = (axes.num_axes,)
+        self._still = np.zeros(self._shape)
         self._errors = np.empty(3)
-        self._active = np.zeros((2, self._n), dtype=np.int64)
+        self._M, self._tau_aux = np.empty(2 * self._shape), np.empty(self._shape)
+        self._q, self._q_dot = np.empty(self._shape), np.empty(self._shape)
+        self._r, self._T, self._twist = np.empty(3), np.empty((3, 3)), np.empty(6)
         # Compiled code is loaded here and not in the first step of a real-time loop.
         self.step(Pose(chain.r, chain.T), robot.home, self._still)
 
@@ -123,31 +119,38 @@ class ConstrainedInverseKinematics:
         Raises:
             InvalidInputError: an argument of another shape or not finite.
         """
-        n = self._n
-        q, q_dot = finite_vector(q, n, 'q'), finite_vector(q_dot, n, 'q_dot')
-        v = NO_TWIST if twist is None else finite_vector(twist, 6, 'twist')
-        _, M, tau_aux = self.robot.rigid_dynamics(q, q_dot, self._still)
-        values, active, errors = np.empty((7, n)), self._active, self._errors
-        motion, slacks = values[:4], values[4:]
+        q, q_dot = np.asarray(q, dtype=np.float64), np.asarray(q_dot, dtype=np.float64)
+        v = NO_TWIST if twist is None else np.asarray(twist, dtype=np.float64)
+        shape = self._shape
+        if q.shape != shape or q_dot.shape != shape or v.shape != (6,):
+            self._refuse(q, q_dot, v)
+        # Compiled code is made for one layout of memory; another would be compiled anew, for many seconds.
+        self._q[:], self._q_dot[:] = q, q_dot
+        self._r[:], self._T[:], self._twist[:] = pose.r, pose.T, v
+        M, tau_aux, errors = self._M, self._tau_aux, self._errors
+        if not self._dynamics:
+            _, M[:], tau_aux[:] = self.robot.rigid_dynamics(q, q_dot, self._still)
+        values, active = np.empty((7, *shape)), np.empty((2, *shape), dtype=np.int64)
         status = constrained_step(
-            *self._fixed, (q, q_dot, M, tau_aux), (pose.r, pose.T, v), (motion, slacks, errors, active)
+            *self._fixed,
+            self._dynamics,
+            (self._q, self._q_dot, M, tau_aux),
+            (self._r, self._T, self._twist),
+            (values, errors, active),
         )
-        motion.flags.writeable = slacks.flags.writeable = False
+        if status == NOT_FINITE:
+            self._refuse(q, q_dot, v)
+        values.flags.writeable = False
         position_error, orientation_error, slack = errors.tolist()
-        limits = self._active_limits() if active.any() else ()
         return ConstrainedStep(
-            motion, slacks, slack, limits, position_error, orientation_error, status == SOLVED
+            values, slack, position_error, orientation_error, status == SOLVED, active, self._names
         )
 
-    def _active_limits(self) -> tuple[ActiveLimit, ...]:
-        found = []
-        names = self.robot.axes_data.names
-        for name, bound, torque in zip(names, *self._active.tolist(), strict=True):
-            if bound:
-                found.append(ActiveLimit(name, QUANTITIES[abs(bound)], 'upper' if bound > 0 else 'lower'))
-            if torque:
-                found.append(ActiveLimit(name, 'torque', 'upper' if torque > 0 else 'lower'))
-        return tuple(found)
+    def _refuse(self, q: Array, q_dot: Array, twist: Array) -> None:
+        """Raise what is wrong with the arguments of a step."""
+        finite_vector(q, self._shape[0], 'q')
+        finite_vector(q_dot, self._shape[0], 'q_dot')
+        finite_vector(twist, 6, 'twist')
 
 
 def braking_deceleration(robot: BaseRobotModel) -> Array:

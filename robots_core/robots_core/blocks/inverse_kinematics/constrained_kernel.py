@@ -9,9 +9,12 @@ from typing import Any
 import numpy as np
 
 from robots_core.blocks.inverse_kinematics.chain import ChainArrays, error_between, pose_and_jacobian
+from robots_core.blocks.inverse_kinematics.chain_dynamics import mass_matrix_and_bias
 from robots_core.blocks.inverse_kinematics.quadratic_program import (
     INFEASIBLE,
     SOLVED,
+    factorise,
+    solve_factorised,
     solve_quadratic_program,
 )
 from robots_core.blocks.inverse_kinematics.redundancy import (
@@ -28,11 +31,12 @@ from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
 POSITION, VELOCITY, ACCELERATION = 1, 2, 3
+NOT_FINITE = -1
 # Relative weight of joint motion: keeps the program strictly convex where the pose leaves freedom.
 MOTION_WEIGHT = 1e-6
 # Below this singular value (m or 1 per rad, weighted) motion is damped, most in the singularity itself
 # (Nakamura and Hanafusa 1986).
-SINGULAR_VALUE = 0.06
+SINGULAR_VALUE = 0.05
 DAMPING = 0.03
 # Part of the deceleration used for approaching the reference; the rest is for what the linearisation misses.
 APPROACH_SHARE = 0.8
@@ -50,6 +54,7 @@ def constrained_step(
     limits: Array,
     options: Array,
     redundancy: RedundancyArrays,
+    dynamics: Any,
     state: Any,
     reference: Any,
     result: Any,
@@ -61,21 +66,29 @@ def constrained_step(
         limits: (6, n): lower, upper, velocity, acceleration, deceleration of braking, effort.
         options: (4,): dt (s), gain (1/s), weights of position (1/m) and of orientation (1/rad).
         redundancy: Kind, posture (n,) and pull (n,); see `Redundancy`.
+        dynamics: A tuple of the arrays of `ChainDynamics`; an empty one takes M and tau_aux from the state.
         state: q (n,), q_dot (n,), M (n, n) and tau_aux (n,) at the start.
         reference: At the end of the period: r (3,), T (3, 3), twist (6,).
-        result: Filled: motion (4, n) and slacks (3, n) of `ConstrainedStep`; errors (3,): position (m),
-            orientation (rad), largest relative slack; active (2, n): per axis what bounds its velocity, and
-            whether its torque is bounded, the sign being the side, 0 for nothing.
+        result: Filled: values (7, n) of `ConstrainedStep`; errors (3,): position (m), orientation (rad),
+            largest relative slack; active (2, n): per axis what bounds its velocity, and whether its torque
+            is bounded, the sign being the side, 0 for nothing.
 
     Returns:
-        Status of the quadratic program.
+        Status of the quadratic program, or NOT_FINITE for a state or twist that is not.
     """
     q, q_dot, M, tau_aux = state
-    motion, slacks, errors, active = result
+    values, errors, active = result
+    if not (np.isfinite(q).all() and np.isfinite(q_dot).all() and np.isfinite(reference[2]).all()):
+        return NOT_FINITE
+    motion, slacks = values[:4], values[4:]
     n, dt = q.size, options[0]
+    if len(dynamics) > 0:
+        mass_matrix_and_bias(dynamics[0], q, q_dot, M, tau_aux)
     pose_errors, J = np.empty(6), np.empty((6, n))
     H, gradients = _task(chain, options, state, reference, J, pose_errors)
-    f = _towards_reference(H, gradients, limits, options)
+    L = np.empty((n, n))
+    factorise(H, L)
+    f = _towards_reference(L, gradients, limits, options)
     if redundancy[0] != NO_CRITERION:
         _add_posture(redundancy, q, J, options, limits, f)
     low, high = np.empty(n), np.empty(n)
@@ -83,12 +96,12 @@ def constrained_step(
     C, c = np.empty((2 * n, n)), np.empty(2 * n)
     _torque_rows(q_dot, M, tau_aux, limits[5], dt, C, c)
     w, multipliers = np.empty(n), np.empty(4 * n)
-    status = solve_quadratic_program(H, f, low, high, C, c, w, multipliers)
+    status = solve_factorised(L, f, low, high, C, c, w, multipliers)
     if status == INFEASIBLE:
         overload = _smallest_overload(low, high, C, c)
         for row in range(2 * n):
             c[row] += overload
-        status = solve_quadratic_program(H, f, low, high, C, c, w, multipliers)
+        status = solve_factorised(L, f, low, high, C, c, w, multipliers)
     if status != SOLVED:
         multipliers[:] = 0.0
         w[:] = 0.0
@@ -130,20 +143,63 @@ def _task(
         if weight > 0.0:
             rows += 1
     H = J.T @ J
-    smallest = np.linalg.eigvalsh(H)[max(n - rows, 0)]
+    # Close to the smallest squared singular value, and smooth in q where two of them cross.
+    smallest = _harmonic_value(J, rows) if rows <= n else 1.0 / _inverse_trace(H)
     damping = MOTION_WEIGHT
     if smallest < SINGULAR_VALUE**2:
-        damping += DAMPING**2 * (1.0 - max(smallest, 0.0) / SINGULAR_VALUE**2)
+        damping += DAMPING**2 * (1.0 - smallest / SINGULAR_VALUE**2)
     for i in range(n):
         H[i, i] += damping
     return H, gradients
 
 
 @compiled()
-def _towards_reference(H: Array, gradients: Array, limits: Array, options: Array) -> Array:
+def _harmonic_value(J: Array, rows: int) -> float:
+    """1 / trace((J J^T)^-1) over the rows of J that are not all zero."""
+    chosen, used = np.empty((rows, J.shape[1])), 0
+    for row in range(6):
+        if used < rows and (J[row] != 0.0).any():
+            chosen[used] = J[row]
+            used += 1
+    if used < rows:
+        return 0.0
+    return 1.0 / _inverse_trace(chosen @ chosen.T)
+
+
+@compiled()
+def _inverse_trace(A: Array) -> float:
+    """Trace of the inverse of a positive definite matrix: the squares of the inverse of its factor."""
+    n = A.shape[0]
+    L, column = np.empty((n, n)), np.empty(n)
+    factorise(A, L)
+    trace = 0.0
+    for j in range(n):
+        for i in range(j, n):
+            value = 1.0 if i == j else 0.0
+            for k in range(j, i):
+                value -= L[i, k] * column[k]
+            column[i] = value / L[i, i]
+            trace += column[i] * column[i]
+    return trace
+
+
+@compiled()
+def _towards_reference(L: Array, gradients: Array, limits: Array, options: Array) -> Array:
     """Linear term (n,): as fast towards the reference as every axis can stop again when it is there."""
     velocity, deceleration = limits[2], limits[4]
-    free = np.linalg.solve(H, gradients)
+    n = L.shape[0]
+    free = np.empty((n, 2))
+    for side in range(2):
+        for i in range(n):
+            value = gradients[i, side]
+            for k in range(i):
+                value -= L[i, k] * free[k, side]
+            free[i, side] = value / L[i, i]
+        for i in range(n - 1, -1, -1):
+            value = free[i, side]
+            for k in range(i + 1, n):
+                value -= L[k, i] * free[k, side]
+            free[i, side] = value / L[i, i]
     rate = options[1]
     for i in range(velocity.size):
         way = abs(free[i, 1])

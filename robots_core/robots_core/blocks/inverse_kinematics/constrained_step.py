@@ -6,10 +6,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots_core.validation import Array
 
 Quantity = Literal['position', 'velocity', 'acceleration', 'torque']
+QUANTITIES: dict[int, Quantity] = {1: 'position', 2: 'velocity', 3: 'acceleration'}
 
 
 @dataclass(frozen=True)
@@ -32,56 +34,68 @@ class ConstrainedStep:
     """Joint motion of one period with constant acceleration, and how well it follows the reference.
 
     Attributes:
-        motion: (4, n), read-only: the rows `q`, `q_dot` at the end of the period, `q_ddot` during it,
-            `torque` at its start.
-        slacks: (3, n), read-only: the rows `position_slack`, `velocity_slack`, `torque_slack`; all zero
-            unless the step began in a state from which the limits cannot be kept.
+        values: (7, n), read-only: the rows `q`, `q_dot`, `q_ddot`, `torque`, `position_slack`,
+            `velocity_slack`, `torque_slack`. Slacks are zero unless the step began in a state from which the
+            limits cannot be kept.
         slack: The largest of them, each relative to its limit (positions: to the range); 0 in a sound step.
-        active_limits: Limits that the step lies on and that cost accuracy.
         position_error: Distance to the reference at the end of the period, m.
         orientation_error: Angle to the reference at the end of the period, rad.
         solved: False if the quadratic program gave up and the robot brakes instead.
+        active: (2, n): per axis what bounds its velocity (1 position, 2 velocity, 3 acceleration) and whether
+            its torque is bounded (1); the sign is the side, 0 nothing.
+        names: Of the axes.
     """
 
-    motion: Array
-    slacks: Array
+    values: Array
     slack: float
-    active_limits: tuple[ActiveLimit, ...]
     position_error: float
     orientation_error: float
     solved: bool
+    active: NDArray[np.int64]
+    names: tuple[str, ...]
+
+    @property
+    def active_limits(self) -> tuple[ActiveLimit, ...]:
+        """Limits that the step lies on and that cost accuracy."""
+        found: list[ActiveLimit] = []
+        for name, bound, torque in zip(self.names, *self.active.tolist(), strict=True):
+            if bound:
+                found.append(ActiveLimit(name, QUANTITIES[abs(bound)], 'upper' if bound > 0 else 'lower'))
+            if torque:
+                found.append(ActiveLimit(name, 'torque', 'upper' if torque > 0 else 'lower'))
+        return tuple(found)
 
     @property
     def q(self) -> Array:
         """Joint positions at the end of the period, (n,), rad (m)."""
-        return np.asarray(self.motion[0])
+        return np.asarray(self.values[0])
 
     @property
     def q_dot(self) -> Array:
         """Joint velocities at the end of the period, (n,), rad/s."""
-        return np.asarray(self.motion[1])
+        return np.asarray(self.values[1])
 
     @property
     def q_ddot(self) -> Array:
         """Joint accelerations during the period, (n,), rad/s^2."""
-        return np.asarray(self.motion[2])
+        return np.asarray(self.values[2])
 
     @property
     def torque(self) -> Array:
         """Torques at the start of the period, M q_ddot + tau_aux, (n,), N m."""
-        return np.asarray(self.motion[3])
+        return np.asarray(self.values[3])
 
     @property
     def position_slack(self) -> Array:
         """How far each axis will pass its position limit, however it brakes, (n,), rad (m)."""
-        return np.asarray(self.slacks[0])
+        return np.asarray(self.values[4])
 
     @property
     def velocity_slack(self) -> Array:
         """Speed above the limit at the end of the period, (n,), rad/s."""
-        return np.asarray(self.slacks[1])
+        return np.asarray(self.values[5])
 
     @property
     def torque_slack(self) -> Array:
         """Torque above the limit, (n,), N m: the smallest largest overload, relative to the limits."""
-        return np.asarray(self.slacks[2])
+        return np.asarray(self.values[6])

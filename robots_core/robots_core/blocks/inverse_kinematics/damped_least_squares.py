@@ -31,7 +31,8 @@ class DampedLeastSquares:
     When the search stands still it starts again from a low-discrepancy set (Roberts 2018, the additive
     recurrence of the generalised golden ratio, shifted by `seed`); the same seed gives the same result.
 
-    The search is compiled; it works on the axes as screws, taken from the robot once.
+    The search is compiled; it works on the axes as screws, taken from the robot once. An instance keeps
+    scratch memory: use one per thread.
 
     Args:
         robot: The robot.
@@ -73,6 +74,7 @@ class DampedLeastSquares:
         self._limits = np.array([self._axes.lower, self._axes.upper])
         self._redundancy = redundancy_arrays(redundancy, self._axes)
         self._starts = self._low_discrepancy(restarts, seed)
+        self._target = (np.empty(3), np.empty((3, 3)))
 
     def solve(self, pose: Pose, q_start: ArrayLike) -> IkResult:
         """Joint positions that bring the tool to `pose`, searched from `q_start`.
@@ -95,7 +97,7 @@ class DampedLeastSquares:
             self._starts,
             self._redundancy,
             self._options,
-            (pose.r, pose.T),
+            self._taken(pose),
             q,
             error,
         )
@@ -105,7 +107,7 @@ class DampedLeastSquares:
         """Like `solve` from a point close to the solution: few steps, no restarts, no checks."""
         q, error = np.array(q_near, dtype=np.float64), np.empty(6)
         options = (*self._options[:2], max_iterations)
-        steps = search(self._chain, self._limits, options, (pose.r, pose.T), q, error)
+        steps = search(self._chain, self._limits, options, self._taken(pose), q, error)
         return self._result(q, error, steps)
 
     def solve_many(self, r: ArrayLike, T: ArrayLike, q_start: ArrayLike) -> IkBatch:
@@ -127,7 +129,7 @@ class DampedLeastSquares:
             raise InvalidInputError(f'q_start has shape {starts.shape}, needed is ({n},) or ({count}, {n})')
         for start in starts.reshape(-1, n):
             self._axes.check_position(start, 'q_start')
-        q = np.array(np.broadcast_to(starts, (count, n)))
+        q = np.array(np.broadcast_to(starts, (count, n)), order='C')
         errors, steps = np.empty((count, 6)), np.empty(count, dtype=np.int64)
 
         def solve_part(part: slice) -> None:
@@ -154,6 +156,12 @@ class DampedLeastSquares:
         converged = (position_error <= self._options[0]) & (orientation_error <= self._options[1])
         return IkBatch(q, converged, steps, position_error, orientation_error)
 
+    def _taken(self, pose: Pose) -> tuple[Array, Array]:
+        """The pose in arrays of the one layout that the compiled code is made for."""
+        r, T = self._target
+        r[:], T[:] = pose.r, pose.T
+        return r, T
+
     def _result(self, q: Array, error: Array, steps: int) -> IkResult:
         x, y, z, a, b, c = error.tolist()
         return IkResult(
@@ -178,8 +186,8 @@ class DampedLeastSquares:
 
 
 def _checked_poses(r: ArrayLike, T: ArrayLike) -> tuple[Array, Array]:
-    positions = np.ascontiguousarray(r, dtype=np.float64)
-    orientations = np.ascontiguousarray(T, dtype=np.float64)
+    positions = np.array(r, dtype=np.float64, order='C')
+    orientations = np.array(T, dtype=np.float64, order='C')
     if positions.ndim != 2 or positions.shape[1] != 3 or orientations.shape != (len(positions), 3, 3):
         raise InvalidInputError(
             f'r has shape {positions.shape} and T {orientations.shape}, needed are (m, 3) and (m, 3, 3)'

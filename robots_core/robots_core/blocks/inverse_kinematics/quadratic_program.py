@@ -14,6 +14,8 @@ SOLVED = 0
 INFEASIBLE = 1
 EXHAUSTED = 2
 MAX_ITERATIONS = 200
+# Of a matrix that is singular but for rounding.
+SMALLEST_PIVOT = 1e-18
 # A constraint broken by less is kept: rounding of sums of terms of order one.
 TOLERANCE = 1e-11
 # A step direction shorter than this, relative to the constraint, is rounding: the constraint depends on the
@@ -43,9 +45,29 @@ def solve_quadratic_program(
     Returns:
         SOLVED, INFEASIBLE or EXHAUSTED.
     """
+    L = np.empty(H.shape)
+    factorise(H, L)
+    return solve_factorised(L, f, low, high, C, c, x, multipliers)
+
+
+@compiled()
+def factorise(H: Array, L: Array) -> None:
+    """Fill the lower triangle of L with the Cholesky factor of H, (n, n)."""
+    for j in range(H.shape[0]):
+        for i in range(j, H.shape[0]):
+            value = H[i, j]
+            for k in range(j):
+                value -= L[i, k] * L[j, k]
+            L[i, j] = sqrt(max(value, SMALLEST_PIVOT)) if i == j else value / L[j, j]
+
+
+@compiled()
+def solve_factorised(
+    L: Array, f: Array, low: Array, high: Array, C: Array, c: Array, x: Array, multipliers: Array
+) -> int:
+    """`solve_quadratic_program` for H = L L^T."""
     n, m = f.size, c.size
     total = 2 * n + m
-    L = np.linalg.cholesky(H)
     # J = L^-T, columns; d = J^T normal.
     J = np.zeros((n, n))
     for j in range(n):

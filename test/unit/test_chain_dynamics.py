@@ -1,0 +1,43 @@
+"""ChainDynamics: the same dynamics as the robot it was made of."""
+
+import numpy as np
+import pytest
+
+from robots_core import available_robot_models, load_robot_model
+from robots_core.blocks import ConstrainedInverseKinematics
+from robots_core.blocks.inverse_kinematics.chain import SerialChain
+from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics
+from robots_core.pose import Pose
+
+
+@pytest.mark.parametrize('name', available_robot_models())
+def test_mass_matrix_and_bias_are_the_robots(name: str) -> None:
+    robot = load_robot_model(name)
+    dynamics = ChainDynamics.of(robot, SerialChain.of(robot))
+    assert dynamics is not None
+    rng = np.random.default_rng(6)
+    for _ in range(20):
+        q, q_dot = rng.uniform(-2.0, 2.0, (2, robot.num_axes))
+        M, bias = dynamics.mass_matrix_and_bias(q, q_dot)
+        _, expected_M, expected_bias = robot.rigid_dynamics(q, q_dot, np.zeros(robot.num_axes))
+        # Both sides round to 1e-15 of the largest torque.
+        np.testing.assert_allclose(M, expected_M, rtol=1e-9, atol=1e-12 * np.abs(expected_M).max())
+        np.testing.assert_allclose(bias, expected_bias, atol=1e-12 * (1.0 + np.abs(expected_bias).max()))
+
+
+def test_a_robot_with_more_than_its_bodies_keeps_its_own_dynamics(monkeypatch: pytest.MonkeyPatch) -> None:
+    robot = load_robot_model('bello_bot')
+    own = robot.rigid_dynamics
+
+    def with_rotors(q: np.ndarray, q_dot: np.ndarray, q_ddot: np.ndarray) -> tuple[np.ndarray, ...]:
+        _, M, tau_aux = own(q, q_dot, q_ddot)
+        M = M + 0.5 * np.eye(q.size)
+        return M @ q_ddot + tau_aux, M, tau_aux
+
+    monkeypatch.setattr(robot, 'rigid_dynamics', with_rotors)
+    assert ChainDynamics.of(robot, SerialChain.of(robot)) is None
+    ik = ConstrainedInverseKinematics(robot, 0.004)
+    r, T = robot.direct_kinematics(robot.home)
+    step = ik.step(Pose(r + 0.1, T), robot.home, np.zeros(robot.num_axes))
+    torque, _, _ = with_rotors(robot.home, np.zeros(robot.num_axes), step.q_ddot)
+    np.testing.assert_allclose(step.torque, torque, rtol=1e-9)
