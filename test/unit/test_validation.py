@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.validation import finite_vector, fraction, positive, read_only, rotation_matrix
+from robots_core.validation import (
+    finite_motion,
+    finite_vector,
+    fraction,
+    positive,
+    read_only,
+    rotation_matrix,
+)
 
 
 def test_finite_vector_takes_any_sequence_of_numbers():
@@ -32,6 +39,40 @@ def test_finite_vector_takes_any_sequence_of_numbers():
 def test_finite_vector_refuses(values: object, message: str):
     with pytest.raises(InvalidInputError, match=message):
         finite_vector(values, 3, 'q')  # type: ignore[arg-type]
+
+
+def test_finite_vector_hands_on_what_needs_no_change():
+    values = np.array([1.0, -2.0])
+    assert finite_vector(values, 2, 'q') is values
+
+
+def test_finite_vector_takes_finite_values_whose_sum_is_not():
+    largest = np.finfo(np.float64).max
+    np.testing.assert_array_equal(finite_vector(np.full(3, largest), 3, 'q'), [largest] * 3)
+
+
+@pytest.mark.parametrize(
+    ('values', 'index'), [((0.0, np.nan, 0.0), 1), ((np.inf, 0.0, -np.inf), 0), ((0.0, 0.0, -np.inf), 2)]
+)
+def test_finite_vector_refuses_what_is_not_finite_in_an_array(values: tuple[float, ...], index: int):
+    with pytest.raises(InvalidInputError, match=rf'q\[{index}\] is '):
+        finite_vector(np.array(values), 3, 'q')
+
+
+def test_finite_motion_takes_sequences_and_arrays():
+    for convert in (list, tuple, np.array):
+        motion = finite_motion(convert([1, 2]), convert([3.0, 4.0]), convert([1e308, 1e308]), 2)
+        assert all(vector.dtype == np.float64 for vector in motion)
+        np.testing.assert_array_equal(motion, [[1.0, 2.0], [3.0, 4.0], [1e308, 1e308]])
+
+
+@pytest.mark.parametrize('bad', [[0.0], [[0.0], [0.0]], [0.0, np.nan], [-np.inf, np.inf], 'ab'])
+@pytest.mark.parametrize('name', ['q', 'q_dot', 'q_ddot'])
+def test_finite_motion_names_what_it_refuses(name: str, bad: object):
+    motion: dict[str, object] = {other: np.zeros(2) for other in ('q', 'q_dot', 'q_ddot')}
+    for values in (bad, np.array(bad)):
+        with pytest.raises(InvalidInputError, match=rf'^{name}(\[\d\])? '):
+            finite_motion(**{**motion, name: values}, size=2)  # type: ignore[arg-type]
 
 
 def test_errors_are_robots_errors_and_value_errors():

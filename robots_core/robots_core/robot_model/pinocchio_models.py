@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from robots_core.robot_model.kinematic_model import KinematicModel
 from robots_core.robot_model.rigid_dynamics_model import RigidDynamicsModel
-from robots_core.validation import Array, finite_vector, read_only
+from robots_core.validation import Array, finite_motion, finite_vector, read_only
 
 
 class PinocchioKinematicModel(KinematicModel):
@@ -34,6 +34,7 @@ class PinocchioRigidDynamicsModel(RigidDynamicsModel):
     def __init__(self, model: pin.Model, base_inertia: pin.Inertia) -> None:
         self._model = model
         self._data = model.createData()
+        self._n = model.nv
         bodies = [base_inertia, *list(model.inertias)[1:]]
         self.masses = read_only([body.mass for body in bodies])
         self.centers_of_mass = read_only([body.lever for body in bodies])
@@ -41,18 +42,14 @@ class PinocchioRigidDynamicsModel(RigidDynamicsModel):
 
     def torques(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
         """See `RigidDynamicsModel.torques`."""
-        n = self._model.nv
-        q, q_dot = finite_vector(q, n, 'q'), finite_vector(q_dot, n, 'q_dot')
-        return np.array(pin.rnea(self._model, self._data, q, q_dot, finite_vector(q_ddot, n, 'q_ddot')))
+        return np.asarray(pin.rnea(self._model, self._data, *finite_motion(q, q_dot, q_ddot, self._n)))
 
     def mass_matrix(self, q: Array) -> Array:
         """See `RigidDynamicsModel.mass_matrix`."""
-        q = finite_vector(q, self._model.nv, 'q')
-        upper = np.triu(pin.crba(self._model, self._data, q))
-        return np.asarray(upper + np.triu(upper, 1).T)
+        # From Python, Pinocchio hands out both triangles.
+        return np.asarray(pin.crba(self._model, self._data, finite_vector(q, self._n, 'q')))
 
     def bias_torques(self, q: Array, q_dot: Array) -> Array:
         """See `RigidDynamicsModel.bias_torques`."""
-        n = self._model.nv
-        q, q_dot = finite_vector(q, n, 'q'), finite_vector(q_dot, n, 'q_dot')
-        return np.array(pin.nonLinearEffects(self._model, self._data, q, q_dot))
+        q, q_dot = finite_vector(q, self._n, 'q'), finite_vector(q_dot, self._n, 'q_dot')
+        return np.asarray(pin.nonLinearEffects(self._model, self._data, q, q_dot))

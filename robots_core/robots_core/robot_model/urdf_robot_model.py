@@ -22,7 +22,7 @@ from robots_core.robot_model.robot_visualization import RobotVisualization
 from robots_core.robot_model.structural_data import StructuralData
 from robots_core.robot_model.urdf_chain import pinocchio_xml, read_urdf_chain
 from robots_core.robot_model.urdf_shapes import urdf_shapes, with_absolute_meshes
-from robots_core.validation import Array, finite_vector, read_only
+from robots_core.validation import Array, finite_motion, finite_vector, read_only
 
 EARTH_GRAVITY: Final = (0.0, 0.0, -9.81)  # m/s^2, of a base that stands upright
 
@@ -91,6 +91,7 @@ class UrdfRobotModel(BaseRobotModel):
         model.gravity.linear = finite_vector(gravity, 3, 'gravity')
         self._model = model
         self._data = model.createData()
+        self._n = model.nv
         self._tool0 = model.getFrameId(chain.tip, pin.FrameType.BODY)
         self._kinematic_model = PinocchioKinematicModel(model)
         self._rigid_dynamics_model = PinocchioRigidDynamicsModel(model, model.inertias[0])
@@ -159,34 +160,34 @@ class UrdfRobotModel(BaseRobotModel):
 
     def direct_kinematics(self, q: Array) -> tuple[Array, Array]:
         """See `BaseRobotModel.direct_kinematics`."""
-        pin.forwardKinematics(self._model, self._data, finite_vector(q, self.num_axes, 'q'))
+        pin.forwardKinematics(self._model, self._data, finite_vector(q, self._n, 'q'))
         placement = pin.updateFramePlacement(self._model, self._data, self._tool0)
-        return placement.translation.copy(), placement.rotation.copy()
+        # The placement is a copy of its own, kept by the position; the copied rotation is in C order.
+        return placement.translation, placement.rotation.copy()
 
     def jacobian(self, q: Array) -> Array:
         """See `BaseRobotModel.jacobian`."""
-        q = finite_vector(q, self.num_axes, 'q')
+        q = finite_vector(q, self._n, 'q')
         return np.asarray(
             pin.computeFrameJacobian(self._model, self._data, q, self._tool0, pin.LOCAL_WORLD_ALIGNED)
         )
 
     def jacobian_der(self, q: Array, q_dot: Array) -> Array:
         """See `BaseRobotModel.jacobian_der`."""
-        n = self.num_axes
-        pin.computeJointJacobiansTimeVariation(
-            self._model, self._data, finite_vector(q, n, 'q'), finite_vector(q_dot, n, 'q_dot')
-        )
-        pin.updateFramePlacement(self._model, self._data, self._tool0)
+        q, q_dot = finite_vector(q, self._n, 'q'), finite_vector(q_dot, self._n, 'q_dot')
+        pin.computeJointJacobiansTimeVariation(self._model, self._data, q, q_dot)
         return np.asarray(
             pin.getFrameJacobianTimeVariation(self._model, self._data, self._tool0, pin.LOCAL_WORLD_ALIGNED)
         )
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""
-        q_ddot = finite_vector(q_ddot, self.num_axes, 'q_ddot')
-        M = self._rigid_dynamics_model.mass_matrix(q)
-        tau_aux = self._rigid_dynamics_model.bias_torques(q, q_dot)
-        return M @ q_ddot + tau_aux, M, tau_aux
+        q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
+        M: Array = pin.crba(self._model, self._data, q)
+        tau_aux: Array = pin.nonLinearEffects(self._model, self._data, q, q_dot)
+        tau: Array = M.dot(q_ddot)  # on a few values half the time of the operator
+        tau += tau_aux
+        return tau, M, tau_aux
 
     def inverse_kinematics_analytic(self, r: Array, T: Array, *, q_near: Array | None = None) -> Array:
         """See `BaseRobotModel.inverse_kinematics_analytic`; the form is found from the lines of the axes."""
