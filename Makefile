@@ -79,6 +79,10 @@ benchmark-controller: build  ## The controller's timing side by side with a bare
 benchmark-analytic-ik: build .venv/benchmark/.installed  ## Analytic inverse kinematics side by side with EAIK
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_analytic_ik.py
 
+.PHONY: benchmark-kinematics
+benchmark-kinematics: build .venv/benchmark/.installed  ## Kinematics and dynamics of all robots side by side with peers
+	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_kinematics.py
+
 .PHONY: benchmark-inverse-kinematics
 benchmark-inverse-kinematics: build .venv/benchmark/.installed  ## Numerical and constrained inverse kinematics side by side with peers
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_inverse_kinematics.py

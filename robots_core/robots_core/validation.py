@@ -51,6 +51,22 @@ def finite_vector(values: ArrayLike, size: int, name: str) -> Array:
     return array
 
 
+def finite_state(q: ArrayLike, q_dot: ArrayLike, size: int) -> tuple[Array, Array]:
+    """`q` and `q_dot` as float64 arrays of shape (size,), checked in one go.
+
+    Raises:
+        InvalidInputError: one of them has another shape, or NaN or infinity in it.
+    """
+    if (
+        type(q) is type(q_dot) is np.ndarray
+        and q.shape == q_dot.shape == (size,)
+        and q.dtype is q_dot.dtype is FLOAT64
+        and isfinite(sum(q.tolist() + q_dot.tolist()))
+    ):
+        return q, q_dot
+    return finite_vector(q, size, 'q'), finite_vector(q_dot, size, 'q_dot')
+
+
 def finite_motion(q: ArrayLike, q_dot: ArrayLike, q_ddot: ArrayLike, size: int) -> tuple[Array, Array, Array]:
     """`q`, `q_dot` and `q_ddot` as float64 arrays of shape (size,), checked in one go.
 

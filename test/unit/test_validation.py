@@ -8,6 +8,7 @@ import pytest
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.validation import (
     finite_motion,
+    finite_state,
     finite_vector,
     fraction,
     positive,
@@ -59,20 +60,32 @@ def test_finite_vector_refuses_what_is_not_finite_in_an_array(values: tuple[floa
         finite_vector(np.array(values), 3, 'q')
 
 
-def test_finite_motion_takes_sequences_and_arrays():
+def test_finite_state_and_motion_take_sequences_and_arrays():
+    expected = np.array([[1.0, 2.0], [3.0, 4.0], [1e308, 1e308]])
     for convert in (list, tuple, np.array):
-        motion = finite_motion(convert([1, 2]), convert([3.0, 4.0]), convert([1e308, 1e308]), 2)
-        assert all(vector.dtype == np.float64 for vector in motion)
-        np.testing.assert_array_equal(motion, [[1.0, 2.0], [3.0, 4.0], [1e308, 1e308]])
+        motion = [convert(values) for values in ([1, 2], [3.0, 4.0], [1e308, 1e308])]
+        for vectors in (
+            finite_motion(*motion, 2),
+            finite_state(*motion[:2], 2),
+            finite_state(*motion[1:], 2),
+        ):
+            assert all(vector.dtype == np.float64 for vector in vectors)
+        np.testing.assert_array_equal(finite_motion(*motion, 2), expected)
+        np.testing.assert_array_equal(finite_state(*motion[1:], 2), expected[1:])
 
 
 @pytest.mark.parametrize('bad', [[0.0], [[0.0], [0.0]], [0.0, np.nan], [-np.inf, np.inf], 'ab'])
-@pytest.mark.parametrize('name', ['q', 'q_dot', 'q_ddot'])
-def test_finite_motion_names_what_it_refuses(name: str, bad: object):
-    motion: dict[str, object] = {other: np.zeros(2) for other in ('q', 'q_dot', 'q_ddot')}
+@pytest.mark.parametrize('index', [0, 1, 2])
+def test_finite_state_and_motion_name_what_they_refuse(index: int, bad: object):
+    named = rf'^{("q", "q_dot", "q_ddot")[index]}(\[\d\])? '
     for values in (bad, np.array(bad)):
-        with pytest.raises(InvalidInputError, match=rf'^{name}(\[\d\])? '):
-            finite_motion(**{**motion, name: values}, size=2)  # type: ignore[arg-type]
+        motion: list[object] = [np.zeros(2)] * 3
+        motion[index] = values
+        with pytest.raises(InvalidInputError, match=named):
+            finite_motion(*motion, 2)  # type: ignore[arg-type]
+        if index < 2:
+            with pytest.raises(InvalidInputError, match=named):
+                finite_state(*motion[:2], 2)  # type: ignore[arg-type]
 
 
 def test_errors_are_robots_errors_and_value_errors():

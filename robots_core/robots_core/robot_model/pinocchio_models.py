@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from robots_core.robot_model.kinematic_model import KinematicModel
 from robots_core.robot_model.rigid_dynamics_model import RigidDynamicsModel
-from robots_core.validation import Array, finite_motion, finite_vector, read_only
+from robots_core.validation import Array, finite_motion, finite_state, finite_vector, read_only
 
 
 class PinocchioKinematicModel(KinematicModel):
@@ -51,5 +51,5 @@ class PinocchioRigidDynamicsModel(RigidDynamicsModel):
 
     def bias_torques(self, q: Array, q_dot: Array) -> Array:
         """See `RigidDynamicsModel.bias_torques`."""
-        q, q_dot = finite_vector(q, self._n, 'q'), finite_vector(q_dot, self._n, 'q_dot')
+        q, q_dot = finite_state(q, q_dot, self._n)
         return np.asarray(pin.nonLinearEffects(self._model, self._data, q, q_dot))

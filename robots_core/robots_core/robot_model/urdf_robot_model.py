@@ -22,7 +22,7 @@ from robots_core.robot_model.robot_visualization import RobotVisualization
 from robots_core.robot_model.structural_data import StructuralData
 from robots_core.robot_model.urdf_chain import pinocchio_xml, read_urdf_chain
 from robots_core.robot_model.urdf_shapes import urdf_shapes, with_absolute_meshes
-from robots_core.validation import Array, finite_motion, finite_vector, read_only
+from robots_core.validation import Array, finite_motion, finite_state, finite_vector, read_only
 
 EARTH_GRAVITY: Final = (0.0, 0.0, -9.81)  # m/s^2, of a base that stands upright
 
@@ -168,17 +168,17 @@ class UrdfRobotModel(BaseRobotModel):
     def jacobian(self, q: Array) -> Array:
         """See `BaseRobotModel.jacobian`."""
         q = finite_vector(q, self._n, 'q')
-        return np.asarray(
-            pin.computeFrameJacobian(self._model, self._data, q, self._tool0, pin.LOCAL_WORLD_ALIGNED)
-        )
+        J: Array = pin.computeFrameJacobian(self._model, self._data, q, self._tool0, pin.LOCAL_WORLD_ALIGNED)
+        return J
 
     def jacobian_der(self, q: Array, q_dot: Array) -> Array:
         """See `BaseRobotModel.jacobian_der`."""
-        q, q_dot = finite_vector(q, self._n, 'q'), finite_vector(q_dot, self._n, 'q_dot')
+        q, q_dot = finite_state(q, q_dot, self._n)
         pin.computeJointJacobiansTimeVariation(self._model, self._data, q, q_dot)
-        return np.asarray(
-            pin.getFrameJacobianTimeVariation(self._model, self._data, self._tool0, pin.LOCAL_WORLD_ALIGNED)
+        J_der: Array = pin.getFrameJacobianTimeVariation(
+            self._model, self._data, self._tool0, pin.LOCAL_WORLD_ALIGNED
         )
+        return J_der
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""
