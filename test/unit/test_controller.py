@@ -120,7 +120,7 @@ def test_takes_the_next_trajectory_after_feedback_was_lost_and_came_back(control
     while not controller.outcomes:
         now += 0.01
         controller.step(now, None)
-    assert 'no feedback for 0.2 s' in controller.outcomes.popleft().message
+    assert 'no feedback for 0.5 s' in controller.outcomes.popleft().message
     reference = controller.reference
     assert reference is not None
     controller.step(now + 0.01, reference[0])
