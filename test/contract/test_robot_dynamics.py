@@ -16,6 +16,13 @@ RELATIVE = 1e-11
 # Central differences of an energy of up to 1e5 J, see reference.STEP: rounding eps E / h = 2e-6 N m.
 ENERGY_TOLERANCE = 1e-5
 
+SWING_END = 2.0  # s
+# Gauss-Legendre of a power that swings at most some ten times: converged to rounding with this many nodes.
+_nodes, _weights = np.polynomial.legendre.leggauss(100)
+SWING_TIMES, SWING_WEIGHTS = 0.5 * SWING_END * (_nodes + 1.0), 0.5 * SWING_END * _weights
+# Energies of up to 1e5 J that cancel to what is exchanged, each good to 1e-15.
+SWING_TOLERANCE = 1e-11
+
 
 def test_tau_is_mass_times_acceleration_plus_the_rest(robot: BaseRobotModel, postures: np.ndarray):
     n = robot.num_axes
@@ -80,6 +87,30 @@ def test_kinetic_energy_is_that_of_the_bodies(robot: BaseRobotModel, postures: n
         np.testing.assert_allclose(energy, expected, rtol=1e-7)
 
 
+def test_energy_is_balanced_over_a_random_swing(robot: BaseRobotModel):
+    """What the drives put in is what the bodies have gained."""
+    rng = np.random.default_rng(3)
+    amplitude = rng.uniform(0.3, 1.0, robot.num_axes)
+    frequency = rng.uniform(1.0, 3.0, robot.num_axes)
+    phase = rng.uniform(0.0, 2.0 * np.pi, robot.num_axes)
+
+    def motion(t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        angle = frequency * t + phase
+        wave = amplitude * np.sin(angle)
+        return robot.home + wave, amplitude * frequency * np.cos(angle), -(frequency**2) * wave
+
+    def energy(t: float) -> float:
+        q, q_dot, _ = motion(t)
+        kinetic = 0.5 * q_dot @ robot.rigid_dynamics_model.mass_matrix(q) @ q_dot
+        return float(kinetic) + _potential_energy(robot, q)
+
+    powers = np.array([robot.rigid_dynamics(q, v, a)[0] @ v for q, v, a in map(motion, SWING_TIMES)])
+    exchanged = SWING_WEIGHTS @ np.abs(powers)
+    assert exchanged > 0.0
+    gained = energy(SWING_END) - energy(0.0)
+    np.testing.assert_allclose(SWING_WEIGHTS @ powers, gained, rtol=0.0, atol=SWING_TOLERANCE * exchanged)
+
+
 def test_bodies_are_physical(robot: BaseRobotModel):
     model = robot.rigid_dynamics_model
     n = robot.num_axes
@@ -107,7 +138,7 @@ def _motions(postures: np.ndarray) -> Iterable[tuple[np.ndarray, ...]]:
 
 
 def _assert_close(mine: np.ndarray, expected: np.ndarray) -> None:
-    np.testing.assert_allclose(mine, expected, atol=RELATIVE * np.abs(expected).max())
+    np.testing.assert_allclose(mine, expected, rtol=0.0, atol=RELATIVE * np.abs(expected).max())
 
 
 def _centers_of_mass(robot: BaseRobotModel, q: np.ndarray) -> np.ndarray:
