@@ -79,7 +79,7 @@ class ControllerNode(RobotNode):
         self._mailbox: deque[Callable[[float], None]] = deque()
         self._planner_seen = False
         self._refusal: RobotsError | None = None
-        self._refused_at = -math.inf
+        self._refusal_time = -math.inf
         self._progress_every = max(1, round(rate / PROGRESS_RATE))
         self._feedback_every = max(1, round(rate / FEEDBACK_RATE))
         self._cycle = 0
@@ -171,7 +171,7 @@ class ControllerNode(RobotNode):
             self.get_logger().error(  # type: ignore[no-untyped-call]
                 f'joint_trajectory: {error}', throttle_duration_sec=REFUSAL_PERIOD
             )
-            self._refusal, self._refused_at = error, now
+            self._refusal, self._refusal_time = error, now
 
     # -- the executor's thread -----------------------------------------------------------------------
 
@@ -259,7 +259,7 @@ class ControllerNode(RobotNode):
             'missed_deadlines': self._thread.missed,
             'realtime': self._thread.realtime,
         }
-        refused_lately = time.monotonic() - self._refused_at < REFUSAL_PERIOD
+        refused_lately = time.monotonic() - self._refusal_time < REFUSAL_PERIOD
         if controller.state is ControllerState.WAITING:
             self.report_health(DiagnosticStatus.WARN, 'waiting for joint_states', **values)
         elif controller.feedback_lost:

@@ -98,7 +98,7 @@ class InverseKinematicsNode(RobotNode):
         self._oldest = math.inf
         self._step_result: FollowedStep | None = None
         self._durations: deque[float] = deque(maxlen=round(10.0 * rate))
-        self._refusal, self._refused_at = '', -math.inf
+        self._refusal, self._refusal_time = '', -math.inf
         self._ended = ''
         self._cycle = 0
         self._controller_every = max(1, round(rate / CONTROLLER_RATE))
@@ -239,7 +239,7 @@ class InverseKinematicsNode(RobotNode):
         return np.array([position, velocity, np.zeros_like(position)])
 
     def _refuse_input(self, topic: str, error: RobotsError) -> None:
-        self._refusal, self._refused_at = f'{topic}: {error}', time.monotonic()
+        self._refusal, self._refusal_time = f'{topic}: {error}', time.monotonic()
         self.get_logger().error(  # type: ignore[no-untyped-call]
             self._refusal, throttle_duration_sec=REFUSAL_SHOWN
         )
@@ -262,7 +262,7 @@ class InverseKinematicsNode(RobotNode):
         durations = list(self._durations)
         if durations:
             values['computation_p99_ms'] = f'{1e3 * float(np.percentile(durations, 99.0)):.3f}'
-        if time.monotonic() - self._refused_at < REFUSAL_SHOWN:
+        if time.monotonic() - self._refusal_time < REFUSAL_SHOWN:
             self.report_health(DiagnosticStatus.WARN, self._refusal, **values)
         elif self._streaming:
             self.ready('following', **values)

@@ -11,7 +11,14 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from robots_core.blocks.inverse_kinematics.chain import SerialChain
-from robots_core.blocks.inverse_kinematics.damped_kernel import reached, search, solve_pose, solve_poses
+from robots_core.blocks.inverse_kinematics.damped_kernel import (
+    PATIENT,
+    PROGRESS_STEPS,
+    reached,
+    search,
+    solve_pose,
+    solve_poses,
+)
 from robots_core.blocks.inverse_kinematics.ik_result import IkBatch, IkResult
 from robots_core.blocks.inverse_kinematics.redundancy import Redundancy, redundancy_arrays
 from robots_core.errors import InvalidInputError
@@ -55,7 +62,7 @@ class DampedLeastSquares:
         *,
         tolerances: tuple[float, float] = (1e-10, 1e-10),
         max_iterations: int = 60,
-        restarts: int = 100,
+        restarts: int = 300,
         seed: int = 0,
         tool: Pose | None = None,
         redundancy: Redundancy | None = None,
@@ -69,6 +76,7 @@ class DampedLeastSquares:
             positive(tolerances[0], 'position tolerance', 'm'),
             positive(tolerances[1], 'orientation tolerance', 'rad'),
             int(max_iterations),
+            PROGRESS_STEPS,
         )
         self._chain = SerialChain.of(robot, tool).arrays
         self._limits = np.array([self._axes.lower, self._axes.upper])
@@ -106,7 +114,7 @@ class DampedLeastSquares:
     def refine(self, pose: Pose, q_near: Array, max_iterations: int = 8) -> IkResult:
         """Like `solve` from a point close to the solution: few steps, no restarts, no checks."""
         q, error = np.array(q_near, dtype=np.float64), np.empty(6)
-        options = (*self._options[:2], max_iterations)
+        options = (*self._options[:2], max_iterations, PATIENT)
         steps = search(self._chain, self._limits, options, self._taken(pose), q, error)
         return self._result(q, error, steps)
 
