@@ -47,7 +47,7 @@ class RobotNode(Node):
         self.robot = load_robot_model(self.robot_name)
         self._health = (DiagnosticStatus.STALE, 'starting')
         self._health_values: dict[str, object] = {}
-        self._refused_at: dict[str, float] = {}
+        self._bad_streams: dict[str, float] = {}
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', COMMAND)
         self.create_timer(HEALTH_PERIOD, self._publish_health)
 
@@ -141,8 +141,8 @@ class RobotNode(Node):
             stream: The topic is a stream: as long as it stays bad it is logged once in `REPEAT_PERIOD`.
         """
         now = time.monotonic()
-        if not stream or now - self._refused_at.get(topic, -REPEAT_PERIOD) >= REPEAT_PERIOD:
-            self._refused_at[topic] = now
+        if not stream or now - self._bad_streams.get(topic, -REPEAT_PERIOD) >= REPEAT_PERIOD:
+            self._bad_streams[topic] = now
             self.get_logger().error(f'{topic}: {error}')  # type: ignore[no-untyped-call]
         self.report_health(DiagnosticStatus.WARN, f'{topic}: {error}')
 
