@@ -84,6 +84,7 @@ class Controller:
         self._brake: Brake | None = None
         self._feedback: Array | None = None
         self._feedback_time = -np.inf
+        self._feedback_new = False
         self._feedback_lost = True
 
     @property
@@ -215,6 +216,7 @@ class Controller:
         return self._reference
 
     def _take_feedback(self, now: float, feedback: Array | None) -> None:
+        self._feedback_new = feedback is not None
         if feedback is not None:
             self._feedback, self._feedback_time, self._feedback_lost = feedback, now, False
             if self._reference is None:
@@ -316,7 +318,8 @@ class Controller:
 
     def _lag(self, reference: Array) -> str | None:
         """Which axis is too far from the reference, for a person."""
-        if self._feedback is None:
+        # Feedback that is late says nothing about the drives; `feedback_timeout` judges that.
+        if self._feedback is None or not self._feedback_new:
             return None
         error = np.abs(self._feedback - reference[0])
         worst = int(error.argmax())

@@ -6,6 +6,7 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
@@ -18,6 +19,8 @@ MAX_ITERATIONS = 200
 SMALLEST_PIVOT = 1e-18
 # A constraint broken by less is kept: rounding of sums of terms of order one.
 TOLERANCE = 1e-11
+# Multipliers this far below zero, relative to the largest, are rounding.
+ROUNDING = 1e-9
 # A step direction shorter than this, relative to the constraint, is rounding: the constraint depends on the
 # active ones.
 DEPENDENT = 1e-12
@@ -100,6 +103,7 @@ def solve_factorised(
     d, z, r, normal = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     count = 0
     iterations = 0
+    fresh = False
     while True:
         worst, chosen = -TOLERANCE, -1
         for p in range(total):
@@ -109,9 +113,24 @@ def solve_factorised(
             if gap < worst:
                 worst, chosen = gap, p
         if chosen < 0:
-            for k in range(count):
-                multipliers[active[k]] = u[k]
-            return SOLVED
+            if fresh or count == 0:
+                for k in range(count):
+                    multipliers[active[k]] = max(u[k], 0.0)
+                return SOLVED
+            # Multipliers may have been huge on the way, and left their rounding behind.
+            _recompute(J, R, f, low, high, c, active, count, x, u)
+            fresh = True
+            leaving = int(np.argmin(u[:count]))
+            if u[leaving] < -ROUNDING * (1.0 + np.abs(u[:count]).max()):
+                _drop(J, R, active, is_active, u, leaving, count)
+                count -= 1
+                _recompute(J, R, f, low, high, c, active, count, x, u)
+                fresh = False
+            iterations += 1
+            if iterations > MAX_ITERATIONS:
+                return EXHAUSTED
+            continue
+        fresh = False
         normal[:] = 0.0
         if chosen < n:
             normal[chosen] = 1.0
@@ -166,13 +185,65 @@ def solve_factorised(
                 is_active[chosen] = True
                 count += 1
                 break
-            is_active[active[leaving]] = False
-            for k in range(leaving, count - 1):
-                active[k] = active[k + 1]
-                u[k] = u[k + 1]
-            u[count - 1] = u[count]
-            _remove(J, R, leaving, count)
+            _drop(J, R, active, is_active, u, leaving, count)
             count -= 1
+
+
+@compiled()
+def _drop(
+    J: Array,
+    R: Array,
+    active: NDArray[np.int64],
+    is_active: NDArray[np.bool_],
+    u: Array,
+    leaving: int,
+    count: int,
+) -> None:
+    """Forget an active constraint; multipliers behind it, that of a coming one too, move up."""
+    is_active[active[leaving]] = False
+    for k in range(leaving, count - 1):
+        active[k] = active[k + 1]
+        u[k] = u[k + 1]
+    u[count - 1] = u[count]
+    _remove(J, R, leaving, count)
+
+
+@compiled()
+def _recompute(
+    J: Array,
+    R: Array,
+    f: Array,
+    low: Array,
+    high: Array,
+    c: Array,
+    active: NDArray[np.int64],
+    count: int,
+    x: Array,
+    u: Array,
+) -> None:
+    """Fill x and u from the active constraints: x = J y, R^T y_1 = b, y_2 = -J_2^T f, R u = y_1 + J_1^T f."""
+    n = f.size
+    y, slope = np.zeros(n), np.zeros(n)
+    for j in range(n):
+        for i in range(n):
+            slope[j] += J[i, j] * f[i]
+    for k in range(count):
+        p = active[k]
+        bound = low[p] if p < n else -high[p - n] if p < 2 * n else -c[p - 2 * n]
+        for i in range(k):
+            bound -= R[i, k] * y[i]
+        y[k] = bound / R[k, k]
+    for j in range(count, n):
+        y[j] = -slope[j]
+    for i in range(n):
+        x[i] = 0.0
+        for j in range(n):
+            x[i] += J[i, j] * y[j]
+    for k in range(count - 1, -1, -1):
+        value = y[k] + slope[k]
+        for j in range(k + 1, count):
+            value -= R[k, j] * u[j]
+        u[k] = value / R[k, k]
 
 
 @compiled()
