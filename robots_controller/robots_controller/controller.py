@@ -176,7 +176,8 @@ class Controller:
         if self._reference is None or self._feedback_lost:
             raise TrajectoryRefusedError('no feedback from the robot: is its drive publishing joint_states?')
         point.check(self._axes, now)
-        if self._stream.failure or now < self._stream_refused_until:
+        stopped = self._stream.failure is not None and not self._stream.stale
+        if stopped or now < self._stream_refused_until:
             self._stream_refused_until = now + self.settings.stream_timeout
             raise TrajectoryRefusedError(
                 f'the stream was stopped; it may begin anew after {self.settings.stream_timeout:g} s of pause'
@@ -189,8 +190,8 @@ class Controller:
 
     def stop(self, reason: str) -> None:
         """Stop on the path and give up the motion; without one, nothing happens."""
-        if self._stream.active and not self._stream.failure:
-            self._stream.failure = reason
+        if self._stream.active and (self._stream.stale or not self._stream.failure):
+            self._stream.failure, self._stream.stale = reason, False
         if self._motion is not None and self._motion.failure is None:
             self._motion.failure = reason
 
@@ -272,10 +273,9 @@ class Controller:
         duration = round(now - stream.start, 6)
         message = failure or 'the stream ended'
         self.outcomes.append(MotionOutcome(stream.id, not failure, message, {'duration': duration}))
-        stream.end()
-        stream.failure = None
-        if failure:  # who goes on sending must notice
+        if failure and not stream.stale:  # who goes on sending must notice
             self._stream_refused_until = now + self.settings.stream_timeout
+        stream.end()
 
     def _advance(self, motion: FollowedMotion, target: float) -> bool:
         """Move along the path for one period; False when the reference stands."""

@@ -82,6 +82,8 @@ class StreamedReference:
         self.id = ''
         self.start = 0.0
         self.failure: str | None = None
+        self.stale = False
+        """The failure is that no point came: a new one is followed at once, from wherever the robot is."""
         self._period = period
         self._point: StreamPoint | None = None
         self._received = -np.inf
@@ -93,17 +95,17 @@ class StreamedReference:
 
     def begin(self, id_: str, now: float) -> None:
         """Start a stream with the point that is put next."""
-        self.id, self.start, self.failure = id_, now, None
+        self.id, self.start, self.failure, self.stale = id_, now, None, False
 
     def put(self, point: StreamPoint, now: float) -> None:
         """Follow another point from now on."""
         self._point, self._received = point, now
-        if self.failure == '':  # it paused at rest and goes on
-            self.failure = None
+        if self.stale:
+            self.failure, self.stale = None, False
 
     def end(self) -> None:
         """Forget the stream."""
-        self._point = None
+        self._point, self.failure, self.stale = None, None, False
 
     def step(self, now: float, reference: Array, speed: float) -> tuple[Array, bool]:
         """Next reference (3, n), and whether the stream is over and the robot stands.
@@ -117,6 +119,7 @@ class StreamedReference:
         assert point is not None
         if self.failure is None and now - self._received > self.timeout:
             rest = not point.velocity.any() and np.abs(point.position - reference[0]).max() <= TOLERANCE
+            self.stale = True
             self.failure = '' if rest else f'no streamed point for {self.timeout:g} s: is its sender running?'
         q, q_dot = reference[0], reference[1]
         if self.failure is not None or speed == 0.0:
