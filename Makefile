@@ -45,7 +45,7 @@ $(BUILD_STAMP): $(VENV_STAMP) $(SOURCES)
 	@echo "Building the workspace ..."
 	@$(BUILD_ENVIRONMENT) colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
 	@.venv/bin/python -m compileall -q install
-	@$(RUN) python -c 'import robots_core.robot_model.analytic.kernels'
+	@$(RUN) python -m robots_core.warm_up
 	@touch $@
 
 .PHONY: build

@@ -12,10 +12,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import pytest
+from hypothesis import settings
 
 if TYPE_CHECKING:
     from rclpy.context import Context  # noqa: TID251
     from rclpy.node import Node  # noqa: TID251
+
+# The same examples in every run: a failure is one of the change at hand, and comes again.
+settings.register_profile('robots', derandomize=True)
+settings.load_profile('robots')
 
 AnyNode = TypeVar('AnyNode')
 

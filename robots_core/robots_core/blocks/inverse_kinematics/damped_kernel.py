@@ -24,7 +24,7 @@ DAMPING_HIGHEST = 1e8  # above, a step is shorter than rounding: the search stan
 DAMPING_LOWEST = 1e-14
 LARGEST_STEP = 1.5  # rad (m) per axis; beyond, the linearisation says nothing about the pose
 # A search is given up for another start when this many steps together gain less than the factor: it crawls
-# along a limit. Chosen by trial on the five robots of the benchmark; shorter leaves good starts too early.
+# along a limit. Chosen by trial on three robots of the benchmark; shorter leaves good starts too early.
 PROGRESS_STEPS = 5
 PROGRESS_FACTOR = 0.5
 PATIENT = 0
