@@ -55,6 +55,8 @@ class BagRecorder(Node):
         self._topics: dict[str, _RecordedTopic] = {}
         self._writer.open()
         self._closed = threading.Event()
+        # A topic may be found while the bag is being closed; then it comes too late.
+        self._discovering = threading.Lock()
         self._thread = threading.Thread(target=self._write, name='bag writer', daemon=True)
         self._thread.start()
         self.create_timer(DISCOVERY_PERIOD, self._discover)
@@ -71,10 +73,16 @@ class BagRecorder(Node):
 
     def close(self) -> None:
         """Write what has come and close the bag; further calls do nothing."""
-        self._closed.set()
+        with self._discovering:
+            self._closed.set()
         self._thread.join()
 
     def _discover(self) -> None:
+        with self._discovering:
+            if not self._closed.is_set():
+                self._find_topics()
+
+    def _find_topics(self) -> None:
         for topic, types in self.get_topic_names_and_types():
             if topic in self._topics or not topic.startswith((self._prefix, '/diagnostics', '/rosout')):
                 continue
