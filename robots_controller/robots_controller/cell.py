@@ -200,6 +200,8 @@ class _Cell:
         self._motion: str | None = None
         self._ended = False
         self._settled = math.inf
+        self._foreign = ''
+        """A node of this cell's that lives in another process too."""
         self.program_ended = False
         self._view = view
 
@@ -253,10 +255,9 @@ class _Cell:
             self._console.print(f'[bold red]{node.name} {node.reason}[/]\n{escape(node.last_words)}')
             self._ended = True
         # Who has been here for a while stays; who comes second leaves.
-        new = time.monotonic() < self._settled
-        if new and (doubled := self._monitor.doubled(self._processes.names)):
+        if self._foreign and time.monotonic() < self._settled:
             self._console.print(
-                f'[bold red]there are two nodes {doubled[0]} in namespace {self._options.namespace}[/]: '
+                f'[bold red]there is another {self._foreign} in namespace {self._options.namespace}[/]: '
                 f'another cell is running; stop it, or give this one a --namespace or a ROS_DOMAIN_ID'
             )
             self._ended = True
@@ -276,7 +277,9 @@ class _Cell:
         """Show what came in since the last call."""
         for event in self._monitor.take():
             if isinstance(event, NodeHealth) and event.pid != self._processes.pid(event.node):
-                continue  # a node of somebody else
+                if event.node in self._processes.names:
+                    self._foreign = event.node
+                continue
             self._note(event)
             self._view.show(event)
         time.sleep(POLL)

@@ -79,11 +79,6 @@ class CellMonitor(Node):
                 taken.append(heapq.heappop(self._events)[2])
         return taken
 
-    def doubled(self, names: Iterable[str]) -> list[str]:
-        """Those of the cell's nodes that exist more than once, as when another cell runs beside it."""
-        there = self.get_node_names_and_namespaces()
-        return sorted(name for name in names if there.count((name, self.get_namespace())) > 1)
-
     def call(self, service: str) -> Future:
         """Call a Trigger service below the namespace; the future holds its response."""
         if service not in self._trigger_clients:
