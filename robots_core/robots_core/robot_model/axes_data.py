@@ -28,10 +28,13 @@ class AxesData:
         effort: Highest torque, N m (force, N), at the joint.
         gear_ratio: Motor revolutions per joint revolution; NaN where not published.
         rotor_inertia: Motor inertia at the motor side, kg m^2; 0 where not published.
+        coulomb_friction: Friction of a sliding axis, N m (N), at the joint; 0 where not published.
+        viscous_friction: What friction grows with speed, N m s/rad (N s/m), at the joint; likewise.
         prismatic: True for an axis that slides.
 
     Raises:
-        InvalidInputError: arrays of different lengths, limits that are not positive, or lower >= upper.
+        InvalidInputError: arrays of different lengths, limits that are not positive, friction below zero, or
+            lower >= upper.
     """
 
     names: tuple[str, ...]
@@ -43,13 +46,16 @@ class AxesData:
     effort: Array
     gear_ratio: Array = field(default_factory=lambda: np.empty(0))
     rotor_inertia: Array = field(default_factory=lambda: np.empty(0))
+    coulomb_friction: Array = field(default_factory=lambda: np.empty(0))
+    viscous_friction: Array = field(default_factory=lambda: np.empty(0))
     prismatic: tuple[bool, ...] = ()
 
     def __post_init__(self) -> None:
         n = len(self.names)
         if n == 0:
             raise InvalidInputError('a robot needs at least one axis')
-        defaults = {'gear_ratio': np.full(n, np.nan), 'rotor_inertia': np.zeros(n)}
+        defaults = {'gear_ratio': np.full(n, np.nan)}
+        defaults |= dict.fromkeys(('rotor_inertia', 'coulomb_friction', 'viscous_friction'), np.zeros(n))
         for item in fields(self):
             if item.name in ('names', 'prismatic'):
                 continue
@@ -80,6 +86,12 @@ class AxesData:
                     raise InvalidInputError(
                         f'axis {name}: {quantity} limit {value:g} must be a finite number above 0'
                     )
+            for quantity in ('rotor_inertia', 'coulomb_friction', 'viscous_friction'):
+                value = getattr(self, quantity)[index]
+                if not 0.0 <= value < np.inf:
+                    raise InvalidInputError(
+                        f'axis {name}: {quantity} {value:g} must be a finite number, 0 or above'
+                    )
 
     @property
     def num_axes(self) -> int:
@@ -90,6 +102,12 @@ class AxesData:
     def continuous(self) -> NDArray[np.bool_]:
         """(n,) bool: the axis turns without end."""
         return np.isinf(self.lower) & np.isinf(self.upper)
+
+    @property
+    def reflected_inertia(self) -> Array:
+        """Rotor inertia as felt at the joint, (n,), kg m^2 (kg): gear ratio squared times rotor inertia."""
+        ratio = np.where(np.isnan(self.gear_ratio), 0.0, self.gear_ratio)
+        return np.asarray(ratio**2 * self.rotor_inertia)
 
     def unit(self, index: int) -> str:
         """Unit of the position of axis `index`: 'rad' or 'm'."""

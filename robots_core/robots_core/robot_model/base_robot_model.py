@@ -5,6 +5,7 @@ from abc import ABC, abstractmethod
 from robots_core.errors import NoAnalyticInverseKinematicsError
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.collision_model import CollisionModel
+from robots_core.robot_model.drive_data import DriveData
 from robots_core.robot_model.kinematic_model import KinematicModel
 from robots_core.robot_model.rigid_dynamics_model import RigidDynamicsModel
 from robots_core.robot_model.robot_visualization import RobotVisualization
@@ -64,6 +65,11 @@ class BaseRobotModel(ABC):
     @abstractmethod
     def home(self) -> Array:
         """A posture inside the limits to start from, (n,), read-only."""
+
+    @property
+    def drive_data(self) -> DriveData:
+        """Motors, gears and their controllers; by default what `DriveData.from_limits` makes of the axes."""
+        return DriveData.from_limits(self.axes_data)
 
     @property
     def orientation_convention(self) -> str:

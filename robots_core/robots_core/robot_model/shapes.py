@@ -36,6 +36,21 @@ class Cylinder:
 
 
 @dataclass(frozen=True)
+class Capsule:
+    """Cylinder along z with a half sphere on each end, centred in its frame; metres.
+
+    `length` is that of the cylinder, without the half spheres.
+    """
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        positive(self.radius, 'capsule radius', 'm')
+        positive(self.length, 'capsule length', 'm')
+
+
+@dataclass(frozen=True)
 class Sphere:
     """Sphere centred in its frame; radius in metres."""
 
@@ -59,7 +74,7 @@ class Mesh:
         object.__setattr__(self, 'faces', faces)
 
 
-Geometry = Box | Cylinder | Sphere | Mesh
+Geometry = Box | Cylinder | Capsule | Sphere | Mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +103,8 @@ def triangle_mesh(geometry: Geometry) -> trimesh.Trimesh:
             return trimesh.creation.box(extents=size)
         case Cylinder(radius, length):
             return trimesh.creation.cylinder(radius=radius, height=length, sections=32)
+        case Capsule(radius, length):
+            return trimesh.creation.capsule(height=length, radius=radius, count=[16, 32])
         case Sphere(radius):
             return trimesh.creation.icosphere(subdivisions=2, radius=radius)
         case Mesh(vertices, faces):

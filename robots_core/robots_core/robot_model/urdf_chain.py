@@ -30,6 +30,8 @@ EXTRA_KEYS: Final = (
     'max_effort',
     'gear_ratio',
     'rotor_inertia',
+    'coulomb_friction',
+    'viscous_friction',
 )
 
 
@@ -65,8 +67,9 @@ def read_urdf_chain(
 
     Moving joints off the chain, such as fingers or joints that mimic others, are held fixed at zero.
     Accelerations and jerks come from `joint_limits` (the format of MoveIt's joint_limits.yaml), which goes
-    before the URDF with every other limit too; where it has none, full speed is reached in 0.5 s and full
-    acceleration in 0.1 s. Speed and effort have no default: a robot needs them from one of the files.
+    before the URDF with every other limit too, with friction (`<dynamics>`) and with gear ratios; where it
+    has none, full speed is reached in 0.5 s and full acceleration in 0.1 s. Speed and effort have no
+    default: a robot needs them from one of the files.
 
     Args:
         xml: URDF text.
@@ -166,7 +169,19 @@ def _axes_data(
     root: etree._Element, moving: list[etree._Element], limits: dict[str, dict[str, float]]
 ) -> AxesData:
     columns: dict[str, list[float]] = {
-        key: [] for key in ('lower', 'upper', 'velocity', 'acceleration', 'jerk', 'effort', 'gear', 'rotor')
+        key: []
+        for key in (
+            'lower',
+            'upper',
+            'velocity',
+            'acceleration',
+            'jerk',
+            'effort',
+            'gear',
+            'rotor',
+            'coulomb',
+            'viscous',
+        )
     }
     reductions = _transmissions(root)
     for joint in moving:
@@ -198,6 +213,9 @@ def _axes_data(
         columns['effort'].append(given['effort'])
         columns['gear'].append(extra.get('gear_ratio', reductions.get(name, np.nan)))
         columns['rotor'].append(extra.get('rotor_inertia', 0.0))
+        resistance = _dynamics(joint)
+        columns['coulomb'].append(extra.get('coulomb_friction', resistance.get('friction', 0.0)))
+        columns['viscous'].append(extra.get('viscous_friction', resistance.get('damping', 0.0)))
     return AxesData(
         names=tuple(str(joint.get('name')) for joint in moving),
         lower=np.array(columns['lower']),
@@ -208,7 +226,20 @@ def _axes_data(
         effort=np.array(columns['effort']),
         gear_ratio=np.array(columns['gear']),
         rotor_inertia=np.array(columns['rotor']),
+        coulomb_friction=np.array(columns['coulomb']),
+        viscous_friction=np.array(columns['viscous']),
         prismatic=tuple(joint.get('type') == 'prismatic' for joint in moving),
+    )
+
+
+def _dynamics(joint: etree._Element) -> dict[str, float]:
+    """Friction and damping of a joint, where the URDF has them."""
+    dynamics = joint.find('dynamics')
+    where = f'joint {str(joint.get("name"))!r}'
+    return (
+        {}
+        if dynamics is None
+        else {str(key): _number(where, str(key), value) for key, value in dynamics.attrib.items()}
     )
 
 

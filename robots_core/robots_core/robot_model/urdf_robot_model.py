@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable
 from functools import cached_property
+from importlib import import_module
+from math import isfinite
 from pathlib import Path
 from typing import Final
 
@@ -13,9 +16,11 @@ import yourdfpy
 from numpy.typing import ArrayLike
 
 from robots_core.errors import UnknownRobotError
+from robots_core.robot_model.allowed_pairs import AllowedPairs
 from robots_core.robot_model.analytic.analytic_solver import AnalyticSolver
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.robot_model.chain_links import links_of
 from robots_core.robot_model.collision_model import CollisionModel
 from robots_core.robot_model.pinocchio_models import PinocchioKinematicModel, PinocchioRigidDynamicsModel
 from robots_core.robot_model.robot_visualization import RobotVisualization
@@ -30,6 +35,7 @@ EARTH_GRAVITY: Final = (0.0, 0.0, -9.81)  # m/s^2, of a base that stands upright
 class UrdfRobotModel(BaseRobotModel):
     """A serial robot from a URDF file; kinematics and dynamics by Pinocchio, shapes by yourdfpy.
 
+    Where `allowed_pairs.yaml` lies beside the URDF, collision checks leave out the pairs that it names.
     A link without <inertial> has no mass; a robot without any moves as it should, with torques of zero.
 
     Args:
@@ -93,10 +99,15 @@ class UrdfRobotModel(BaseRobotModel):
         self._data = model.createData()
         self._n = model.nv
         self._tool0 = model.getFrameId(chain.tip, pin.FrameType.BODY)
+        self._links = links_of(model, self._tool0)
         self._kinematic_model = PinocchioKinematicModel(model)
         self._rigid_dynamics_model = PinocchioRigidDynamicsModel(model, model.inertias[0])
         self._visualization = RobotVisualization(urdf_shapes(parsed, model, path.parent, 'visual'))
-        self._collision_model = CollisionModel(urdf_shapes(parsed, model, path.parent, 'collision'))
+        stored = path.with_name('allowed_pairs.yaml')
+        self._collision_model = CollisionModel(
+            urdf_shapes(parsed, model, path.parent, 'collision'),
+            AllowedPairs.read(stored) if stored.is_file() else None,
+        )
         self._home = read_only(
             self._axes_data.check_position(self._default_home() if home is None else home, 'home')
         )
@@ -160,10 +171,15 @@ class UrdfRobotModel(BaseRobotModel):
 
     def direct_kinematics(self, q: Array) -> tuple[Array, Array]:
         """See `BaseRobotModel.direct_kinematics`."""
-        pin.forwardKinematics(self._model, self._data, finite_vector(q, self._n, 'q'))
-        placement = pin.updateFramePlacement(self._model, self._data, self._tool0)
-        # The placement is a copy of its own, kept by the position; the copied rotation is in C order.
-        return placement.translation, placement.rotation.copy()
+        r, T = np.empty(3), np.empty((3, 3))
+        # What is no array of n finite numbers is left to the complete check, which takes longer than this.
+        try:
+            done = self._tool_pose(self._links, q, r, T)
+        except TypeError:
+            done = False
+        if not done:
+            self._tool_pose(self._links, finite_vector(q, self._n, 'q'), r, T)
+        return r, T
 
     def jacobian(self, q: Array) -> Array:
         """See `BaseRobotModel.jacobian`."""
@@ -182,9 +198,19 @@ class UrdfRobotModel(BaseRobotModel):
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""
-        q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
-        M: Array = pin.crba(self._model, self._data, q)
-        tau_aux: Array = pin.nonLinearEffects(self._model, self._data, q, q_dot)
+        # The torques of velocity and gravity are finite if q and q_dot are: one check in the place of three.
+        model, data = self._model, self._data
+        try:
+            M: Array = pin.crba(model, data, q)
+            tau_aux: Array = pin.nonLinearEffects(model, data, q, q_dot)
+            finite = q.shape == q_dot.shape == q_ddot.shape and isfinite(
+                sum(tau_aux.tolist(), sum(q_ddot.tolist()))
+            )
+        except (AttributeError, TypeError, ValueError):
+            finite = False
+        if not finite:
+            q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
+            M, tau_aux = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, q_dot)
         tau: Array = M.dot(q_ddot)  # on a few values half the time of the operator
         tau += tau_aux
         return tau, M, tau_aux
@@ -192,6 +218,12 @@ class UrdfRobotModel(BaseRobotModel):
     def inverse_kinematics_analytic(self, r: Array, T: Array, *, q_near: Array | None = None) -> Array:
         """See `BaseRobotModel.inverse_kinematics_analytic`; the form is found from the lines of the axes."""
         return self._analytic_solver.solve(r, T, q_near)
+
+    @cached_property
+    def _tool_pose(self) -> Callable[..., bool]:
+        # Who asks for no kinematics loads no compiler.
+        function: Callable[..., bool] = import_module('robots_core.robot_model.compiled_kinematics').tool_pose
+        return function
 
     @cached_property
     def _analytic_solver(self) -> AnalyticSolver:

@@ -9,13 +9,13 @@ from urllib.parse import unquote, urlparse
 
 import numpy as np
 import pinocchio as pin
-import trimesh
 import yourdfpy
 from lxml import etree
 
-from robots_core.errors import UnknownRobotError
+from robots_core.errors import InvalidInputError, UnknownRobotError
 from robots_core.pose import Pose
-from robots_core.robot_model.shapes import Box, Cylinder, Geometry, Mesh, Shape, Sphere
+from robots_core.robot_model.mesh_file import read_mesh
+from robots_core.robot_model.shapes import Box, Cylinder, Geometry, Shape, Sphere
 
 DEFAULT_COLOUR = (0.7, 0.7, 0.7, 1.0)
 
@@ -79,15 +79,9 @@ def _geometry(geometry: Any, folder: Path) -> Geometry:
         return Sphere(float(geometry.sphere.radius))
     path = mesh_path(str(geometry.mesh.filename), folder)
     try:
-        mesh = trimesh.load_mesh(path)
-    except (ValueError, NotImplementedError, OSError) as error:
-        raise UnknownRobotError(f'mesh file {str(path)!r} cannot be read: {error}') from error
-    if len(mesh.faces) == 0:
-        raise UnknownRobotError(f'mesh file {str(path)!r} cannot be read: it holds no triangles')
-    scale = 1.0 if geometry.mesh.scale is None else geometry.mesh.scale
-    if path.suffix.lower() == '.dae' and mesh.units:  # the one format that says its unit
-        scale = scale * trimesh.units.unit_conversion(mesh.units, 'meters')
-    return Mesh(np.asarray(mesh.vertices) * scale, np.asarray(mesh.faces))
+        return read_mesh(path, 1.0 if geometry.mesh.scale is None else geometry.mesh.scale)
+    except InvalidInputError as error:
+        raise UnknownRobotError(str(error)) from error
 
 
 def mesh_path(filename: str, folder: Path) -> Path:

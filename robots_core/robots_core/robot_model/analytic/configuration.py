@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, fields
+from typing import Any, Literal, get_args, get_type_hints
+
+from robots_core.errors import InvalidInputError
 
 
 @dataclass(frozen=True)
@@ -24,3 +26,24 @@ class Configuration:
     shoulder: Literal['front', 'back']
     elbow: Literal['up', 'down']
     wrist: Literal['no_flip', 'flip']
+
+    @classmethod
+    def parse(cls, text: str) -> Configuration:
+        """The configuration of three words with '/' between them, as 'front/up/no_flip'.
+
+        Raises:
+            InvalidInputError: other words, or another number of them; names what is valid.
+        """
+        hints = get_type_hints(cls)
+        choices = [get_args(hints[item.name]) for item in fields(cls)]
+        words: list[Any] = text.strip().split('/')
+        if len(words) != len(choices) or any(word not in c for word, c in zip(words, choices, strict=True)):
+            valid = ', '.join(f'{i.name} {" or ".join(c)}' for i, c in zip(fields(cls), choices, strict=True))
+            raise InvalidInputError(
+                f"configuration {text!r} must be three words with '/' between them: {valid}"
+            )
+        return cls(*words)
+
+    def __str__(self) -> str:
+        """The words that `parse` takes."""
+        return f'{self.shoulder}/{self.elbow}/{self.wrist}'
