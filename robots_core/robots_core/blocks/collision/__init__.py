@@ -1,0 +1,1 @@
+"""Collision detection: solids, engines, scenes, and whole trajectories."""

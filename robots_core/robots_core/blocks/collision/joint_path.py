@@ -1,0 +1,130 @@
+"""JointPath: joint positions over time with bounds of how far they go between any two times."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import BPoly
+
+from robots_core.errors import InvalidInputError
+from robots_core.validation import Array, read_only
+
+# Bounds by control points are as close as the pieces are short.
+LONGEST_PIECE = 0.02  # s
+
+
+@dataclass(frozen=True, eq=False)
+class JointPath:
+    """A motion in joint space, as collision checks look at it.
+
+    Between its points it is the quintic through both, as trajectories are in ros2_control and here.
+
+    Attributes:
+        time: (m,) s, increasing; m >= 2.
+        position: (m, n) rad (m).
+        velocity: (m, n) rad/s (m/s).
+        acceleration: (m, n) rad/s^2 (m/s^2).
+
+    Raises:
+        InvalidInputError: shapes that do not match, values that are not finite, or time that does not
+            increase.
+    """
+
+    time: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    _curve: BPoly = field(init=False, repr=False)
+    _travel: Array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        for name in ('time', 'position', 'velocity', 'acceleration'):
+            values = read_only(getattr(self, name))
+            if not np.isfinite(values).all():
+                raise InvalidInputError(f'path {name} holds a value that is not finite')
+            object.__setattr__(self, name, values)
+        m = self.time.size
+        shape = self.position.shape
+        if self.time.shape != (m,) or m < 2 or not (np.diff(self.time) > 0.0).all():
+            raise InvalidInputError('a path needs at least 2 points at increasing times')
+        if len(shape) != 2 or {shape, self.velocity.shape, self.acceleration.shape} != {(m, shape[-1])}:
+            raise InvalidInputError(
+                f'position {shape}, velocity {self.velocity.shape} and acceleration '
+                f'{self.acceleration.shape} must all be ({m}, n), one row per time'
+            )
+        self._make_curve()
+
+    def _make_curve(self) -> None:
+        knots = BPoly(_control_points(self.time, self.position, self.velocity, self.acceleration), self.time)
+        # Every piece is cut into short ones with their own control points.
+        pieces = np.ceil(np.diff(self.time) / LONGEST_PIECE - 1e-9).astype(int)
+        time = np.concatenate(
+            [
+                np.linspace(a, b, count, endpoint=False)
+                for a, b, count in zip(self.time[:-1], self.time[1:], np.maximum(pieces, 1), strict=True)
+            ]
+            + [self.time[-1:]]
+        )
+        states = [np.asarray(knots(time, order)) for order in range(3)]
+        for order, given in enumerate((self.position, self.velocity, self.acceleration)):
+            # The acceleration jumps where only velocities meet: the points' own values hold.
+            states[order][np.searchsorted(time, self.time)] = given
+        points = _control_points(time, *states)
+        # Bernstein polynomials stay within the hull of their control points, and so do their derivatives.
+        steps = np.abs(np.diff(points, axis=0)).max(axis=0) * 5.0
+        travel = np.concatenate([np.zeros((1, points.shape[2])), np.cumsum(steps, axis=0)])
+        object.__setattr__(self, '_curve', BPoly(points, time))
+        object.__setattr__(self, '_travel', travel)
+
+    @classmethod
+    def straight(cls, start: ArrayLike, end: ArrayLike) -> JointPath:
+        """The straight line between two postures (n,), at constant speed within 1 s."""
+        position = np.array([start, end], dtype=np.float64)
+        velocity = np.repeat(position[1:] - position[:1], 2, axis=0)
+        return cls(np.array([0.0, 1.0]), position, velocity, np.zeros_like(position))
+
+    @property
+    def start(self) -> float:
+        """First time, s."""
+        return float(self.time[0])
+
+    @property
+    def end(self) -> float:
+        """Last time, s."""
+        return float(self.time[-1])
+
+    def sample(self, t: float) -> Array:
+        """Joint positions (n,) at a time between start and end."""
+        return np.asarray(self._curve(t), dtype=np.float64)
+
+    def turn(self, low: float, middle: float, high: float) -> Array:
+        """How far each axis gets from where it is at `middle`, between `low` and `high`; (n,) rad (m)."""
+        at = np.array([low, middle, high])
+        x = self._curve.x
+        index = np.clip(np.searchsorted(x, at, side='right') - 1, 0, len(x) - 2)
+        part = ((at - x[index]) / (x[index + 1] - x[index]))[:, None]
+        travel = (1.0 - part) * self._travel[index] + part * self._travel[index + 1]
+        farthest: Array = np.maximum(travel[1] - travel[0], travel[2] - travel[1])
+        return farthest
+
+    def fraction(self, t: float) -> float:
+        """Part of the time that has passed, 0..1."""
+        return (t - self.start) / (self.end - self.start)
+
+
+def _control_points(time: Array, position: Array, velocity: Array, acceleration: Array) -> Array:
+    """Control points (6, m - 1, n) of the quintics through all points."""
+    h = np.diff(time)[:, None]
+    step, bend = velocity * 0.2, acceleration * 0.05
+    return np.stack(
+        [
+            position[:-1],
+            position[:-1] + h * step[:-1],
+            position[:-1] + 2.0 * h * step[:-1] + h**2 * bend[:-1],
+            position[1:] - 2.0 * h * step[1:] + h**2 * bend[1:],
+            position[1:] - h * step[1:],
+            position[1:],
+        ]
+    )

@@ -1,0 +1,230 @@
+# ruff: noqa: PLR0917, C901  # compiled loops over arrays
+"""Broad phase, distances and motion bounds of many pairs of solids, compiled."""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robots_core.blocks.collision.nearest_points import PartArrays, nearest_points
+from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.validation import Array
+
+Indices = NDArray[np.int64]
+
+SolidArrays = tuple[PartArrays, Indices, Array, Array, Array, Array, Indices, Array, Array]
+"""All that compiled code knows of s solids with p parts; a convex solid has one, a surface one per triangle.
+
+The parts; first part of every solid (s + 1,); centres (p, 3) and radii (p,) of balls around the parts;
+centres (s, 3) and half edges (s, 3) of boxes around the solids, in their own frames; the axis frame that each
+is fixed to (s,), and its pose there: orientation (s, 3, 3), position (s, 3). Lengths in m.
+"""
+MotionArrays = tuple[Array, NDArray[np.bool_]]
+"""Directions of the axes, each in its own frame, (n, 3), and whether they slide, (n,)."""
+
+
+@compiled()
+def place(solids: SolidArrays, r: Array, T: Array, R: Array, t: Array) -> None:
+    """Fill orientations R (s, 3, 3) and positions t (s, 3) of the solids for axis frames r, T."""
+    frame, local_R, local_t = solids[6], solids[7], solids[8]
+    for s in range(frame.size):
+        k = frame[s] - 1
+        if k < 0:
+            R[s], t[s] = local_R[s], local_t[s]
+            continue
+        for row in range(3):
+            t[s, row] = r[k, row]
+            for m in range(3):
+                t[s, row] += T[k, row, m] * local_t[s, m]
+                R[s, row, m] = (
+                    T[k, row, 0] * local_R[s, 0, m]
+                    + T[k, row, 1] * local_R[s, 1, m]
+                    + T[k, row, 2] * local_R[s, 2, m]
+                )
+
+
+@compiled()
+def _ball_to_box(solids: SolidArrays, R: Array, t: Array, i: int, j: int) -> float:
+    """Distance of the ball around the box of solid i from the box of solid j, m; below 0 if they overlap."""
+    centres, halves = solids[4], solids[5]
+    squared, ball = 0.0, 0.0
+    for row in range(3):
+        ball += halves[i, row] ** 2
+    for axis in range(3):
+        along = -centres[j, axis]
+        for row in range(3):
+            middle = t[i, row] - t[j, row]
+            for m in range(3):
+                middle += R[i, row, m] * centres[i, m]
+            along += R[j, row, axis] * middle
+        outside = abs(along) - halves[j, axis]
+        if outside > 0.0:
+            squared += outside * outside
+    return sqrt(squared) - sqrt(ball)
+
+
+@compiled()
+def broad_distance(solids: SolidArrays, R: Array, t: Array, i: int, j: int) -> float:
+    """A distance (m) that two solids keep at least, found quickly; may be below 0."""
+    return max(_ball_to_box(solids, R, t, i, j), _ball_to_box(solids, R, t, j, i))
+
+
+@compiled()
+def broad_distances(solids: SolidArrays, R: Array, t: Array, first: Indices, second: Indices) -> Array:
+    """`broad_distance` of many pairs, (p,)."""
+    result = np.empty(first.size)
+    for k in range(first.size):
+        result[k] = broad_distance(solids, R, t, first[k], second[k])
+    return result
+
+
+@compiled()
+def solid_distance(
+    solids: SolidArrays, R: Array, t: Array, i: int, j: int, enough: float, result: Array
+) -> None:
+    """Fill result (8,) as `nearest_points` does, for solids of any kind.
+
+    Surfaces count as such: what is inside of one keeps a distance from it. A lower bound beyond `enough` (m)
+    may be less than the distance, and the points are then not the nearest ones.
+    """
+    parts, first, centres, radii = solids[0], solids[1], solids[2], solids[3]
+    if first[i + 1] - first[i] == 1 and first[j + 1] - first[j] == 1:
+        nearest_points(parts, R, t, first[i], first[j], result)
+        return
+    one = np.empty(8)
+    balls = np.empty((first[j + 1] - first[j], 3))
+    for b in range(first[j], first[j + 1]):
+        for row in range(3):
+            balls[b - first[j], row] = t[j, row]
+            for m in range(3):
+                balls[b - first[j], row] += R[j, row, m] * centres[b, m]
+    result[:] = 0.0
+    result[0] = result[1] = inf
+    a_ball = np.empty(3)
+    for a in range(first[i], first[i + 1]):
+        for row in range(3):
+            a_ball[row] = t[i, row]
+            for m in range(3):
+                a_ball[row] += R[i, row, m] * centres[a, m]
+        for b in range(first[j], first[j + 1]):
+            k = b - first[j]
+            apart = (
+                sqrt(
+                    (a_ball[0] - balls[k, 0]) ** 2
+                    + (a_ball[1] - balls[k, 1]) ** 2
+                    + (a_ball[2] - balls[k, 2]) ** 2
+                )
+                - radii[a]
+                - radii[b]
+            )
+            if apart > result[1] or apart > enough:
+                result[0] = min(result[0], apart)
+                continue
+            nearest_points(parts, R, t, a, b, one)
+            result[0] = min(result[0], one[0])
+            if one[1] < result[1]:
+                result[1:] = one[1:]
+
+
+@compiled()
+def distances(
+    solids: SolidArrays, R: Array, t: Array, first: Indices, second: Indices, enough: Array
+) -> Array:
+    """Proven lower bounds of the distances of many pairs, (p,) m; exact up to `enough` (p,)."""
+    bounds = np.empty(first.size)
+    result = np.empty(8)
+    for k in range(first.size):
+        bounds[k] = broad_distance(solids, R, t, first[k], second[k])
+        if bounds[k] <= enough[k]:
+            solid_distance(solids, R, t, first[k], second[k], enough[k], result)
+            bounds[k] = result[0]
+    return bounds
+
+
+@compiled()
+def smallest_distance(
+    solids: SolidArrays, R: Array, t: Array, first: Indices, second: Indices, limit: float
+) -> tuple[float, int]:
+    """Smallest distance (m) of many pairs, and which it is; `limit` and -1 if none is below it."""
+    bounds = broad_distances(solids, R, t, first, second)
+    result = np.empty(8)
+    best, at = limit, -1
+    # The nearest first, until all others are farther away: few of many, so nothing is sorted.
+    while bounds.size > 0:
+        k = int(np.argmin(bounds))
+        if bounds[k] >= best:
+            break
+        bounds[k] = np.inf
+        solid_distance(solids, R, t, first[k], second[k], best, result)
+        if result[1] < best:
+            best, at = result[1], k
+    return best, at
+
+
+@compiled()
+def travels(
+    solids: SolidArrays,
+    motion: MotionArrays,
+    r: Array,
+    T: Array,
+    R: Array,
+    t: Array,
+    first: Indices,
+    second: Indices,
+    turn: Array,
+) -> Array:
+    """How far two solids can approach each other at most while the axes move, (p,) m.
+
+    Moved one after the other, the outermost axis first, axis k moves a point by no more than its turn times
+    the point's distance from the axis: that in the posture at hand, and what the axes further out have added
+    (after Schwarzer, Saha and Latombe 2005, with radii of the posture in place of the largest ones).
+
+    Args:
+        solids: The solids.
+        motion: The axes.
+        r: Origins of the axis frames in the posture at hand, (n, 3), m.
+        T: Their orientations, (n, 3, 3).
+        R: Orientations of the solids, (s, 3, 3).
+        t: Positions of the solids, (s, 3), m.
+        first: First solid of each pair, fixed to a frame not after that of the other.
+        second: Other solid of each pair.
+        turn: Largest turn of each axis from the posture at hand, (n,), rad (m).
+    """
+    directions, slides = motion
+    centres, halves, frame = solids[4], solids[5], solids[6]
+    n = turn.size
+    axes = np.empty((n, 3))
+    for k in range(n):
+        for row in range(3):
+            axes[k, row] = (
+                T[k, row, 0] * directions[k, 0]
+                + T[k, row, 1] * directions[k, 1]
+                + T[k, row, 2] * directions[k, 2]
+            )
+    # Farthest corner of the box around a solid from each axis, found when it is needed.
+    reach = np.full((frame.size, n), -1.0)
+    result = np.zeros(first.size)
+    for p in range(first.size):
+        s = second[p]
+        way = 0.0
+        for k in range(frame[s] - 1, frame[first[p]] - 1, -1):
+            if slides[k]:
+                way += turn[k]
+                continue
+            if reach[s, k] < 0.0:
+                farthest = 0.0
+                for corner in range(8):
+                    dx, dy, dz = t[s, 0] - r[k, 0], t[s, 1] - r[k, 1], t[s, 2] - r[k, 2]
+                    for m in range(3):
+                        side = halves[s, m] if corner >> m & 1 else -halves[s, m]
+                        dx += R[s, 0, m] * (centres[s, m] + side)
+                        dy += R[s, 1, m] * (centres[s, m] + side)
+                        dz += R[s, 2, m] * (centres[s, m] + side)
+                    along = dx * axes[k, 0] + dy * axes[k, 1] + dz * axes[k, 2]
+                    farthest = max(farthest, dx * dx + dy * dy + dz * dz - along * along)
+                reach[s, k] = sqrt(farthest)
+            way += turn[k] * (reach[s, k] + way)
+        result[p] = way
+    return result

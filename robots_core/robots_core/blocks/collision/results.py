@@ -1,0 +1,93 @@
+"""What collision checks find."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robots_core.errors import PlanningError
+from robots_core.pose import Pose
+from robots_core.validation import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Proximity:
+    """Two bodies and how close they are.
+
+    Attributes:
+        first: Shape `link/shape` of the robot, or name of an attached object.
+        second: The same, or name of an obstacle.
+        distance: m; 0 in contact.
+        point_first: Point on the first that is nearest to the other, (3,) m, base frame; in contact, a
+            point that both hold.
+        point_second: Point on the other.
+    """
+
+    first: str
+    second: str
+    distance: float
+    point_first: Array
+    point_second: Array
+
+    @property
+    def in_contact(self) -> bool:
+        """They touch or overlap."""
+        return self.distance <= 0.0
+
+    def describe(self) -> str:
+        """One line for a person."""
+        if self.in_contact:
+            return f'{self.first} meets {self.second}'
+        return f'{self.first} comes to {1e3 * self.distance:.1f} mm from {self.second}'
+
+
+@dataclass(frozen=True, eq=False)
+class PathProximity:
+    """A place on a path, and who is close to whom there.
+
+    Attributes:
+        time: s on the path.
+        fraction: Part of the path's time, 0..1.
+        q: Joint positions, (n,) rad (m).
+        tool0: Pose of tool0, base frame.
+        proximity: The closest bodies there.
+    """
+
+    time: float
+    fraction: float
+    q: Array
+    tool0: Pose
+    proximity: Proximity
+
+    def describe(self) -> str:
+        """One line for a person."""
+        x, y, z = (float(value) for value in self.tool0.r)
+        return (
+            f'{self.proximity.describe()} after {100.0 * self.fraction:.1f} % of the path '
+            f'({self.time:.3f} s), with tool0 at ({x:.3f}, {y:.3f}, {z:.3f}) m'
+        )
+
+
+class CollisionError(PlanningError):
+    """A motion comes closer to something than the margin.
+
+    Args:
+        place: The first place on the path where it does.
+        margin: m.
+    """
+
+    def __init__(self, place: PathProximity, margin: float) -> None:
+        x, y, z = (float(value) for value in place.tool0.r)
+        kept = '' if place.proximity.in_contact else f'; kept free must be {1e3 * margin:g} mm'
+        super().__init__(
+            f'the motion collides: {place.describe()}{kept}',
+            link=place.proximity.first,
+            obstacle=place.proximity.second,
+            distance=place.proximity.distance,
+            margin=margin,
+            time=place.time,
+            percent=100.0 * place.fraction,
+            x=x,
+            y=y,
+            z=z,
+        )
+        self.place = place

@@ -1,0 +1,85 @@
+"""Scene: what stands around a robot, and what hangs on its flange."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from robots_core.errors import InvalidInputError
+from robots_core.pose import Pose
+from robots_core.robot_model.allowed_pairs import Pair, ordered_pair
+from robots_core.robot_model.shapes import Geometry
+
+OBJECT_COLOUR = (0.55, 0.6, 0.66, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedObject:
+    """A named solid.
+
+    Attributes:
+        name: Unique within the scene.
+        geometry: What it is.
+        pose: Where it is.
+        colour: Red, green, blue, opacity, each 0..1.
+    """
+
+    name: str
+    geometry: Geometry
+    pose: Pose
+    colour: tuple[float, float, float, float] = OBJECT_COLOUR
+
+
+class SceneObject(PlacedObject):
+    """An obstacle that stands still; its pose is that in the robot's base frame."""
+
+
+class AttachedObject(PlacedObject):
+    """A tool or workpiece on the flange; its pose is that in tool0. It may touch the last body."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Obstacles, attached objects, and who of them may touch whom.
+
+    Attributes:
+        objects: Obstacles.
+        attached: Tool and workpiece.
+        may_touch: Pairs of names that are not checked: an object and another, or an object and a link.
+
+    Raises:
+        InvalidInputError: a name that is empty or used twice.
+    """
+
+    objects: tuple[SceneObject, ...] = ()
+    attached: tuple[AttachedObject, ...] = ()
+    may_touch: frozenset[Pair] = frozenset()
+
+    def __post_init__(self) -> None:
+        names = [item.name for item in self.objects] + [item.name for item in self.attached]
+        for name in names:
+            if not name:
+                raise InvalidInputError('an object of the scene has no name')
+            if names.count(name) > 1:
+                raise InvalidInputError(f'the scene has two objects with the name {name!r}; names are unique')
+        pairs = frozenset(ordered_pair(*pair) for pair in self.may_touch)
+        object.__setattr__(self, 'may_touch', pairs)
+
+    def allows(self, first: str, second: str) -> bool:
+        """Whether two may touch; each is an object, or a shape `link/shape` of the robot."""
+        return any(
+            ordered_pair(a, b) in self.may_touch
+            for a in {first, first.partition('/')[0]}
+            for b in {second, second.partition('/')[0]}
+        )
+
+    def updated(self, objects: Iterable[SceneObject], removed: Iterable[str] = ()) -> Scene:
+        """The scene with objects added, or replaced where the name is known, and others removed.
+
+        Raises:
+            InvalidInputError: an object with the name of an attached one.
+        """
+        gone = set(removed)
+        kept = {item.name: item for item in self.objects if item.name not in gone}
+        kept.update((item.name, item) for item in objects)
+        return replace(self, objects=tuple(kept.values()))

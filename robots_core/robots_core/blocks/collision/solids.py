@@ -1,0 +1,116 @@
+"""Solids: the convex pieces and concave surfaces that collision checks work on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from robots_core.pose import Pose
+from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
+from robots_core.validation import Array, read_only
+
+# A mesh is taken as its convex hull if that is larger by this part at most: files hold single precision.
+HULL_EXCESS = 1e-4
+FLAT = 1e-9  # a piece this thin, relative to its size, encloses nothing
+BOX_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A geometry with a name, fixed to a frame.
+
+    Attributes:
+        name: What it belongs to: a shape of the robot, or an object.
+        geometry: Box, cylinder, capsule, sphere, or a mesh in one piece.
+        frame: 0 for the base, i for the frame of axis i (counted from 1).
+        pose: Pose in that frame.
+        convex: The mesh is a convex hull; otherwise it is a surface, closed or not.
+    """
+
+    name: str
+    geometry: Geometry
+    frame: int
+    pose: Pose
+    convex: bool = True
+
+    @cached_property
+    def core(self) -> tuple[Array, float, float, float]:
+        """Vertices (k, 3), disc, half length and rounding radius, m, as `nearest_points` takes them."""
+        match self.geometry:
+            case Box(size):
+                return read_only(BOX_CORNERS * size), 0.0, 0.0, 0.0
+            case Cylinder(radius, length):
+                return np.empty((0, 3)), radius, 0.5 * length, 0.0
+            case Capsule(radius, length):
+                ends = read_only([[0.0, 0.0, -0.5 * length], [0.0, 0.0, 0.5 * length]])
+                return ends, 0.0, 0.0, radius
+            case Sphere(radius):
+                return np.zeros((1, 3)), 0.0, 0.0, radius
+            case Mesh(vertices):
+                return vertices, 0.0, 0.0, 0.0
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lowest and highest corner in its own frame, (3,) each, m."""
+        vertices, disc, half, radius = self.core
+        if disc > 0.0:
+            corner = np.array([disc, disc, half])
+            return -corner, corner
+        return vertices.min(axis=0) - radius, vertices.max(axis=0) + radius
+
+    @cached_property
+    def triangles(self) -> Array:
+        """Corners of a mesh's triangles in its own frame, (f, 3, 3) m."""
+        assert isinstance(self.geometry, Mesh)
+        return self.geometry.vertices[self.geometry.faces]
+
+    @cached_property
+    def closed(self) -> bool:
+        """The surface encloses a volume."""
+        if not isinstance(self.geometry, Mesh):
+            return True
+        return bool(trimesh.Trimesh(self.geometry.vertices, self.geometry.faces, process=False).is_watertight)
+
+    def encloses(self, point: Array) -> bool:
+        """Whether a closed surface has a point (3,), in its own frame, inside.
+
+        The solid angle that the surface fills, seen from the point: van Oosterom and Strackee 1983.
+        """
+        a, b, c = np.moveaxis(self.triangles - point, 1, 0)
+        la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
+        volume = np.einsum('ij,ij->i', a, np.cross(b, c))
+        rest = (
+            la * lb * lc
+            + np.einsum('ij,ij->i', a, b) * lc
+            + np.einsum('ij,ij->i', b, c) * la
+            + np.einsum('ij,ij->i', c, a) * lb
+        )
+        return bool(abs(np.arctan2(volume, rest).sum()) > np.pi)  # 2 pi inside, 0 outside
+
+
+def solids_of(name: str, geometry: Geometry, frame: int, pose: Pose) -> tuple[Solid, ...]:
+    """A geometry as solids: a mesh falls into its pieces, and a convex piece becomes its hull."""
+    if not isinstance(geometry, Mesh):
+        return (Solid(name, geometry, frame, pose),)
+    mesh = trimesh.Trimesh(geometry.vertices, geometry.faces, process=True)
+    mesh.update_faces(mesh.nondegenerate_faces())
+    pieces = trimesh.graph.connected_components(
+        mesh.face_adjacency, nodes=np.arange(len(mesh.faces)), engine='scipy'
+    )
+    return tuple(_piece(name, mesh, faces, frame, pose) for faces in pieces)
+
+
+def _piece(name: str, mesh: trimesh.Trimesh, chosen: NDArray[np.int64], frame: int, pose: Pose) -> Solid:
+    used, faces = np.unique(mesh.faces[chosen], return_inverse=True)
+    surface = Mesh(mesh.vertices[used], faces.reshape(-1, 3))
+    piece = trimesh.Trimesh(surface.vertices, surface.faces, process=False)
+    spread = np.linalg.svd(surface.vertices - surface.vertices.mean(axis=0), compute_uv=False)
+    if piece.is_watertight and spread.min() > FLAT * spread.max():
+        hull = trimesh.convex.convex_hull(piece)
+        if abs(piece.volume) >= (1.0 - HULL_EXCESS) * hull.volume:
+            return Solid(name, Mesh(np.asarray(hull.vertices), np.asarray(hull.faces)), frame, pose)
+    return Solid(name, surface, frame, pose, convex=False)

@@ -1,0 +1,346 @@
+"""CollisionDetection: contacts and distances of a robot with itself and its surroundings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robots_core.blocks.collision.allowed_pair_sampling import (
+    find_allowed_pairs,
+    proven_apart,
+    robot_solids,
+)
+from robots_core.blocks.collision.coal_engine import CoalEngine
+from robots_core.blocks.collision.engine import CollisionEngine
+from robots_core.blocks.collision.fcl_engine import FclEngine
+from robots_core.blocks.collision.joint_path import JointPath
+from robots_core.blocks.collision.nearest_points import proven
+from robots_core.blocks.collision.pair_kernels import Indices
+from robots_core.blocks.collision.path_search import RESOLUTION, closest_approach, first_approach
+from robots_core.blocks.collision.results import CollisionError, PathProximity, Proximity
+from robots_core.blocks.collision.scene import Scene
+from robots_core.blocks.collision.solid_set import SolidSet
+from robots_core.blocks.collision.solids import Solid, solids_of
+from robots_core.errors import InvalidInputError
+from robots_core.pose import Pose
+from robots_core.robot_model.allowed_pairs import AllowedPairs
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array, finite_vector, positive, read_only
+
+ENGINES: Final[dict[str, type[CollisionEngine]]] = {'fcl': FclEngine, 'coal': CoalEngine}
+
+# An answer of an engine holds if it is proven to this; python-fcl's own tolerance is 1e-6 m.
+PROOF_TOLERANCE = 1e-5  # m
+# Attached objects and links with so many axes between them are looked at before they are checked for good.
+NEAR_AXES = 2
+NEAR_BUDGET = 300  # postures
+
+
+class CollisionDetection:
+    """Contacts and distances of a robot with itself, with obstacles, and of what hangs on its flange.
+
+    Answers of the engine are checked: a distance is accepted if its nearest points lie on the two bodies, are
+    as far apart as it says, and a plane between them proves that nothing is closer; otherwise the compiled
+    search that finds such a proof answers instead (see `nearest_points`). Whole paths are searched with these
+    proven distances alone. An instance keeps scratch memory: use one per thread.
+
+    Args:
+        robot: The robot. What hangs on its base frame may touch obstacles: it stands on them.
+        scene: Obstacles and attached objects.
+        engine: 'fcl' (python-fcl) or 'coal'.
+        allowed_pairs: Pairs of the robot's shapes that are not checked; by default those stored with the
+            robot, or found by sampling.
+
+    Raises:
+        InvalidInputError: an unknown engine, or a scene whose `may_touch` names nobody.
+    """
+
+    def __init__(
+        self,
+        robot: BaseRobotModel,
+        *,
+        scene: Scene | None = None,
+        engine: str = 'fcl',
+        allowed_pairs: AllowedPairs | None = None,
+    ) -> None:
+        if engine not in ENGINES:
+            raise InvalidInputError(f'unknown engine {engine!r}; engines are {", ".join(ENGINES)}')
+        self.robot = robot
+        self._engine_type = ENGINES[engine]
+        self._body = robot_solids(robot)
+        stored = robot.collision_model.allowed_pairs if allowed_pairs is None else allowed_pairs
+        self.allowed_pairs = find_allowed_pairs(robot) if stored is None else stored
+        self.set_scene(Scene() if scene is None else scene)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene as it is now."""
+        return self._scene
+
+    def set_scene(self, scene: Scene) -> None:
+        """Replace all obstacles and attached objects.
+
+        Raises:
+            InvalidInputError: `may_touch` names nobody, or an object is named like a shape of the robot.
+        """
+        self._check_names(scene)
+        around = [
+            solid for item in scene.objects for solid in solids_of(item.name, item.geometry, 0, item.pose)
+        ]
+        held = [
+            solid
+            for item in scene.attached
+            for solid in solids_of(item.name, item.geometry, self.robot.num_axes, self._flange @ item.pose)
+        ]
+        solids = (*self._body, *held, *around)
+        links = len(self._body)
+        obstacles = {item.name for item in scene.objects}
+
+        def checked(i: int, j: int) -> bool:
+            a, b = solids[i], solids[j]
+            if a.frame == b.frame or a.name == b.name or (a.name in obstacles and b.name in obstacles):
+                return False
+            if i < links and j < links:
+                return not self.allowed_pairs.allows(a.name, b.name)
+            return not scene.allows(a.name, b.name)
+
+        pairs = [(i, j) for i in range(len(solids)) for j in range(i + 1, len(solids)) if checked(i, j)]
+        self._set = self._without_held_apart(solids, pairs, {item.name for item in scene.attached})
+        self._engine = self._engine_type(solids)
+        self._surfaces = np.array([not solid.convex and solid.closed for solid in solids], dtype=bool)
+        self._with_surface = np.flatnonzero(
+            self._surfaces[self._set.first] | self._surfaces[self._set.second]
+        )
+        self._scene = scene
+
+    def _without_held_apart(
+        self, solids: Sequence[Solid], pairs: list[tuple[int, int]], held: set[str]
+    ) -> SolidSet:
+        """The pairs without those of attached objects and near links that can never meet.
+
+        Like those of the robot itself: that a tool is close to the wrist in every posture tells nothing.
+        """
+        near = self.robot.num_axes - NEAR_AXES
+        doubtful = [(i, j) for i, j in pairs if solids[j].name in held and solids[i].frame >= max(near, 1)]
+        table = SolidSet(self.robot, solids, np.array(doubtful, dtype=np.int64).reshape(-1, 2))
+        names = [(solids[i].name, solids[j].name) for i, j in doubtful]
+        apart = proven_apart(table, self.robot, names, NEAR_BUDGET)
+        left = [(i, j) for i, j in pairs if (solids[i].name, solids[j].name) not in apart]
+        return SolidSet(self.robot, solids, np.array(left, dtype=np.int64).reshape(-1, 2))
+
+    def _check_names(self, scene: Scene) -> None:
+        shapes = {solid.name for solid in self._body}
+        ours = shapes | {name.partition('/')[0] for name in shapes}
+        theirs = {item.name for item in scene.objects} | {item.name for item in scene.attached}
+        for name in sorted(theirs & ours):
+            raise InvalidInputError(
+                f'object {name!r} of the scene has the name of a link of {self.robot.name}'
+            )
+        for name in sorted({name for pair in scene.may_touch for name in pair} - theirs - ours):
+            raise InvalidInputError(
+                f'may_touch names {name!r}, which is neither an object of the scene nor a link of '
+                f'{self.robot.name}; there are {", ".join(sorted(theirs | ours))}'
+            )
+
+    @cached_property
+    def _flange(self) -> Pose:
+        """Pose of tool0 in the frame of the last axis."""
+        r, T = self.robot.kinematic_model.frame_axes(self.robot.home)
+        return Pose(r[-1], T[-1]).inverse() @ Pose(*self.robot.direct_kinematics(self.robot.home))
+
+    # -- one posture ---------------------------------------------------------------------------------
+
+    def in_contact(self, q: ArrayLike) -> bool:
+        """Whether anything is in contact at joint positions `q`, (n,) rad (m).
+
+        Raises:
+            InvalidInputError: `q` of another shape or not finite.
+        """
+        return any(self._touches(pair) for pair in self._close(q, 0.0))
+
+    def contacts(self, q: ArrayLike) -> tuple[tuple[str, str], ...]:
+        """Names of all bodies that are in contact at joint positions `q`, (n,) rad (m), pair by pair.
+
+        Raises:
+            InvalidInputError: `q` of another shape or not finite.
+        """
+        found = {self._names(pair) for pair in self._close(q, 0.0) if self._touches(pair)}
+        return tuple(sorted(found))
+
+    def distance(self, q: ArrayLike) -> Proximity | None:
+        """The two closest bodies at joint positions `q`, (n,) rad (m); None if there are no pairs.
+
+        Raises:
+            InvalidInputError: `q` of another shape or not finite.
+        """
+        self._place(q)
+        every = np.arange(self._set.first.size)
+        if every.size == 0:
+            return None
+        for pair in self._with_surface:
+            if self._enclosed(int(self._set.first[pair]), int(self._set.second[pair])):
+                return self._proximity(int(pair))
+        # Which pair it is, is found by compiled code; the engine answers for that one.
+        _, closest = self._set.smallest_distance(every, np.inf)
+        return self._proximity(closest)
+
+    def distances(self, q: ArrayLike, limit: float) -> tuple[Proximity, ...]:
+        """All bodies closer than `limit` (m) to each other at joint positions `q`, the closest first.
+
+        Raises:
+            InvalidInputError: `q` of another shape or not finite, or a limit that is not above 0.
+        """
+        best: dict[tuple[str, str], Proximity] = {}
+        for pair in self._close(q, positive(limit, 'limit', 'm')):
+            found, names = self._proximity(int(pair)), self._names(pair)
+            if found.distance <= limit and (names not in best or found.distance < best[names].distance):
+                best[names] = found
+        return tuple(sorted(best.values(), key=lambda item: item.distance))
+
+    # -- whole paths ---------------------------------------------------------------------------------
+
+    def closest_approach(self, path: JointPath, *, tolerance: float = 1e-3) -> PathProximity | None:
+        """Where on a path the smallest distance is; None if there are no pairs.
+
+        Nothing between the samples is missed: no distance on the path is smaller by more than the tolerance.
+
+        Args:
+            path: The motion.
+            tolerance: m, above 0.
+
+        Raises:
+            InvalidInputError: another number of axes, or a tolerance that is not above 0.
+        """
+        self._check_path(path)
+        if self._set.first.size == 0:
+            return None
+        time, _ = closest_approach(self._set, path, positive(tolerance, 'tolerance', 'm'))
+        return self._at(path, time)
+
+    def first_approach(
+        self, path: JointPath, *, margin: float = 0.0, since: float | None = None
+    ) -> PathProximity | None:
+        """Where on a path two bodies first come closer than a margin; None if they never do.
+
+        Nothing between the samples is missed, however thin. What is closer at the start already may leave,
+        but not come closer. Distances within `RESOLUTION` of the margin may count as below it.
+
+        Args:
+            path: The motion.
+            margin: m, from 0.
+            since: Time to begin at, s; the path's start by default.
+
+        Raises:
+            InvalidInputError: another number of axes, or a margin that is negative or not finite.
+        """
+        self._check_path(path)
+        since = path.start if since is None else min(max(since, path.start), path.end)
+        margins = np.full(self._set.first.size, checked_margin(margin))
+        self._set.place(path.sample(since))
+        at_start = self._set.distances(np.arange(margins.size), margins)
+        leaving = (at_start > 0.0) & (at_start <= margins)
+        margins[leaving] = np.maximum(at_start[leaving] - 2.0 * RESOLUTION, 0.0)
+        time = first_approach(self._set, path, since, margins)
+        return None if time is None else self._at(path, time, margins)
+
+    def check(self, path: JointPath, *, margin: float = 0.0) -> None:
+        """Pass a path that keeps the margin everywhere.
+
+        Raises:
+            CollisionError: it does not; names the bodies and the first place on the path.
+            InvalidInputError: see `first_approach`.
+        """
+        place = self.first_approach(path, margin=margin)
+        if place is not None:
+            raise CollisionError(place, margin)
+
+    # -- pairs ---------------------------------------------------------------------------------------
+
+    def _check_path(self, path: JointPath) -> None:
+        if path.position.shape[1] != self.robot.num_axes:
+            raise InvalidInputError(
+                f'the path has {path.position.shape[1]} axes, robot {self.robot.name} has '
+                f'{self.robot.num_axes}'
+            )
+
+    def _at(self, path: JointPath, time: float, margins: Array | None = None) -> PathProximity:
+        q = path.sample(time)
+        self._place(q)
+        if margins is None:
+            found = self.distance(q)
+            assert found is not None
+        else:
+            # Of several that are closer than they should, the one that is farthest below its margin.
+            bounds = self._set.distances(np.arange(margins.size), margins + RESOLUTION)
+            found = self._proximity(int(np.argmin(bounds - margins)))
+        tool0 = Pose(*self.robot.direct_kinematics(q))
+        return PathProximity(time, path.fraction(time), read_only(q), tool0, found)
+
+    def _place(self, q: ArrayLike) -> None:
+        self._set.place(finite_vector(q, self.robot.num_axes, 'q'))
+        self._engine.place(self._set.R, self._set.t)
+
+    def _close(self, q: ArrayLike, limit: float) -> Indices:
+        """Pairs that may be closer than `limit`, m."""
+        self._place(q)
+        close: Indices = np.flatnonzero(self._set.broad_distances() <= limit)
+        return close
+
+    def _names(self, pair: int) -> tuple[str, str]:
+        """Who they are, what moves with more axes first."""
+        solids = self._set.solids
+        return solids[self._set.second[pair]].name, solids[self._set.first[pair]].name
+
+    def _touches(self, pair: int) -> bool:
+        i, j = int(self._set.first[pair]), int(self._set.second[pair])
+        return self._engine.in_contact(i, j) or self._enclosed(i, j)
+
+    def _enclosed(self, i: int, j: int) -> bool:
+        """Whether one solid is inside of the other, a closed surface."""
+        for outer, inner in ((i, j), (j, i)):
+            if not self._surfaces[outer]:
+                continue
+            solid = self._set.solids[inner]
+            core = solid.core[0]
+            point = core[0] if len(core) else np.zeros(3)
+            inside = self._set.R[inner] @ point + self._set.t[inner]
+            local = self._set.R[outer].T @ (inside - self._set.t[outer])
+            low, high = self._set.solids[outer].bounds
+            if ((local > low) & (local < high)).all() and self._set.solids[outer].encloses(local):
+                return True
+        return False
+
+    def _proximity(self, pair: int) -> Proximity:
+        i, j = int(self._set.first[pair]), int(self._set.second[pair])
+        names = self._names(pair)
+        if self._enclosed(i, j):
+            point = read_only(self._set.t[j])
+            return Proximity(*names, 0.0, point, point)
+        distance, p_i, p_j = self._engine.distance(i, j)
+        if not self._is_proven(i, j, distance, p_i, p_j):
+            found = self._set.nearest(pair)
+            distance, p_i, p_j = float(found[1]), found[2:5], found[5:]
+        return Proximity(*names, max(distance, 0.0), read_only(p_j), read_only(p_i))
+
+    def _is_proven(self, i: int, j: int, distance: float, p_i: Array, p_j: Array) -> bool:
+        arrays = self._set.arrays
+        if not (self._set.solids[i].convex and self._set.solids[j].convex):
+            return False
+        parts, first = arrays[0], arrays[1]
+        R, t = self._set.R, self._set.t
+        return proven(parts, R, t, first[i], first[j], distance, p_i, p_j, PROOF_TOLERANCE)
+
+
+def checked_margin(margin: float) -> float:
+    """`margin` if it is a finite number from 0.
+
+    Raises:
+        InvalidInputError: negative, NaN or infinite.
+    """
+    if not 0.0 <= margin < np.inf:
+        raise InvalidInputError(f'margin = {margin!r} m must be a finite number from 0')
+    return float(margin)

@@ -1,0 +1,121 @@
+"""visualization_msgs/MarkerArray to obstacles of a scene, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from visualization_msgs.msg import Marker, MarkerArray
+
+from robots_core.blocks.collision.scene import AttachedObject, Scene, SceneObject
+from robots_core.errors import InvalidInputError
+from robots_core.nodes.messages import pose_from_message, pose_message
+from robots_core.pose import Pose
+from robots_core.robot_model.mesh_file import read_mesh
+from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere, triangle_mesh
+from robots_core.robot_model.urdf_shapes import mesh_path
+from robots_core.validation import Array
+
+BASE_FRAME, TOOL_FRAME = 'base', 'tool0'
+
+
+def updated_scene(scene: Scene, message: MarkerArray) -> Scene:
+    """The scene after a message: its markers added, replaced or deleted, in their order.
+
+    A marker's name is its namespace, or `namespace/id` for an id above 0. Obstacles are in frame `base` (or
+    none), attached objects in `tool0`.
+
+    Raises:
+        InvalidInputError: a marker that is no solid; the scene then stays as it was.
+    """
+    objects = {item.name: item for item in scene.objects}
+    attached = {item.name: item for item in scene.attached}
+    for marker in message.markers:
+        name = marker_name(marker)
+        if marker.action == Marker.DELETEALL:
+            objects.clear()
+            attached.clear()
+            continue
+        objects.pop(name, None)
+        attached.pop(name, None)
+        if marker.action == Marker.DELETE:
+            continue
+        c = marker.color
+        parts = name, _geometry(marker, name), pose_from_message(marker.pose), (c.r, c.g, c.b, c.a)
+        if marker.header.frame_id == TOOL_FRAME:
+            attached[name] = AttachedObject(*parts)
+        elif marker.header.frame_id in ('', BASE_FRAME):
+            objects[name] = SceneObject(*parts)
+        else:
+            raise InvalidInputError(
+                f'object {name!r} is in frame {marker.header.frame_id!r}; known are {BASE_FRAME!r} and '
+                f'{TOOL_FRAME!r}'
+            )
+    return replace(scene, objects=tuple(objects.values()), attached=tuple(attached.values()))
+
+
+def marker_name(marker: Marker) -> str:
+    """The name of the object that a marker stands for."""
+    return f'{marker.ns or "object"}/{marker.id}' if marker.id or not marker.ns else str(marker.ns)
+
+
+def markers(scene: Scene, stamp: Time) -> MarkerArray:
+    """The objects of a scene as markers; capsules and meshes as triangles."""
+    array = MarkerArray()
+    for items, frame in ((scene.objects, BASE_FRAME), (scene.attached, TOOL_FRAME)):
+        for item in items:
+            marker = Marker(ns=item.name, action=Marker.ADD, pose=pose_message(item.pose))
+            marker.header.stamp, marker.header.frame_id = stamp, frame
+            c = marker.color
+            c.r, c.g, c.b, c.a = item.colour
+            _set_geometry(marker, item.geometry)
+            array.markers.append(marker)
+    return array
+
+
+def _geometry(marker: Marker, name: str) -> Geometry:
+    x, y, z = marker.scale.x, marker.scale.y, marker.scale.z
+    match marker.type:
+        case Marker.CUBE:
+            return Box((x, y, z))
+        case Marker.SPHERE if x == y == z:
+            return Sphere(0.5 * x)
+        case Marker.CYLINDER if x == y:
+            return Cylinder(0.5 * x, z)
+        case Marker.SPHERE | Marker.CYLINDER:
+            raise InvalidInputError(f'object {name!r} has an elliptic cross-section ({x:g}, {y:g}, {z:g})')
+        case Marker.TRIANGLE_LIST:
+            corners = np.array([[p.x * x, p.y * y, p.z * z] for p in marker.points]).reshape(-1, 3)
+            if len(corners) == 0 or len(corners) % 3 or not np.isfinite(corners).all():
+                raise InvalidInputError(
+                    f'object {name!r} has {len(corners)} points; triangles need three finite ones each'
+                )
+            return Mesh(corners, np.arange(len(corners)).reshape(-1, 3))
+        case Marker.MESH_RESOURCE:
+            return read_mesh(mesh_path(marker.mesh_resource, Path()), (x, y, z))
+    raise InvalidInputError(
+        f'object {name!r} is a marker of type {marker.type}; solids are CUBE, SPHERE, CYLINDER, '
+        f'TRIANGLE_LIST and MESH_RESOURCE'
+    )
+
+
+def _set_geometry(marker: Marker, geometry: Geometry) -> None:
+    size: Sequence[float] = (1.0, 1.0, 1.0)
+    match geometry:
+        case Box(edges):
+            marker.type, size = Marker.CUBE, edges
+        case Sphere(radius):
+            marker.type, size = Marker.SPHERE, (2.0 * radius,) * 3
+        case Cylinder(radius, length):
+            marker.type, size = Marker.CYLINDER, (2.0 * radius, 2.0 * radius, length)
+        case Capsule() | Mesh():
+            marker.type = Marker.TRIANGLE_LIST
+            marker.points = [_point(corner) for corner in triangle_mesh(geometry).triangles.reshape(-1, 3)]
+    marker.scale.x, marker.scale.y, marker.scale.z = map(float, size)
+
+
+def _point(corner: Array) -> object:
+    return pose_message(Pose(corner, np.eye(3))).position
