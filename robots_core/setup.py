@@ -21,8 +21,10 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
+            'collision_node = robots_core.nodes.collision_node:main',
             'direct_kinematics_node = robots_core.nodes.direct_kinematics_node:main',
             'drive_node = robots_core.nodes.drive_node:main',
+            'dynamics_node = robots_core.nodes.dynamics_node:main',
             'inverse_kinematics_node = robots_core.nodes.inverse_kinematics_node:main',
             'visualizer_node = robots_core.nodes.visualizer_node:main',
         ],

@@ -68,8 +68,13 @@ class PeriodicThread:
         """Start the thread."""
         self._thread.start()
 
+    @property
+    def alive(self) -> bool:
+        """The thread was started and has not been told to end."""
+        return self._thread.is_alive() and not self._stop.is_set()
+
     def stop(self) -> None:
-        """End the thread and wait for it."""
+        """End the thread and wait for it; called by its own work, that call is the last."""
         self._stop.set()
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join()

@@ -44,9 +44,9 @@ class AxisFollowing:
         self._still = np.zeros(axes.num_axes)
         self._arguments = np.empty((4, axes.num_axes))
         # Compiled code is loaded here and not in the first step of a real-time loop.
-        middle = np.where(axes.continuous, 0.0, 0.5 * (axes.lower + axes.upper))
-        self.step(middle, self._still, middle, self._still)
-        self.brake(middle, self._still)
+        inside = np.clip(self._still, axes.lower, axes.upper)
+        self.step(inside, self._still, inside, self._still)
+        self.brake(inside, self._still)
 
     def step(
         self, q: Array, q_dot: Array, q_reference: Array, q_dot_reference: Array, speed: float = 1.0

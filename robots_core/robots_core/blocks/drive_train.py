@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import expm
@@ -10,11 +12,84 @@ from robots_core.errors import InvalidInputError
 from robots_core.validation import Array, finite_vector, positive
 
 
-class DriveTrain:
+class DriveTrain(ABC):
+    """Drives of all axes of a robot. Implementations differ in how much of a machine they are."""
+
+    @property
+    @abstractmethod
+    def position(self) -> Array:
+        """Joint positions, (n,), rad (m)."""
+
+    @property
+    @abstractmethod
+    def velocity(self) -> Array:
+        """Joint velocities, (n,), rad/s (m/s)."""
+
+    @property
+    def torque(self) -> Array | None:
+        """Torques of the motors, at the joints, (n,), N m (N); None for drives that know none."""
+        return None
+
+    @abstractmethod
+    def step(self, q_ref: ArrayLike, q_dot_ref: ArrayLike | None = None) -> tuple[Array, Array]:
+        """Follow the reference for one period.
+
+        Args:
+            q_ref: Reference positions at the end of the period, (n,), rad (m).
+            q_dot_ref: Reference velocities there, (n,), rad/s; by default those of the way to `q_ref`.
+
+        Returns:
+            Positions and velocities (n,) at the end of the period.
+
+        Raises:
+            InvalidInputError: a reference of another shape or not finite.
+        """
+
+
+class IdealDrive(DriveTrain):
+    """Drives that stand where the reference is.
+
+    Args:
+        q: Joint positions at the start, (n,), rad (m), at rest.
+        period: Time of one step, s.
+
+    Raises:
+        InvalidInputError: values that are not finite, or a period that is not positive.
+    """
+
+    def __init__(self, q: ArrayLike, *, period: float) -> None:
+        position = np.array(q, dtype=np.float64)
+        self._position = finite_vector(position, position.size, 'q')
+        self._velocity = np.zeros_like(self._position)
+        self._period = positive(period, 'period', 's')
+
+    @property
+    def position(self) -> Array:
+        """See `DriveTrain.position`."""
+        return self._position
+
+    @property
+    def velocity(self) -> Array:
+        """See `DriveTrain.velocity`."""
+        return self._velocity
+
+    def step(self, q_ref: ArrayLike, q_dot_ref: ArrayLike | None = None) -> tuple[Array, Array]:
+        """See `DriveTrain.step`."""
+        n = self._position.size
+        before, self._position = self._position, np.array(finite_vector(q_ref, n, 'q_ref'))
+        self._velocity = (
+            (self._position - before) / self._period
+            if q_dot_ref is None
+            else np.array(finite_vector(q_dot_ref, n, 'q_dot_ref'))
+        )
+        return self._position, self._velocity
+
+
+class SecondOrderDrive(DriveTrain):
     """Drives that follow their reference as a second-order lag, each axis on its own.
 
     q_ddot = w^2 (q_ref - q) - 2 D w q_dot with w = 2 pi bandwidth. The step is the exact solution for a
-    reference that is constant over the period, stable for any period.
+    reference that is constant over the period, stable for any period; reference velocities are not used.
 
     Args:
         q: Joint positions at the start, (n,), rad (m), at rest.
@@ -45,23 +120,18 @@ class DriveTrain:
 
     @property
     def position(self) -> Array:
-        """Joint positions, (n,), rad (m)."""
+        """See `DriveTrain.position`."""
         return np.asarray(self._state[0])
 
     @property
     def velocity(self) -> Array:
-        """Joint velocities, (n,), rad/s (m/s)."""
+        """See `DriveTrain.velocity`."""
         return np.asarray(self._state[1])
 
-    def step(self, q_ref: Array) -> tuple[Array, Array]:
-        """Follow the reference for one period.
-
-        Args:
-            q_ref: Reference positions, (n,).
-
-        Returns:
-            Positions and velocities (n,) at the end of the period.
-        """
+    def step(self, q_ref: ArrayLike, q_dot_ref: ArrayLike | None = None) -> tuple[Array, Array]:
+        """See `DriveTrain.step`."""
+        del q_dot_ref
+        q_ref = finite_vector(q_ref, self._state.shape[1], 'q_ref')
         state = self._state.copy()
         state[0] -= q_ref
         self._state = np.einsum('ijn,jn->in', self._transition, state)

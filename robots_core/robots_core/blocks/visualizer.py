@@ -12,12 +12,13 @@ import trimesh
 import viser
 from scipy.spatial.transform import Rotation
 
+from robots_core.blocks.collision.scene import AttachedObject, Scene, SceneObject
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.tool_trace import ToolTrace
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.robot_model.shapes import Shape, triangle_mesh
+from robots_core.robot_model.shapes import Geometry, Shape, triangle_mesh
 from robots_core.validation import Array
 
 CREASE = np.pi / 6  # rad; edges sharper than this stay edges, flatter ones are shaded round
@@ -74,6 +75,9 @@ class Visualizer:
         self._trace = ToolTrace(self._server, '/tool_path')
         self._add_shapes(robot.visualization.shapes)
         self._collision = self._add_collision_shapes(robot.collision_model.shapes)
+        self._scene: list[viser.MeshHandle] = []
+        r, T = robot.kinematic_model.frame_axes(robot.home)
+        self._flange = Pose(r[-1], T[-1]).inverse() @ Pose(*robot.direct_kinematics(robot.home))
         self._add_panel()
         self.update(robot.home)
 
@@ -96,6 +100,20 @@ class Visualizer:
                 frame.position, frame.wxyz = position, _wxyz(orientation)
             self._tool_frame.position, self._tool_frame.wxyz = tool.r, _wxyz(tool.T)
             self._trace.add(tool.r)
+
+    def show_scene(self, scene: Scene) -> None:
+        """Show the obstacles and attached objects of a scene in the place of those shown before."""
+        for handle in self._scene:
+            handle.remove()
+        last = self._frames[-1].name
+        shown: list[tuple[str, SceneObject | AttachedObject, Pose]] = [
+            ('/scene', item, item.pose) for item in scene.objects
+        ]
+        shown += [(f'{last}/scene', item, self._flange @ item.pose) for item in scene.attached]
+        self._scene = [
+            self._add_mesh(f'{parent}/{item.name}', item.geometry, item.colour, pose)
+            for parent, item, pose in shown
+        ]
 
     def clear_trace(self) -> None:
         """Forget the path that the tool went."""
@@ -135,17 +153,24 @@ class Visualizer:
 
     def _add_shapes(self, shapes: Sequence[Shape]) -> None:
         for shape in shapes:
-            red, green, blue, opacity = shape.colour
-            mesh = trimesh.graph.smooth_shade(triangle_mesh(shape.geometry), angle=CREASE)
-            self._server.scene.add_mesh_simple(
-                f'{self._frames[shape.frame].name}/{shape.name}',
-                np.asarray(mesh.vertices, dtype=np.float32),
-                np.asarray(mesh.faces, dtype=np.uint32),
-                color=(round(255 * red), round(255 * green), round(255 * blue)),
-                opacity=None if opacity >= 1.0 else opacity,
-                position=shape.pose.r,
-                wxyz=_wxyz(shape.pose.T),
+            self._add_mesh(
+                f'{self._frames[shape.frame].name}/{shape.name}', shape.geometry, shape.colour, shape.pose
             )
+
+    def _add_mesh(
+        self, name: str, geometry: Geometry, colour: tuple[float, float, float, float], pose: Pose
+    ) -> viser.MeshHandle:
+        red, green, blue, opacity = colour
+        mesh = trimesh.graph.smooth_shade(triangle_mesh(geometry), angle=CREASE)
+        return self._server.scene.add_mesh_simple(
+            name,
+            np.asarray(mesh.vertices, dtype=np.float32),
+            np.asarray(mesh.faces, dtype=np.uint32),
+            color=(round(255 * red), round(255 * green), round(255 * blue)),
+            opacity=None if opacity >= 1.0 else opacity,
+            position=pose.r,
+            wxyz=_wxyz(pose.T),
+        )
 
     def _add_collision_shapes(self, shapes: Sequence[Shape]) -> list[viser.MeshHandle]:
         handles = []

@@ -6,22 +6,34 @@ import sys
 from typing import Any
 
 import numpy as np
+from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.blocks.drive_train import DriveTrain
+from robots_core.blocks.drive_faults import DriveFaults, FaultInjection, known_axes
+from robots_core.blocks.drive_level import check_level, drive_train
+from robots_core.blocks.payload import Payload
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.messages import doubles, joint_values
+from robots_core.nodes.payload_parameter import payload_from_parameters
 from robots_core.nodes.polled_subscription import PolledSubscription
 from robots_core.nodes.qos import STATE, STREAM
-from robots_core.nodes.robot_node import RobotNode
+from robots_core.nodes.robot_node import RobotNode, bounded
 from robots_core.nodes.run import run
 from robots_core.periodic_thread import PeriodicThread
 from robots_core.validation import Array
 
+# References that come late are extrapolated for so many periods; then the drives hold.
+MAX_EXTRAPOLATED = 5
+FAULTS = ('fault_stopped', 'fault_frozen', 'fault_lost', 'fault_noise')
+
 
 class DriveNode(RobotNode):
-    """The drives in the place of a real robot: one `DriveTrain` stepped in real time."""
+    """The drives in the place of a real robot, stepped in real time, at the level of parameter `level`.
+
+    `rigid_body` reports the torques of the motors too, as effort. The parameters `fault_...` may be set at
+    any time: axes that stop following, whose encoders freeze or that vanish from `joint_states`, and noise.
+    """
 
     def __init__(self, **options: Any) -> None:
         super().__init__('drive_node', **options)
@@ -32,15 +44,19 @@ class DriveNode(RobotNode):
             'FIFO priority of the loop where the system permits it; 0: none',
             read_only=True,
         )
+        level = self.parameter(
+            'level', 'second_order', 'ideal, second_order or rigid_body', check=check_level, read_only=True
+        )
         bandwidth = self.parameter(
             'bandwidth',
             [15.0],
-            'natural frequency of the drives, Hz; one number or one per axis',
+            'second_order: natural frequency of the drives, Hz; one number or one per axis',
             read_only=True,
         )
         damping = self.parameter(
-            'damping', [1.0], 'damping ratio of the drives; one number or one per axis', read_only=True
+            'damping', [1.0], 'second_order: damping ratio; one number or one per axis', read_only=True
         )
+        payload: Payload = payload_from_parameters(self, read_only=True)
         start = self.parameter(
             'initial_position',
             [float('nan')],
@@ -49,8 +65,15 @@ class DriveNode(RobotNode):
         )
         axes = self.robot.axes_data
         q = self.robot.home if np.isnan(start).all() else axes.check_position(start, 'initial_position')
-        self._drives = DriveTrain(q, period=1.0 / rate, bandwidth=bandwidth, damping=damping)
+        self._period = 1.0 / rate
+        self._drives = drive_train(
+            level, self.robot, q, period=self._period, bandwidth=bandwidth, damping=damping, payload=payload
+        )
+        self._injection = FaultInjection(axes.names)
+        self._declare_faults()
         self._reference: Array = np.array(q)
+        self._velocity: Array = np.zeros(axes.num_axes)
+        self._extrapolated = 0
         self._references: PolledSubscription[JointTrajectory] = PolledSubscription(
             self, JointTrajectory, 'joint_reference', STREAM
         )
@@ -58,34 +81,96 @@ class DriveNode(RobotNode):
         self._publisher = self.create_publisher(JointState, 'joint_states', STATE)
         self._thread = PeriodicThread(
             self._step,
-            period=1.0 / rate,
+            period=self._period,
             name='drives',
             on_error=self.thread_failed,
             realtime_priority=priority,
         )
         self._thread.start()
-        self.ready(rate=rate)
+        self.ready(rate=rate, drives=level)
+
+    def _declare_faults(self) -> None:
+        def exist(values: Any) -> None:
+            known_axes(self.robot.axes_data.names, values)
+
+        for name, what in (
+            ('fault_stopped', 'axes whose drives do not follow any more'),
+            ('fault_frozen', 'axes whose encoders report one position from now on'),
+            ('fault_lost', 'axes that are missing in joint_states'),
+        ):
+            # An empty list has no type in ROS; an empty name is no axis.
+            self.parameter(name, [''], f'for tests: {what}', check=exist)
+        self.parameter(
+            'fault_noise',
+            0.0,
+            'for tests: standard deviation of the reported positions, rad',
+            check=bounded(0.0, np.pi, 'rad'),
+        )
+        self._use_faults([])
+        self.add_post_set_parameters_callback(self._use_faults)
+
+    def _use_faults(self, parameters: list[Parameter]) -> None:
+        values = {name: self.get_parameter(name).value for name in FAULTS}
+        values |= {parameter.name: parameter.value for parameter in parameters if parameter.name in FAULTS}
+        self._injection.faults = DriveFaults.of(
+            self.robot.axes_data.names,
+            stopped=values['fault_stopped'],
+            frozen=values['fault_frozen'],
+            lost=values['fault_lost'],
+            noise=values['fault_noise'],
+        )
 
     def _step(self, deadline: float) -> None:
         del deadline
         message = self._references.take()
-        if message is not None:
+        if message is None:
+            self._extrapolate()
+        else:
             try:
-                self._reference = self._read(message)
+                self._reference, self._velocity = self._read(message)
+                self._extrapolated = 0
             except RobotsError as error:
                 self.refuse('joint_reference', error, stream=True)
-        q, q_dot = self._drives.step(self._reference)
+                self._extrapolate()
+        q, q_dot = self._drives.step(*self._injection.reference(self._reference, self._velocity))
+        self._report(q, q_dot)
+
+    def _extrapolate(self) -> None:
+        """Go on at the last speed for a while: the controller's clock and this one are not in step."""
+        self._extrapolated += 1
+        if self._extrapolated > MAX_EXTRAPOLATED:
+            self._velocity = np.zeros_like(self._velocity)
+        else:
+            axes = self.robot.axes_data
+            self._reference = np.clip(self._reference + self._period * self._velocity, axes.lower, axes.upper)
+
+    def _report(self, q: Array, q_dot: Array) -> None:
+        q, q_dot, reporting = self._injection.feedback(q, q_dot)
+        torque = self._drives.torque
         state = self._message
+        if len(reporting) != len(state.name):
+            state.name = [self.robot.axes_data.names[i] for i in reporting]
+        if len(reporting) != q.size:
+            q, q_dot = q[reporting], q_dot[reporting]
+            torque = None if torque is None else torque[reporting]
         state.header.stamp = self.get_clock().now().to_msg()
         state.position, state.velocity = doubles(q), doubles(q_dot)
+        if torque is not None:
+            state.effort = doubles(torque)
         self._publisher.publish(state)
 
-    def _read(self, message: JointTrajectory) -> Array:
+    def _read(self, message: JointTrajectory) -> tuple[Array, Array]:
         if len(message.points) != 1:
             raise InvalidInputError(f'{len(message.points)} points came, a reference is one point')
-        names = self.robot.axes_data.names
-        q = joint_values(message.joint_names, message.points[0].positions, names, 'joint_reference')
-        return self.robot.axes_data.check_position(q, 'joint_reference')
+        axes, point = self.robot.axes_data, message.points[0]
+        q = joint_values(message.joint_names, point.positions, axes.names, 'joint_reference')
+        q = axes.check_position(q, 'joint_reference')
+        if not point.velocities:
+            return q, np.zeros(axes.num_axes)
+        q_dot = joint_values(message.joint_names, point.velocities, axes.names, 'joint_reference velocities')
+        if not np.isfinite(q_dot).all():
+            raise InvalidInputError('joint_reference velocities must be finite numbers')
+        return q, q_dot
 
     def destroy_node(self) -> None:
         """End the thread before what it uses."""

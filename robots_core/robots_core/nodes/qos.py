@@ -25,11 +25,11 @@ STREAM: Final = QoSProfile(
 
 COMMAND: Final = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
-    depth=10,
+    depth=100,
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.VOLATILE,
 )
-"""Commands and results: all of them, and none from before."""
+"""Commands and results: all of them, also of a program that blends many motions, and none from before."""
 
 PLANNER_ALIVE: Final = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,

@@ -19,6 +19,7 @@ from robots_core.nodes.qos import COMMAND, STATE, STREAM
 from robots_core.nodes.robot_node import RobotNode, bounded
 from robots_core.nodes.run import run
 from robots_core.nodes.transforms import LinkTransforms
+from robots_core.nodes.watched_scene import WatchedScene
 
 MAX_RATE = 100.0  # Hz
 
@@ -26,11 +27,13 @@ MAX_RATE = 100.0  # Hz
 class VisualizerNode(RobotNode):
     """Shows `joint_states` in a browser page and publishes `robot_description`, latched.
 
+    Shows the obstacles and attached objects of a scene too, from its file and from `collision_objects`.
     Where tf2_msgs is installed, the links' transforms are published on /tf too.
 
     Parameters:
         host: Network address of the page; '0.0.0.0' for the whole network.
         port: First port to try; 0 lets the system choose.
+        scene: Scene file; empty for none.
         rate: Highest rate of the page's updates, Hz.
     """
 
@@ -48,6 +51,7 @@ class VisualizerNode(RobotNode):
             read_only=True,
         )
         self._visualizer = Visualizer(self.robot, host=host, port=port)
+        self._scene = WatchedScene(self, self._visualizer.show_scene)
         self._transforms = self._make_transforms()
         self._description = self.create_publisher(String, 'robot_description', STATE)
         self._description.publish(String(data=self.robot.description))

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 from robots_core import StructuralData
+from robots_core.robot_model.drive_data import DriveData
 from robots_models.packaged_robot import PackagedRobot
 
 
@@ -19,10 +21,16 @@ class ManutecR3Data(StructuralData):
         elbow_offset: Horizontal distance of axis 4 from axis 3; axis 4 lies on axis 1's side.
         forearm: Axis 3 to the wrist centre.
         flange: Wrist centre to tool0.
+        position_gain: Of the position controllers, 1/s.
+        speed_gain: Of the speed controllers, A s/rad.
+        integral_time: Of the speed controllers, s.
+        motor_frequency: Natural frequency of the current controls, rad/s.
+        motor_damping: Their damping ratios.
+        motor_resistance: Of the armatures, ohm.
         motor_speed: Highest speed of every motor, rad/s.
         motor_current: Highest current of every motor, A.
         torque_constant: N m/A, at the motor.
-        spring_stiffness: N m/rad, of the gears of axes 1-3, motor side; the others are rigid.
+        spring_stiffness: N m/rad, of the gears, motor side; inf: rigid.
         spring_damping: N m s/rad, likewise.
         motor_friction: Coulomb friction (N m) and its slope (N m s) of axes 1-3, motor side.
         joint_friction: The same of axes 4-6, joint side.
@@ -48,11 +56,17 @@ class ManutecR3Data(StructuralData):
     forearm: float = 0.6
     flange: float = 0.125
     rated_payload_kg: float = 15.0
+    position_gain: float = 5.0
+    speed_gain: float = 0.5
+    integral_time: float = 0.05
+    motor_frequency: tuple[float, ...] = (4590.0, 5500.0, 5500.0, 6250.0, 6250.0, 7400.0)
+    motor_damping: tuple[float, ...] = (0.6, 0.6, 0.6, 0.55, 0.55, 0.27)
+    motor_resistance: float = 250.0
     motor_speed: float = 315.0
     motor_current: float = 9.0
     torque_constant: tuple[float, ...] = (1.1616, 1.1616, 1.1616, 0.2365, 0.2608, 0.0842)
-    spring_stiffness: tuple[float, ...] = (43.0, 8.0, 58.0)
-    spring_damping: tuple[float, ...] = (0.005, 0.01, 0.04)
+    spring_stiffness: tuple[float, ...] = (43.0, 8.0, 58.0, inf, inf, inf)
+    spring_damping: tuple[float, ...] = (0.005, 0.01, 0.04, 0.0, 0.0, 0.0)
     motor_friction: tuple[tuple[float, float], ...] = (
         (0.4, 0.13 / 160.0),
         (0.5, 0.1 / 130.0),
@@ -65,8 +79,34 @@ class ManutecR3Data(StructuralData):
 
 
 class ManutecR3(PackagedRobot):
-    """The robot of Modelica's example; home is where its reference motion starts."""
+    """The robot of Modelica's example; home is where its reference motion starts.
+
+    `manutec_r3?joint_limits=full_robot_limits.yaml` has the reference speeds of that motion and next to no
+    jerk limit, so that a motion with all axes in step takes as long as the example's.
+    """
 
     DATA = ManutecR3Data()
     HOME = (-1.0471975512, 0.349065850399, 1.57079632679, 0.0, -1.91986217719, 0.0)
     ORIENTATION_CONVENTION = 'xyz'
+
+    @property
+    def drive_data(self) -> DriveData:
+        """The example's controllers, motors and gears.
+
+        The motors' highest current is kept here; the example names it, and passes it with 17.5 A.
+        """
+        data = self.DATA
+        return DriveData.from_motors(
+            self.axes_data,
+            torque_constant=data.torque_constant,
+            position_gain=data.position_gain,
+            speed_gain=data.speed_gain,
+            integral_time=data.integral_time,
+            current_limit=data.motor_current,
+            stiction=data.stiction,
+            stiffness=data.spring_stiffness,
+            damping=data.spring_damping,
+            current_frequency=data.motor_frequency,
+            current_damping=data.motor_damping,
+            resistance=data.motor_resistance,
+        )

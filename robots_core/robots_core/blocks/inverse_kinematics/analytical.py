@@ -116,7 +116,7 @@ class AnalyticalInverseKinematic:
 
     def _unreachable(self, target: Pose, configuration: Configuration | None) -> UnreachablePoseError:
         where = f'tool0 at ({", ".join(f"{value:.6g}" for value in target.r)}) m'
-        asked = '' if configuration is None else f' in configuration {_words(configuration)}'
+        asked = '' if configuration is None else f' in configuration {configuration}'
         try:
             branches = self._unlimited.solve(target.r, target.T)
         except NoAnalyticInverseKinematicsError:
@@ -140,7 +140,3 @@ class AnalyticalInverseKinematic:
             upper=upper,
             unit='rad',
         )
-
-
-def _words(configuration: Configuration) -> str:
-    return f'{configuration.shoulder}/{configuration.elbow}/{configuration.wrist}'

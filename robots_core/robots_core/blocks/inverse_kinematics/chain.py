@@ -74,7 +74,7 @@ class SerialChain:
     def forward(self, q: Array) -> Pose:
         """Pose of the tool centre point at joint positions `q`, (n,)."""
         r, T, J = np.empty(3), np.empty((3, 3)), np.empty((6, q.size))
-        pose_and_jacobian(self.arrays, q, r, T, J)
+        pose_and_jacobian(self.arrays, np.array(q), r, T, J)  # read-only arrays would be compiled for anew
         return Pose(r, T)
 
     def _check(self, robot: BaseRobotModel, tool: Pose) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots_core.blocks.inverse_kinematics.chain import SerialChain
+from robots_core.errors import InvalidInputError
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
@@ -75,6 +76,13 @@ class ChainDynamics:
                     return None
         return found
 
+    def weight(self, q: Array, gravity: Array) -> Array:
+        """Torques (n,) that hold the bodies at `q` against an acceleration of free fall, (3,) m/s^2."""
+        M, bias = np.empty((q.size, q.size)), np.empty(q.size)
+        arrays = (*self.arrays[:-1], np.array(gravity))
+        mass_matrix_and_bias(arrays, np.array(q), np.zeros(q.size), M, bias)
+        return bias
+
     @property
     def arrays(self) -> DynamicsArrays:
         """All of it, as compiled code takes it."""
@@ -94,6 +102,21 @@ class ChainDynamics:
         M, bias = np.empty((q.size, q.size)), np.empty(q.size)
         mass_matrix_and_bias(self.arrays, q, q_dot, M, bias)
         return M, bias
+
+
+def chain_dynamics_of(robot: BaseRobotModel) -> ChainDynamics:
+    """The dynamics of a robot.
+
+    Raises:
+        InvalidInputError: the robot's `rigid_dynamics` are not those of its bodies under gravity.
+    """
+    found = ChainDynamics.of(robot, SerialChain.of(robot))
+    if found is None:
+        raise InvalidInputError(
+            f'the rigid_dynamics of robot {robot.name!r} are not those of the masses and inertias of its '
+            f'rigid_dynamics_model under gravity'
+        )
+    return found
 
 
 # Vectors are tuples of three and matrices of three rows: compiled, they are registers and not memory.

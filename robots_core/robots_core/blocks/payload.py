@@ -1,0 +1,73 @@
+"""Payload: what hangs on the flange, a tool or a workpiece or both."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from robots_core.errors import InvalidInputError
+from robots_core.pose import Pose
+from robots_core.validation import Array, finite_vector, read_only
+
+# Relative to the largest moment: figures of bodies are printed with some six digits.
+INERTIA_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Payload:
+    """A rigid body fixed to tool0. `tool + workpiece` is the two as one.
+
+    Attributes:
+        mass: kg, not negative.
+        center: Centre of mass in tool0, (3,), m.
+        inertia: About the centre of mass, axes of tool0, (3, 3), kg m^2; zero: a point.
+
+    Raises:
+        InvalidInputError: a negative mass, or an inertia that no body has.
+    """
+
+    mass: float
+    center: Array = field(default_factory=lambda: np.zeros(3))
+    inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.mass < np.inf:
+            raise InvalidInputError(f'mass = {self.mass!r} kg must be a finite number, 0 or above')
+        object.__setattr__(self, 'center', read_only(finite_vector(self.center, 3, 'center')))
+        inertia = finite_vector(np.asarray(self.inertia, dtype=np.float64).ravel(), 9, 'inertia').reshape(
+            3, 3
+        )
+        allowed = INERTIA_TOLERANCE * float(np.abs(inertia).max())
+        moments = np.linalg.eigvalsh(0.5 * (inertia + inertia.T))
+        if np.abs(inertia - inertia.T).max() > allowed or moments[0] < -allowed:
+            raise InvalidInputError(f'inertia {inertia.tolist()} must be symmetric and not negative')
+        if moments[2] > moments[0] + moments[1] + allowed:
+            raise InvalidInputError(
+                f'no body has principal moments {moments.tolist()}: the largest is at most the sum of the '
+                'others'
+            )
+        object.__setattr__(self, 'inertia', read_only(inertia))
+
+    def __add__(self, other: Payload) -> Payload:
+        """Both as one body, by the parallel-axis theorem."""
+        return Payload(
+            *united((self.mass, self.center, self.inertia), (other.mass, other.center, other.inertia))
+        )
+
+    def seen_from(self, pose: Pose) -> Payload:
+        """The same body, where `pose` is that of tool0 in another frame; in that frame's coordinates."""
+        return Payload(self.mass, pose.r + pose.T @ self.center, pose.T @ self.inertia @ pose.T.T)
+
+
+def united(
+    first: tuple[float, Array, Array], second: tuple[float, Array, Array]
+) -> tuple[float, Array, Array]:
+    """Mass, centre of mass and inertia about it of two bodies as one, by the parallel-axis theorem."""
+    (m1, c1, inertia1), (m2, c2, inertia2) = first, second
+    mass = m1 + m2
+    if mass == 0.0:
+        return 0.0, c1, inertia1 + inertia2
+    d = c2 - c1
+    steiner = m1 * m2 / mass * (d @ d * np.eye(3) - np.outer(d, d))
+    return mass, c1 + m2 / mass * d, inertia1 + inertia2 + steiner

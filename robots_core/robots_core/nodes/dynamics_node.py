@@ -1,0 +1,215 @@
+"""dynamics_node: joint motion in, torques, mass matrix and the wrench at the tool out."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import WrenchStamped
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray, MultiArrayDimension
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_core.blocks.base_motion import BaseMotion
+from robots_core.blocks.numerical_dynamics import NumericalDynamics
+from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.nodes.messages import doubles, joint_indices
+from robots_core.nodes.payload_parameter import payload_from_parameters, payload_from_values
+from robots_core.nodes.polled_subscription import PolledSubscription
+from robots_core.nodes.qos import STATE, STREAM
+from robots_core.nodes.robot_node import RobotNode, bounded
+from robots_core.nodes.run import run
+from robots_core.pose import Pose
+from robots_core.validation import Array, finite_vector
+
+MAX_RATE = 1000.0  # Hz
+SOURCES = ('joint_states', 'joint_reference')
+UPRIGHT = [0.0, 0.0, 0.0, 1.0]
+# Between samples further apart than this no acceleration is told from their velocities.
+LONGEST_GAP = 0.1  # s
+
+
+class DynamicsNode(RobotNode):
+    """Publishes the torques of the newest motion on `joint_torques`, `bias_torques` and `mass_matrix`.
+
+    The motion is that of `joint_states` (accelerations from its velocities, by difference quotients and a
+    low-pass filter) or of `joint_reference` (accelerations as given), by parameter `source`. Where
+    joint_states has efforts, the torques of the drives, `tcp_wrench` is what the surroundings push the tool
+    with. The node's health is WARN while a torque is past its limit.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('dynamics_node', **options)
+        self._source: str = self.parameter(
+            'source', 'joint_states', f'{" or ".join(SOURCES)}', check=_check_source, read_only=True
+        )
+        rate = self.parameter(
+            'rate', 50.0, 'highest publishing rate, Hz', check=bounded(0.1, MAX_RATE, 'Hz'), read_only=True
+        )
+        self._filter_time: float = self.parameter(
+            'filter_time',
+            0.02,
+            'time constant of the accelerations told from velocities, s',
+            check=bounded(0.0, 10.0, 's'),
+        )
+        orientation = self.parameter(
+            'base_orientation', UPRIGHT, 'of the base in the world, quaternion x y z w', check=_orientation
+        )
+        payload = payload_from_parameters(self)
+        self._dynamics = NumericalDynamics(
+            self.robot, payload=payload, base=BaseMotion(_orientation(orientation))
+        )
+        n = self.robot.num_axes
+        self._acceleration: Array = np.zeros(n)
+        self._last: tuple[float, Array] | None = None
+        self._names = list(self.robot.axes_data.names)
+        self._motor_torques = self.create_publisher(JointState, 'joint_torques', STATE)
+        self._bias_torques = self.create_publisher(JointState, 'bias_torques', STATE)
+        self._mass_matrix = self.create_publisher(Float64MultiArray, 'mass_matrix', STATE)
+        self._tool_wrench = self.create_publisher(WrenchStamped, 'tcp_wrench', STATE)
+        self._base_wrench = self.create_publisher(WrenchStamped, 'base_wrench', STATE)
+        kind = JointState if self._source == 'joint_states' else JointTrajectory
+        self._motions: PolledSubscription[Any] = PolledSubscription(self, kind, self._source, STREAM)
+        self.create_timer(1.0 / rate, self._publish)
+        self.add_post_set_parameters_callback(self._use_parameters)
+        self.ready()
+
+    def _publish(self) -> None:
+        newest = None
+        try:
+            for message, _ in self._motions.take_all():
+                newest = (message, *self._motion(message))
+            if newest is None:
+                return
+            self._publish_for(*newest)
+        except RobotsError as error:
+            self.refuse(self._source, error, stream=True)
+
+    def _motion(self, message: Any) -> tuple[Array, Array, Array, Array | None]:
+        """Positions, velocities, accelerations and, if there are any, efforts of a message, (n,) each."""
+        if self._source == 'joint_states':
+            q, q_dot, tau = self._ordered(message.name, message.position, message.velocity, message.effort)
+            stamp = message.header.stamp
+            return q, q_dot, self._accelerate(stamp.sec + 1e-9 * stamp.nanosec, q_dot), tau
+        if len(message.points) != 1:
+            raise InvalidInputError(f'{len(message.points)} points came, a reference is one point')
+        point = message.points[0]
+        q, q_dot, q_ddot = self._ordered(
+            message.joint_names, point.positions, point.velocities, point.accelerations
+        )
+        return q, q_dot, np.zeros_like(q) if q_ddot is None else q_ddot, None
+
+    def _ordered(self, names: Any, *values: Any) -> tuple[Array, Array, Array | None]:
+        """Three fields in the order of the axes; without the first it is refused, the second is then 0."""
+        indices = joint_indices(names, self._names, self._source)
+        found: list[Array | None] = []
+        for field, what in zip(values, ('positions', 'velocities', 'efforts or accelerations'), strict=True):
+            if len(field) not in {0, len(names)}:
+                raise InvalidInputError(f'{self._source} has {len(field)} {what} for {len(names)} joints')
+            found.append(
+                finite_vector(np.asarray(field, dtype=np.float64)[indices], len(indices), what)
+                if len(field)
+                else None
+            )
+        q, q_dot, third = found
+        if q is None:
+            raise InvalidInputError(f'{self._source} has no positions')
+        return q, np.zeros_like(q) if q_dot is None else q_dot, third
+
+    def _accelerate(self, now: float, q_dot: Array) -> Array:
+        last, self._last = self._last, (now, q_dot)
+        gap = 0.0 if last is None else now - last[0]
+        if last is None or not 0.0 < gap <= LONGEST_GAP:
+            self._acceleration = np.zeros_like(q_dot)
+        else:
+            share = gap / (gap + self._filter_time)
+            self._acceleration = self._acceleration + share * ((q_dot - last[1]) / gap - self._acceleration)
+        return self._acceleration
+
+    def _publish_for(
+        self, message: Any, q: Array, q_dot: Array, q_ddot: Array, measured: Array | None
+    ) -> None:
+        tau, M, tau_aux = self._dynamics.rigid_dynamics(q, q_dot, q_ddot)
+        for publisher, torques in ((self._motor_torques, tau), (self._bias_torques, tau_aux)):
+            state = JointState(name=self._names, effort=doubles(torques))
+            state.header.stamp = message.header.stamp
+            publisher.publish(state)
+        self._mass_matrix.publish(matrix_message(M))
+        stamp = message.header.stamp
+        pushed = -self._dynamics.base_wrench(q, q_dot, q_ddot)
+        self._base_wrench.publish(wrench_message(stamp, pushed))
+        if measured is not None:
+            wrench = self._dynamics.external_wrench(q, q_dot, q_ddot, measured)
+            self._tool_wrench.publish(wrench_message(stamp, wrench))
+        self._judge(tau if measured is None else measured)
+
+    def _judge(self, tau: Array) -> None:
+        axes = self.robot.axes_data
+        part = np.abs(tau) / axes.effort
+        worst = int(part.argmax())
+        name, unit = axes.names[worst], 'N' if axes.prismatic[worst] else 'N m'
+        values: dict[str, Any] = {
+            'joint': name,
+            'torque': float(tau[worst]),
+            'limit': float(axes.effort[worst]),
+        }
+        if part[worst] > 1.0:
+            self.report_health(
+                DiagnosticStatus.WARN,
+                f'torque of {name} is past its limit of {axes.effort[worst]:g} {unit}',
+                **values,
+            )
+        else:
+            self.ready(**values)
+
+    def _use_parameters(self, parameters: list[Parameter]) -> None:
+        for parameter in parameters:
+            if parameter.name == 'filter_time':
+                self._filter_time = parameter.value
+            elif parameter.name == 'payload':
+                payload = payload_from_values(parameter.value)
+                self._dynamics = NumericalDynamics(self.robot, payload=payload, base=self._dynamics.base)
+            elif parameter.name == 'base_orientation':
+                self._dynamics.base = BaseMotion(_orientation(parameter.value))
+
+
+def matrix_message(M: Array) -> Float64MultiArray:
+    """A mass matrix row by row, its dimensions labelled `torque` (rows) and `acceleration` (columns)."""
+    rows, columns = M.shape
+    message = Float64MultiArray(data=doubles(M))
+    message.layout.dim = [
+        MultiArrayDimension(label='torque', size=rows, stride=rows * columns),
+        MultiArrayDimension(label='acceleration', size=columns, stride=columns),
+    ]
+    return message
+
+
+def wrench_message(stamp: Time, wrench: Array, frame_id: str = 'base') -> WrenchStamped:
+    """A geometry_msgs/WrenchStamped from force (N) and moment (N m), (6,)."""
+    message = WrenchStamped()
+    message.header.stamp, message.header.frame_id = stamp, frame_id
+    force, moment = message.wrench.force, message.wrench.torque
+    force.x, force.y, force.z, moment.x, moment.y, moment.z = wrench.tolist()
+    return message
+
+
+def _check_source(source: Any) -> None:
+    if source not in SOURCES:
+        raise InvalidInputError(f'source {source!r} is unknown; it is {" or ".join(SOURCES)}')
+
+
+def _orientation(quaternion: Any) -> Array:
+    return Pose.from_quaternion(np.zeros(3), finite_vector(quaternion, 4, 'quaternion x y z w')).T
+
+
+def main() -> None:
+    """Start the node."""
+    sys.exit(run(DynamicsNode))
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,50 @@
+"""Interrupt: Ctrl-C and terminate as an event that is asked for, not an exception out of nowhere."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import socket
+import threading
+from collections.abc import Callable, Iterator
+
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+@contextlib.contextmanager
+def interrupt(wake: Callable[[], None]) -> Iterator[threading.Event]:
+    """An event that is set by Ctrl-C or terminate while the context lasts; for the main thread.
+
+    An exception raised by a signal handler can strike inside compiled code, which then reports something
+    else or leaves half of its work. So nothing is raised: whoever spins ends between two callbacks. Ctrl-C
+    in a terminal reaches a launched process twice; the second changes nothing, afterwards too: the process is
+    about to end.
+
+    Args:
+        wake: Called, by a thread, once the event is set: wakes up who waits elsewhere.
+    """
+    stopping = threading.Event()
+    reader, writer = socket.socketpair()
+    writer.setblocking(False)
+
+    def watch() -> None:
+        # The handler of a signal runs when the main thread is back in Python; this byte comes at once.
+        if reader.recv(1) != b'\0':
+            stopping.set()
+            wake()
+
+    before = {number: signal.signal(number, lambda *_: None) for number in STOP_SIGNALS}
+    descriptor = signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
+    watcher = threading.Thread(target=watch, name='interrupt', daemon=True)
+    watcher.start()
+    try:
+        yield stopping
+    finally:
+        signal.set_wakeup_fd(descriptor)
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_IGN if stopping.is_set() else handler)
+        with contextlib.suppress(BlockingIOError):
+            writer.send(b'\0')
+        watcher.join()
+        reader.close()
+        writer.close()
