@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
+from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError
-from robots_core.validation import Array, read_only
+from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.validation import FLOAT64, Array, read_only
 
 # Row i, column j: weight of (p0, v0 h, a0 h^2, p1, v1 h, a1 h^2)[j] in the coefficient of (t / h)^i.
 _QUINTIC = np.array(
@@ -42,21 +45,21 @@ class Trajectory:
     position: Array
     velocity: Array
     acceleration: Array
-    coefficients: Array = field(init=False, repr=False)
-    """(m - 1, 6, n): polynomial per interval, in powers of the time since the interval's start, s."""
 
     def __post_init__(self) -> None:
         for name in ('time', 'position', 'velocity', 'acceleration'):
-            values = read_only(getattr(self, name))
-            if not np.isfinite(values).all():
-                raise InvalidInputError(f'trajectory {name} holds a value that is not finite')
+            values = getattr(self, name)
+            if _frozen(values):
+                continue
+            # Compiled code is made for one layout of memory; another would be compiled anew, for seconds.
+            values = np.array(values, dtype=np.float64, order='C')
+            values.flags.writeable = False
             object.__setattr__(self, name, values)
-        m = self.time.shape[0]
-        if self.time.ndim != 1 or m < 2:
+        m, shape = self.time.shape[0] if self.time.ndim == 1 else 0, self.position.shape
+        if m < 2:
             raise InvalidInputError(
                 f'a trajectory needs at least 2 points, got time of shape {self.time.shape}'
             )
-        shape = self.position.shape
         if (
             len(shape) != 2
             or shape[0] != m
@@ -67,9 +70,16 @@ class Trajectory:
                 f'position {shape}, velocity {self.velocity.shape} and acceleration '
                 f'{self.acceleration.shape} must all be ({m}, n), one row per time'
             )
-        if self.time[0] != 0.0 or not (np.diff(self.time) > 0.0).all():
+        if not _sound(self.time, self.position, self.velocity, self.acceleration):
+            for name in ('time', 'position', 'velocity', 'acceleration'):
+                if not np.isfinite(getattr(self, name)).all():
+                    raise InvalidInputError(f'trajectory {name} holds a value that is not finite')
             raise InvalidInputError('trajectory time must start at 0 and increase from point to point')
-        object.__setattr__(self, 'coefficients', self._coefficients())
+
+    @cached_property
+    def coefficients(self) -> Array:
+        """(m - 1, 6, n): polynomial per interval, in powers of the time since the interval's start, s."""
+        return self._coefficients()
 
     def _coefficients(self) -> Array:
         h = np.diff(self.time)[:, None]
@@ -151,3 +161,27 @@ class Trajectory:
         times = self.time[:-1, None] + x
         n = self.num_axes
         return times.reshape(-1, n), acceleration.reshape(-1, n), jerk.reshape(-1, n)
+
+
+def _frozen(values: object) -> bool:
+    """An array that nobody can write to, and that compiled code takes: it needs no copy."""
+    if type(values) is not np.ndarray or values.dtype is not FLOAT64:
+        return False
+    flags = values.flags
+    return flags.c_contiguous and not flags.writeable and not isinstance(values.base, np.ndarray)
+
+
+@compiled()
+def _sound(time: Array, position: Array, velocity: Array, acceleration: Array) -> bool:
+    """Time starts at 0 and increases, and all is finite."""
+    if time[0] != 0.0 or not isfinite(time[-1]):
+        return False
+    for i in range(time.size - 1):
+        if not time[i + 1] > time[i]:
+            return False
+    for values in (position, velocity, acceleration):
+        for row in range(values.shape[0]):
+            for column in range(values.shape[1]):
+                if not isfinite(values[row, column]):
+                    return False
+    return True

@@ -6,12 +6,13 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError
-from robots_core.pose import Pose, rotation_vector
+from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
+from robots_planning.path_deviation import SampledPath, line_deviation, path_deviation
 from robots_planning.trajectory import Trajectory
 
 SAMPLE_PERIOD = 1e-3  # s
@@ -20,6 +21,9 @@ RATIO_TOLERANCE = 1e-3  # of a limit: what finite differences at the sample peri
 POSITION_TOLERANCE = 1e-9  # rad (m), as the axis limits' own check
 REST_TOLERANCE = 1e-6  # of the velocity and acceleration limits, at both ends
 LINE_TOLERANCE = 1e-5  # m and rad
+# Of position (rad, m), and of the velocity and acceleration limits, from one interval to the next: rounding
+# of the polynomials' coefficients, which is multiplied by up to the inverse of an interval and its square.
+JUMP_TOLERANCE = (1e-9, 1e-6, 1e-4)
 
 
 @dataclass(frozen=True)
@@ -61,11 +65,15 @@ class VerificationReport:
         uses: Worst use by quantity: position, velocity, acceleration, jerk, and torque if it was asked for.
         axis_use: By quantity, worst ratio of every axis, (n,).
         outside: How far positions pass the axis limits, rad (m); negative is the margin left.
-        start_motion: Velocity or acceleration at the start, as part of its limit; 0 is rest.
-        end_motion: The same at the end.
-        line_deviation: Largest distance of the tool from the line and of its ends from the line's, m; None
-            without a line.
-        orientation_deviation: Largest angle between the tool and the rotation about the line's one axis, rad.
+        start_motion: Difference of velocity or acceleration at the start from those of the robot, as part of
+            their limits; 0 is rest, or the motion that was given.
+        end_motion: Velocity or acceleration at the end, as part of its limit; 0 is rest.
+        jumps: Largest step from one interval to the next of position (rad, m), and of velocity and
+            acceleration as parts of their limits; 0 but for rounding.
+        jump_time: When the worst of them is, s.
+        line_deviation: Largest distance of the tool from the line or path and of its ends from theirs, m;
+            None without one.
+        orientation_deviation: Largest angle between the tool and the line's or path's orientation, rad.
     """
 
     duration: float
@@ -74,6 +82,8 @@ class VerificationReport:
     outside: float
     start_motion: float
     end_motion: float
+    jumps: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    jump_time: float = 0.0
     line_deviation: float | None = None
     orientation_deviation: float | None = None
     violations: tuple[str, ...] = field(init=False)
@@ -93,9 +103,23 @@ class VerificationReport:
             if broken and quantity != 'jerk':
                 lines.append(use.describe())
         lines.extend(
-            f'the trajectory does not {verb} at rest: it moves at {100.0 * motion:.3g} % of a limit'
-            for verb, motion in (('start', self.start_motion), ('end', self.end_motion))
+            f'the trajectory does not {what}: it differs by {100.0 * motion:.3g} % of a limit'
+            for what, motion in (
+                ('start at rest or as the robot moves', self.start_motion),
+                ('end at rest', self.end_motion),
+            )
             if motion > REST_TOLERANCE
+        )
+        lines.extend(
+            f'{quantity} jumps by {jump:.3g}{unit} at {self.jump_time:.3f} s'
+            for quantity, unit, jump, allowed in zip(
+                ('position', 'velocity', 'acceleration'),
+                (' rad (m)', ' of its limit', ' of its limit'),
+                self.jumps,
+                JUMP_TOLERANCE,
+                strict=True,
+            )
+            if jump > allowed
         )
         if self.line_deviation is not None and self.line_deviation > LINE_TOLERANCE:
             lines.append(
@@ -145,19 +169,27 @@ def verify(
     robot: BaseRobotModel,
     *,
     line: tuple[Pose, Pose] | None = None,
+    path: SampledPath | None = None,
+    tool: Pose | None = None,
     torque: bool = True,
+    start_motion: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> VerificationReport:
     """Compare a trajectory with all limits of a robot, without knowing how it was planned.
 
     Positions are sampled at 1 kHz and differentiated by central differences; velocity and acceleration of
-    the trajectory itself are taken at the same instants and at every extreme of acceleration between its
-    points. Torques come from inverse dynamics at 250 Hz.
+    the trajectory itself are taken at the same instants, positions and velocities at their turning points
+    between them too, and acceleration and jerk at every extreme between the trajectory's points. Torques come
+    from inverse dynamics at 250 Hz.
 
     Args:
         trajectory: What to look at.
         robot: Whose limits hold.
         line: First and last pose of a straight tool line with rotation about one axis to stay on.
+        path: Any other path of the tool to stay on.
+        tool: Pose of what follows line or path in tool0; tool0 itself by default.
         torque: Compute torques too.
+        start_motion: Velocity and acceleration, (n,) each, of the motion that it goes on from; it starts at
+            rest without.
 
     Raises:
         InvalidInputError: the trajectory has another number of axes than the robot.
@@ -171,15 +203,36 @@ def verify(
     t = np.union1d(np.linspace(0.0, trajectory.duration, max(count, 16)), trajectory.time)
     q, q_dot, q_ddot = trajectory.sample(t)
     before, after = (trajectory.sample(t + sign * SAMPLE_PERIOD)[0] for sign in (-1.0, 1.0))
+    moving = start_motion is not None
+    if moving:  # what was before the start is unknown: as if it had moved at constant acceleration
+        early = (t < SAMPLE_PERIOD)[:, None]
+        past = q - SAMPLE_PERIOD * q_dot + 0.5 * SAMPLE_PERIOD**2 * q_ddot
+        before, after = np.where(early, past, before), np.where(early, 2.0 * q - past, after)
+        after += np.where(early, SAMPLE_PERIOD**2 * q_ddot, 0.0)
     # A difference is an average of what it stands for, so it can only understate a limit that is broken.
     velocity = np.maximum(np.abs(q_dot), np.abs(after - before) / (2.0 * SAMPLE_PERIOD))
     acceleration = np.maximum(np.abs(q_ddot), np.abs(after - 2.0 * q + before) / SAMPLE_PERIOD**2)
     extreme_times, extremes, jerks = trajectory.acceleration_extremes()
 
+    turning_times, turning_q = _turning(trajectory, t, q_dot, 0)
+    peak_times, peaks = _turning(trajectory, t, q_ddot, 1)
+    all_q = np.concatenate([q, turning_q])
+    q_times = np.concatenate([np.broadcast_to(t[:, None], q.shape), turning_times])
+
     middle, half = _range(axes.lower, axes.upper)
     ratios = {
-        'position': _Samples(t, np.abs(q - middle) / half, q, np.where(q < middle, axes.lower, axes.upper)),
-        'velocity': _Samples(t, velocity / axes.velocity, velocity, axes.velocity),
+        'position': _Samples(
+            q_times,
+            np.abs(all_q - middle) / half,
+            all_q,
+            np.where(all_q < middle, axes.lower, axes.upper),
+        ),
+        'velocity': _Samples(
+            np.concatenate([np.broadcast_to(t[:, None], q.shape), peak_times]),
+            np.concatenate([velocity, np.abs(peaks)]) / axes.velocity,
+            np.concatenate([velocity, np.abs(peaks)]),
+            axes.velocity,
+        ),
         'acceleration': _Samples(
             np.concatenate([np.broadcast_to(t[:, None], q.shape), extreme_times]),
             np.concatenate([acceleration, extremes]) / axes.acceleration,
@@ -190,14 +243,17 @@ def verify(
     }
     if torque:
         ratios['torque'] = _torques(trajectory, robot)
-    deviation, turned = (None, None) if line is None else _line_deviation(trajectory, robot, line)
+    deviation, turned = _deviation(trajectory, robot, line, path, tool)
+    jumps, jump_time = _jumps(trajectory, robot)
     return VerificationReport(
         duration=trajectory.duration,
         uses={quantity: _worst(quantity, robot, values) for quantity, values in ratios.items()},
         axis_use={quantity: read_only(values.ratio.max(axis=0)) for quantity, values in ratios.items()},
-        outside=float(np.maximum(axes.lower - q, q - axes.upper).max()),
-        start_motion=_motion(trajectory, robot, 0),
+        outside=float(np.maximum(axes.lower - all_q, all_q - axes.upper).max()),
+        start_motion=0.0 if moving and start_motion is None else _motion(trajectory, robot, 0, start_motion),
         end_motion=_motion(trajectory, robot, -1),
+        jumps=jumps,
+        jump_time=jump_time,
         line_deviation=deviation,
         orientation_deviation=turned,
     )
@@ -235,42 +291,72 @@ def _torques(trajectory: Trajectory, robot: BaseRobotModel) -> _Samples:
     return _Samples(t, tau / robot.axes_data.effort, tau, robot.axes_data.effort)
 
 
-def _motion(trajectory: Trajectory, robot: BaseRobotModel, row: int) -> float:
+def _turning(trajectory: Trajectory, t: Array, rate: Array, derivative: int) -> tuple[Array, Array]:
+    """Times and values, (k, n) each, of a derivative where its rate changes sign between the times t."""
+    n = trajectory.num_axes
+    rows, axes = np.nonzero(rate[:-1] * rate[1:] < 0.0)
+    if not rows.size:
+        return np.empty((0, n)), np.empty((0, n))
+    before, after = rate[rows, axes], rate[rows + 1, axes]
+    times = t[rows] + (t[rows + 1] - t[rows]) * before / (before - after)
+    return np.broadcast_to(times[:, None], (len(rows), n)), trajectory.sample(times)[derivative]
+
+
+def _jumps(trajectory: Trajectory, robot: BaseRobotModel) -> tuple[tuple[float, float, float], float]:
+    """Largest steps of position, velocity and acceleration at the points, and when the worst is."""
+    c, h = trajectory.coefficients, np.diff(trajectory.time)[:, None]
+    end_q = c[:, 0] + h * (c[:, 1] + h * (c[:, 2] + h * (c[:, 3] + h * (c[:, 4] + h * c[:, 5]))))
+    end_q_dot = c[:, 1] + h * (2 * c[:, 2] + h * (3 * c[:, 3] + h * (4 * c[:, 4] + h * 5 * c[:, 5])))
+    end_q_ddot = 2 * c[:, 2] + h * (6 * c[:, 3] + h * (12 * c[:, 4] + h * 20 * c[:, 5]))
+    q, q_dot, q_ddot = trajectory.position, trajectory.velocity, trajectory.acceleration
     axes = robot.axes_data
+    steps = np.array(
+        [
+            np.maximum(np.abs(end_q - q[1:]), np.abs(c[:, 0] - q[:-1])),
+            np.maximum(np.abs(end_q_dot - q_dot[1:]), np.abs(c[:, 1] - q_dot[:-1])) / axes.velocity,
+            np.maximum(np.abs(end_q_ddot - q_ddot[1:]), np.abs(2 * c[:, 2] - q_ddot[:-1]))
+            / axes.acceleration,
+        ]
+    ).max(axis=2)
+    worst = int(np.argmax((steps / np.array(JUMP_TOLERANCE)[:, None]).max(axis=0)))
+    position, velocity, acceleration = steps.max(axis=1).tolist()
+    return (position, velocity, acceleration), float(trajectory.time[worst + 1])
+
+
+def _motion(
+    trajectory: Trajectory,
+    robot: BaseRobotModel,
+    row: int,
+    expected: tuple[ArrayLike, ArrayLike] | None = None,
+) -> float:
+    axes = robot.axes_data
+    q_dot, q_ddot = (np.asarray(values) for values in expected or (0.0, 0.0))
     return float(
         max(
-            (np.abs(trajectory.velocity[row]) / axes.velocity).max(),
-            (np.abs(trajectory.acceleration[row]) / axes.acceleration).max(),
+            (np.abs(trajectory.velocity[row] - q_dot) / axes.velocity).max(),
+            (np.abs(trajectory.acceleration[row] - q_ddot) / axes.acceleration).max(),
         )
     )
 
 
-def _line_deviation(
-    trajectory: Trajectory, robot: BaseRobotModel, line: tuple[Pose, Pose]
-) -> tuple[float, float]:
-    """Largest distance (m) and angle (rad) of the tool from the line, its ends included."""
+def _deviation(
+    trajectory: Trajectory,
+    robot: BaseRobotModel,
+    line: tuple[Pose, Pose] | None,
+    path: SampledPath | None,
+    tool: Pose | None,
+) -> tuple[float | None, float | None]:
+    """Largest distance (m) and angle (rad) of the tool from the line or path, its ends included."""
+    if line is None and path is None:
+        return None, None
     # Interpolation errors are largest in the middle between points.
     middles = 0.5 * (trajectory.time[:-1] + trajectory.time[1:])
     t = np.union1d(np.linspace(0.0, trajectory.duration, 101), middles)
     frames = [robot.direct_kinematics(q) for q in trajectory.sample(t)[0]]
     r = np.array([frame[0] for frame in frames])
     T = np.array([frame[1] for frame in frames])
-    start, end = line
-
-    along = end.r - start.r
-    squared = float(along @ along)
-    part = np.clip((r - start.r) @ along / squared, 0.0, 1.0) if squared > 0.0 else np.zeros(len(r))
-    distance = np.linalg.norm(r - start.r - part[:, None] * along, axis=1)
-
-    turn = rotation_vector(end.T @ start.T.T)
-    angle = float(np.linalg.norm(turn))
-    k = turn / angle if angle > 0.0 else np.zeros(3)
-    quaternion = Rotation.from_matrix(T @ start.T.T).as_quat(canonical=True)
-    across = quaternion[:, :3] - (quaternion[:, :3] @ k)[:, None] * k
-    away = 2.0 * np.arcsin(np.minimum(np.linalg.norm(across, axis=1), 1.0))
-
-    ends = [Pose(r[row], T[row]).distance_to(pose) for row, pose in ((0, start), (-1, end))]
-    return (
-        max(float(distance.max()), *(end[0] for end in ends)),
-        max(float(away.max()), *(end[1] for end in ends)),
-    )
+    if tool is not None:
+        r, T = r + T @ tool.r, T @ tool.T
+    found = [] if line is None else [line_deviation(r, T, *line)]
+    found += [] if path is None else [path_deviation(r, T, path)]
+    return max(item[0] for item in found), max(item[1] for item in found)

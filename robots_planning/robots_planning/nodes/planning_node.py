@@ -1,9 +1,12 @@
-"""planning_node: plans commanded motions and hands them to the controller."""
+"""planning_node: motion commands to verified joint trajectories."""
 
 from __future__ import annotations
 
+import contextlib
 import sys
+import time
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
@@ -11,70 +14,87 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
-from numpy.typing import ArrayLike
+from nav_msgs.msg import Path
+from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
-from robots_core.nodes.messages import (
-    MotionResult,
-    joint_values,
-    pose_from_message,
-    stamp_id,
-)
+from robots_core.nodes.messages import MotionResult, joint_values, pose_from_message, stamp_id
 from robots_core.nodes.polled_subscription import PolledSubscription
 from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STREAM
 from robots_core.nodes.robot_node import RobotNode
 from robots_core.nodes.run import run
+from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.pose import Pose
-from robots_core.validation import Array, positive
+from robots_core.validation import Array
+from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, checked
+from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory, waypoints_trajectory
+from robots_planning.nodes.jogging import Jogging
+from robots_planning.nodes.settings_publisher import SettingsPublisher
 from robots_planning.nodes.trajectory_messages import BASE_FRAME, trajectory_message
-from robots_planning.pathplanning import MotionSettings, PathPlanning
+from robots_planning.order_book import MotionOrder, OrderBook, RunningMotion
+from robots_planning.order_planner import OrderPlanner, PlannedOrders
+from robots_planning.pathplanning import PathPlanning, Shape, Target
 from robots_planning.robot_command_state import RobotCommandState
-from robots_planning.trajectory_generators.base import usable_fraction
 
 LOOK_PERIOD = 0.1  # s between looks for a first reference
-# Who commands the next motion heard of the end of the last one; here that message may come a little later.
-RESULT_DELAY = 0.2  # s
+# A blended motion waits so long for the one that it runs through to; then it stops at its end. A program that
+# changes settings in between needs two questions and answers of busy processes for it.
+BLEND_PATIENCE = 0.3  # s
 REST_SPEED = 1e-5  # rad/s (m/s); a reference this slow is rounding of one that stands
+COLLISION_MARGIN = 0.005  # m
+NEW_COMMAND = ('queue', 'replace')
 
 
 class PlanningNode(RobotNode):
-    """Plans from the controller's reference, verifies the plan, and publishes it as `joint_trajectory`.
+    """Plans commands in their order, verifies the plans, and publishes them as `joint_trajectory`.
 
-    A command that cannot be planned ends with a `motion_result` that says why; what becomes of a planned
-    motion is told by the controller. `trigger` and `finished` are those of the paper's section 3.
+    A command that comes while the robot moves is planned at once and follows the motions before it. Planning
+    has its own thread. A command that cannot be planned ends with a `motion_result` that says why; what
+    becomes of a planned motion is told by the controller. `trigger` and `finished` are those of the paper's
+    section 3.
     """
 
     def __init__(self, **options: Any) -> None:
         super().__init__('planning_node', **options)
-        default = MotionSettings()
-        for name, text, check in (
-            ('speed_fraction', "part of the axes' velocity limits, (0, 1]", usable_fraction),
-            (
-                'acceleration_fraction',
-                "part of the axes' acceleration and jerk limits, (0, 1]",
-                usable_fraction,
-            ),
-            ('cartesian_speed', 'highest speed of the tool, m/s', positive),
-            ('cartesian_acceleration', 'highest acceleration of the tool, m/s^2', positive),
-            ('rotation_speed', 'highest angular speed of the tool, rad/s', positive),
-            ('rotation_acceleration', 'highest angular acceleration of the tool, rad/s^2', positive),
-        ):
-            self.parameter(name, getattr(default, name), text, check=partial(check, name='the value'))
-        self._settings_names = tuple(default.__dataclass_fields__)
+        self._declare_settings()
         self._names = list(self.robot.axes_data.names)
-        self._planning = PathPlanning(self.robot)
+        collision = CollisionDetection(
+            self.robot, engine=self.parameter('collision_engine', 'fcl', 'fcl or coal', read_only=True)
+        )
+        margin = self.parameter(
+            'collision_margin', COLLISION_MARGIN, 'distance that motions keep, m', check=checked_margin
+        )
+        self._scene = WatchedScene(self, collision.set_scene)
+        self._planning = PathPlanning(self.robot, collision=collision, collision_margin=margin)
         self._planning.warm_up()
+        self._book = OrderBook()
+        self._planner = OrderPlanner(
+            self._planning,
+            self._book,
+            standing=self._standing_reference,
+            path_time=self._path_time,
+            send=self._send,
+            refuse=self._refuse_order,
+        )
+        self._planner.replace = self._replaces(
+            self.parameter(
+                'new_command',
+                NEW_COMMAND[0],
+                'a joint motion commanded while the robot moves: queue it, or replace the running one',
+                check=self._replaces,
+            )
+        )
+        self._worker = ThreadPoolExecutor(1, 'planner')
+        self._patience = self.create_timer(BLEND_PATIENCE, self._release, autostart=False)
         self._reference: tuple[Array, Array] | None = None
         self._reference_pose: Pose | None = None
         self._triggered = False
-        # The motion that the controller works on, and who published references when it was sent.
-        self._motion = ''
-        self._controllers: set[bytes] = set()
-        self._waiting: Callable[[], None] | None = None
-        self._patience = self.create_timer(RESULT_DELAY, self._answer_waiting, autostart=False)
+        self._controllers: set[bytes] = set()  # who published references when the last motion was sent
+        self._progress = (0.0, 0.0)  # of the running motion, and when it was told
 
         self._references: PolledSubscription[JointTrajectory] = PolledSubscription(
             self, JointTrajectory, 'joint_reference', STREAM
@@ -83,45 +103,92 @@ class PlanningNode(RobotNode):
         self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
         self._finished_publisher = self.create_publisher(Bool, 'finished', PLANNER_ALIVE)
         self._finished_publisher.publish(Bool(data=False))
-        self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
-        self.create_subscription(JointState, 'ptpjoint_joint', self._on_ptpjoint_joint, COMMAND)
-        self.create_subscription(PoseStamped, 'ptpjoint_cartesian', self._on_ptpjoint_cartesian, COMMAND)
-        self.create_subscription(PoseStamped, 'ptpcartesian', self._on_ptpcartesian, COMMAND)
-        self.create_subscription(PoseStamped, 'reference_pose', self._on_reference_pose, STREAM)
-        self.create_subscription(Bool, 'trigger', self._on_trigger, COMMAND)
+        self._subscribe()
+        self.add_post_set_parameters_callback(self._on_settings)
+        SettingsPublisher(self, self._settings, self.robot_name)
+        self._jogging = Jogging(
+            self,
+            standing=self._standing_reference,
+            position=lambda message: self._reference_state(message)[0],
+            busy=lambda: bool(self._book.running),
+        )
+        self._jogging.use_tool(self._settings().tool_pose)
+        self._action: FollowJointTrajectory | None = None
+        with contextlib.suppress(ImportError):  # control_msgs is no part of the common interfaces
+            self._action = FollowJointTrajectory(
+                self, lambda message, id_: self._worker.submit(self._send_given, message, id_)
+            )
         self._look = self.create_timer(LOOK_PERIOD, self._look_for_reference)
         self.report_health(DiagnosticStatus.WARN, 'waiting for joint_reference')
 
+    def _declare_settings(self) -> None:
+        default = MotionSettings()
+        for name, text in DESCRIPTIONS.items():
+            value = getattr(default, name)
+            self.parameter(
+                name,
+                list(value) if isinstance(value, tuple) else value,
+                text,
+                check=checked(name),
+            )
+
+    def _subscribe(self) -> None:
+        states = RobotCommandState
+        kinds: tuple[tuple[type, str, RobotCommandState, Shape, Callable[[Any], Target]], ...] = (
+            (JointState, 'ptpjoint_joint', states.PTPJOINT_JOINT, 'line', self._joints),
+            (PoseStamped, 'ptpjoint_cartesian', states.PTPJOINT_CARTESIAN, 'line', self._pose),
+            (PoseStamped, 'ptpcartesian', states.PTPCARTESIAN, 'line', self._pose),
+            (Path, 'circcartesian', states.PTPCARTESIAN, 'circle', self._poses),
+            (Path, 'splinecartesian', states.PTPCARTESIAN, 'spline', self._poses),
+        )
+        for kind, topic, state, shape, read in kinds:
+            self.create_subscription(kind, topic, partial(self._command, state, shape, read), COMMAND)
+        self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
+        self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
+        self.create_subscription(PoseStamped, 'reference_pose', self._on_reference_pose, STREAM)
+        self.create_subscription(Bool, 'trigger', self._on_trigger, COMMAND)
+
+    @staticmethod
+    def _replaces(value: str) -> bool:
+        if value not in NEW_COMMAND:
+            raise InvalidInputError(f'unknown new_command {value!r}; valid are {" and ".join(NEW_COMMAND)}')
+        return value == 'replace'
+
     # -- commands ------------------------------------------------------------------------------------
 
-    def _on_ptpjoint_joint(self, message: JointState) -> None:
-        self._command(RobotCommandState.PTPJOINT_JOINT, message)
-
-    def _on_ptpjoint_cartesian(self, message: PoseStamped) -> None:
-        self._command(RobotCommandState.PTPJOINT_CARTESIAN, message)
-
-    def _on_ptpcartesian(self, message: PoseStamped) -> None:
-        self._command(RobotCommandState.PTPCARTESIAN, message)
-
-    def _command(self, state: RobotCommandState, message: Any) -> None:
+    def _command(
+        self, state: RobotCommandState, shape: Shape, read: Callable[[Any], Target], message: Any
+    ) -> None:
         stamp = message.header.stamp
         if stamp.sec == 0 and stamp.nanosec == 0:
             stamp = self.get_clock().now().to_msg()
-        if stamp_id(stamp) == self._motion:
+        id_ = stamp_id(stamp)
+        if self._book.knows(id_):
             self.get_logger().warning(  # type: ignore[no-untyped-call]
-                f'{state}: command {self._motion} came twice, the second is ignored'
+                f'{state}: command {id_} came twice, the second is ignored'
             )
             return
         try:
-            target: Pose | ArrayLike
-            if state is RobotCommandState.PTPJOINT_JOINT:
-                target = joint_values(message.name, message.position, self._names, 'ptpjoint_joint')
-            else:
-                target = self._pose(message)
+            target = read(message)
         except RobotsError as error:
-            self._refuse_command(state, stamp, error)
+            self._refuse_command(state, id_, error)
             return
-        self._request(state, target, stamp)
+        self._take(state, target, id_, shape)
+
+    def _joints(self, message: JointState) -> Target:
+        return joint_values(message.name, message.position, self._names, 'ptpjoint_joint')
+
+    def _pose(self, message: PoseStamped) -> Pose:
+        self._check_frame(message.header.frame_id)
+        return pose_from_message(message.pose)
+
+    def _poses(self, message: Path) -> Target:
+        self._check_frame(message.header.frame_id)
+        return tuple(self._pose(pose) for pose in message.poses)
+
+    def _check_frame(self, frame: str) -> None:
+        if frame not in ('', BASE_FRAME):
+            raise InvalidInputError(f'frame {frame!r} is unknown; poses are given in {BASE_FRAME!r}')
 
     def _on_reference_pose(self, message: PoseStamped) -> None:
         try:
@@ -134,71 +201,94 @@ class PlanningNode(RobotNode):
         rising, self._triggered = message.data and not self._triggered, message.data
         if not rising:
             return
-        stamp = self.get_clock().now().to_msg()
+        id_ = stamp_id(self.get_clock().now().to_msg())
         state = RobotCommandState.PTPCARTESIAN
         if self._reference_pose is None:
             error = PlanningError('trigger came without a valid reference_pose before it')
-            self._refuse_command(state, stamp, error)
+            self._refuse_command(state, id_, error)
             return
-        self._request(state, self._reference_pose, stamp)
+        self._take(state, self._reference_pose, id_)
 
-    def _pose(self, message: PoseStamped) -> Pose:
-        frame = message.header.frame_id
-        if frame not in ('', BASE_FRAME):
-            raise InvalidInputError(f'frame {frame!r} is unknown; poses are given in {BASE_FRAME!r}')
-        return pose_from_message(message.pose)
-
-    # -- planning ------------------------------------------------------------------------------------
-
-    def _request(self, state: RobotCommandState, target: Pose | ArrayLike, stamp: Time) -> None:
-        """Plan now, or as soon as the result of the motion before has come too."""
-        request = partial(self._answer, state, target, stamp)
-        if self._in_motion() and self._waiting is None:
-            self._waiting = request
+    def _take(self, state: RobotCommandState, target: Target, id_: str, shape: Shape = 'line') -> None:
+        order = MotionOrder(id_, state, target, self._settings(), self._now(), shape)
+        self._forget_lost_controller()
+        self._submit(self._book.hold(order))
+        if order.settings.blends:
             self._patience.reset()
-        else:
-            request()
 
-    def _answer_waiting(self) -> None:
+    def _settings(self) -> MotionSettings:
+        values: dict[str, Any] = {name: self.get_parameter(name).value for name in DESCRIPTIONS}
+        return MotionSettings(**values | {name: tuple(values[name]) for name in ('tool', 'base')})
+
+    def _on_settings(self, parameters: list[Parameter]) -> None:
+        for parameter in parameters:
+            if parameter.name == 'new_command':
+                self._planner.replace = self._replaces(str(parameter.value))
+            elif parameter.name == 'tool':
+                self._jogging.use_tool(self._settings().tool_pose)
+            elif parameter.name == 'collision_margin':
+                self._planning.collision_margin = float(parameter.value)
+        # Whoever switches blending off sends nothing that the motions held could run through to.
+        names = {parameter.name for parameter in parameters}
+        if names & {'blend_zone', 'joint_blend_zone'} and not self._settings().blends:
+            self._release()
+
+    def _release(self) -> None:
         self._patience.cancel()
-        waiting, self._waiting = self._waiting, None
-        if waiting is not None:
-            waiting()
+        self._submit(self._book.release())
 
-    def _answer(self, state: RobotCommandState, target: Pose | ArrayLike, stamp: Time) -> None:
-        try:
-            self._plan(state, target, stamp)
-        except RobotsError as error:
-            self._refuse_command(state, stamp, error)
+    def _submit(self, orders: tuple[MotionOrder, ...]) -> None:
+        if orders:
+            self._worker.submit(self._planner.plan, orders).add_done_callback(self._on_planned)
 
-    def _plan(self, state: RobotCommandState, target: Pose | ArrayLike, stamp: Time) -> None:
-        q_start = self._standing_reference()
-        motion = self._planning.plan(state, q_start, target, self._settings())
-        self._motion, self._controllers = stamp_id(stamp), self._reference_publishers()
+    def _on_planned(self, future: Future[None]) -> None:
+        if not future.cancelled() and (error := future.exception()) is not None:
+            self.thread_failed(error)
+
+    # -- the planner's thread ------------------------------------------------------------------------
+
+    def _send(self, planned: PlannedOrders) -> None:
+        last, motion = planned.orders[-1], planned.motion
+        self._controllers = self._reference_publishers()
+        if len(self._book.running) == 1:
+            self._progress = (0.0, time.monotonic())
         self._finished_publisher.publish(Bool(data=False))
-        self._trajectory_publisher.publish(trajectory_message(motion.trajectory, self._names, stamp))
+        message = trajectory_message(
+            motion.trajectory, self._names, _stamp(last.id), join_time=planned.join_time
+        )
+        self._trajectory_publisher.publish(message)
         limit = motion.report.limiting
         self.get_logger().info(  # type: ignore[no-untyped-call]
-            f'{state} planned: {motion.duration:.3f} s, limited by {100.0 * limit.ratio:.0f} % of the '
-            f'{limit.quantity} of {limit.joint}'
+            f'{" + ".join(order.state for order in planned.orders)} planned: {motion.duration:.3f} s, '
+            f'limited by {100.0 * limit.ratio:.0f} % of the {limit.quantity} of {limit.joint}'
         )
         self.ready()
 
-    def _settings(self) -> MotionSettings:
-        return MotionSettings(**{name: self.get_parameter(name).value for name in self._settings_names})
+    def _send_given(self, message: JointTrajectory, id_: str) -> None:
+        """Send the trajectory of somebody else.
 
-    def _look_for_reference(self) -> None:
-        """Ready as soon as there is a place to plan from."""
-        message = self._references.take()
-        if message is None:
-            return
-        try:
-            self._reference = self._reference_state(message)
-        except RobotsError as error:
-            self.refuse('joint_reference', error, stream=True)
-            return
-        self.destroy_timer(self._look)
-        self.ready()
+        Raises:
+            RobotsError: it breaks a limit, collides, or starts elsewhere; or the robot moves.
+        """
+        if self._book.running:
+            raise PlanningError('the robot is still moving; wait for its motion_result or stop it')
+        trajectory = waypoints_trajectory(message, self._names, self._standing_reference())
+        state, settings = RobotCommandState.TRAJECTORY, MotionSettings()
+        motion = self._planning.checked(trajectory, state, settings)
+        self._book.planned(RunningMotion((id_,), trajectory, (trajectory.duration,)), self._book.failures)
+        self._send(PlannedOrders((MotionOrder(id_, state, (), settings, self._now()),), motion))
+
+    def _refuse_order(self, order: MotionOrder, error: RobotsError) -> None:
+        self._book.refused(order.id)
+        self._refuse_command(order.state, order.id, error)
+
+    def _refuse_command(self, state: RobotCommandState, id_: str, error: RobotsError) -> None:
+        self.refuse(state.value.lower(), error)
+        details = {key: str(value) for key, value in error.details.items()}
+        self._answer(MotionResult(id_, ok=False, message=error.message, details=details))
+
+    def _answer(self, result: MotionResult) -> None:
+        self._result_publisher.publish(result.to_message(self.robot_name))
 
     def _standing_reference(self) -> Array:
         """Where the controller's reference stands, (n,).
@@ -215,11 +305,6 @@ class PlanningNode(RobotNode):
                 'joint_states?'
             )
         q, q_dot = self._reference
-        if self._in_motion():
-            raise PlanningError(
-                f'the robot is still moving: motion {self._motion} has not ended; wait for its '
-                'motion_result or stop it'
-            )
         fastest = int(np.argmax(np.abs(q_dot)))
         if abs(q_dot[fastest]) > REST_SPEED:
             raise PlanningError(
@@ -228,9 +313,28 @@ class PlanningNode(RobotNode):
             )
         return q
 
-    def _in_motion(self) -> bool:
-        """A motion was sent, its result has not come, and its controller is still there."""
-        return bool(self._motion) and self._controllers <= self._reference_publishers()
+    def _path_time(self) -> float:
+        progress, told = self._progress
+        running = self._book.running
+        if not running:
+            return 0.0
+        # No override makes it faster than planned.
+        return progress * running[0].trajectory.duration + max(0.0, time.monotonic() - told)
+
+    # -- references and results ----------------------------------------------------------------------
+
+    def _look_for_reference(self) -> None:
+        """Ready as soon as there is a place to plan from."""
+        message = self._references.take()
+        if message is None:
+            return
+        try:
+            self._reference = self._reference_state(message)
+        except RobotsError as error:
+            self.refuse('joint_reference', error, stream=True)
+            return
+        self.destroy_timer(self._look)
+        self.ready()
 
     def _reference_state(self, message: JointTrajectory) -> tuple[Array, Array]:
         if len(message.points) != 1:
@@ -244,21 +348,44 @@ class PlanningNode(RobotNode):
         # By endpoint: a controller that was started anew knows nothing of the motion.
         return {bytes(item.endpoint_gid) for item in self.get_publishers_info_by_topic('joint_reference')}
 
-    # -- results -------------------------------------------------------------------------------------
+    def _forget_lost_controller(self) -> None:
+        if self._book.running and not self._controllers <= self._reference_publishers():
+            self._book.forget()
 
-    def _refuse_command(self, state: RobotCommandState, stamp: Time, error: RobotsError) -> None:
-        self.refuse(state.value.lower(), error)
-        details = {key: str(value) for key, value in error.details.items()}
-        result = MotionResult(stamp_id(stamp), ok=False, message=error.message, details=details)
-        self._result_publisher.publish(result.to_message(self.robot_name))
+    def _on_progress(self, message: Float64) -> None:
+        self._progress = (message.data, time.monotonic())
 
     def _on_motion_result(self, message: DiagnosticStatus) -> None:
         result = MotionResult.from_message(message)
-        if self._motion and result.id == self._motion:
-            self._motion = ''
-            if result.ok:
-                self._finished_publisher.publish(Bool(data=True))
-            self._answer_waiting()
+        if self._action is not None:
+            self._action.ended(result)
+        ended = float(result.details.get('ended', self._now()))
+        motion = self._book.ended(result.id, ok=result.ok, at=ended)
+        if motion is None:
+            return
+        self._progress = (0.0, time.monotonic())  # of the one after it
+        done = float(result.details.get('progress', 1.0)) * motion.trajectory.duration
+        for id_, end in zip(motion.ids[:-1], motion.ends[:-1], strict=True):
+            passed = result.ok or end <= done
+            self._answer(MotionResult(id_, passed, 'passed' if passed else result.message, result.details))
+        if result.ok and not self._book.running:
+            self._finished_publisher.publish(Bool(data=True))
+
+    def _now(self) -> float:
+        return 1e-9 * float(self.get_clock().now().nanoseconds)
+
+    def destroy_node(self) -> None:
+        """End the planning thread before what it uses."""
+        self._worker.shutdown(cancel_futures=True)
+        self._jogging.stop()
+        if self._action is not None:
+            self._action.destroy()
+        super().destroy_node()  # type: ignore[no-untyped-call]
+
+
+def _stamp(id_: str) -> Time:
+    seconds, nanoseconds = id_.split('.')
+    return Time(sec=int(seconds), nanosec=int(nanoseconds))
 
 
 def main() -> None:

@@ -18,6 +18,8 @@ BASE_FRAME = 'base'
 def trajectory_from_message(message: JointTrajectory, names: Sequence[str]) -> Trajectory:
     """The trajectory of a message, joints matched by name.
 
+    A first point later than 0 means that the trajectory goes on from the running one (see `join_time`).
+
     Raises:
         InvalidInputError: missing joints, points without velocity or acceleration, or values that make
             no trajectory.
@@ -37,16 +39,34 @@ def trajectory_from_message(message: JointTrajectory, names: Sequence[str]) -> T
         np.array(rows[field], dtype=np.float64).reshape(-1, count)[:, indices] for field in rows
     )
     time = [p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points]
-    return Trajectory(np.array(time), position, velocity, acceleration)
+    return Trajectory(np.array(time) - join_time(message), position, velocity, acceleration)
 
 
-def trajectory_message(trajectory: Trajectory, names: list[str], stamp: Time) -> JointTrajectory:
-    """A trajectory as trajectory_msgs/JointTrajectory, stamped with its command's id."""
+def join_time(message: JointTrajectory) -> float:
+    """Time of the running motion at which a message's trajectory goes on in its place, s; 0 if it does not.
+
+    It is the time of its first point: the trajectory counts time as the motion does whose place it takes.
+    """
+    start = message.points[0].time_from_start
+    return float(start.sec + 1e-9 * start.nanosec)
+
+
+def trajectory_message(
+    trajectory: Trajectory, names: list[str], stamp: Time, *, join_time: float = 0.0
+) -> JointTrajectory:
+    """A trajectory as trajectory_msgs/JointTrajectory, stamped with its command's id.
+
+    Args:
+        trajectory: What to do.
+        names: The joints.
+        stamp: The command's id.
+        join_time: Where the trajectory goes on from the running one, s of that one's time; 0: it does not.
+    """
     message = JointTrajectory(joint_names=names)
     message.header.stamp = stamp
     message.header.frame_id = BASE_FRAME
     rows = zip(
-        np.round(trajectory.time * 1e9).astype(np.int64).tolist(),
+        np.round((trajectory.time + join_time) * 1e9).astype(np.int64).tolist(),
         trajectory.position,
         trajectory.velocity,
         trajectory.acceleration,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -45,7 +46,11 @@ class TrajectoryGenerator(ABC):
         self.velocity = axes.velocity * self.speed_fraction * (1.0 - LIMIT_MARGIN)
         self.acceleration = axes.acceleration * self.acceleration_fraction * (1.0 - LIMIT_MARGIN)
         self.jerk = axes.jerk * self.acceleration_fraction * (1.0 - LIMIT_MARGIN)
-        self.inverse_kinematics = DampedLeastSquares(robot)
+
+    @cached_property
+    def inverse_kinematics(self) -> DampedLeastSquares:
+        """Made when it is first needed."""
+        return DampedLeastSquares(self.robot)
 
     def generate(self, q_start: ArrayLike, target: Pose | ArrayLike) -> Trajectory:
         """Plan a motion from rest to rest.

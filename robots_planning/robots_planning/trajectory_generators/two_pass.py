@@ -1,87 +1,153 @@
-"""Two-pass algorithm: the fastest speed along a path, on a grid."""
+# ruff: noqa: PLR0917  # compiled functions take arrays, not objects
+"""Two-pass algorithm: the fastest speed along a path, on a grid, compiled."""
 
 from __future__ import annotations
 
+from math import inf, sqrt
+
 import numpy as np
 
+from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
+NEWTON_STEPS = 60
+# Of the speeds compared: their rounding.
+SPEED_ROUNDING = 1e-12
+# A coefficient this far below the other one of its line is rounding.
+VANISHING = 1e-12
+# The cone's boundary is vertical at its tip, where no tangent leads on.
+TIP = 1.0 - 1e-6
 
-def two_pass(s: Array, q_s: Array, q_ss: Array, velocity: Array, acceleration: Array) -> Array:
+Grid = tuple[Array, Array, Array, Array, Array]
+"""s (m,), increasing; q' and q'' of the axes, (m, n); x' and x'' of the tool, (m, 6), linear first."""
+
+MotionLimits = tuple[Array, Array, Array]
+"""Velocity and acceleration of the axes, (n,) each; of the tool, (4,): speed, acceleration, angular speed and
+angular acceleration, each the length of a vector."""
+
+
+@compiled()
+def two_pass(grid: Grid, limits: MotionLimits, scale: Array, speeds: Array) -> None:
     """Highest squared path speed from rest to rest under velocity and acceleration limits.
 
     A backward pass finds from which speeds the end can still be reached, a forward pass takes the fastest of
-    them (Pham and Pham 2018, in closed form for symmetric limits). Limits hold at the grid points.
+    them (Pham and Pham 2018). s_ddot is constant from point to point, and limits hold at both ends of every
+    interval, so that a path takes as long forwards as backwards.
 
     Args:
-        s: Path grid, (m,), increasing.
-        q_s: First derivatives of the limited quantities, (m, k).
-        q_ss: Second derivatives, (m, k).
-        velocity: Largest |q' s_dot|, (m, k).
-        acceleration: Largest |q'' s_dot^2 + q' s_ddot|, (m, k).
-
-    Returns:
-        s_dot^2 at the grid points, (m,); 0 at both ends. s_ddot is constant from point to point.
+        grid: See `Grid`.
+        limits: See `MotionLimits`.
+        scale: Part of the limits to use at each point, (m,): of accelerations, and of squared speeds.
+        speeds: Filled: s_dot^2 at the grid points, (m,); 0 at both ends.
     """
-    # q' is made non-negative: a limit is symmetric.
-    sign = np.where(q_s < 0.0, -1.0, 1.0)
-    first, second = q_s * sign, q_ss * sign
-    highest = _highest_anywhere(first, second, velocity, acceleration)
-    step = 2.0 * np.diff(s)[:, None]
-    gain, offset = _backward_lines(first[:-1], second[:-1], acceleration[:-1], step)
-    reachable = highest.tolist()
-    reachable[-1] = 0.0
-    following = 0.0
-    for i in range(len(gain) - 1, -1, -1):
-        best = reachable[i]
-        for a, b in zip(gain[i], offset[i], strict=True):
-            value = a * following + b
-            best = min(best, value)
-        reachable[i] = following = best
-    # s_ddot <= (a - q'' u) / q', so that u grows by at most step (a - q'' u) / q'.
-    with np.errstate(divide='ignore', over='ignore', invalid='ignore'):
-        moving = first[:-1] > 0.0
-        growth = np.where(moving, step * acceleration[:-1] / first[:-1], np.inf)
-        slope = np.where(moving, 1.0 - step * second[:-1] / first[:-1], 1.0)
-    growth = np.where(np.isfinite(growth) & np.isfinite(slope), growth, np.inf)
-    slope = np.where(np.isfinite(slope) & np.isfinite(growth), slope, 1.0)
-    speeds = [0.0]
-    u = 0.0
-    for g, m, bound in zip(growth.tolist(), slope.tolist(), reachable[1:], strict=True):
-        best = bound
-        for a, b in zip(m, g, strict=True):
-            value = a * u + b
-            best = min(best, value)
-        u = max(best, 0.0)
-        speeds.append(u)
-    return np.array(speeds)
+    m = speeds.size
+    bounds = np.empty(4)
+    speeds[m - 1] = 0.0
+    for i in range(m - 2, -1, -1):
+        following = speeds[i + 1]
+        u = _highest_speed(grid, limits, scale, i)
+        for _ in range(NEWTON_STEPS):
+            _following_speeds(grid, limits, scale, i, u, bounds)
+            low, high = max(bounds[0], 0.0), min(bounds[1], following)
+            gap = low - high
+            if gap <= SPEED_ROUNDING * (u + following):
+                break
+            # The gap is convex over u and none at 0: Newton's method comes down to its largest zero.
+            slope = (bounds[2] if bounds[0] > 0.0 else 0.0) - (bounds[3] if bounds[1] < following else 0.0)
+            u = max(u - gap / slope, 0.0) if slope > 0.0 else 0.0
+        speeds[i] = u
+    speeds[0] = 0.0
+    for i in range(m - 2):
+        _following_speeds(grid, limits, scale, i, speeds[i], bounds)
+        speeds[i + 1] = max(min(bounds[1], speeds[i + 1]), 0.0)
 
 
-def _highest_anywhere(first: Array, second: Array, velocity: Array, acceleration: Array) -> Array:
-    """Highest s_dot^2 at each point for which some s_ddot keeps all limits (maximum velocity curve), (m,)."""
-    with np.errstate(divide='ignore'):
-        highest: Array = np.min((velocity / first) ** 2, axis=1)
-    # Any two limits together: u (q''_k q'_j - q''_j q'_k) <= a_k q'_j + a_j q'_k.
-    curvature = second[:, None, :] * first[:, :, None] - second[:, :, None] * first[:, None, :]
-    room = acceleration[:, None, :] * first[:, :, None] + acceleration[:, :, None] * first[:, None, :]
-    with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
-        bound = np.where(curvature > 0.0, room / curvature, np.inf)
-        # An axis that only has curvature is limited by it alone, also where the path stands still for it.
-        alone = np.where(first == 0.0, acceleration / np.abs(second), np.inf)
-    result: Array = np.minimum(highest, np.minimum(bound.min(axis=(1, 2)), alone.min(axis=1)))
-    return result
+@compiled()
+def _highest_speed(grid: Grid, limits: MotionLimits, scale: Array, i: int) -> float:
+    """Highest s_dot^2 at point i that keeps the speed limits, and those that only curvature uses up."""
+    s, q_s, q_ss, x_s, x_ss = grid
+    velocity, acceleration, tool = limits
+    j, step = i + 1, 0.5 / (s[i + 1] - s[i])
+    highest = inf
+    for k in range(velocity.size):
+        if q_s[i, k] != 0.0:
+            highest = min(highest, scale[i] * (velocity[k] / q_s[i, k]) ** 2)
+        alpha, beta = q_s[i, k] * step, q_ss[i, k] - q_s[i, k] * step
+        if beta != 0.0 and abs(alpha) <= VANISHING * abs(beta):
+            highest = min(highest, scale[i] * acceleration[k] / abs(beta))
+        alpha, beta = q_ss[j, k] + q_s[j, k] * step, -q_s[j, k] * step
+        if beta != 0.0 and abs(alpha) <= VANISHING * abs(beta):
+            highest = min(highest, scale[j] * acceleration[k] / abs(beta))
+    for first in (0, 3):
+        speed, limit = tool[first // 3 * 2], tool[first // 3 * 2 + 1]
+        square = 0.0
+        for k in range(first, first + 3):
+            square += x_s[i, k] ** 2
+        if square > 0.0:
+            highest = min(highest, scale[i] * speed**2 / square)
+        for end in range(2):
+            _, _, across = _cone(x_s, x_ss, i, end, step, first)
+            if across > 0.0:
+                highest = min(highest, TIP * scale[i + end] * limit / sqrt(across))
+    return highest
 
 
-def _backward_lines(
-    first: Array, second: Array, acceleration: Array, step: Array
-) -> tuple[list[list[float]], list[list[float]]]:
-    """Speeds from which the next point's speed u can be braked to: every gain * u + offset, (m, k) each.
+@compiled()
+def _following_speeds(
+    grid: Grid, limits: MotionLimits, scale: Array, i: int, u: float, bounds: Array
+) -> None:
+    """Fill lowest and highest s_dot^2 at point i + 1 after u at point i, and their slopes over u, (4,)."""
+    s, q_s, q_ss, x_s, x_ss = grid
+    _, acceleration, tool = limits
+    j, step = i + 1, 0.5 / (s[i + 1] - s[i])
+    bounds[0], bounds[1], bounds[2], bounds[3] = -inf, inf, 0.0, 0.0
+    for k in range(acceleration.size):
+        # q'' u + q' (v - u) / (2 h) at point i, q'' v + q' (v - u) / (2 h) at point i + 1
+        beside, beyond = q_s[i, k] * step, q_s[j, k] * step
+        _narrow(beside, q_ss[i, k] - beside, scale[i] * acceleration[k], u, bounds)
+        _narrow(q_ss[j, k] + beyond, -beyond, scale[j] * acceleration[k], u, bounds)
+    for first in (0, 3):
+        limit = tool[first // 3 * 2 + 1]
+        if limit == inf:
+            continue
+        for end in range(2):
+            square, along, across = _cone(x_s, x_ss, i, end, step, first)
+            if square <= VANISHING * (across + along * along / max(square, 1e-300)):
+                continue
+            room = max((scale[i + end] * limit) ** 2 - across * u * u, 0.0)
+            half, center = sqrt(room / square), -along / square
+            steep = across * u / sqrt(room * square) if room > 0.0 else inf
+            if center * u + half < bounds[1]:
+                bounds[1], bounds[3] = center * u + half, center - steep
+            if center * u - half > bounds[0]:
+                bounds[0], bounds[2] = center * u - half, center + steep
 
-    From -a <= q'' u_i + q' (u - u_i) / step: u_i (q' - step q'') <= q' u + step a.
-    """
-    room = first - step * second
-    with np.errstate(divide='ignore', over='ignore', invalid='ignore'):
-        gain = np.where(room > 0.0, first / room, 0.0)
-        offset = np.where(room > 0.0, step * acceleration / room, np.inf)
-    finite = np.isfinite(gain)
-    return np.where(finite, gain, 0.0).tolist(), np.where(finite, offset, np.inf).tolist()
+
+@compiled()
+def _narrow(alpha: float, beta: float, limit: float, u: float, bounds: Array) -> None:
+    """Narrow the speeds v to |alpha v + beta u| <= limit."""
+    if abs(alpha) <= VANISHING * abs(beta) or alpha == 0.0:
+        return
+    slope, half = -beta / alpha, limit / abs(alpha)
+    if slope * u + half < bounds[1]:
+        bounds[1], bounds[3] = slope * u + half, slope
+    if slope * u - half > bounds[0]:
+        bounds[0], bounds[2] = slope * u - half, slope
+
+
+@compiled()
+def _cone(x_s: Array, x_ss: Array, i: int, end: int, step: float, first: int) -> tuple[float, float, float]:
+    """Of the tool's acceleration d v + p u: d . d, d . p, and the square of the part of p across d."""
+    dd, dp, pp = 0.0, 0.0, 0.0
+    for k in range(first, first + 3):
+        slope = x_s[i + end, k] * step
+        if end == 0:
+            d, p = slope, x_ss[i, k] - slope
+        else:
+            d, p = x_ss[i + 1, k] + slope, -slope
+        dd, dp, pp = dd + d * d, dp + d * p, pp + p * p
+    if dd <= VANISHING * pp:
+        return 0.0, 0.0, pp
+    across = pp - dp * dp / dd
+    # A difference of nearly equal numbers: what rounding leaves is none.
+    return dd, dp, across if across > VANISHING * pp else 0.0

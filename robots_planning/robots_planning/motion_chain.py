@@ -1,0 +1,173 @@
+"""MotionChain: motions that run through from one to the next, as one."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from robots_core.errors import InvalidInputError, PlanningError, RobotsError
+from robots_core.pose import Pose
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array
+from robots_planning.blending import Measure, blend_with_corners, joint_distance
+from robots_planning.chain_limits import SectionLimits, chain_limits
+from robots_planning.motion_settings import MotionSettings
+from robots_planning.order_book import MotionOrder
+from robots_planning.pathplanning import JOINT_STATES, PathPlanning, PlannedMotion, in_base
+from robots_planning.trajectory import Trajectory
+from robots_planning.trajectory_generators.base import LIMIT_MARGIN
+from robots_planning.trajectory_generators.cartesian_line import CartesianLine
+from robots_planning.trajectory_generators.joint_path import JointPath
+from robots_planning.trajectory_generators.joint_space import SHORTEST_MOVE, JointSpaceGenerator
+from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming import one_after_another
+from robots_planning.trajectory_generators.linear_cartesian_limited import LinearCartesianLimited
+from robots_planning.trajectory_generators.poses_generator import PosesGenerator
+from robots_planning.trajectory_generators.time_optimal import TimeOptimalTiming, ToolLimits
+
+PASSING_STEP = 1e-3  # s, between the places that are compared to find when a target is passed
+
+
+class MotionChain:
+    """Plans chains of commands: the path of each motion, blends at the targets in between, one time law.
+
+    The time law is that of dynamic programming over path and speed, with the settings of each motion up to
+    the middle of the blend behind it. Jerk limits hold in a chain with a motion that is `jerk_limited`; joint
+    motions alone do not ask for them here, as keeping them around corners costs more than the blend gains on
+    many robots. A chain that would be faster with stops at its targets stops there.
+
+    Args:
+        robot: The robot.
+        planning: Plans single motions, and checks all.
+    """
+
+    def __init__(self, robot: BaseRobotModel, planning: PathPlanning) -> None:
+        self._robot, self._planning = robot, planning
+
+    def plan(
+        self, orders: tuple[MotionOrder, ...], q_start: Array
+    ) -> tuple[PlannedMotion, tuple[float, ...]]:
+        """The motion of a chain, and when each of its commands is done with, s of it.
+
+        Raises:
+            RobotsError: one of the motions is impossible, or all together.
+        """
+        if len(orders) == 1:
+            only = orders[0]
+            motion = self._planning.plan(only.state, q_start, only.target, only.settings, shape=only.shape)
+            return motion, (motion.duration,)
+        path, targets, limits = self._blended(orders, q_start)
+        plans: list[tuple[Trajectory, tuple[float, ...]]] = []
+        # A blend of ways that lead back almost on themselves may leave no speed; then it stops.
+        with contextlib.suppress(PlanningError):
+            trajectory = self._timing(orders).trajectory(path, limits)
+            plans.append((trajectory, _passing_times(trajectory, targets)))
+        try:
+            plans.append(self._with_stops(orders, q_start))
+        except RobotsError:
+            if not plans:
+                raise
+        trajectory, ends = min(plans, key=lambda plan: plan[0].duration)
+        last = orders[-1]
+        motion = self._planning.checked(trajectory, last.state, last.settings)
+        return motion, (*ends, trajectory.duration)
+
+    def _blended(
+        self, orders: tuple[MotionOrder, ...], q_start: Array
+    ) -> tuple[JointPath, list[Array], ToolLimits]:
+        """The path with blends, the targets in between, and the limits on it."""
+        paths = []
+        q = q_start
+        for order in orders:
+            paths.append(self._path(order, q))
+            q = paths[-1].q[-1]
+        zones, measures = zip(*(self._zone(order.settings, order) for order in orders[:-1]), strict=True)
+        path, corners = blend_with_corners(paths, zones, measures=measures)
+        sections, tool = [_section(order) for order in orders], orders[-1].settings.tool_pose
+        limits = chain_limits(self._robot, path, corners, sections, tool)
+        return path, [part.q[-1] for part in paths[:-1]], limits
+
+    def _with_stops(
+        self, orders: tuple[MotionOrder, ...], q_start: Array
+    ) -> tuple[Trajectory, tuple[float, ...]]:
+        """The motions from rest to rest, and when each but the last ends; raises as `plan`."""
+        parts: list[Trajectory] = []
+        q, jerk_limited = q_start, _jerk_limited(orders)
+        for order in orders:
+            settings = replace(order.settings, jerk_limited=jerk_limited)
+            parts.append(self._planning.trajectory(order.state, q, order.target, settings, order.shape))
+            q = parts[-1].position[-1]
+        ends = np.cumsum([part.duration for part in parts[:-1]])
+        return one_after_another(parts), tuple(map(float, ends))
+
+    def _path(self, order: MotionOrder, q_start: Array) -> JointPath:
+        state, settings = order.state, order.settings
+        start = self._robot.axes_data.check_position(q_start, 'q_start')
+        generator = self._planning.generator(state, _geometric(settings), order.shape)
+        goal = in_base(state, order.shape, order.target, settings)
+        if isinstance(generator, JointSpaceGenerator) and not isinstance(goal, tuple):
+            end = generator.goal(start, goal)
+            if float(np.abs(end - start).max()) < SHORTEST_MOVE:
+                raise PlanningError(f'motion {order.id} goes nowhere, so nothing runs through it')
+            way, still = np.array([end - start] * 2), np.zeros((2, len(start)))
+            return JointPath(np.array([0.0, 1.0]), np.array([start, end]), way, still)
+        if isinstance(generator, PosesGenerator) and isinstance(goal, tuple):
+            return generator.follow(generator.path(generator.path_kinematics.pose(start), goal), start)
+        if isinstance(generator, LinearCartesianLimited) and isinstance(goal, Pose):
+            return generator.follow(CartesianLine(generator.path_kinematics.pose(start), goal), start)
+        raise InvalidInputError(f'{state} has no path that could run through')
+
+    def _zone(self, settings: MotionSettings, order: MotionOrder) -> tuple[float, Measure]:
+        """Size of the zone behind a motion, and the distance that it is a size of."""
+        tip = partial(self._distance, settings.tool_pose)
+        joints, tool = (settings.joint_blend_zone, joint_distance), (settings.blend_zone, tip)
+        own, other = (joints, tool) if order.state in JOINT_STATES else (tool, joints)
+        return own if own[0] > 0.0 else other
+
+    def _distance(self, tool: Pose, first: Array, second: Array) -> float:
+        """Way between the positions of the tool's tip in two postures, m."""
+        frames = (self._robot.direct_kinematics(q) for q in (first, second))
+        return float(np.linalg.norm(np.subtract(*(r + T @ tool.r for r, T in frames))))
+
+    def _timing(self, orders: tuple[MotionOrder, ...]) -> TimeOptimalTiming:
+        axes, inside = self._robot.axes_data, 1.0 - LIMIT_MARGIN
+        effort = jerk = None
+        if orders[-1].settings.cartesian_planner == 'dynamic_programming':
+            effort = axes.effort * inside
+        if _jerk_limited(orders):
+            jerk = axes.jerk * inside * min(order.settings.acceleration_fraction for order in orders)
+        return TimeOptimalTiming(
+            self._robot, axes.velocity * inside, axes.acceleration * inside, effort, jerk=jerk
+        )
+
+
+def _jerk_limited(orders: tuple[MotionOrder, ...]) -> bool:
+    return any(order.settings.jerk_limited for order in orders)
+
+
+def _geometric(settings: MotionSettings) -> MotionSettings:
+    """Settings of the generator that makes the same path without a time law."""
+    return MotionSettings(configuration=settings.configuration, tool=settings.tool)
+
+
+def _section(order: MotionOrder) -> SectionLimits:
+    settings = order.settings
+    if order.state in JOINT_STATES:
+        velocity = acceleration = np.full(2, np.inf)
+    else:
+        velocity = np.array([settings.cartesian_speed, settings.rotation_speed])
+        acceleration = np.array([settings.cartesian_acceleration, settings.rotation_acceleration])
+    return SectionLimits(settings.speed_fraction, settings.acceleration_fraction, velocity, acceleration)
+
+
+def _passing_times(trajectory: Trajectory, targets: list[Array]) -> tuple[float, ...]:
+    """When a trajectory is nearest to each of the targets that it passes in turn, s."""
+    t = np.arange(0.0, trajectory.duration, PASSING_STEP)
+    q = trajectory.sample(t)[0]
+    times, first = [], 0
+    for target in targets:
+        first += int(np.abs(q[first:] - target).max(axis=1).argmin())
+        times.append(float(t[first]))
+    return tuple(times)

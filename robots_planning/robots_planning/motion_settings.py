@@ -1,0 +1,196 @@
+"""MotionSettings: what holds for every motion until it is changed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Final
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from robots_core.errors import InvalidInputError
+from robots_core.pose import Pose
+from robots_core.robot_model.analytic.configuration import Configuration
+from robots_core.validation import finite_vector, positive
+from robots_planning.trajectory_generators.base import usable_fraction
+
+IDENTITY: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+JOINT_PLANNERS: Final = ('linear_joint', 'linear_joint_axes')
+CARTESIAN_PLANNERS: Final = ('limited', 'dynamic_programming')
+NORM_TOLERANCE = 1e-6  # of a quaternion; single precision is meant as one
+
+
+@dataclass(frozen=True)
+class MotionSettings:
+    """Modal settings.
+
+    Attributes:
+        speed_fraction: Part of the axes' velocity limits to use, in (0, 1].
+        acceleration_fraction: Part of the axes' acceleration and jerk limits to use, in (0, 1].
+        cartesian_speed: Highest speed of the tool on Cartesian motions, m/s.
+        cartesian_acceleration: Highest acceleration of the tool along its path, m/s^2.
+        rotation_speed: Highest angular speed of the tool, rad/s.
+        rotation_acceleration: Highest angular acceleration of the tool, rad/s^2.
+        jerk_limited: Keep the axes' jerk limits on Cartesian motions and in blended chains too.
+        joint_planner: Planner of joint motions: 'linear_joint' (all axes start and stop together) or
+            'linear_joint_axes' (every axis as fast as it can).
+        cartesian_planner: Planner of Cartesian motions: 'limited' (two-pass, fast) or 'dynamic_programming'
+            (time-optimal, torque limits too).
+        configuration: Posture that joint motions to a pose end in, as 'front/up/no_flip'; '' for the nearest.
+        tool: Tool centre point in tool0: x, y, z (m) and quaternion x, y, z, w.
+        base: Frame of all poses in the robot's base: the same seven numbers.
+        blend_zone: How far before and after its end a Cartesian motion may leave its path to run through to
+            the next one, m; 0 stops at the end.
+        joint_blend_zone: The same of a joint motion, rad (m) of the axis that moves most.
+
+    Raises:
+        InvalidInputError: a fraction outside (0, 1], another number that is not above 0, a zone below 0, a
+            frame that is none, or a planner or configuration that does not exist.
+    """
+
+    speed_fraction: float = 1.0
+    acceleration_fraction: float = 1.0
+    cartesian_speed: float = 0.5
+    cartesian_acceleration: float = 2.0
+    rotation_speed: float = 1.5
+    rotation_acceleration: float = 6.0
+    jerk_limited: bool = False
+    joint_planner: str = 'linear_joint'
+    cartesian_planner: str = 'limited'
+    configuration: str = ''
+    tool: tuple[float, ...] = IDENTITY
+    base: tuple[float, ...] = IDENTITY
+    blend_zone: float = 0.0
+    joint_blend_zone: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, check in CHECKS.items():
+            check(getattr(self, name), name)
+
+    @property
+    def blends(self) -> bool:
+        """The motion may run through to the next one."""
+        return self.blend_zone > 0.0 or self.joint_blend_zone > 0.0
+
+    @property
+    def tool_pose(self) -> Pose:
+        """The tool centre point in tool0."""
+        return frame(self.tool, 'tool')
+
+    def in_base(self, pose: Pose) -> Pose:
+        """A pose in the commanded frame, in the robot's base."""
+        return pose if self.base == IDENTITY else frame(self.base, 'base') @ pose
+
+
+def frame(values: tuple[float, ...], name: str) -> Pose:
+    """The pose of x, y, z (m) and a quaternion x, y, z, w.
+
+    Raises:
+        InvalidInputError: not seven finite numbers, or a quaternion that is not of length 1.
+    """
+    numbers = finite_vector(values, 7, name)
+    norm = float(np.linalg.norm(numbers[3:]))
+    if abs(norm - 1.0) > NORM_TOLERANCE:
+        raise InvalidInputError(
+            f'{name} = {list(values)} has a quaternion of length {norm:.6g}, a rotation has length 1'
+        )
+    return Pose(numbers[:3], Rotation.from_quat(numbers[3:]).as_matrix())
+
+
+def known_configuration(text: str, name: str = 'configuration') -> Configuration | None:
+    """The configuration of a setting; None for '', which is the nearest.
+
+    Raises:
+        InvalidInputError: no such configuration; names what is valid.
+    """
+    del name
+    return Configuration.parse(text) if text else None
+
+
+def _zone(value: float, name: str) -> None:
+    if not 0.0 <= value < np.inf:
+        raise InvalidInputError(f'{name} = {value!r} must be 0 or above')
+
+
+def _flag(value: object, name: str) -> None:
+    if not isinstance(value, bool):
+        raise InvalidInputError(f'{name} = {value!r} must be true or false')
+
+
+def _joint_planner(value: str, name: str) -> None:
+    if value not in JOINT_PLANNERS:
+        raise InvalidInputError(f'unknown {name} {value!r}; joint planners are {", ".join(JOINT_PLANNERS)}')
+
+
+def _cartesian_planner(value: str, name: str) -> None:
+    if value not in CARTESIAN_PLANNERS:
+        raise InvalidInputError(
+            f'unknown {name} {value!r}; Cartesian planners are {", ".join(CARTESIAN_PLANNERS)}'
+        )
+
+
+CHECKS: Final[dict[str, Callable[[Any, str], object]]] = {
+    'speed_fraction': usable_fraction,
+    'acceleration_fraction': usable_fraction,
+    'cartesian_speed': positive,
+    'cartesian_acceleration': positive,
+    'rotation_speed': positive,
+    'rotation_acceleration': positive,
+    'jerk_limited': _flag,
+    'joint_planner': _joint_planner,
+    'cartesian_planner': _cartesian_planner,
+    'configuration': known_configuration,
+    'tool': frame,
+    'base': frame,
+    'blend_zone': _zone,
+    'joint_blend_zone': _zone,
+}
+"""The check of each setting: takes value and name, raises InvalidInputError."""
+
+DESCRIPTIONS: Final = {
+    'speed_fraction': "part of the axes' velocity limits, (0, 1]",
+    'acceleration_fraction': "part of the axes' acceleration and jerk limits, (0, 1]",
+    'cartesian_speed': 'highest speed of the tool, m/s',
+    'cartesian_acceleration': 'highest acceleration of the tool, m/s^2',
+    'rotation_speed': 'highest angular speed of the tool, rad/s',
+    'rotation_acceleration': 'highest angular acceleration of the tool, rad/s^2',
+    'jerk_limited': 'keep jerk limits on Cartesian motions and in blended chains too',
+    'joint_planner': f'planner of joint motions: {" or ".join(JOINT_PLANNERS)}',
+    'cartesian_planner': f'planner of Cartesian motions: {" or ".join(CARTESIAN_PLANNERS)}',
+    'configuration': "posture for a pose, as 'front/up/no_flip'; '' for the nearest",
+    'tool': 'tool centre point in tool0: x y z (m), quaternion x y z w',
+    'base': "frame of poses in the robot's base: x y z (m), quaternion x y z w",
+    'blend_zone': 'where a Cartesian motion may leave its path to run through to the next, m; 0 stops',
+    'joint_blend_zone': 'the same of a joint motion, rad (m)',
+}
+"""One line per setting, for people."""
+
+
+def checked(name: str) -> Callable[[Any], object]:
+    """The check of the setting `name`, for its value alone."""
+    return lambda value: CHECKS[name](value, name)
+
+
+def settings_as_text(settings: MotionSettings) -> dict[str, str]:
+    """The settings by name, each as JSON: how they stand in messages and bags."""
+    return {name: json.dumps(value) for name, value in asdict(settings).items()}
+
+
+def settings_from_text(texts: Mapping[str, str]) -> MotionSettings:
+    """Inverse of `settings_as_text`; what is missing has its default.
+
+    Raises:
+        InvalidInputError: text that is no JSON, a setting that does not exist, or a value that is not valid.
+    """
+    values: dict[str, Any] = {}
+    for name, text in texts.items():
+        if name not in DESCRIPTIONS:
+            raise InvalidInputError(f'unknown setting {name!r}; settings are {", ".join(DESCRIPTIONS)}')
+        try:
+            value = json.loads(text)
+        except json.JSONDecodeError:
+            raise InvalidInputError(f'{name} = {text!r} is not JSON') from None
+        values[name] = tuple(value) if isinstance(value, list) else value
+    return MotionSettings(**values)

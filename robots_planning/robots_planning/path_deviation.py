@@ -1,0 +1,129 @@
+"""How far a tool that was sampled is from where it should be: a straight line, or any path."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from robots_core.pose import Pose, rotation_vector
+from robots_core.validation import Array
+
+# Path points to find the nearest among, and parts of the way between two of them: that between two parts of a
+# path of 10 m with bends of 0.05 m is 0.6 um away from their chord.
+PATH_POINTS = 2001
+FINER = 10
+BRANCHES = 3  # of a path that comes back to where it was, looked at around each place
+ON_PATH = 1e-6  # m; what is this near needs no second look
+TURNING_RADIUS = 0.1  # m; a turn counts as much as its arc at this radius when places are compared
+
+
+class PosesOnPath(Protocol):
+    """Poses of a path at m places: r (m, 3), m, and T (m, 3, 3)."""
+
+    @property
+    def r(self) -> Array:
+        """Positions."""
+
+    @property
+    def T(self) -> Array:
+        """Orientations."""
+
+
+class SampledPath(Protocol):
+    """Anything that has poses over a path coordinate from 0 to 1, base frame."""
+
+    def sample(self, s: Array, /) -> PosesOnPath:
+        """Poses at `s` (m,)."""
+
+
+def line_deviation(r: Array, T: Array, start: Pose, end: Pose) -> tuple[float, float]:
+    """Largest distance (m) and angle (rad) from the straight line between two poses, its ends included.
+
+    Args:
+        r: Positions of the tool, (m, 3), m, from the first to the last.
+        T: Its orientations, (m, 3, 3).
+        start: Where the line starts.
+        end: Where it ends; the orientation turns about one axis on the way.
+    """
+    along = end.r - start.r
+    squared = float(along @ along)
+    part = np.clip((r - start.r) @ along / squared, 0.0, 1.0) if squared > 0.0 else np.zeros(len(r))
+    distance = np.linalg.norm(r - start.r - part[:, None] * along, axis=1)
+
+    turn = rotation_vector(end.T @ start.T.T)
+    angle = float(np.linalg.norm(turn))
+    k = turn / angle if angle > 0.0 else np.zeros(3)
+    quaternion = Rotation.from_matrix(T @ start.T.T).as_quat(canonical=True)
+    across = quaternion[:, :3] - (quaternion[:, :3] @ k)[:, None] * k
+    away = 2.0 * np.arcsin(np.minimum(np.linalg.norm(across, axis=1), 1.0))
+    return _with_ends(r, T, (start, end), distance, away)
+
+
+def path_deviation(r: Array, T: Array, path: SampledPath) -> tuple[float, float]:
+    """Largest distance (m) and angle (rad) from a path, its ends included; arguments as `line_deviation`."""
+    coarse = np.linspace(0.0, 1.0, PATH_POINTS)
+    poses = path.sample(coarse)
+    features, wanted = _features(poses.r, poses.T), _features(r, T)
+    squares = (features**2).sum(axis=1) - 2.0 * wanted @ features.T
+    best, turned = np.full(len(r), np.inf), np.full(len(r), np.inf)
+    for _ in range(BRANCHES):
+        rows = np.flatnonzero(best + TURNING_RADIUS * turned > ON_PATH)
+        if not rows.size:
+            break
+        nearest = squares[rows].argmin(axis=1)
+        distance, away = _around(path, coarse[nearest], r[rows], T[rows])
+        closer = distance + TURNING_RADIUS * away < best[rows] + TURNING_RADIUS * turned[rows]
+        best[rows[closer]], turned[rows[closer]] = distance[closer], away[closer]
+        for step in (-1, 0, 1):
+            squares[rows, np.clip(nearest + step, 0, PATH_POINTS - 1)] = np.inf
+    ends = Pose(poses.r[0], poses.T[0]), Pose(poses.r[-1], poses.T[-1])
+    return _with_ends(r, T, ends, best, turned)
+
+
+def _with_ends(
+    r: Array, T: Array, ends: tuple[Pose, Pose], distance: Array, away: Array
+) -> tuple[float, float]:
+    off = [Pose(r[row], T[row]).distance_to(pose) for row, pose in zip((0, -1), ends, strict=True)]
+    return (
+        max(float(distance.max()), *(end[0] for end in off)),
+        max(float(away.max()), *(end[1] for end in off)),
+    )
+
+
+def _around(path: SampledPath, near: Array, r: Array, T: Array) -> tuple[Array, Array]:
+    """Distances (m,) and angles (m,) from the path around `near` (m,), between points that are close."""
+    step = 1.0 / (PATH_POINTS - 1) / FINER
+    count = 2 * FINER + 1
+    middle = np.clip(near, FINER * step, 1.0 - FINER * step)
+    fine = path.sample((middle[:, None] + step * np.arange(-FINER, FINER + 1)).ravel())
+    points, orientations = fine.r.reshape(-1, count, 3), fine.T.reshape(-1, count, 3, 3)
+    features, wanted = _features(fine.r, fine.T).reshape(-1, count, 12), _features(r, T)
+    rows = np.arange(len(r))
+    first = np.clip(((features - wanted[:, None]) ** 2).sum(axis=2).argmin(axis=1), 1, count - 2)
+    best, turned = np.full(len(r), np.inf), np.full(len(r), np.inf)
+    for begin in (first - 1, first):
+        chord = features[rows, begin + 1] - features[rows, begin]
+        length = np.maximum((chord**2).sum(axis=1), 1e-300)
+        part = np.clip(((wanted - features[rows, begin]) * chord).sum(axis=1) / length, 0.0, 1.0)[:, None]
+        start, way = points[rows, begin], points[rows, begin + 1] - points[rows, begin]
+        distance = np.linalg.norm(r - start - part * way, axis=1)
+        turn = _rotation_vectors(orientations[rows, begin + 1], orientations[rows, begin])
+        away = np.linalg.norm(_rotation_vectors(T, orientations[rows, begin]) - part * turn, axis=1)
+        closer = distance + TURNING_RADIUS * away < best + TURNING_RADIUS * turned
+        best, turned = np.where(closer, distance, best), np.where(closer, away, turned)
+    return best, turned
+
+
+def _features(r: Array, T: Array) -> Array:
+    """What is compared to find the nearest pose, (m, 12), m.
+
+    Where a path crosses itself the orientation tells which of its parts is meant, and of a turn alone all.
+    """
+    return np.concatenate([r, TURNING_RADIUS * T.reshape(-1, 9)], axis=1)
+
+
+def _rotation_vectors(T: Array, reference: Array) -> Array:
+    """Rotation vectors (m, 3) from one orientation to another."""
+    return Rotation.from_matrix(T @ reference.transpose(0, 2, 1)).as_rotvec()

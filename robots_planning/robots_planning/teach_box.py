@@ -1,0 +1,259 @@
+"""TeachBox: slow jogging of the axes or of the tool, as with the hand-held box of a robot."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robots_core.blocks.axis_following import AxisFollowing
+from robots_core.blocks.inverse_kinematics.constrained import ConstrainedInverseKinematics
+from robots_core.blocks.inverse_kinematics.viability import velocity_interval
+from robots_core.blocks.pose_reference import moved
+from robots_core.errors import InvalidInputError
+from robots_core.pose import Pose
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array, finite_vector, positive, read_only
+from robots_planning.slowed_robot import SlowedRobot
+
+JogAxes = Literal['base', 'tool', 'world']
+JOG_AXES: tuple[JogAxes, ...] = ('base', 'tool', 'world')
+
+# Of the tool's speed limits: the rest is for how a Jacobian changes in a period, and for returning.
+SPEED_RESERVE = 0.1
+# How fast the tool returns to where it should be, 1/s, and how far behind it may be: the further, the slower
+# it is led on, so that limits make it slow and do not lead it astray.
+RETURN_GAIN = 5.0
+LEASH = (0.002, 0.01)  # m, rad
+RAMP_TIME = 0.25  # s, in which a jogged tool gains its highest speed
+OUT_OF_REACH = 'out of reach'  # of a tool: no axis is at a limit, but the arm is stretched or singular
+SHARES = (1.0, 0.7, 0.4, 0.2, 0.0)  # of a wanted velocity, until the tool is slow enough
+NO_TWIST = np.zeros(6)
+
+
+@dataclass(frozen=True, eq=False)
+class TeachStep:
+    """Motion of one period.
+
+    Attributes:
+        q: Joint positions at its end, (n,), rad (m), read-only.
+        q_dot: Joint velocities at its end, (n,), rad/s.
+        q_ddot: Joint accelerations during it, (n,), rad/s^2.
+        jogging: A fresh command is followed; otherwise the robot brakes, or stands.
+        limits: What stops or slows it, as 'A2 position upper' or OUT_OF_REACH; empty if nothing does.
+    """
+
+    q: Array
+    q_dot: Array
+    q_ddot: Array
+    jogging: bool
+    limits: tuple[str, ...] = ()
+
+    @property
+    def standing(self) -> bool:
+        """No axis moves."""
+        return not self.q_dot.any()
+
+
+class TeachBox:
+    """Follows jog commands inside reduced limits; stops when they end or a limit comes.
+
+    A command is a velocity that holds until the next one, and no longer than the timeout (dead-man): without
+    a fresh command the axes brake to a stop. Axes are jogged each on its own, the tool along and about axes
+    of the base, the tool or the world by `ConstrainedInverseKinematics`. At a position limit the axis stops,
+    and with it a tool that cannot go on; the step names the limit. State and limits are always such that
+    braking ends before the position limits (see `viability`).
+
+    An instance keeps scratch memory and the state of the motion: use one per thread.
+
+    Args:
+        robot: The robot.
+        dt: Period, s.
+        q: Where it stands, (n,), rad (m).
+        speed_fraction: Part of the velocity limits to use, in (0, 1].
+        acceleration_fraction: Part of the acceleration limits to use, in (0, 1].
+        tool_speed: Highest speed of the tool centre point, m/s; by default that of manual reduced speed in
+            ISO 10218-1.
+        rotation_speed: Highest angular speed of a jogged tool, rad/s.
+        tool: Pose of the tool centre point in tool0.
+        world: Pose of the robot's base in the world.
+        timeout: Age of a command at which the robot stops, s.
+
+    Raises:
+        InvalidInputError: an option out of its range.
+        JointLimitError: `q` is outside the limits.
+    """
+
+    def __init__(
+        self,
+        robot: BaseRobotModel,
+        dt: float,
+        q: ArrayLike,
+        *,
+        speed_fraction: float = 0.1,
+        acceleration_fraction: float = 0.3,
+        tool_speed: float = 0.25,
+        rotation_speed: float = 0.5,
+        tool: Pose | None = None,
+        world: Pose | None = None,
+        timeout: float = 0.1,
+    ) -> None:
+        self.robot = SlowedRobot(
+            robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction
+        )
+        self.dt = positive(dt, 'dt', 's')
+        self.timeout = positive(timeout, 'timeout', 's')
+        self.tool = Pose.identity() if tool is None else tool
+        self.world = Pose.identity() if world is None else world
+        self._speeds = np.array(
+            [positive(tool_speed, 'tool_speed', 'm/s'), positive(rotation_speed, 'rotation_speed', 'rad/s')]
+        )
+        axes = self.robot.axes_data
+        self._ik = ConstrainedInverseKinematics(
+            self.robot, dt, tool=self.tool, gain=min(RETURN_GAIN, 1.0 / dt)
+        )
+        braking = self._ik.deceleration
+        self._axes = AxisFollowing(axes, dt, deceleration=braking)
+        self._limits = (axes.lower, axes.upper, axes.velocity, axes.acceleration, braking)
+        self._low, self._high = np.empty(axes.num_axes), np.empty(axes.num_axes)
+        self._command: Array = np.zeros(axes.num_axes)
+        self._frame: JogAxes | None = None
+        self._time = -np.inf
+        self._twist: Array = NO_TWIST
+        self._pose: Pose | None = None
+        self._behind = 0.0
+        self.place(q)
+
+    @property
+    def q(self) -> Array:
+        """Joint positions now, (n,)."""
+        return np.array(self._state[0])
+
+    def place(self, q: ArrayLike) -> None:
+        """Start again from where the robot stands, (n,), rad (m); a command that was given is forgotten."""
+        axes = self.robot.axes_data
+        # The limits' own tolerance is no room to move in.
+        start = np.clip(axes.check_position(q, 'q'), axes.lower, axes.upper)
+        self._state = np.array([start, np.zeros_like(start), np.zeros_like(start)])
+        self._time = -np.inf
+        self._lead_from_here()
+
+    def jog_axes(self, velocity: ArrayLike, time: float) -> None:
+        """Take a command for the axes, given at a time, s.
+
+        Args:
+            velocity: (n,), rad/s (m/s); what is above the reduced limits is lowered to them.
+            time: On the same clock as `step`.
+
+        Raises:
+            InvalidInputError: another shape, NaN or infinity.
+        """
+        self._command = np.array(finite_vector(velocity, self.robot.num_axes, 'velocity'))
+        self._frame, self._time = None, time
+
+    def jog_tool(self, twist: ArrayLike, time: float, frame: JogAxes = 'base') -> None:
+        """Take a command for the tool, given at a time, s.
+
+        Args:
+            twist: (6,): velocity (m/s), angular velocity (rad/s) of the tool centre point; what is above the
+                reduced speeds is lowered to them in its direction.
+            time: On the same clock as `step`.
+            frame: Along and about the axes of 'base', 'tool' or 'world'.
+
+        Raises:
+            InvalidInputError: not six finite numbers, or no such axes.
+        """
+        values = finite_vector(twist, 6, 'twist')
+        if frame not in JOG_AXES:
+            raise InvalidInputError(f'unknown axes {frame!r} to jog in; axes are {", ".join(JOG_AXES)}')
+        self._command, self._frame, self._time = np.array(values), frame, time
+
+    def step(self, now: float) -> TeachStep:
+        """Motion of the next period.
+
+        Args:
+            now: s.
+        """
+        fresh = 0.0 <= now - self._time <= self.timeout
+        if not fresh or not (self._command.any() or self._twist.any() or self._frame is None):
+            self._lead_from_here()
+            self._state = self._axes.brake(self._state[0], self._state[1])
+            return self._result(jogging=fresh)
+        if self._frame is None:
+            self._lead_from_here()
+            return self._step_axes()
+        return self._step_tool(self._frame)
+
+    def _lead_from_here(self) -> None:
+        """The next jog of the tool starts at rest from where the tool is then."""
+        self._twist, self._pose, self._behind = NO_TWIST, None, 0.0
+
+    def _step_axes(self) -> TeachStep:
+        axes, dt = self.robot.axes_data, self.dt
+        q, q_dot = self._state[0], self._state[1]
+        velocity_interval(q, q_dot, *self._limits, dt, self._low, self._high)
+        wanted = np.clip(self._command, -axes.velocity, axes.velocity)
+        change = axes.acceleration * dt
+        # What stands in the way of going on as fast, or even of starting.
+        blocked = ((wanted > 0.0) & (self._high < np.minimum(wanted, q_dot + change))) | (
+            (wanted < 0.0) & (self._low > np.maximum(wanted, q_dot - change))
+        )
+        limits = tuple(
+            f'{axes.names[i]} position {"upper" if wanted[i] > 0.0 else "lower"}'
+            for i in np.flatnonzero(blocked)
+        )
+        wanted = np.where(blocked, np.clip(wanted, self._low, self._high), wanted)
+        end = q_dot
+        for share in SHARES:
+            # All axes change by the same part: between two velocities that are slow enough are no others.
+            missing = share * wanted - q_dot
+            part = float(np.min(change / np.maximum(np.abs(missing), change)))
+            end = np.clip(q_dot + part * missing, self._low, self._high)
+            if self._tool_speed(q + 0.5 * dt * (q_dot + end), end) <= (1.0 - SPEED_RESERVE) * self._speeds[0]:
+                break
+        self._state = np.array([q + 0.5 * dt * (q_dot + end), end, (end - q_dot) / dt])
+        return self._result(jogging=True, limits=limits)
+
+    def _step_tool(self, frame: JogAxes) -> TeachStep:
+        q, q_dot, dt = self._state[0], self._state[1], self.dt
+        here = self._tool_pose(q)
+        wanted = self._wanted_twist(frame, here)
+        ramp = np.repeat(self._speeds * dt / RAMP_TIME, 3)
+        change = wanted - self._twist
+        self._twist = self._twist + change * float(np.min(ramp / np.maximum(np.abs(change), ramp)))
+        twist = max(0.0, 1.0 - self._behind) * self._twist
+        pose = moved(self._pose or here, twist, dt)
+        step = self._ik.step(pose, q, q_dot, twist)
+        self._behind = max(step.position_error / LEASH[0], step.orientation_error / LEASH[1])
+        self._pose = pose
+        limits = tuple(f'{item.joint} {item.quantity} {item.side}' for item in step.active_limits)
+        if not limits and self._behind > 0.9:
+            limits = (OUT_OF_REACH,)
+        state = np.array(step.values[:3])
+        if self._tool_speed(state[0], state[1]) > self._speeds[0]:
+            state, self._pose, self._behind = self._axes.brake(q, q_dot), None, 0.0
+        self._state = state
+        return self._result(jogging=True, limits=limits)
+
+    def _wanted_twist(self, frame: JogAxes, here: Pose) -> Array:
+        """The commanded twist in the base frame, inside the speeds."""
+        turn = {'base': np.eye(3), 'tool': here.T, 'world': self.world.T.T}[frame]
+        parts = self._command.reshape(2, 3) @ turn.T
+        norms = np.linalg.norm(parts, axis=1)
+        highest = (1.0 - SPEED_RESERVE) * self._speeds
+        twist: Array = (parts * float(np.min(highest / np.maximum(norms, highest)))).ravel()
+        return twist
+
+    def _tool_pose(self, q: Array) -> Pose:
+        return Pose(*self.robot.direct_kinematics(q)) @ self.tool
+
+    def _tool_speed(self, q: Array, q_dot: Array) -> float:
+        twist = self.robot.jacobian(q) @ q_dot
+        lever = self.robot.direct_kinematics(q)[1] @ self.tool.r
+        return float(np.linalg.norm(twist[:3] + np.cross(twist[3:], lever)))
+
+    def _result(self, *, jogging: bool, limits: tuple[str, ...] = ()) -> TeachStep:
+        q, q_dot, q_ddot = (read_only(row) for row in self._state)
+        return TeachStep(q, q_dot, q_ddot, jogging, limits)

@@ -1,0 +1,104 @@
+"""Poses along a Cartesian path, compiled."""
+
+from __future__ import annotations
+
+from math import cos, sin, sqrt
+
+import numpy as np
+
+from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.validation import Array
+from robots_planning.trajectory_generators.quintic import interval_at
+
+# Below this angle (rad) the power series is exact to rounding, the closed form is not.
+SMALL_ANGLE = 0.05
+
+PathArrays = tuple[Array, Array, Array, Array, Array, Array]
+"""Pieces of a path, x = s - breaks[i] in piece i: breaks (m + 1,); position polynomial (m, 6, 3) in powers of
+x; arc (m, 2, 3), added as cos(rate x) arc[0] + sin(rate x) arc[1]; rate (m,); rotation vector (m, 4, 3) in
+powers of x, base frame; T (m, 3, 3), which that rotation turns."""
+
+
+@compiled()
+def pose_on_path(path: PathArrays, s: float, r: Array, T: Array, x_s: Array, x_ss: Array) -> None:  # noqa: PLR0917
+    """Fill r (3,), T (3, 3), and x' and x'' (6,): linear, then angular, base frame, per unit of s."""
+    breaks, position, arc, rate, turn, orientation = path
+    i = interval_at(breaks, s)
+    x = s - breaks[i]
+    angle = rate[i] * x
+    c, sn = cos(angle), sin(angle)
+    p, p1, p2 = np.empty(3), np.empty(3), np.empty(3)
+    for k in range(3):
+        a = position[i, :, k]
+        u, v, w = arc[i, 0, k], arc[i, 1, k], rate[i]
+        r[k] = a[0] + x * (a[1] + x * (a[2] + x * (a[3] + x * (a[4] + x * a[5])))) + c * u + sn * v
+        x_s[k] = (
+            a[1]
+            + x * (2.0 * a[2] + x * (3.0 * a[3] + x * (4.0 * a[4] + x * 5.0 * a[5])))
+            + w * (c * v - sn * u)
+        )
+        x_ss[k] = (
+            2.0 * a[2] + x * (6.0 * a[3] + x * (12.0 * a[4] + x * 20.0 * a[5])) - w * w * (c * u + sn * v)
+        )
+        b = turn[i, :, k]
+        p[k] = b[0] + x * (b[1] + x * (b[2] + x * b[3]))
+        p1[k] = b[1] + x * (2.0 * b[2] + x * 3.0 * b[3])
+        p2[k] = 2.0 * b[2] + x * 6.0 * b[3]
+    _turned(p, p1, p2, orientation[i], T, x_s, x_ss)
+
+
+@compiled()
+def _turned(  # noqa: PLR0917
+    p: Array, p1: Array, p2: Array, T0: Array, T: Array, x_s: Array, x_ss: Array
+) -> None:
+    """Fill T = exp([p]) T0, its angular velocity and acceleration.
+
+    omega = p' + A p x p' + B p x (p x p'), A = (1 - cos a) / a^2, B = (a - sin a) / a^3, a = |p|: the left
+    Jacobian of the rotation group (Chirikjian 2012, 10.86).
+    """
+    square = p[0] * p[0] + p[1] * p[1] + p[2] * p[2]
+    if square < SMALL_ANGLE * SMALL_ANGLE:
+        S = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0))
+        A = 0.5 - square / 24.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0))
+        B = 1.0 / 6.0 - square / 120.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0))
+        # Derivatives with respect to the angle, over the angle.
+        dA = -1.0 / 12.0 + square / 180.0 * (1.0 - 3.0 * square / 112.0)
+        dB = -1.0 / 60.0 + square / 1260.0 * (1.0 - square / 48.0)
+    else:
+        angle = sqrt(square)
+        c, sn = cos(angle), sin(angle)
+        S = sn / angle
+        A = (1.0 - c) / square
+        B = (angle - sn) / (square * angle)
+        dA = (sn / angle - 2.0 * A) / square
+        dB = ((1.0 - c) / square - 3.0 * B) / square
+    # exp([p]) = I + S [p] + A [p]^2
+    for j in range(3):
+        x, y, z = T0[0, j], T0[1, j], T0[2, j]
+        cx, cy, cz = p[1] * z - p[2] * y, p[2] * x - p[0] * z, p[0] * y - p[1] * x
+        T[0, j] = x + S * cx + A * (p[1] * cz - p[2] * cy)
+        T[1, j] = y + S * cy + A * (p[2] * cx - p[0] * cz)
+        T[2, j] = z + S * cz + A * (p[0] * cy - p[1] * cx)
+    rate = p[0] * p1[0] + p[1] * p1[1] + p[2] * p1[2]
+    for k in range(3):
+        m, n = (k + 1) % 3, (k + 2) % 3
+        cross = p[m] * p1[n] - p[n] * p1[m]
+        # p x (p x p') = p (p . p') - p' |p|^2
+        double = p[k] * rate - p1[k] * square
+        further = p[m] * p2[n] - p[n] * p2[m]
+        # p' x (p x p') + p x (p x p'')
+        second = (
+            p[k] * (p1[0] * p1[0] + p1[1] * p1[1] + p1[2] * p1[2])
+            - p1[k] * rate
+            + p[k] * (p[0] * p2[0] + p[1] * p2[1] + p[2] * p2[2])
+            - p2[k] * square
+        )
+        x_s[3 + k] = p1[k] + A * cross + B * double
+        x_ss[3 + k] = p2[k] + dA * rate * cross + A * further + dB * rate * double + B * second
+
+
+@compiled()
+def poses_on_path(path: PathArrays, s: Array, r: Array, T: Array, x_s: Array, x_ss: Array) -> None:  # noqa: PLR0917
+    """`pose_on_path` for every s (m,): fill (m, 3), (m, 3, 3), (m, 6), (m, 6)."""
+    for i in range(s.size):
+        pose_on_path(path, s[i], r[i], T[i], x_s[i], x_ss[i])

@@ -1,0 +1,243 @@
+"""JointSpaceGenerator: what point-to-point motions of the axes have in common."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+from ruckig import Synchronization
+
+from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKinematic
+from robots_core.errors import (
+    InvalidInputError,
+    NoAnalyticInverseKinematicsError,
+    PlanningError,
+    UnreachablePoseError,
+)
+from robots_core.pose import Pose
+from robots_core.robot_model.analytic.configuration import Configuration
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array, finite_vector
+from robots_planning.trajectory import Trajectory
+from robots_planning.trajectory_generators.base import LIMIT_MARGIN, TrajectoryGenerator, rest_trajectory
+from robots_planning.trajectory_generators.braking import check_start_motion
+from robots_planning.trajectory_generators.moving_profile import MovingProfile
+from robots_planning.trajectory_generators.rest_profile import NANOSECOND, inside
+
+SHORTEST_MOVE = 1e-9  # rad (m) of the axis that moves most; less is rounding of a target
+TURN = 2.0 * np.pi
+LARGEST_ANGLE = 10.0  # rad, of an axis that turns without end, where rounding is looked at
+
+
+class JointSpaceGenerator(TrajectoryGenerator):
+    """Point-to-point motion of the axes, time-optimal under velocity, acceleration and jerk limits.
+
+    Jerk is constant from one point of the trajectory to the next, in whole nanoseconds, so that the quintic
+    between points is the motion itself. Points closer together than `shortest` would lose it in the rounding
+    of positions, so there are none, at the cost of a fraction of a millisecond.
+
+    A pose as target is reached in the posture that is nearest in time (`AnalyticalInverseKinematic`), or in
+    that of a named configuration; for a robot without a closed form, in the one that `DampedLeastSquares`
+    finds from the start. Axes without position limits take the short way.
+
+    An instance keeps scratch memory: use one per thread.
+
+    Args:
+        robot: The robot.
+        speed_fraction: Part of the axes' velocity limits to use, in (0, 1].
+        acceleration_fraction: Part of the axes' acceleration and jerk limits to use, in (0, 1].
+        tool: Pose of the tool centre point in tool0, which a target pose is meant for; tool0 by default.
+        configuration: Which of the postures for a pose; the nearest by default.
+
+    Raises:
+        InvalidInputError: a fraction outside (0, 1], or a configuration of a robot without a closed form.
+    """
+
+    synchronization: Synchronization
+
+    def __init__(
+        self,
+        robot: BaseRobotModel,
+        *,
+        speed_fraction: float = 1.0,
+        acceleration_fraction: float = 1.0,
+        tool: Pose | None = None,
+        configuration: Configuration | None = None,
+    ) -> None:
+        super().__init__(robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction)
+        self.tool = Pose.identity() if tool is None else tool
+        self.configuration = configuration
+        if configuration is not None and self._closed_form is None:
+            raise InvalidInputError(
+                f'configuration {configuration} needs a robot with a closed-form inverse kinematics, '
+                f'{robot.name} has none; leave it out for the nearest posture'
+            )
+        axes = robot.axes_data
+        self._limits = np.array([self.velocity, self.acceleration, self.jerk])
+        self._continuous = axes.continuous if axes.continuous.any() else None
+        # The quintic's jerk holds the rounding of positions at both ends times 60 / h^3.
+        largest = np.where(axes.continuous, LARGEST_ANGLE, np.maximum(np.abs(axes.lower), np.abs(axes.upper)))
+        shortest = np.cbrt(60.0 * 2.0 * np.spacing(largest) / (LIMIT_MARGIN * axes.jerk)).max()
+        self.shortest = int(np.ceil(shortest / NANOSECOND / 1000.0)) * 1000
+        """Length of the shortest piece of constant jerk, ns."""
+
+    def generate(
+        self,
+        q_start: ArrayLike,
+        target: Pose | ArrayLike,
+        *,
+        q_dot_start: ArrayLike | None = None,
+        q_ddot_start: ArrayLike | None = None,
+    ) -> Trajectory:
+        """Plan a motion to rest, from rest or from any motion inside the limits.
+
+        Args:
+            q_start: Joint positions to start from, (n,), rad (m).
+            target: Pose of the tool in the base frame, or joint positions (n,), rad (m).
+            q_dot_start: Joint velocities at the start, (n,), rad/s; rest by default.
+            q_ddot_start: Joint accelerations at the start, (n,), rad/s^2; zero by default.
+
+        Raises:
+            JointLimitError: start or target outside the axis limits.
+            UnreachablePoseError: no joint positions inside the limits reach the pose.
+            PlanningError: an axis moves so fast at the start that it cannot stop before its limit.
+            InvalidInputError: wrong shapes, NaN or infinity, or a start that moves above a limit.
+        """
+        axes = self.robot.axes_data
+        start = self._inside(q_start, 'q_start')
+        goal = self.goal(start, target)
+        if q_dot_start is not None or q_ddot_start is not None:
+            still = np.zeros(axes.num_axes)
+            q_dot = still if q_dot_start is None else finite_vector(q_dot_start, still.size, 'q_dot_start')
+            q_ddot = (
+                still if q_ddot_start is None else finite_vector(q_ddot_start, still.size, 'q_ddot_start')
+            )
+            if q_dot.any() or q_ddot.any():
+                check_start_motion(axes, start, q_dot, q_ddot)
+                return self._from_motion(np.array([start, q_dot, q_ddot]), goal)
+        return self._plan_to_joints(start, goal)
+
+    def goal(self, start: Array, target: Pose | ArrayLike) -> Array:
+        """Joint positions (n,) that a target is reached in from `start`, which is inside the limits.
+
+        Raises:
+            JointLimitError: the target is outside the axis limits.
+            UnreachablePoseError: no joint positions inside the limits reach the pose.
+        """
+        goal = self._posture(target, start) if isinstance(target, Pose) else self._inside(target, 'target')
+        if self._continuous is not None:
+            way = np.remainder(goal - start + np.pi, TURN) - np.pi
+            goal = np.where(self._continuous, start + way, goal)
+        return goal
+
+    def _inside(self, q: ArrayLike, name: str) -> Array:
+        """`q` as (n,) array, if it lies inside the limits; most do, and need no message."""
+        axes = self.robot.axes_data
+        if (
+            type(q) is np.ndarray
+            and q.dtype == np.float64
+            and q.shape == axes.lower.shape
+            and q.flags.c_contiguous
+            and inside(q, axes.lower, axes.upper)
+        ):
+            return q
+        return axes.check_position(q, name)
+
+    def _from_motion(self, state: Array, goal: Array) -> Trajectory:
+        """Plan from a state (3, n) that moves."""
+        axes, by_way_of, error = self.robot.axes_data, goal, None
+        # An axis that brakes just before its limit may have to turn round first, whatever its target is.
+        for _ in range(axes.num_axes + 1):
+            try:
+                points = self._moving.plan(state, by_way_of, self._limits, self._allowed)
+            except PlanningError as caught:
+                error = error or caught
+                axis = axes.names.index(str(caught.details['joint']))
+                if by_way_of[axis] != goal[axis] or self._middles[axis] is None:
+                    break
+                by_way_of = by_way_of.copy()
+                by_way_of[axis] = self._middles[axis]
+                continue
+            first = Trajectory(*points)
+            return first if by_way_of is goal else _joined(first, self._plan_to_joints(by_way_of, goal))
+        assert error is not None
+        raise error
+
+    def _plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
+        return self._plan_to_joints(start, self._posture(target, start))
+
+    def _plan_to_joints(self, start: Array, target: Array) -> Trajectory:
+        if max(map(abs, (target - start).tolist())) < SHORTEST_MOVE:
+            return rest_trajectory(start, target)
+        # Compiled code is made for one kind of array; for read-only ones it would be compiled anew.
+        ends = np.array(start), np.array(target)
+        points = self._points(*ends, self._limits, self.shortest)
+        for values in points:
+            values.flags.writeable = False  # new, and so the trajectory's own without a copy
+        return Trajectory(*points)
+
+    @abstractmethod
+    def _points(
+        self, start: Array, target: Array, limits: Array, shortest: int
+    ) -> tuple[Array, Array, Array, Array]:
+        """Times (m,), positions, velocities and accelerations (m, n) from rest to rest.
+
+        Args:
+            start: (n,), rad (m).
+            target: (n,), not the start.
+            limits: (3, n): velocity, acceleration and jerk.
+            shortest: Of a piece of constant jerk, ns.
+        """
+
+    def _posture(self, pose: Pose, start: Array) -> Array:
+        """Joint positions (n,) for a pose of the tool."""
+        pose = pose @ self.tool.inverse()
+        if self._closed_form is not None:
+            try:
+                return self._closed_form.solve(pose, start, configuration=self.configuration)
+            except UnreachablePoseError:
+                if self.configuration is not None:
+                    raise
+        # Says how far off the closest posture is.
+        return self.reach(pose, start)
+
+    @cached_property
+    def _closed_form(self) -> AnalyticalInverseKinematic | None:
+        try:
+            return AnalyticalInverseKinematic(self.robot)
+        except NoAnalyticInverseKinematicsError:
+            return None
+
+    @cached_property
+    def _allowed(self) -> Array:
+        axes = self.robot.axes_data
+        return np.array(
+            [
+                axes.velocity * self.speed_fraction,
+                axes.acceleration * self.acceleration_fraction,
+                axes.jerk * self.acceleration_fraction,
+            ]
+        )
+
+    @cached_property
+    def _middles(self) -> list[float | None]:
+        """The middles of the axes' ranges; None for an axis without limits."""
+        axes = self.robot.axes_data
+        ranges = zip(axes.lower.tolist(), axes.upper.tolist(), strict=True)
+        return [0.5 * (low + high) if np.isfinite(low) else None for low, high in ranges]
+
+    @cached_property
+    def _moving(self) -> MovingProfile:
+        return MovingProfile(self.robot.axes_data, self.synchronization, self.shortest)
+
+
+def _joined(first: Trajectory, second: Trajectory) -> Trajectory:
+    """One after the other; the first ends at rest where the second starts."""
+    time = Trajectory.message_times(np.concatenate([first.time, first.duration + second.time[1:]]))
+    rows = (
+        np.vstack([getattr(first, name), getattr(second, name)[1:]])
+        for name in ('position', 'velocity', 'acceleration')
+    )
+    return Trajectory(time, *rows)

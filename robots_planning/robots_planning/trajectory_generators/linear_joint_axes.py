@@ -1,0 +1,26 @@
+"""LinearJointAxes: point-to-point, every axis as fast as it can."""
+
+from __future__ import annotations
+
+from ruckig import Synchronization
+
+from robots_core.validation import Array
+from robots_planning.trajectory_generators.joint_space import JointSpaceGenerator
+from robots_planning.trajectory_generators.rest_profile import each_axis
+
+
+class LinearJointAxes(JointSpaceGenerator):
+    """Every axis runs its own time-optimal jerk-limited profile; axes with a shorter way are there sooner.
+
+    From motion, too, each axis is at rest at its target as soon as its limits allow (Ruckig; Berscheid and
+    Kroeger 2021). Where switches of jerk of two axes would come closer together than `shortest`, all are put
+    on whole multiples of it, which makes no axis later by more than three of them.
+    """
+
+    synchronization = Synchronization.No
+
+    def _points(
+        self, start: Array, target: Array, limits: Array, shortest: int
+    ) -> tuple[Array, Array, Array, Array]:
+        points = each_axis(start, target, limits, 1, shortest)
+        return points if points[0].size else each_axis(start, target, limits, shortest, shortest)

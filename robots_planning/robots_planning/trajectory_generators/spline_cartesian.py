@@ -1,0 +1,24 @@
+"""SplineCartesian: a smooth curve of the tool through poses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from robots_core.pose import Pose
+from robots_planning.trajectory_generators.pose_spline import PoseSpline
+from robots_planning.trajectory_generators.poses_generator import PosesGenerator
+
+
+class SplineCartesian(PosesGenerator):
+    """The tool passes all poses of the target on a smooth curve without a stop; see `PoseSpline`.
+
+    Options: see `CartesianGenerator`.
+    """
+
+    def path(self, start: Pose, poses: Sequence[Pose]) -> PoseSpline:
+        """The spline from `start` through `poses`.
+
+        Raises:
+            InvalidInputError: no pose, or two in succession that coincide.
+        """
+        return PoseSpline([start, *poses])

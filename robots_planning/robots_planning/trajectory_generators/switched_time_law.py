@@ -1,0 +1,146 @@
+# ruff: noqa: PLR0917  # compiled functions take arrays
+"""SwitchedTimeLaw: s(t) from a speed profile whose acceleration may jump, with short ramps at the jumps."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.validation import Array
+
+SMALLEST_JUMP = 2e-3  # of a limit
+
+
+class SwitchedTimeLaw:
+    """s(t), cubic from grid point to grid point, averaged over a moving window.
+
+    The average makes s_ddot continuous (a jump becomes a ramp as long as the window), keeps rest at both
+    ends, and lengthens the motion by the window.
+
+    Args:
+        s: Path grid, (m,), from 0 to 1.
+        speed_squared: s_dot^2 at the grid points, (m,); 0 at both ends, above 0 in between.
+        difference: Change of s_ddot within every interval, (m - 1,).
+        window: Part of the duration that is averaged over, at least `shortest`.
+        shortest: s.
+    """
+
+    def __init__(
+        self, s: Array, speed_squared: Array, difference: Array, window: float, shortest: float
+    ) -> None:
+        self._t, self._pieces = np.empty(len(s)), np.empty((len(s), 5))
+        law_pieces(s, speed_squared, difference, self._t, self._pieces)
+        self.window = max(window * float(self._t[-1]), shortest)
+        """s."""
+
+    @property
+    def duration(self) -> float:
+        """Length, s, with the window."""
+        return float(self._t[-1]) + self.window
+
+    @property
+    def grid_times(self) -> Array:
+        """When s is about at each grid point, (m,) s."""
+        times: Array = self._t + 0.5 * self.window
+        return times
+
+    def s_of(self, t: Array) -> tuple[Array, Array, Array]:
+        """s, s_dot and s_ddot at increasing times `t` (m,), each (m,)."""
+        values = np.empty((3, len(t)))
+        averaged(self._t, self._pieces, self.window, t, values)
+        return values[0], values[1], values[2]
+
+    def sample_times(self, longest: float, weight: Array) -> Array:
+        """Times (m,) for a trajectory: both ends of every ramp, and no gap above `longest`, s.
+
+        Args:
+            longest: s.
+            weight: What a unit of s_ddot uses of a limit at the grid points, (m,): jumps that use little of
+                it are left to the interpolation.
+        """
+        times = np.empty(int(self.duration / longest) + 4 * len(self._t) + 8)
+        count = fill_times(self._t, self._pieces, self.window, longest, weight, times)
+        return times[:count]
+
+
+@compiled()
+def law_pieces(s: Array, u: Array, difference: Array, t: Array, pieces: Array) -> None:
+    """Fill begins t (m,) and pieces (m, 5): integral of s so far, then s, s_dot, s_ddot and s_dddot."""
+    m = s.size
+    t[0] = 0.0
+    area = 0.0
+    for i in range(m - 1):
+        begin, end = sqrt(u[i]), sqrt(u[i + 1])
+        total, step = begin + end, s[i + 1] - s[i]
+        # The cubic through both points and speeds whose s_ddot changes by the difference.
+        root = total * total - 4.0 / 3.0 * step * difference[i]
+        h = 4.0 * step / (total + sqrt(root)) if root > 0.0 else 2.0 * step / total
+        first = (6.0 * step / h - 4.0 * begin - 2.0 * end) / h
+        last = (2.0 * begin + 4.0 * end - 6.0 * step / h) / h
+        jerk = (last - first) / h
+        pieces[i, 0], pieces[i, 1], pieces[i, 2], pieces[i, 3], pieces[i, 4] = area, s[i], begin, first, jerk
+        area += h * (s[i] + h * (begin / 2.0 + h * (first / 6.0 + h * jerk / 24.0)))
+        t[i + 1] = t[i] + h
+    last_piece = pieces[m - 1]
+    last_piece[:] = 0.0
+    last_piece[0], last_piece[1] = area, s[m - 1]
+
+
+@compiled()
+def _state(t: Array, pieces: Array, time: float, i: int) -> tuple[float, float, float, int]:
+    """Integral of s, s and s_dot at a time, searched from piece i on; and the piece."""
+    if time <= 0.0:
+        return time * pieces[0, 1], pieces[0, 1], 0.0, i
+    while i < t.size - 1 and t[i + 1] <= time:
+        i += 1
+    x = time - t[i]
+    area, s, v, a, j = pieces[i, 0], pieces[i, 1], pieces[i, 2], pieces[i, 3], pieces[i, 4]
+    return (
+        area + x * (s + x * (v / 2.0 + x * (a / 6.0 + x * j / 24.0))),
+        s + x * (v + x * (a / 2.0 + x * j / 6.0)),
+        v + x * (a + x * j / 2.0),
+        i,
+    )
+
+
+@compiled()
+def averaged(t: Array, pieces: Array, window: float, times: Array, values: Array) -> None:
+    """Fill values (3, m): s, s_dot, s_ddot of the averaged law at increasing times."""
+    front = back = 0
+    for k in range(times.size):
+        area, s, v, front = _state(t, pieces, times[k], front)
+        past_area, past_s, past_v, back = _state(t, pieces, times[k] - window, back)
+        values[0, k] = (area - past_area) / window
+        values[1, k] = (s - past_s) / window
+        values[2, k] = (v - past_v) / window
+
+
+@compiled()
+def fill_times(t: Array, pieces: Array, window: float, longest: float, weight: Array, times: Array) -> int:
+    """Fill times and return their number: ramps of jumps, and between them steps of at most `longest`."""
+    m = t.size
+    count = 1
+    times[0] = 0.0
+    for i in range(m):
+        before = 0.0 if i == 0 else pieces[i - 1, 3] + (t[i] - t[i - 1]) * pieces[i - 1, 4]
+        after = 0.0 if i == m - 1 else pieces[i, 3]
+        jump = weight[i] * abs(after - before) > SMALLEST_JUMP
+        ends = 2 if jump else 1
+        for end in range(ends):
+            time = t[i] + (end * window if jump else 0.5 * window)
+            gap = time - times[count - 1]
+            # Points that nearly coincide say nothing new and magnify rounding.
+            if gap < 0.3 * window:
+                continue
+            parts = int(np.ceil(gap / longest))
+            begin = times[count - 1]
+            for part in range(1, parts + 1):
+                times[count] = begin + gap * part / parts
+                count += 1
+    duration = t[m - 1] + window
+    if duration - times[count - 1] < 0.3 * window and count > 1:
+        count -= 1
+    times[count] = duration
+    return count + 1
