@@ -28,6 +28,9 @@ class Clock(Protocol):
             deadline: s, on this clock; None waits for a notification alone.
         """
 
+    def called(self) -> None:
+        """The program calls a robot function; on a clock that stands while it computes, time may pass."""
+
 
 class WallClock:
     """The machine's monotonic time."""
@@ -42,3 +45,6 @@ class WallClock:
             condition.wait()
         else:
             condition.wait(min(max(deadline - self.now(), 0.0), LONGEST_WAIT))
+
+    def called(self) -> None:
+        """Nothing: time passes by itself."""

@@ -1,27 +1,44 @@
-"""The functions of robot programs (paper, table 2).
+"""The functions of robot programs (paper, table 2, and more in its style).
 
-`LUA_FUNCTIONS` describes each once: registration, argument checks and the reference are made from it.
-Programs speak degrees and metres; this is the one file that knows degrees.
+`LUA_FUNCTIONS` describes each once: registration, argument checks, the reference, the editor's help and the
+check of a program are made from it. Programs speak degrees and metres; this is the one file that knows
+degrees.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
 
 import numpy as np
 
-from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError
-from robots_controller.interpreter.program_state import MotionCommand, OutputChange, ProgramState
 from robots_core.errors import RobotsError
-from robots_core.pose import Pose
-from robots_core.validation import read_only
-from robots_planning.robot_command_state import RobotCommandState
+from robots_core.validation import Array
 
-Kind = Literal['number', 'time', 'switch', 'text', 'digital index', 'analog index']
+Kind = Literal[
+    'number',
+    'time',
+    'fraction',
+    'scale',
+    'positive',
+    'switch',
+    'text',
+    'name',
+    'frame',
+    'comparison',
+    'function',
+    'pose',
+    'digital index',
+    'analog index',
+]
+Options = Literal['', 'cartesian', 'joint']
+
+FRAMES: Final = ('base', 'tool')
+COMPARISONS: Final = ('<', '<=', '>', '>=', '==', '~=')
+ANCHORS: Final = ('distance_before_end', 'distance_after_start', 'time_before_end', 'time_after_start')
 
 
 @dataclass(frozen=True)
@@ -34,6 +51,8 @@ class Argument:
         unit: '' for none.
         meaning: One line.
         per_axis: Comes once per axis, as name1, name2, ...
+        repeated: Comes once or more, as name1, name2, ...
+        optional: May be left out or nil.
     """
 
     name: str
@@ -41,6 +60,8 @@ class Argument:
     unit: str
     meaning: str
     per_axis: bool = False
+    repeated: bool = False
+    optional: bool = False
 
 
 @dataclass(frozen=True)
@@ -49,282 +70,294 @@ class LuaFunction:
 
     Attributes:
         name: The paper's name.
-        arguments: In their order; a motion also takes them as one table.
+        arguments: In their order; those of a target or frame may come as one table.
         doc: What it does, for the reference.
         result: What it returns, '' for nothing.
+        result_type: The same for the Lua language server.
+        options: Which table of options may follow the arguments, '' for none.
+        more: Further arguments of any kind may follow.
     """
 
     name: str
     arguments: tuple[Argument, ...]
     doc: str
     result: str = ''
+    result_type: str = ''
+    options: Options = ''
+    more: bool = False
 
     @property
     def signature(self) -> str:
-        """As in a program: name(arguments)."""
-        names = [f'{a.name}1, ..., {a.name}n' if a.per_axis else a.name for a in self.arguments]
+        """As in a program: name(arguments), those in brackets optional."""
+        names = []
+        for argument in self.arguments:
+            name = argument.name
+            if argument.per_axis or argument.repeated:
+                name = f'{name}1, ..., {name}n'
+            names.append(f'[{name}]' if argument.optional else name)
+        if self.options:
+            names.append('[options]')
+        if self.more:
+            names.append('...')
         return f'{self.name}({", ".join(names)})'
 
 
+_ANGLES = tuple(
+    Argument(f'phi{i}', 'number', 'deg', f"orientation angle {i} in the robot's convention")
+    for i in (1, 2, 3)
+)
 _POSE = (
-    *(Argument(name, 'number', 'm', f'{name} of tool0 in the base frame') for name in 'xyz'),
-    *(
-        Argument(f'phi{i}', 'number', 'deg', f"orientation angle {i} in the robot's convention")
-        for i in (1, 2, 3)
+    *(Argument(axis, 'number', 'm', f'{axis} of the tool in the base frame') for axis in 'xyz'),
+    *_ANGLES,
+)
+_FRAME = (*(Argument(axis, 'number', 'm', f'{axis} of the frame') for axis in 'xyz'), *_ANGLES)
+_SWITCH = Argument('value', 'switch', '', '0 or false: off, 1 or true: on')
+_TIMEOUT = Argument('timeout', 'time', 's', 'longest wait; without one it waits for ever', optional=True)
+_DIGITAL_INPUT = Argument('index', 'digital index', '', 'number of the input, from 1')
+_ANALOG_INPUT = Argument('index', 'analog index', '', 'number of the input, from 1')
+_HANDED_OVER = (
+    Argument('time', 'time', 's', 'longest time of it'),
+    Argument('index', 'digital index', '', 'number of a digital input that ends it', optional=True),
+    Argument('value', 'switch', '', 'the value of it that does', optional=True),
+)
+_DIGITAL_OUTPUT = Argument('index', 'digital index', '', 'number of the output, from 1')
+_JOINTS = Argument('q', 'number', 'deg (m)', 'joint angle, in metres for a sliding axis', per_axis=True)
+
+
+def _speeds(what: str, unit: str) -> tuple[Argument, ...]:
+    return (
+        Argument('fraction', 'fraction', '', f"part of the axes' limits of {what}", optional=True),
+        Argument(
+            'cartesian', 'positive', f'm/{unit}', f'{what} of the tool on Cartesian paths', optional=True
+        ),
+        Argument(
+            'rotation',
+            'positive',
+            f'deg/{unit}',
+            f'angular {what} of the tool on Cartesian paths',
+            optional=True,
+        ),
+    )
+
+
+_FUNCTIONS: Final = (
+    LuaFunction(
+        'ptpCartesianSpace',
+        _POSE,
+        'Moves the tool on a straight line to a pose; returns when the robot stands there.',
+        options='cartesian',
+    ),
+    LuaFunction(
+        'ptpJointSpaceAngles',
+        (_JOINTS,),
+        'Moves all axes together to joint angles; returns when the robot stands there.',
+        options='joint',
+    ),
+    LuaFunction(
+        'ptpJointSpacePosition',
+        _POSE,
+        'Moves all axes together to a pose; returns when the robot stands there.',
+        options='joint',
+    ),
+    LuaFunction(
+        'circCartesianSpace',
+        (
+            Argument('via', 'pose', '', 'pose on the arc: its position is passed'),
+            Argument('target', 'pose', '', 'pose at the end of the arc'),
+        ),
+        'Moves the tool on an arc through `via` to `target`, each {x, y, z, phi1, phi2, phi3}.',
+        options='cartesian',
+    ),
+    LuaFunction(
+        'splineCartesianSpace',
+        (Argument('pose', 'pose', '', 'pose on the curve', repeated=True),),
+        'Moves the tool on a smooth curve through poses, each {x, y, z, phi1, phi2, phi3}.',
+        options='cartesian',
+    ),
+    LuaFunction(
+        'linearRelative',
+        (
+            *(Argument(axis, 'number', 'm', f'way along {axis}') for axis in 'xyz'),
+            *(Argument(f'phi{i}', 'number', 'deg', f'turn by orientation angle {i}') for i in (1, 2, 3)),
+            Argument('frame', 'frame', '', "'base' (default) or 'tool': whose axes are meant", optional=True),
+        ),
+        'Moves the tool on a straight line, relative to the last target.',
+        options='cartesian',
+    ),
+    LuaFunction(
+        'ptpJointSpaceAnglesRelative',
+        (
+            Argument(
+                'q', 'number', 'deg (m)', 'way of the joint, in metres for a sliding axis', per_axis=True
+            ),
+        ),
+        'Moves all axes together by joint angles, relative to the last target.',
+        options='joint',
+    ),
+    LuaFunction(
+        'setTool', _FRAME, 'Sets the tool: its tip seen from the flange (tool0); poses are of the tip.'
+    ),
+    LuaFunction(
+        'setBase', _FRAME, "Sets the base: a frame seen from the robot's base; poses are seen from it."
+    ),
+    LuaFunction(
+        'setOverride',
+        (Argument('value', 'scale', '', 'speed scale of all motions, 0 to 1, at once'),),
+        'Scales the speed, also of the motion under way; 0 stands still.',
+    ),
+    LuaFunction(
+        'setSpeed', _speeds('speed', 's'), 'Sets speed limits of the next motions; nil leaves one as it is.'
+    ),
+    LuaFunction(
+        'setAcceleration',
+        _speeds('acceleration', 's^2'),
+        'Sets acceleration limits of the next motions; nil leaves one as it is.',
+    ),
+    LuaFunction(
+        'getJointAngles',
+        (),
+        'Reads where the joints are, in degrees, in metres for sliding axes.',
+        'a table of n numbers',
+        'number[]',
+    ),
+    LuaFunction(
+        'getCartesianPosition',
+        (),
+        'Reads where the tool is, seen from the base: {x, y, z, phi1, phi2, phi3}.',
+        'a table of 6 numbers',
+        'number[]',
+    ),
+    LuaFunction('setDigitalOutput', (_DIGITAL_OUTPUT, _SWITCH), 'Switches a digital output.'),
+    LuaFunction('getDigitalInput', (_DIGITAL_INPUT,), 'Reads a digital input.', 'true or false', 'boolean'),
+    LuaFunction(
+        'setAnalogOutput',
+        (
+            Argument('index', 'analog index', '', 'number of the output, from 1'),
+            Argument('value', 'number', '', 'value of the output'),
+        ),
+        'Sets an analog output.',
+    ),
+    LuaFunction('getAnalogInput', (_ANALOG_INPUT,), 'Reads an analog input.', 'a number', 'number'),
+    LuaFunction(
+        'waitDigitalInput',
+        (_DIGITAL_INPUT, _SWITCH, _TIMEOUT),
+        'Waits until a digital input has a value.',
+        'true, or false after `timeout`',
+        'boolean',
+    ),
+    LuaFunction(
+        'waitAnalogInput',
+        (
+            _ANALOG_INPUT,
+            Argument('comparison', 'comparison', '', f'one of {" ".join(COMPARISONS)}'),
+            Argument('value', 'number', '', 'what the input is compared with'),
+            _TIMEOUT,
+        ),
+        "Waits until an analog input compares: waitAnalogInput(1, '>', 2.5).",
+        'true, or false after `timeout`',
+        'boolean',
+    ),
+    LuaFunction(
+        'pulseDigitalOutput',
+        (_DIGITAL_OUTPUT, Argument('time', 'time', 's', 'how long it is on')),
+        'Switches a digital output on, and off again after a time; the program goes on meanwhile.',
+    ),
+    LuaFunction(
+        'onDigitalInput',
+        (
+            _DIGITAL_INPUT,
+            _SWITCH,
+            Argument('handler', 'function', '', "called at the change; it may return 'abort'"),
+        ),
+        'Lets a change of an input interrupt the program: the robot brakes on its path, `handler` runs, the '
+        "motion goes on, or ends there if it returned 'abort'.",
+    ),
+    LuaFunction(
+        'call',
+        (
+            Argument(
+                'program', 'name', '', 'file of the subprogram, seen from the folder of the main program'
+            ),
+        ),
+        'Runs another program as subprogram; it has the same globals, and further arguments as `...`.',
+        'what the subprogram returns',
+        '...',
+        more=True,
+    ),
+    LuaFunction(
+        'teach',
+        (Argument('name', 'name', '', 'name of the point'),),
+        'Writes where the robot is to the points file under a name.',
+    ),
+    LuaFunction(
+        'getTaughtPoint',
+        (Argument('name', 'name', '', 'name of the point'),),
+        'Reads a taught point: its joint angles, and the pose of the flange {x, y, z, phi1, phi2, phi3}.',
+        'two tables',
+        'number[], number[]',
+    ),
+    LuaFunction(
+        'followReference',
+        _HANDED_OVER,
+        'Lets `reference_pose` guide the robot (state TRAJECTORY).',
+        'true if the input ended it, false after `time`',
+        'boolean',
+    ),
+    LuaFunction(
+        'jog',
+        _HANDED_OVER,
+        'Lets a person jog the robot (state TEACH).',
+        'true if the input ended it, false after `time`',
+        'boolean',
+    ),
+    LuaFunction('wait', (Argument('time', 'time', 's', 'how long, not counting pauses'),), 'Waits.'),
+    LuaFunction(
+        'print',
+        (Argument('string', 'text', '', 'any values; several are separated by tabs'),),
+        "Writes a line to the program's output.",
     ),
 )
-_SWITCH = Argument('value', 'switch', '', '0 or false: off, 1 or true: on')
 
-LUA_FUNCTIONS: Final[Mapping[str, LuaFunction]] = MappingProxyType(
-    {
-        function.name: function
-        for function in (
-            LuaFunction(
-                'ptpCartesianSpace',
-                _POSE,
-                'Moves tool0 on a straight line to a pose; returns when the robot stands there.',
-            ),
-            LuaFunction(
-                'ptpJointSpaceAngles',
-                (Argument('q', 'number', 'deg (m)', 'joint angle, in metres for a sliding axis', True),),
-                'Moves all axes together to joint angles; returns when the robot stands there.',
-            ),
-            LuaFunction(
-                'ptpJointSpacePosition',
-                _POSE,
-                'Moves all axes together to a pose; returns when the robot stands there.',
-            ),
-            LuaFunction(
-                'setDigitalOutput',
-                (Argument('index', 'digital index', '', 'number of the output, from 1'), _SWITCH),
-                'Switches a digital output.',
-            ),
-            LuaFunction(
-                'getDigitalInput',
-                (Argument('index', 'digital index', '', 'number of the input, from 1'),),
-                'Reads a digital input.',
-                'true or false',
-            ),
-            LuaFunction(
-                'setAnalogOutput',
-                (
-                    Argument('index', 'analog index', '', 'number of the output, from 1'),
-                    Argument('value', 'number', '', 'value of the output'),
-                ),
-                'Sets an analog output.',
-            ),
-            LuaFunction(
-                'getAnalogInput',
-                (Argument('index', 'analog index', '', 'number of the input, from 1'),),
-                'Reads an analog input.',
-                'a number',
-            ),
-            LuaFunction(
-                'wait',
-                (Argument('time', 'time', 's', 'how long, not counting pauses'),),
-                'Waits.',
-            ),
-            LuaFunction(
-                'print',
-                (Argument('string', 'text', '', 'any values; several are separated by tabs'),),
-                "Writes a line to the program's output.",
-            ),
-        )
-    }
+LUA_FUNCTIONS: Final[Mapping[str, LuaFunction]] = MappingProxyType({f.name: f for f in _FUNCTIONS})
+"""All functions of robot programs, by name."""
+
+PAPER_FUNCTIONS: Final = (
+    'ptpCartesianSpace',
+    'ptpJointSpaceAngles',
+    'ptpJointSpacePosition',
+    'setDigitalOutput',
+    'getDigitalInput',
+    'setAnalogOutput',
+    'getAnalogInput',
+    'wait',
+    'print',
 )
-"""Table 2 of the paper, by name."""
+"""Those of the paper's table 2."""
 
 
-@dataclass(frozen=True)
-class ProgramEvents:
-    """What the host wants to hear; everything is called from the program's thread.
+# -- degrees ------------------------------------------------------------------------------------------
 
-    Attributes:
-        command: A motion is commanded; the host ends it with `finish_motion`.
-        output: An output changed.
-        printed: A line of text, and the program's line.
-        line: The program calls a robot function on another line than before.
+
+def to_si(value: float, unit: str, *, sliding: bool = False) -> float:
+    """A program's number in SI units: radians for degrees.
+
+    Args:
+        value: As the program wrote it.
+        unit: The argument's.
+        sliding: It belongs to an axis that slides, so that 'deg (m)' means metres.
     """
-
-    command: Callable[[MotionCommand], None]
-    output: Callable[[OutputChange], None]
-    printed: Callable[[str, int], None]
-    line: Callable[[int], None]
+    return math.radians(value) if unit.startswith('deg') and not sliding else value
 
 
-@dataclass
-class RobotFunctions:
-    """Serves the calls of one run of a program.
-
-    Attributes:
-        state: What the robot's side sees.
-        events: What it hears.
-        orientation_convention: Order of the angles phi.
-        prismatic: (n,) which axes slide; () for none.
-    """
-
-    state: ProgramState
-    events: ProgramEvents
-    orientation_convention: str
-    prismatic: tuple[bool, ...] = ()
-    line: int = 0
-    error: RobotsError | None = None
-    """What the last motion that failed was told."""
-    error_text: str = ''
-    _handlers: dict[str, Callable[[list[float]], bool | float | None]] = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        self._handlers = {
-            'ptpCartesianSpace': self._ptp_cartesian_space,
-            'ptpJointSpaceAngles': self._ptp_joint_space_angles,
-            'ptpJointSpacePosition': self._ptp_joint_space_position,
-            'setDigitalOutput': lambda a: self._set_output('digital', a),
-            'getDigitalInput': lambda a: bool(self.state.digital_inputs[int(a[0]) - 1]),
-            'setAnalogOutput': lambda a: self._set_output('analog', a),
-            'getAnalogInput': lambda a: float(self.state.analog_inputs[int(a[0]) - 1]),
-            'wait': lambda a: self.state.sleep(a[0]),
-        }
-
-    def call(self, name: str, line: int, arguments: list[LuaArgument]) -> bool | float | None:
-        """Serve one call from Lua.
-
-        Raises:
-            LuaCallError: wrong arguments, or a motion that failed.
-            ProgramStopped: the program shall stop.
-        """
-        self.state.hold()
-        if line != self.line:
-            self.line = line
-            self.events.line(line)
-        if name == 'print':
-            self.events.printed(_text(arguments), line)
-            return None
-        values = self._check_arguments(LUA_FUNCTIONS[name], arguments)
-        return self._handlers[name](values)
-
-    # -- motions --------------------------------------------------------------------------------
-
-    def _ptp_cartesian_space(self, values: list[float]) -> None:
-        command = MotionCommand(
-            RobotCommandState.PTPCARTESIAN, self.line, 'ptpCartesianSpace', pose=self._pose(values)
-        )
-        self._move(command)
-
-    def _ptp_joint_space_position(self, values: list[float]) -> None:
-        command = MotionCommand(
-            RobotCommandState.PTPJOINT_CARTESIAN,
-            self.line,
-            'ptpJointSpacePosition',
-            pose=self._pose(values),
-        )
-        self._move(command)
-
-    def _ptp_joint_space_angles(self, values: list[float]) -> None:
-        slides = np.array(self.prismatic or (False,) * len(values))
-        q = np.where(slides, values, np.radians(values))
-        command = MotionCommand(
-            RobotCommandState.PTPJOINT_JOINT, self.line, 'ptpJointSpaceAngles', q=read_only(q)
-        )
-        self._move(command)
-
-    def _pose(self, values: list[float]) -> Pose:
-        return Pose.from_angles(values[:3], np.radians(values[3:]), self.orientation_convention)
-
-    def _move(self, command: MotionCommand) -> None:
-        try:
-            self.state.command_motion(command)
-            try:
-                self.events.command(command)
-            except BaseException:
-                self.state.finish_motion()
-                raise
-            self.state.wait_for_motion()
-        except RobotsError as error:
-            self.error, self.error_text = error, f'{command.function}: {in_degrees(error)}'
-            raise LuaCallError(self.error_text) from error
-
-    # -- outputs --------------------------------------------------------------------------------
-
-    def _set_output(self, kind: Literal['digital', 'analog'], values: list[float]) -> None:
-        index = int(values[0])
-        if self.state.set_output(kind, index, values[1]):
-            self.events.output(OutputChange(kind, index, values[1], self.line))
-
-    # -- arguments ------------------------------------------------------------------------------
-
-    def _check_arguments(self, function: LuaFunction, arguments: Sequence[LuaArgument]) -> list[float]:
-        wanted = self._wanted(function)
-        if len(arguments) != len(wanted):
-            if function.arguments[0].per_axis:
-                raise LuaCallError(
-                    f'{function.name}: got {len(arguments)} joint angles, the robot has {len(wanted)} axes'
-                )
-            names = ', '.join(f'{name} ({a.unit})' if a.unit else name for name, a in wanted)
-            raise LuaCallError(
-                f'{function.name}: got {len(arguments)} arguments, needed are {len(wanted)}: {names}'
-            )
-        return [
-            self._check(function.name, name, argument, given)
-            for (name, argument), given in zip(wanted, arguments, strict=True)
-        ]
-
-    def _wanted(self, function: LuaFunction) -> list[tuple[str, Argument]]:
-        first = function.arguments[0]
-        if first.per_axis:
-            return [(f'{first.name}{i}', first) for i in range(1, self.state.num_axes + 1)]
-        return [(argument.name, argument) for argument in function.arguments]
-
-    def _check(self, function: str, name: str, argument: Argument, given: LuaArgument) -> float:
-        valid, number = _VALID[argument.kind], math.nan
-        high = math.inf
-        if argument.kind == 'switch' and isinstance(given.value, bool):
-            return float(given.value)
-        if given.type == 'number' and isinstance(given.value, (int, float)):
-            number = float(given.value)
-        if argument.kind in ('digital index', 'analog index'):
-            digital = argument.kind == 'digital index'
-            high = (self.state.digital_inputs if digital else self.state.analog_inputs).size
-            valid = f'a whole number in 1..{high}'
-        if not (math.isfinite(number) and _CHECKS[argument.kind](number) and number <= high):
-            unit = f' {argument.unit}' if argument.unit and given.type == 'number' else ''
-            raise LuaCallError(f'{function}: {name} = {_shown(given)}{unit}; valid is {valid}')
-        return number
+def joints_to_program(q: Array, prismatic: tuple[bool, ...]) -> tuple[float, ...]:
+    """Joint positions (n,) as a program has them: degrees, metres for sliding axes."""
+    slides = prismatic or (False,) * q.size
+    return tuple(float(v) if s else math.degrees(v) for v, s in zip(q, slides, strict=True))
 
 
-_CHECKS: Final[Mapping[Kind, Callable[[float], bool]]] = {
-    'number': lambda _: True,
-    'time': lambda value: value >= 0.0,
-    'switch': lambda value: value in (0.0, 1.0),
-    'digital index': lambda value: value >= 1.0 and value.is_integer(),
-    'analog index': lambda value: value >= 1.0 and value.is_integer(),
-}
-
-_VALID: Final[Mapping[Kind, str]] = {
-    'number': 'a finite number',
-    'time': 'a finite number of at least 0',
-    'switch': '0, 1, true or false',
-    'digital index': '',
-    'analog index': '',
-}
-
-_SHOWN_TEXT = 40
-
-
-def _shown(given: LuaArgument) -> str:
-    value = given.value
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, bytes):
-        text = value.decode(errors='replace')
-        return f"the string '{text[:_SHOWN_TEXT]}{'...' if len(text) > _SHOWN_TEXT else ''}'"
-    if value is None:
-        return 'nil' if given.type == 'nil' else f'a {given.type}'
-    return f'{value:.10g}' if isinstance(value, float) else str(value)
-
-
-def _text(arguments: Sequence[LuaArgument]) -> str:
-    value = arguments[0].value if arguments else b''
-    return value.decode(errors='replace') if isinstance(value, bytes) else str(value)
+def pose_to_program(r: Array, angles: Array) -> tuple[float, ...]:
+    """Position (3,) m and orientation angles (3,) rad as a program has them."""
+    return (*map(float, r), *map(math.degrees, angles))
 
 
 def in_degrees(error: RobotsError) -> str:

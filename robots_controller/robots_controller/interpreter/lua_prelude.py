@@ -1,11 +1,17 @@
-"""PRELUDE: the Lua side of the sandbox. It builds the program's globals and runs the program in them."""
+"""PRELUDE: the Lua side of the sandbox. It builds the program's globals and runs the program in them.
+
+One Lua chunk: what a part declares, the parts behind it use.
+"""
 
 from typing import Final
 
-PRELUDE: Final = rb"""
-local text, name, serve, next_bytes, ask, count, period, pattern_steps, table_steps, max_arguments,
-  patterns_text = ...
-local robot_functions = {select(12, ...)}
+from robots_controller.interpreter.lua_library import LIBRARY
+from robots_controller.interpreter.lua_snapshot import SNAPSHOT
+
+_STOPPING: Final = rb"""
+local text, name, host, count, period, pattern_steps, table_steps, max_arguments, patterns_text = ...
+local robot_functions = {select(10, ...)}
+local serve, again, abandon, next_values, ask, at_line, attention, held, handled = host()
 
 local error, getmetatable, ipairs, load, next, pairs = error, getmetatable, ipairs, load, next, pairs
 local pcall, xpcall, rawget, rawlen, select = pcall, xpcall, rawget, rawlen, select
@@ -13,22 +19,73 @@ local setmetatable, tonumber, tostring, type = setmetatable, tonumber, tostring,
 local byte, char, concat, format, rep = string.byte, string.char, table.concat, string.format, string.rep
 local gsub, pack, unpack, math_type = string.gsub, table.pack, table.unpack, math.type
 local getinfo, sethook, clock = debug.getinfo, debug.sethook, os.clock
+local getlocal, getupvalue = debug.getlocal, debug.getupvalue
+local string_pack, sub = string.pack, string.sub
+local running = coroutine.running
 local create, resume, status, close = coroutine.create, coroutine.resume, coroutine.status, coroutine.close
 
--- Stopping -------------------------------------------------------------------------------------------
+-- Stopping, holding, interrupts -----------------------------------------------------------------------
 
 local STOP = {}
 local stopped = false
 local last = clock()
+local STOP_BIT, ATTEND_BIT, TRACE_BIT, DEPTH_BIT = 1, 2, 4, 8
+local tracing, wants_depth = false, false
+local traced = setmetatable({}, {__mode = 'k'})
+local attend, sources, hook
 
-local function hook()
+-- Lines are told while somebody debugs: each costs a call of Python.
+local function trace(code)
+  tracing, wants_depth = code & TRACE_BIT ~= 0, code & DEPTH_BIT ~= 0
+  local co = running()
+  if tracing ~= (traced[co] or false) then
+    traced[co] = tracing
+    sethook(hook, tracing and 'l' or '', count)
+  end
+end
+
+local function obey(code)
+  if code & STOP_BIT ~= 0 then
+    stopped = true
+    error(STOP, 0)
+  end
+  trace(code)
+  if code & ATTEND_BIT ~= 0 then
+    local ok, failed, problem = pcall(attend, true)
+    if stopped then error(STOP, 0) end
+    if not ok then held() end           -- no room on the stack to look around: hold all the same
+    if ok and failed then error(problem, 0) end
+  end
+end
+
+-- Levels below the innermost of the program. Finding one takes Lua as long as it is deep: few looks.
+local function depth()
+  local first = 2
+  while true do
+    local info = getinfo(first, 'S')
+    if not info then return 0 end
+    if sources[info.source] then break end
+    first = first + 1
+  end
+  local low, high = first, 2 * first
+  while getinfo(high, 'l') do low, high = high, 2 * high end
+  while high - low > 1 do
+    local middle = (low + high) // 2
+    if getinfo(middle, 'l') then low = middle else high = middle end
+  end
+  return low - first + 1
+end
+
+function hook(event, line)
   if stopped then error(STOP, 0) end
+  if event == 'line' then
+    local chunk = sources[getinfo(2, 'S').source]
+    if chunk then obey(at_line(chunk, line, wants_depth and depth() or 0)) end
+    -- Instructions of the hook count too: a loop in step with them would never see a count of its own.
+  end
   local now = clock()
   if now - last >= period or now < last then
-    if ask() then
-      stopped = true
-      error(STOP, 0)
-    end
+    obey(ask())
     last = clock()
   end
 end
@@ -52,19 +109,26 @@ end
 -- Where the program is -------------------------------------------------------------------------------
 
 local source = '=' .. name
-local last_line = 0
+local last_chunk, last_line = name, 0
+sources = {[source] = name}
 
-local function program_line()
+local function program_place()
   local level = 2
   while true do
     local info = getinfo(level, 'Sl')
-    if not info then return last_line end
-    if info.source == source then
-      last_line = info.currentline
-      return last_line
+    if not info then return last_chunk, last_line end
+    if sources[info.source] then
+      last_chunk, last_line = sources[info.source], info.currentline
+      return last_chunk, last_line
     end
     level = level + 1
   end
+end
+
+local function frame_name(info)
+  return info.what == 'main' and 'in the program'
+    or info.name and "in function '" .. info.name .. "'"
+    or 'in the function of line ' .. info.linedefined
 end
 
 local function program_stack()
@@ -72,11 +136,8 @@ local function program_stack()
   while #lines < 20 do
     local info = getinfo(level, 'Sln')
     if not info then break end
-    if info.source == source then
-      local what = info.what == 'main' and 'in the program'
-        or info.name and "in function '" .. info.name .. "'"
-        or 'in the function of line ' .. info.linedefined
-      lines[#lines + 1] = name .. ':' .. info.currentline .. ': ' .. what
+    if sources[info.source] then
+      lines[#lines + 1] = sources[info.source] .. ':' .. info.currentline .. ': ' .. frame_name(info)
     end
     level = level + 1
   end
@@ -84,237 +145,198 @@ local function program_stack()
 end
 
 local function fail(message)
-  error(name .. ':' .. program_line() .. ': ' .. message, 0)
+  local chunk, line = program_place()
+  error(chunk .. ':' .. line .. ': ' .. message, 0)
 end
 
--- The robot's functions ------------------------------------------------------------------------------
+"""
 
--- Arguments go as pairs of type and value: a table or function itself never leaves Lua.
-local function describe_arguments(arguments, n)
-  local pairs_ = {}
-  for i = 1, n do
-    local value = arguments[i]
-    local kind = type(value)
-    pairs_[2 * i - 1] = kind
+_CALLS: Final = rb"""
+local MAX_ITEMS, MAX_NESTING = 2000, 4
+
+-- Arguments go as pairs of type and value, a table as its counts and entries: no table leaves Lua.
+local function describe_argument(what, items, value, nesting)
+  local kind = type(value)
+  local n = #items
+  if n > MAX_ITEMS then fail(what .. ': a table has too many entries') end
+  items[n + 1] = kind
+  if kind ~= 'table' then
     if kind == 'number' or kind == 'string' or kind == 'boolean' then
-      pairs_[2 * i] = value
+      items[n + 2] = value
+    else
+      items[n + 2] = false
+    end
+    return
+  end
+  if nesting > MAX_NESTING then fail(what .. ': a table is nested too deeply') end
+  local size = rawlen(value)
+  if size > MAX_ITEMS then fail(what .. ': a table has too many entries') end
+  items[n + 2] = size
+  for i = 1, size do describe_argument(what, items, rawget(value, i), nesting + 1) end
+  local place, fields = #items + 1, 0
+  items[place] = 0
+  for key, entry in next, value do
+    if not (math_type(key) == 'integer' and key >= 1 and key <= size) then
+      if type(key) ~= 'string' then
+        fail(what .. ': a table has a ' .. type(key) .. ' as key; lists have no gaps')
+      end
+      items[#items + 1] = key
+      describe_argument(what, items, entry, nesting + 1)
+      fields = fields + 1
     end
   end
-  return pairs_
+  items[place] = fields
+end
+
+local handlers = {}
+
+local function run_handler(id, in_hook)
+  local ok, verdict
+  if in_hook then                       -- the hook itself runs without hooks: a coroutine has its own
+    local co = create(handlers[id])
+    sethook(co, hook, tracing and 'l' or '', count)
+    ok, verdict = resume(co)
+    if ok and status(co) == 'suspended' then ok, verdict = false, 'the handler of an input cannot yield' end
+  else
+    ok, verdict = pcall(handlers[id])
+  end
+  if stopped then error(STOP, 0) end
+  local chunk, line = program_place()
+  if ok and verdict ~= nil and verdict ~= 'abort' then
+    ok = false
+    verdict = chunk .. ':' .. line .. ': onDigitalInput: the handler returned a ' .. type(verdict)
+      .. "; valid are nothing and 'abort'"
+  end
+  local problem = handled(id, not ok or verdict == 'abort')
+  if problem == 1 then
+    stopped = true
+    error(STOP, 0)
+  end
+  return not ok, verdict
+end
+
+-- Serves what came up: returns true and a problem where a handler failed.
+function attend(in_hook)
+  while true do
+    local kind, id = attention()
+    if kind == 0 then return false end
+    if kind == 1 then
+      stopped = true
+      error(STOP, 0)
+    elseif kind == 2 then
+      local failed, problem = run_handler(id, in_hook)
+      if failed then return true, problem end
+    else
+      local records = snapshot()
+      local code = held(unpack(records, 1, #records))
+      if code & STOP_BIT ~= 0 then
+        stopped = true
+        error(STOP, 0)
+      end
+      trace(code)
+    end
+  end
+end
+
+local function received(n)
+  local parts, got = {}, 0
+  while got < n do
+    local step = pack(next_values())
+    for i = 1, step.n do
+      got = got + 1
+      parts[got] = step[i]
+    end
+  end
+  return parts
+end
+
+local function received_text(bytes)
+  local parts = received((bytes + 7) // 8)
+  for i = 1, #parts do parts[i] = string_pack('<i8', parts[i]) end
+  return sub(concat(parts), 1, bytes)
+end
+
+local function received_lists(n)
+  local values, lists, i = received(n), {}, 1
+  while i <= n do
+    local list, size = {}, values[i]
+    for k = 1, size do list[k] = values[i + k] end
+    lists[#lists + 1] = list
+    i = i + 1 + size
+  end
+  return unpack(lists)
 end
 
 local function call(function_name, arguments, n)
-  local line = program_line()
+  local chunk, line = program_place()
   if n > max_arguments then
     fail(function_name .. ': ' .. n .. ' arguments are too many')
   end
-  local described = describe_arguments(arguments, n)
-  local outcome, result = serve(function_name, line, unpack(described, 1, 2 * n))
+  local items = {}
+  for i = 1, n do describe_argument(function_name, items, arguments[i], 1) end
+  local outcome, result, token = serve(function_name, chunk, line, unpack(items, 1, #items))
+  while outcome == 4 do
+    local ok, failed, problem = pcall(attend, false)
+    if not ok or failed then
+      abandon(token)
+      if stopped then error(STOP, 0) end
+      error(ok and problem or failed, 0)
+    end
+    outcome, result, token = again(token)
+  end
   if outcome == 2 then
     stopped = true
     error(STOP, 0)
   elseif outcome == 1 then
-    local parts = {}
-    while #parts * 8 < result do
-      parts[#parts + 1] = char(next_bytes())
-    end
-    fail(concat(parts))
+    fail(received_text(result))
+  elseif outcome == 3 then
+    return received_lists(result)
+  elseif outcome == 5 then
+    return received_text(result)
+  elseif outcome == 6 then
+    return nil
   end
   return result
 end
 
 local function robot_function(function_name)
-  return function(...)
-    local n = select('#', ...)
-    local first = ...
-    if n == 1 and type(first) == 'table' then
-      local values, size = {}, rawlen(first)
-      for i = 1, size <= max_arguments and size or 0 do values[i] = rawget(first, i) end
-      return call(function_name, values, size)
-    end
-    return call(function_name, {...}, n)
-  end
+  return function(...) return call(function_name, {...}, select('#', ...)) end
 end
 
-local function print_function(...)
+local special = {}
+
+function special.print(...)
   local words = pack(...)
   for i = 1, words.n do words[i] = tostring(words[i]) end
   call('print', {concat(words, '\t')}, 1)
 end
 
--- Bounded library functions --------------------------------------------------------------------------
+function special.onDigitalInput(...)
+  local index, value, handler = ...
+  local id = call('onDigitalInput', {...}, select('#', ...))
+  handlers[id] = handler
+end
 
--- Whether Lua's own matching ends in time: in the worst case it tries all ways to share the characters
--- among the pattern's repetitions.
-local function is_quick(s, p, plain, always_search)
-  if type(s) ~= 'string' or type(p) ~= 'string' then return true end
-  local n, size, i, repeats, steps = #s, #p, 1, 0, 1
-  local searches = always_search or plain or byte(p, 1) ~= 94
-  while not plain and i <= size do
-    local c = byte(p, i)
-    if c == 37 then                                                   -- %
-      local d = byte(p, i + 1) or 0
-      if d == 98 or d >= 48 and d <= 57 then repeats = repeats + 1 end  -- %b, %1
-      i = i + (d == 98 and 4 or 2)
-    elseif c == 91 then                                               -- a set
-      i = i + 1
-      if byte(p, i) == 94 then i = i + 1 end
-      repeat
-        i = i + (byte(p, i) == 37 and 2 or 1)
-      until i > size or byte(p, i) == 93
-      i = i + 1
-    else
-      if c == 42 or c == 43 or c == 45 then repeats = repeats + 1 end   -- * + -
-      if c == 63 then steps = steps * 2 end                             -- ?
-      i = i + 1
-    end
-    if repeats > 200 or steps > pattern_steps then return false end
+local MAX_SUBPROGRAMS, nesting = 100, 0
+local leave_subprogram = setmetatable({}, {__close = function() nesting = nesting - 1 end})
+
+function special.call(...)
+  local answer = call('call', {...}, select('#', ...))
+  local chunk, text = string.match(answer, '^([^\n]*)\n(.*)$')
+  sources['=' .. chunk] = chunk
+  local program, problem = load(text, '=' .. chunk, 't', env)
+  if not program then error(problem, 0) end
+  if nesting == MAX_SUBPROGRAMS then
+    fail('call: subprograms call each other more than ' .. MAX_SUBPROGRAMS .. ' deep')
   end
-  if searches then repeats = repeats + 1 end
-  for k = 1, repeats do
-    steps = steps * (n + k) / k
-    if steps > pattern_steps then return false end
-  end
-  return steps * size / 32 <= pattern_steps
+  nesting = nesting + 1
+  local _ <close> = leave_subprogram
+  return program(select(2, ...))
 end
 
-local lib = string
-local patterns = load(patterns_text, '=robots', 't')(lib)
-local string = {}
-for _, key in ipairs {'byte', 'char', 'format', 'len', 'lower', 'pack', 'packsize', 'reverse', 'sub',
-                      'unpack', 'upper'} do
-  string[key] = lib[key]
-end
-function string.find(s, p, init, plain)
-  if is_quick(s, p, plain) then return lib.find(s, p, init, plain) end
-  return patterns.find(s, p, init, plain)
-end
-function string.match(s, p, init)
-  if is_quick(s, p) then return lib.match(s, p, init) end
-  return patterns.match(s, p, init)
-end
-function string.gmatch(s, p, init)
-  if is_quick(s, p, false, true) then return lib.gmatch(s, p, init) end
-  return patterns.gmatch(s, p, init)
-end
-function string.gsub(s, p, by, n)
-  if is_quick(s, p) then return lib.gsub(s, p, by, n) end
-  return patterns.gsub(s, p, by, n)
-end
-function string.rep(s, n, separator)
-  if s == '' and (separator or '') == '' and tonumber(n) then return '' end
-  return rep(s, n, separator)
-end
-local strings = getmetatable('')
-strings.__index = string
-strings.__metatable = false
+"""
 
-local table_lib = table
-local table = {pack = table_lib.pack}
-
-local function check_count(what, elements)
-  if math_type(elements) and elements > table_steps then
-    fail(what .. ': ' .. format('%.0f', elements) .. ' elements; at most ' .. format('%.0f', table_steps))
-  end
-end
-
-local function check_table(what, t, from, to)
-  if type(t) == 'table' then check_count(what, #t) end
-  if math_type(to) then check_count(what, to - (math_type(from) and from or 1)) end
-end
-
-for _, key in ipairs {'insert', 'remove', 'sort'} do
-  local original = table_lib[key]
-  table[key] = function(t, ...)
-    check_table('table.' .. key, t)
-    return original(t, ...)
-  end
-end
-function table.concat(t, separator, from, to)
-  check_table('table.concat', t, from, to)
-  return table_lib.concat(t, separator, from, to)
-end
-function table.move(t, from, to, ...)
-  check_table('table.move', t, from, to)
-  return table_lib.move(t, from, to, ...)
-end
-function table.unpack(t, from, to)
-  check_table('table.unpack', t, from, to)
-  return table_lib.unpack(t, from, to)
-end
-
--- Coroutines -----------------------------------------------------------------------------------------
-
-local function hooked(f)
-  local co = create(f)
-  sethook(co, hook, '', count)
-  return co
-end
-
-local function unwrap(co, ok, ...)
-  if stopped then error(STOP, 0) end
-  if ok then return ... end
-  hook()
-  if status(co) == 'dead' then close(co) end
-  error(own_words((...)), 0)
-end
-
-local coroutine = {
-  create = hooked,
-  isyieldable = coroutine.isyieldable,
-  running = coroutine.running,
-  status = status,
-  yield = coroutine.yield,
-  resume = function(...) return caught(resume(...)) end,
-  close = function(co) return caught(close(co)) end,
-  wrap = function(f)
-    local co = hooked(f)
-    return function(...) return unwrap(co, resume(co, ...)) end
-  end,
-}
-
--- The program's globals ------------------------------------------------------------------------------
-
-local function copy(original)
-  local new = {}
-  for key, value in pairs(original) do new[key] = value end
-  return new
-end
-
--- The same program draws the same random numbers in every run.
-math.randomseed(1)
-
-local env = {
-  _VERSION = _VERSION, assert = assert, error = error, getmetatable = getmetatable, ipairs = ipairs,
-  next = next, pairs = pairs, rawequal = rawequal, rawget = rawget, rawlen = rawlen, rawset = rawset,
-  select = select, tonumber = tonumber, tostring = tostring, type = type,
-  coroutine = coroutine, math = copy(math), string = string, table = table, utf8 = copy(utf8),
-  pcall = function(...) return caught(pcall(...)) end,
-  xpcall = function(f, handler, ...)
-    if type(handler) ~= 'function' then
-      fail("bad argument #2 to 'xpcall' (function expected, got " .. type(handler) .. ')')
-    end
-    -- A handler called for the stop would run without hooks.
-    local function handle(problem)
-      if stopped then return problem end
-      return handler(own_words(problem))
-    end
-    return caught(xpcall(f, handle, ...))
-  end,
-  setmetatable = function(t, meta)
-    if type(meta) == 'table' and rawget(meta, '__gc') ~= nil then
-      fail('setmetatable: finalizers (__gc) are not available in robot programs')
-    end
-    return setmetatable(t, meta)
-  end,
-}
-env._G = env
-for _, key in ipairs(robot_functions) do
-  env[key] = key == 'print' and print_function or robot_function(key)
-end
-
--- The run --------------------------------------------------------------------------------------------
-
+_RUN: Final = rb"""
 local function describe(problem)
   if stopped then return STOP end
   local kind, message = type(problem), nil
@@ -325,18 +347,27 @@ local function describe(problem)
   else
     message = 'error with a ' .. kind .. ' value instead of a message'
   end
-  return {line = program_line(), reason = message, stack = program_stack()}
+  local chunk, line = program_place()
+  return {chunk = chunk, line = line, reason = message, stack = program_stack()}
 end
 
 return function()
   local program, problem = load(text, source, 't', env)
-  if not program then return false, 0, problem, '' end
-  sethook(hook, '', count)
-  local ok, failure = xpcall(program, describe)
+  if not program then return false, name, 0, problem, '' end
+  local ok, failure = xpcall(function()
+    sethook(hook, '', count)
+    trace(ask())                        -- what is to be attended to at the start, the first line tells
+    program()
+    call('', {}, 0)                     -- the program ends when the robot stands
+  end, describe)
   sethook()
-  if stopped then return true, 0, '', '' end
+  if stopped then return true, name, 0, '', '' end
   if ok then return nil end
-  if type(failure) == 'table' then return false, failure.line, failure.reason, failure.stack end
-  return false, 0, tostring(failure), ''
+  if type(failure) == 'table' then
+    return false, failure.chunk, failure.line, failure.reason, failure.stack
+  end
+  return false, name, 0, tostring(failure), ''
 end
 """
+
+PRELUDE: Final = _STOPPING + SNAPSHOT + _CALLS + LIBRARY + _RUN

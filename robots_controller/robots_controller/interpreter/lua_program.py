@@ -7,27 +7,29 @@ The language is Lua 5.4; the reasons stand in `lua_sandbox`. Which functions a p
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from robots_controller.interpreter.clock import Clock, WallClock
-from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, ProgramEvents, RobotFunctions
-from robots_controller.interpreter.lua_sandbox import DEFAULT_MEMORY, LuaFailure, LuaSandbox, syntax_error
+from robots_controller.interpreter.debugger import CallStack, Debugger, HoldReason, Step
+from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
+from robots_controller.interpreter.motion_target import RobotView
+from robots_controller.interpreter.program_events import ProgramEvents
+from robots_controller.interpreter.program_run import ProgramRun
 from robots_controller.interpreter.program_state import (
     MotionCommand,
     OutputChange,
     ProgramState,
     RunState,
 )
-from robots_core.errors import InvalidInputError, ProgramError, RobotsError
+from robots_controller.interpreter.shared_data import SharedData
+from robots_controller.interpreter.taught_points import SUFFIX
+from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.pose import ORIENTATION_CONVENTIONS, Pose
 from robots_core.validation import Array
-from robots_planning.robot_command_state import RobotCommandState
 
 DIGITAL_SIZE: Final = 32
 ANALOG_SIZE: Final = 8
@@ -37,7 +39,7 @@ def _ignore(*_: object) -> None:
     pass
 
 
-class LuaProgram:
+class LuaProgram(SharedData):
     """A robot program and what it shares with the robot's side; every method is safe from any thread.
 
     The program commands a motion by setting the command state and `motion`, and waits; the robot's side
@@ -47,16 +49,24 @@ class LuaProgram:
         num_axes: n.
         digital_size: Number of digital inputs, and of digital outputs.
         analog_size: Number of analog inputs, and of analog outputs.
+        io_labels: Names of inputs and outputs, see `IoImage`.
         orientation_convention: Order of the angles phi, one of `ORIENTATION_CONVENTIONS`.
         prismatic: (n,) which axes slide, so that their targets are metres; none by default.
         clock: The time that `wait` takes; the wall's by default.
+        joint_position: Gives the measured joint positions (n,), rad (m); RobotsError if there are none.
+        direct_kinematics: Gives the pose of tool0 in the base frame for joint positions.
         on_command: A motion is commanded. A RobotsError that it raises fails the motion.
+        on_flush: No motion follows for now, although the last one would blend into it.
+        on_abort: The commanded motions shall end where the robot is; each still gets its `finish_motion`.
+        on_hold: The robot shall stand on its path (True), or go on (False); from any thread.
+        on_override: The speed scale of all motions, 0..1.
         on_output: An output changed.
         on_print: A printed text and the program's line.
-        on_line: The program calls a robot function on another line than before.
+        on_line: The program calls a robot function on another line than before, or is held before a line.
+        on_held: The program is held; `call_stack` shows where. Called again when it goes on.
         on_finished: The program ended: None, or why it failed. `run_state` tells a stop from the end.
 
-        All callbacks are called from the program's thread.
+        All callbacks but `on_hold` are called from the program's thread.
 
     Raises:
         InvalidInputError: a size below 1, an unknown convention, or not one `prismatic` per axis.
@@ -68,13 +78,21 @@ class LuaProgram:
         *,
         digital_size: int = DIGITAL_SIZE,
         analog_size: int = ANALOG_SIZE,
+        io_labels: Mapping[str, Sequence[str]] = MappingProxyType({}),
         orientation_convention: str = 'zyx',
         prismatic: Sequence[bool] = (),
         clock: Clock | None = None,
+        joint_position: Callable[[], Array] | None = None,
+        direct_kinematics: Callable[[Array], Pose] | None = None,
         on_command: Callable[[MotionCommand], None] = _ignore,
+        on_flush: Callable[[], None] = _ignore,
+        on_abort: Callable[[], None] = _ignore,
+        on_hold: Callable[[bool], None] = _ignore,
+        on_override: Callable[[float], None] = _ignore,
         on_output: Callable[[OutputChange], None] = _ignore,
         on_print: Callable[[str, int], None] = _ignore,
         on_line: Callable[[int], None] = _ignore,
+        on_held: Callable[[], None] = _ignore,
         on_finished: Callable[[ProgramError | None], None] = _ignore,
     ) -> None:
         if orientation_convention not in ORIENTATION_CONVENTIONS:
@@ -84,15 +102,38 @@ class LuaProgram:
             )
         if prismatic and len(prismatic) != num_axes:
             raise InvalidInputError(f'prismatic has {len(prismatic)} values for {num_axes} axes')
-        self._state = ProgramState(
-            num_axes, digital=digital_size, analog=analog_size, clock=clock or WallClock()
+        state = ProgramState(
+            num_axes,
+            digital=digital_size,
+            analog=analog_size,
+            clock=clock or WallClock(),
+            labels=io_labels,
         )
+        events = ProgramEvents(
+            command=on_command,
+            flush=on_flush,
+            abort=on_abort,
+            output=on_output,
+            override=on_override,
+            printed=on_print,
+        )
+        super().__init__(state, events, tuple(prismatic))
         self._convention = orientation_convention
-        self._prismatic = tuple(prismatic)
-        self._events = ProgramEvents(on_command, on_output, on_print, self._set_line)
+        self._joint_position = joint_position
+        self._direct_kinematics = direct_kinematics
         self._on_line = on_line
+        self._on_hold = on_hold
+        self._on_held = on_held
+        self._hold_lock = threading.Lock()
+        self._told_hold = False
+        self.debugger = Debugger()
+        self._hold_reason: HoldReason = ''
+        self._call_stack = CallStack()
+        self.points_file: Path | None = None
+        """Where taught points stand; beside the program by default."""
         self._on_finished = on_finished
         self._source: LuaSource | None = None
+        self._line_source: LuaSource | None = None
         self._thread: threading.Thread | None = None
         self._line = 0
         self._error: ProgramError | None = None
@@ -109,11 +150,15 @@ class LuaProgram:
         check_syntax(source, lambda text: syntax_error(source, text))
         with self._state.condition:
             self._refuse_while_running('open another program')
-            self._source, self._line, self._error = source, 0, None
+            self._source, self._line_source = source, None
+            self._line, self._error = 0, None
             self._state.set_run_state(RunState.OPENED)
 
-    def run(self) -> None:
+    def run(self, *, hold: bool = False) -> None:
         """Run the opened program from its start, in a parallel thread.
+
+        Args:
+            hold: Hold it before its first line.
 
         Raises:
             ProgramError: no program is open, one runs, or the robot still moves for an earlier one.
@@ -124,7 +169,9 @@ class LuaProgram:
                 raise ProgramError('no program is open; open one first')
             self._refuse_while_running('run')
             self._refuse_while_moving('run')
-            self._line, self._error = 0, None
+            self._line_source, self._line, self._error = None, 0, None
+            self.debugger.step('in' if hold else None, entry=hold)
+            self._set_hold_reason('')
             self._state.set_run_state(RunState.RUNNING)
             self._thread = threading.Thread(
                 target=self._run, args=(source,), name=f'lua {source.file}', daemon=True
@@ -140,20 +187,38 @@ class LuaProgram:
         return self._state.stop()
 
     def pause(self) -> bool:
-        """Hold the program at its next statement, wait or motion.
+        """Hold the program at its next statement, wait or motion, and the robot on its path.
 
         Returns:
             True if it was running.
         """
-        return self._state.change_run_state(RunState.RUNNING, RunState.PAUSED)
+        return self._hold('pause')
 
     def resume(self) -> bool:
-        """Let a paused program go on.
+        """Let a held program go on.
 
         Returns:
-            True if it was paused.
+            True if it was held.
         """
-        return self._state.change_run_state(RunState.PAUSED, RunState.RUNNING)
+        return self._release(None)
+
+    def step(self, step: Step = 'over') -> bool:
+        """Let a held program go on for one step, see `Debugger.step`.
+
+        Returns:
+            True if it was held.
+        """
+        return self._release(step)
+
+    @property
+    def hold_reason(self) -> HoldReason:
+        """Why the program is held: 'pause', 'breakpoint', 'step', 'entry'; '' if it is not."""
+        return self._hold_reason
+
+    @property
+    def call_stack(self) -> CallStack:
+        """Where the held program is and what its variables are; empty while it runs."""
+        return self._call_stack
 
     def reset(self) -> None:
         """Set a program that has ended back to its start and forget its error; outputs stay.
@@ -166,7 +231,7 @@ class LuaProgram:
                 raise ProgramError('no program is open; open one first')
             self._refuse_while_running('reset')
             self._refuse_while_moving('reset')
-            self._line, self._error = 0, None
+            self._line_source, self._line, self._error = None, 0, None
             self._state.set_run_state(RunState.OPENED)
 
     def join(self, timeout: float | None = None) -> bool:
@@ -195,10 +260,22 @@ class LuaProgram:
         return self._state.stopping
 
     @property
+    def path(self) -> Path | None:
+        """The opened program's path."""
+        source = self._source
+        return source.path if source else None
+
+    @property
     def file(self) -> str:
         """The opened program's file name, '' for none."""
         source = self._source
         return source.file if source else ''
+
+    @property
+    def line_file(self) -> str:
+        """The program or subprogram that `line` belongs to, '' for none."""
+        source = self._line_source
+        return source.file if source else self.file
 
     @property
     def line(self) -> int:
@@ -211,109 +288,83 @@ class LuaProgram:
         return self._error
 
     def source_line(self, number: int) -> str:
-        """Text of a line of the opened program, '' where there is none."""
-        source = self._source
+        """Text of a line of the program or subprogram that `line` belongs to, '' where there is none."""
+        source = self._line_source or self._source
         return source.line(number) if source else ''
 
-    # -- what the program shares ------------------------------------------------------------------
+    # -- holding --------------------------------------------------------------------------------------
 
-    @property
-    def num_axes(self) -> int:
-        """Number of axes n; it cannot change while the program runs."""
-        return self._state.num_axes
+    def _hold(self, reason: HoldReason) -> bool:
+        if not self._state.change_run_state(RunState.RUNNING, RunState.PAUSED):
+            return False
+        self._set_hold_reason(reason)
+        self._tell_hold()
+        return True
 
-    @num_axes.setter
-    def num_axes(self, num_axes: int) -> None:
-        if self._prismatic and num_axes != len(self._prismatic):
-            raise InvalidInputError(f'prismatic names {len(self._prismatic)} axes, num_axes = {num_axes}')
-        self._state.set_num_axes(num_axes)
+    def _release(self, step: Step | None) -> bool:
+        with self._state.condition:
+            if self._state.run_state is not RunState.PAUSED:
+                return False
+            self.debugger.step(step)
+            self._set_hold_reason('')
+            released = self._state.change_run_state(RunState.PAUSED, RunState.RUNNING)
+        self._tell_hold()
+        return released
 
-    @property
-    def command_state(self) -> RobotCommandState:
-        """What the robot is commanded to do; setting IDLE ends the motion as `finish_motion` does."""
-        return self._state.command_state
+    def _set_hold_reason(self, reason: HoldReason) -> None:
+        self._hold_reason, self._call_stack = reason, CallStack()
 
-    @command_state.setter
-    def command_state(self, state: RobotCommandState | str) -> None:
-        self._state.set_command_state(state)
+    def _tell_hold(self) -> None:
+        # One at a time: what is told last is how it is.
+        with self._hold_lock:
+            held = self._state.robot_held
+            if held != self._told_hold:
+                self._told_hold = held
+                self._on_hold(held)
 
-    @property
-    def motion(self) -> MotionCommand | None:
-        """The motion that is commanded and not finished."""
-        return self._state.motion
-
-    def finish_motion(self, error: RobotsError | None = None) -> None:
-        """End the commanded motion: the robot stands at the target, or `error` says why not."""
-        self._state.finish_motion(error)
-
-    @property
-    def reference_cartesian_position(self) -> Pose | None:
-        """The last commanded pose of tool0 in the base frame; None before the first."""
-        return self._state.reference_pose
-
-    @property
-    def digital_inputs(self) -> NDArray[np.bool_]:
-        """Image of the digital inputs; set 0s and 1s for inputs 1..k, further inputs keep theirs."""
-        return self._state.digital_inputs
-
-    @digital_inputs.setter
-    def digital_inputs(self, values: ArrayLike) -> None:
-        self._state.set_digital_inputs(values)
-
-    @property
-    def analog_inputs(self) -> Array:
-        """Image of the analog inputs; set numbers for inputs 1..k, further inputs keep theirs."""
-        return self._state.analog_inputs
-
-    @analog_inputs.setter
-    def analog_inputs(self, values: ArrayLike) -> None:
-        self._state.set_analog_inputs(values)
-
-    @property
-    def digital_outputs(self) -> NDArray[np.bool_]:
-        """Image of the digital outputs; the first is output 1."""
-        return self._state.digital_outputs
-
-    @property
-    def analog_outputs(self) -> Array:
-        """Image of the analog outputs; the first is output 1."""
-        return self._state.analog_outputs
-
-    @property
-    def overrides(self) -> Array:
-        """Speed scale factor per axis, (n,), 0..1."""
-        return self._state.overrides
+    def _set_call_stack(self, stack: CallStack) -> None:
+        self._call_stack = stack
+        self._on_held()
 
     # -- the program's thread -----------------------------------------------------------------------
 
     def _run(self, source: LuaSource) -> None:
-        functions = RobotFunctions(self._state, self._events, self._convention, self._prismatic)
-        sandbox = LuaSandbox(
-            source, functions=tuple(LUA_FUNCTIONS), call=functions.call, poll=self._state.hold
+        view = RobotView(
+            self._convention,
+            self._prismatic,
+            self._joint_position,
+            self._direct_kinematics,
+            self.points_file or source.path.with_suffix(SUFFIX),
         )
-        error: ProgramError | None
-        try:
-            failure = sandbox.run()
-        except Exception as problem:  # noqa: BLE001  # the thread's end must be told in any case
-            failure, sandbox.host_error = None, problem
-        if sandbox.host_error is not None:
-            error = ProgramError(
-                f'internal error: {sandbox.host_error!r}', file=source.file, line=functions.line
-            )
-            error.__cause__ = sandbox.host_error
-        else:
-            error = _program_error(source, failure, functions)
+        run = ProgramRun(
+            source,
+            self._state,
+            self._events,
+            view,
+            self.debugger,
+            hold=self._hold,
+            tell_hold=self._tell_hold,
+            held=self._set_call_stack,
+            line=self._set_line,
+        )
+        error, stopped = run.run()
         with self._state.condition:
             self._error = error
+            self._set_hold_reason('')
             if error is not None:
-                self._line = error.line or self._line
+                if error.line:
+                    self._line_source, self._line = run.source_of(error.file), error.line
                 self._state.set_run_state(RunState.FAILED)
             else:
-                self._state.set_run_state(RunState.STOPPED if failure else RunState.FINISHED)
+                self._state.set_run_state(RunState.STOPPED if stopped else RunState.FINISHED)
+        if self._state.motions:  # those who stop the robot let it go too
+            self._told_hold = False
+        else:
+            self._tell_hold()
         self._on_finished(error)
 
-    def _set_line(self, line: int) -> None:
-        self._line = line
+    def _set_line(self, source: LuaSource, line: int) -> None:
+        self._line_source, self._line = source, line
         self._on_line(line)
 
     def _refuse_while_running(self, action: str) -> None:
@@ -324,20 +375,3 @@ class LuaProgram:
         motion = self._state.motion
         if motion is not None:
             raise ProgramError(f'cannot {action}: the robot still moves for line {motion.line}')
-
-
-def _program_error(
-    source: LuaSource, failure: LuaFailure | None, functions: RobotFunctions
-) -> ProgramError | None:
-    if failure is None or failure.stopped:
-        return None
-    details: dict[str, str | float] = {}
-    if functions.error is not None and failure.reason == functions.error_text:
-        details |= functions.error.details
-    details |= {'stack': failure.stack, 'source': source.line(failure.line)}
-    for own in ('message', 'file', 'line'):
-        details.pop(own, None)
-    reason = failure.reason
-    if reason == 'not enough memory':
-        reason += f': the values of a program may take {DEFAULT_MEMORY // 1_000_000} MB'
-    return ProgramError(reason, file=source.file, line=failure.line, **details)

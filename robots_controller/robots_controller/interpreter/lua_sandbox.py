@@ -10,14 +10,20 @@ long are matched in Lua, and other library functions that loop in C (`table.move
 
 No Python object is visible to the program. Numbers, booleans and strings go to Python, numbers and
 booleans alone come back: a value that needs memory of Lua would, where none is left, leave Python by a C
-`longjmp` that never gives back the interpreter lock.
+`longjmp` that never gives back the interpreter lock. Texts and lists come back as a few numbers at a time.
+
+A call that must wait does so in Python. Whenever the program is paused or an input interrupts it meanwhile,
+the call comes back to Lua, which looks around for the debugger or runs the handler, and asks again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+import struct
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
-from typing import Any, Final, NoReturn
+from enum import IntFlag
+from typing import Any, Final, NoReturn, Protocol
 
 from lupa import lua54
 
@@ -35,10 +41,23 @@ POLL_PERIOD: Final = 0.005
 MAX_PATTERN_STEPS: Final = 2e7
 MAX_TABLE_STEPS: Final = 1_000_000
 MAX_ARGUMENTS: Final = 100
-# Bytes of a message per call from Lua, as whole numbers; the prelude counts on the same number.
-MESSAGE_STEP: Final = 8
+# Values per call from Lua: what a C function of Lua has room for without asking.
+VALUES_STEP: Final = 16
 
-LuaValue = None | bool | int | float | bytes
+LuaScalar = None | bool | int | float | bytes
+
+
+@dataclass(frozen=True)
+class LuaTable:
+    """A table that came as argument.
+
+    Attributes:
+        values: Entries 1, 2, ...
+        fields: Entries with names.
+    """
+
+    values: tuple[LuaArgument, ...]
+    fields: dict[str, LuaArgument]
 
 
 @dataclass(frozen=True)
@@ -47,19 +66,58 @@ class LuaArgument:
 
     Attributes:
         type: Lua's name of its type.
-        value: A boolean, number or string (bytes); None for every other type.
+        value: A boolean, number, string (bytes) or table; None for every other type.
     """
 
     type: str
-    value: LuaValue
+    value: LuaScalar | LuaTable
 
 
 class LuaCallError(Exception):
     """A call from Lua fails: the message becomes a Lua error."""
 
 
-Call = Callable[[str, int, list[LuaArgument]], bool | float | None]
-"""Serves a call: function name, line, arguments. Raises LuaCallError, or ProgramStopped."""
+Lists = tuple[tuple[float, ...], ...]
+Result = bool | float | bytes | Lists | None
+"""What a call gives back: nothing, a value, a text, or lists of numbers, which become tables."""
+
+Waiting = Generator[None, None, Result]
+"""A call on its way: it yields where the program must attend to something, and returns its result."""
+
+
+class Attention(IntFlag):
+    """What the program is told at its next instruction."""
+
+    NONE = 0
+    STOP = 1
+    ATTEND = 2
+    TRACE = 4  # tell every line
+    DEPTH = 8  # and how deep the stack is
+
+
+class SandboxHost(Protocol):
+    """Serves one run of a program; everything is called from the program's thread.
+
+    Every method may raise ProgramStopped.
+    """
+
+    def call(self, name: str, chunk: str, line: int, arguments: list[LuaArgument]) -> Result | Waiting:
+        """Serve a call of a robot function; '' at the program's end. May raise LuaCallError."""
+
+    def poll(self) -> Attention:
+        """Asked every few milliseconds of computing."""
+
+    def at_line(self, chunk: str, line: int, depth: int) -> Attention:
+        """The program begins a line; asked while it is traced."""
+
+    def attention(self) -> int | None:
+        """What the program shall attend to: None for nothing, 0 to hold, n to run handler n."""
+
+    def held(self, records: list[str]) -> Attention:
+        """Hold the program, which looks like this (see `call_stack`)."""
+
+    def handled(self, *, abort: bool) -> None:
+        """The handler has ended; the motion under way goes on, or not."""
 
 
 @dataclass(frozen=True)
@@ -68,12 +126,14 @@ class LuaFailure:
 
     Attributes:
         stopped: It was stopped; there is nothing else to say.
-        line: The program's line, 0 if none is known.
+        chunk: The program or subprogram.
+        line: Its line, 0 if none is known.
         reason: Lua's message without file and line.
         stack: The program's lines that led there, innermost first; '' if none is known.
     """
 
     stopped: bool
+    chunk: str
     line: int
     reason: str
     stack: str
@@ -85,8 +145,7 @@ class LuaSandbox:
     Args:
         source: The program.
         functions: Names of the robot functions.
-        call: Serves their calls.
-        poll: Asked every few milliseconds of computing; it may wait. Raises ProgramStopped.
+        host: Serves their calls.
         memory: Highest use of memory, bytes.
     """
 
@@ -95,16 +154,17 @@ class LuaSandbox:
         source: LuaSource,
         *,
         functions: tuple[str, ...],
-        call: Call,
-        poll: Callable[[], None],
+        host: SandboxHost,
         memory: int = DEFAULT_MEMORY,
     ) -> None:
         self._source = source
         self._functions = functions
-        self._call = call
-        self._poll = poll
+        self._host = host
         self._memory = memory
-        self._message = b''
+        self._values: tuple[int | float, ...] = ()
+        self._waiting: dict[int, Waiting] = {}
+        self._tokens = itertools.count(1)
+        self._stopped = False
         self.host_error: BaseException | None = None
         """What a callback raised that is not the program's fault; it ends the run as a stop does."""
 
@@ -115,13 +175,22 @@ class LuaSandbox:
             None at its end, or why it ended early.
         """
         runtime = _runtime(self._memory)
+        callbacks = (
+            self._serve,
+            self._again,
+            self._abandon,
+            self._next_values,
+            self._ask,
+            self._at_line,
+            self._attention,
+            self._held,
+            self._handled,
+        )
         run = runtime.execute(
             PRELUDE,
             self._source.text.encode(),
             self._source.chunk_name.encode(),
-            self._serve,
-            self._next_bytes,
-            self._ask,
+            lambda: callbacks,
             HOOK_INSTRUCTIONS,
             POLL_PERIOD,
             MAX_PATTERN_STEPS,
@@ -131,49 +200,146 @@ class LuaSandbox:
             *(name.encode() for name in self._functions),
             name=b'=robots',
         )
-        outcome = run()
+        try:
+            outcome = run()
+        except lua54.LuaError:
+            # A stop may come between the program's end and the end of its supervision.
+            if not self._stopped:
+                raise
+            return LuaFailure(True, '', 0, '', '')
+        finally:
+            for waiting in self._waiting.values():
+                waiting.close()
         if outcome is None:
             return None
-        stopped, line, reason, stack = outcome
+        stopped, chunk, line, reason, stack = outcome
         if stopped:
-            return LuaFailure(True, 0, '', '')
-        prefix_line, text = _split(self._source, reason.decode(errors='replace'))
+            return LuaFailure(True, '', 0, '', '')
+        text = reason.decode(errors='replace')
         return LuaFailure(
-            False, prefix_line or line, text or 'error without a message', stack.decode(errors='replace')
+            False,
+            chunk.decode(),
+            *_located(chunk.decode(), line, text),
+            stack.decode(errors='replace'),
         )
 
     # Called from Lua: an exception would become a Lua value that the program can see, so none leaves.
 
-    def _serve(self, name: bytes, line: int, *arguments: Any) -> tuple[int, bool | float | None]:
+    def _serve(self, name: bytes, chunk: bytes, line: int, *items: Any) -> tuple[int, Any, int]:
+        token = next(self._tokens)
         try:
-            pairs = zip(arguments[::2], arguments[1::2], strict=True)
-            named = [LuaArgument(kind.decode(), value) for kind, value in pairs]
-            return _DONE, self._call(name.decode(), line, named)
-        except LuaCallError as error:
-            self._message = str(error).encode(errors='replace')
-            return _FAILED, len(self._message)
-        except ProgramStopped:
-            return _STOP, None
-        except BaseException as error:  # noqa: BLE001  # the owner of the run hands it on
-            self.host_error = error
-            return _STOP, None
+            flat = iter(items)
+            arguments = list(_arguments(flat))
+            result = self._host.call(name.decode(), chunk.decode(), line, arguments)
+            if isinstance(result, Generator):
+                self._waiting[token] = result
+                return self._again(token)
+            return self._answer(result)
+        except BaseException as error:  # noqa: BLE001  # told apart there
+            return self._failed(error)
 
-    def _next_bytes(self) -> tuple[int, ...]:
-        step, self._message = self._message[:MESSAGE_STEP], self._message[MESSAGE_STEP:]
-        return tuple(step)
-
-    def _ask(self) -> bool:
+    def _again(self, token: int) -> tuple[int, Any, int]:
         try:
-            self._poll()
-        except ProgramStopped:
-            return True
-        except BaseException as error:  # noqa: BLE001  # the owner of the run hands it on
+            next(self._waiting[token])
+        except StopIteration as end:
+            del self._waiting[token]
+            return self._answer(end.value)
+        except BaseException as error:  # noqa: BLE001  # told apart there
+            del self._waiting[token]
+            return self._failed(error)
+        return _ATTEND, 0, token
+
+    def _abandon(self, token: int) -> None:
+        try:
+            self._waiting.pop(token).close()
+        except BaseException as error:  # noqa: BLE001  # told apart there
+            self._failed(error)
+
+    def _answer(self, result: Result) -> tuple[int, Any, int]:
+        if isinstance(result, bytes):
+            self._put_text(result)
+            return _TEXT, len(result), 0
+        if isinstance(result, tuple):
+            self._values = tuple(itertools.chain.from_iterable((len(part), *part) for part in result))
+            return _LISTS, len(self._values), 0
+        return (_NOTHING, 0, 0) if result is None else (_DONE, result, 0)
+
+    def _failed(self, error: BaseException) -> tuple[int, Any, int]:
+        if isinstance(error, LuaCallError):
+            message = str(error).encode(errors='replace')
+            self._put_text(message)
+            return _FAILED, len(message), 0
+        self._stopped = True
+        if not isinstance(error, ProgramStopped):
             self.host_error = error
-            return True
-        return False
+        return _STOP, 0, 0
+
+    def _put_text(self, text: bytes) -> None:
+        count = -(-len(text) // 8)
+        self._values = struct.unpack(f'<{count}q', text.ljust(8 * count, b'\0'))
+
+    def _next_values(self) -> tuple[int | float, ...]:
+        step, self._values = self._values[:VALUES_STEP], self._values[VALUES_STEP:]
+        return step
+
+    def _ask(self) -> int:
+        try:
+            return int(self._host.poll())
+        except BaseException as error:  # noqa: BLE001  # told apart there
+            return self._stop(error)
+
+    def _at_line(self, chunk: bytes, line: int, depth: int) -> int:
+        try:
+            return int(self._host.at_line(chunk.decode(), line, depth))
+        except BaseException as error:  # noqa: BLE001  # told apart there
+            return self._stop(error)
+
+    def _attention(self) -> tuple[int, int]:
+        try:
+            wanted = self._host.attention()
+        except BaseException as error:  # noqa: BLE001  # told apart there
+            return self._stop(error), 0
+        if wanted is None:
+            return 0, 0
+        return (3, 0) if wanted == 0 else (2, wanted)
+
+    def _held(self, *records: bytes) -> int:
+        try:
+            return int(self._host.held([record.decode(errors='replace') for record in records]))
+        except BaseException as error:  # noqa: BLE001  # told apart there
+            return self._stop(error)
+
+    def _handled(self, _id: int, abort: bool) -> int:  # noqa: FBT001  # called from Lua
+        try:
+            self._host.handled(abort=abort)
+        except BaseException as error:  # noqa: BLE001  # told apart there
+            return self._stop(error)
+        return 0
+
+    def _stop(self, error: BaseException) -> int:
+        self._failed(error)
+        return int(Attention.STOP)
 
 
-_DONE, _FAILED, _STOP = 0, 1, 2
+_DONE, _FAILED, _STOP, _LISTS, _ATTEND, _TEXT, _NOTHING = range(7)
+
+
+def _arguments(items: Iterator[Any]) -> Iterator[LuaArgument]:
+    for kind in items:
+        yield _argument(kind, items)
+
+
+def _argument(kind: bytes, items: Iterator[Any]) -> LuaArgument:
+    value = next(items)
+    name = kind.decode()
+    if name == 'table':
+        values = tuple(_argument(next(items), items) for _ in range(value))
+        fields = {}
+        for _ in range(next(items)):
+            key = next(items).decode(errors='replace')
+            fields[key] = _argument(next(items), items)
+        return LuaArgument(name, LuaTable(values, fields))
+    return LuaArgument(name, value if name in ('number', 'string', 'boolean') else None)
 
 
 def syntax_error(source: LuaSource, text: str) -> tuple[int, str] | None:
@@ -183,7 +349,7 @@ def syntax_error(source: LuaSource, text: str) -> tuple[int, str] | None:
         text.encode(),
         b'=' + source.chunk_name.encode(),
     )
-    return None if problem is None else _split(source, problem.decode(errors='replace'))
+    return None if problem is None else _located(source.chunk_name, 0, problem.decode(errors='replace'))
 
 
 def _runtime(memory: int) -> Any:
@@ -201,9 +367,10 @@ def _no_attributes(_object: object, name: object, _setting: bool) -> NoReturn:  
     raise AttributeError(name)
 
 
-def _split(source: LuaSource, text: str) -> tuple[int, str]:
-    prefix = f'{source.chunk_name}:'
+def _located(chunk: str, line: int, text: str) -> tuple[int, str]:
+    # Lua's own words begin with their place; it is more exact than the frame that was found.
+    prefix = f'{chunk}:'
     number, colon, reason = text.removeprefix(prefix).partition(':')
     if text.startswith(prefix) and colon and number.isdecimal():
-        return int(number), reason.strip()
-    return 0, text
+        return int(number), reason.strip() or 'error without a message'
+    return line, text or 'error without a message'

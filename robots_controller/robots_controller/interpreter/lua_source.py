@@ -35,26 +35,33 @@ class LuaSource:
     Attributes:
         path: Where it was read.
         text: Its characters.
+        label: Name of a subprogram as it is called; '' for the file's.
     """
 
     path: Path
     text: str
+    label: str = ''
 
     @property
     def file(self) -> str:
         """The file's name, as messages show it."""
-        return self.path.name
+        return self.label or self.path.name
 
     @property
     def chunk_name(self) -> str:
         """The name under which Lua knows the program."""
-        printable = ''.join(c if c.isprintable() else '?' for c in self.file)
-        return printable[-MAX_CHUNK_NAME:]
+        return chunk_name(self.file)
 
     def line(self, number: int) -> str:
         """A line's text without its indent, '' where there is none; lines are counted from 1."""
         lines = self.text.split('\n')
         return lines[number - 1].strip() if 1 <= number <= len(lines) else ''
+
+
+def chunk_name(file: str) -> str:
+    """The name under which Lua knows a program file."""
+    printable = ''.join(c if c.isprintable() else '?' for c in file)
+    return printable[-MAX_CHUNK_NAME:]
 
 
 def read_source(path: Path | str) -> LuaSource:

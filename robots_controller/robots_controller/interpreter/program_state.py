@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from enum import StrEnum
+from collections.abc import Callable, Generator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Literal
 
@@ -13,64 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robots_controller.interpreter.clock import Clock
+from robots_controller.interpreter.input_interrupts import InputInterrupts
+from robots_controller.interpreter.motion_command import MotionCommand, OutputChange
+from robots_controller.interpreter.run_state import ProgramStopped, RunState
+from robots_controller.io_image import IoImage, check_count
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector, read_only
 from robots_planning.robot_command_state import RobotCommandState
 
-
-class RunState(StrEnum):
-    """What the program does."""
-
-    IDLE = 'IDLE'  # none is open
-    OPENED = 'OPENED'
-    RUNNING = 'RUNNING'
-    PAUSED = 'PAUSED'
-    STOPPED = 'STOPPED'
-    FINISHED = 'FINISHED'
-    FAILED = 'FAILED'
-
-
-class ProgramStopped(BaseException):
-    """Raised in the program's thread wherever it waits, once it shall stop; not an error."""
-
-
-@dataclass(frozen=True, eq=False)
-class MotionCommand:
-    """One motion as the program commands it.
-
-    Attributes:
-        state: The kind of motion.
-        line: The program's line, counted from 1.
-        function: The Lua function's name.
-        q: Target in joint space (n,), rad (m), read-only; None for a target pose.
-        pose: Target of tool0 in the base frame; None for a joint target.
-        options: Further wishes of this motion; none yet.
-    """
-
-    state: RobotCommandState
-    line: int
-    function: str
-    q: Array | None = None
-    pose: Pose | None = None
-    options: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
-
-
-@dataclass(frozen=True)
-class OutputChange:
-    """One output that the program switched.
-
-    Attributes:
-        kind: 'digital' or 'analog'.
-        index: Counted from 1.
-        value: 0 or 1, or the analog value.
-        line: The program's line.
-    """
-
-    kind: Literal['digital', 'analog']
-    index: int
-    value: float
-    line: int
+__all__ = ['MotionCommand', 'OutputChange', 'ProgramState', 'ProgramStopped', 'RunState']
 
 
 class ProgramState:
@@ -83,28 +33,36 @@ class ProgramState:
         digital: Number of digital inputs, and of digital outputs.
         analog: Number of analog inputs, and of analog outputs.
         clock: The program's time.
+        labels: Names of the channels of an image, see `IoImage`.
 
     Raises:
-        InvalidInputError: sizes that are not at least 1.
+        InvalidInputError: sizes that are not at least 1, or names that are not valid.
     """
 
-    def __init__(self, num_axes: int, *, digital: int, analog: int, clock: Clock) -> None:
-        for name, size in (('num_axes', num_axes), ('digital', digital), ('analog', analog)):
-            check_count(size, name)
+    def __init__(
+        self,
+        num_axes: int,
+        *,
+        digital: int,
+        analog: int,
+        clock: Clock,
+        labels: Mapping[str, Sequence[str]] = MappingProxyType({}),
+    ) -> None:
+        check_count(num_axes, 'num_axes')
         self.condition = threading.Condition()
+        self.io = IoImage(digital=digital, analog=analog, labels=labels, condition=self.condition)
         self.clock = clock
         self._num_axes = num_axes
         self._run_state = RunState.IDLE
         self._stopping = False
         self._command_state = RobotCommandState.IDLE
-        self._motion: MotionCommand | None = None
-        self._motion_error: RobotsError | None = None
+        self._motions: list[MotionCommand] = []
+        self._motion_error: tuple[MotionCommand, RobotsError] | None = None
         self._reference_pose: Pose | None = None
         self._overrides = read_only(np.ones(num_axes))
-        self._digital_inputs = np.zeros(digital, dtype=np.bool_)
-        self._digital_outputs = np.zeros(digital, dtype=np.bool_)
-        self._analog_inputs = np.zeros(analog)
-        self._analog_outputs = np.zeros(analog)
+        self.interrupts = InputInterrupts()
+        self._braked = False
+        self._alarm: float | None = None
 
     # -- the run --------------------------------------------------------------------------------
 
@@ -131,6 +89,8 @@ class ProgramState:
             if state is RunState.RUNNING and self._run_state is not RunState.PAUSED:
                 self._stopping = False
                 self._motion_error = None
+                self.interrupts = InputInterrupts()
+                self._braked, self._alarm = False, None
             self._run_state = state
             self.condition.notify_all()
 
@@ -156,33 +116,100 @@ class ProgramState:
             self.condition.notify_all()
             return True
 
+    @property
+    def braked(self) -> bool:
+        """The handler of an input runs, and the motion under way is held for it."""
+        with self.condition:
+            return self._braked
+
+    def set_braked(self, *, braked: bool) -> None:
+        """Hold the motion under way for the handler of an input, or let it go on."""
+        with self.condition:
+            self._braked = braked
+            self.condition.notify_all()
+
+    @property
+    def robot_held(self) -> bool:
+        """The robot shall stand on its path: the program is paused, or handles an input."""
+        with self.condition:
+            return self._braked or self._run_state is RunState.PAUSED
+
+    def set_alarm(self, time: float | None) -> None:
+        """The program must attend to something at this time of its clock, s; None for nothing."""
+        with self.condition:
+            self._alarm = time
+
     def hold(self) -> None:
-        """Return at once while the program runs; wait while it is paused.
+        """Wait while the program is paused, until the alarm at most.
 
         Raises:
             ProgramStopped: the program shall stop.
         """
         with self.condition:
-            while self._run_state is RunState.PAUSED and not self._stopping:
+            while self._run_state is RunState.PAUSED and not self._stopping and not self._alarm_is_due():
+                self.clock.wait(self.condition, self._alarm)
+            if self._stopping:
+                raise ProgramStopped
+
+    def wait_for_standstill(self) -> None:
+        """Wait until no motion is under way, whatever else happens.
+
+        Raises:
+            ProgramStopped: the program shall stop.
+        """
+        with self.condition:
+            while self._motions and not self._stopping:
                 self.clock.wait(self.condition, None)
             if self._stopping:
                 raise ProgramStopped
 
-    def sleep(self, duration: float) -> None:
-        """Wait for `duration` seconds of the program's clock; the time of a pause does not count.
+    def needs_attention(self) -> bool:
+        """The program is paused, the handler of an input is due, or the alarm.
+
+        Raises:
+            ProgramStopped: the program shall stop.
+        """
+        with self.condition:
+            if self._stopping:
+                raise ProgramStopped
+            if self.interrupts.any and self.interrupts.look(self.digital_inputs):
+                return True
+            return self._run_state is RunState.PAUSED or self._alarm_is_due()
+
+    def _alarm_is_due(self) -> bool:
+        return self._alarm is not None and self.clock.now() >= self._alarm
+
+    def waiting(
+        self, ready: Callable[[], bool], duration: float | None = None
+    ) -> Generator[None, None, bool]:
+        """Wait for a condition; yields where the program must attend to something, and then waits on.
+
+        Args:
+            ready: The condition, asked whenever something changes.
+            duration: s of the program's clock, not counting the time of a pause or a handler; None waits
+                for ever.
+
+        Returns:
+            True if it is ready, False after `duration`.
 
         Raises:
             ProgramStopped: the program shall stop.
         """
         remaining = duration
-        with self.condition:
-            while True:
-                self.hold()
-                if remaining <= 0.0:
-                    return
-                start = self.clock.now()
-                self.clock.wait(self.condition, start + remaining)
-                remaining -= self.clock.now() - start
+        while True:
+            with self.condition:
+                while not self.needs_attention():
+                    if ready():
+                        return True
+                    if remaining is not None and remaining <= 0.0:
+                        return False
+                    start = self.clock.now()
+                    ends = [] if remaining is None else [start + remaining]
+                    ends += [] if self._alarm is None else [self._alarm]
+                    self.clock.wait(self.condition, min(ends, default=None))
+                    if remaining is not None:
+                        remaining -= self.clock.now() - start
+            yield
 
     # -- the motion -----------------------------------------------------------------------------
 
@@ -232,9 +259,15 @@ class ProgramState:
 
     @property
     def motion(self) -> MotionCommand | None:
-        """The motion that is commanded and not finished."""
+        """The oldest motion that is commanded and not finished."""
         with self.condition:
-            return self._motion
+            return self._motions[0] if self._motions else None
+
+    @property
+    def motions(self) -> tuple[MotionCommand, ...]:
+        """All motions that are commanded and not finished, oldest first; blended ones follow each other."""
+        with self.condition:
+            return tuple(self._motions)
 
     @property
     def reference_pose(self) -> Pose | None:
@@ -246,39 +279,55 @@ class ProgramState:
         """Set a motion and its command state.
 
         Raises:
-            ProgramError: an earlier motion has not finished.
+            ProgramError: an earlier motion has not finished, and does not blend into this one.
         """
         with self.condition:
-            if self._motion is not None:
-                raise ProgramError(f'the motion of line {self._motion.line} has not finished')
-            self._motion = command
-            self._motion_error = None
+            if self._motions and not self._motions[-1].blend:
+                raise ProgramError(f'the motion of line {self._motions[-1].line} has not finished')
+            self._motions.append(command)
             self._command_state = command.state
             if command.pose is not None:
                 self._reference_pose = command.pose
 
-    def finish_motion(self, error: RobotsError | None = None) -> None:
-        """End the motion: IDLE again, and the program goes on, or is told the error."""
-        with self.condition:
-            self._command_state = RobotCommandState.IDLE
-            self._motion_error = error if self._motion is not None else None
-            self._motion = None
-            self.condition.notify_all()
+    def finish_motion(self, error: RobotsError | None = None, command: MotionCommand | None = None) -> None:
+        """End a motion: the program goes on, or is told the error; IDLE again after the last one.
 
-    def wait_for_motion(self) -> None:
-        """Wait until the motion has finished, and while the program is paused.
-
-        Raises:
-            ProgramStopped: the program shall stop.
-            RobotsError: the reason why the robot does not stand at the target.
+        Args:
+            error: Why the robot does not stand at the target.
+            command: Which motion; the oldest by default. The ones before it have ended too, and after an
+                error none follows.
         """
         with self.condition:
-            while self._motion is not None and not self._stopping:
-                self.clock.wait(self.condition, None)
-            self.hold()
+            if self._motions and (command is None or command in self._motions):
+                command = command or self._motions[0]
+                if error is not None:
+                    self._motion_error = (command, error)
+                    self._motions.clear()
+                else:
+                    del self._motions[: self._motions.index(command) + 1]
+            if not self._motions:
+                self._command_state = RobotCommandState.IDLE
+            self.condition.notify_all()
+
+    def forget_motions(self) -> None:
+        """End all motions without an error."""
+        with self.condition:
+            self._motions.clear()
+            self._motion_error = None
+            self._command_state = RobotCommandState.IDLE
+            self.condition.notify_all()
+
+    def take_motion_error(self) -> tuple[MotionCommand, RobotsError] | None:
+        """The first motion that failed and why, once."""
+        with self.condition:
             error, self._motion_error = self._motion_error, None
-            if error is not None:
-                raise error
+            return error
+
+    @property
+    def motion_failed(self) -> bool:
+        """A motion failed, and the program was not told yet."""
+        with self.condition:
+            return self._motion_error is not None
 
     # -- inputs, outputs, overrides ----------------------------------------------------------------
 
@@ -288,29 +337,37 @@ class ProgramState:
         with self.condition:
             return self._overrides
 
+    def set_overrides(self, values: ArrayLike) -> None:
+        """Set the speed scale factors.
+
+        Raises:
+            InvalidInputError: not one number in 0..1 per axis.
+        """
+        with self.condition:
+            overrides = finite_vector(values, self._num_axes, 'overrides')
+            if ((overrides < 0.0) | (overrides > 1.0)).any():
+                raise InvalidInputError(f'overrides = {overrides.tolist()}; valid is 0..1 for every axis')
+            self._overrides = read_only(overrides)
+
     @property
     def digital_inputs(self) -> NDArray[np.bool_]:
         """Image of the digital inputs, a copy; the first is input 1."""
-        with self.condition:
-            return self._digital_inputs.copy()
+        return self.io.bits('digital_inputs')
 
     @property
     def digital_outputs(self) -> NDArray[np.bool_]:
         """Image of the digital outputs, a copy; the first is output 1."""
-        with self.condition:
-            return self._digital_outputs.copy()
+        return self.io.bits('digital_outputs')
 
     @property
     def analog_inputs(self) -> Array:
         """Image of the analog inputs, a copy; the first is input 1."""
-        with self.condition:
-            return self._analog_inputs.copy()
+        return self.io.numbers('analog_inputs')
 
     @property
     def analog_outputs(self) -> Array:
         """Image of the analog outputs, a copy; the first is output 1."""
-        with self.condition:
-            return self._analog_outputs.copy()
+        return self.io.numbers('analog_outputs')
 
     def set_digital_inputs(self, values: ArrayLike) -> None:
         """Set inputs 1..k to the k values, each 0 or 1; further inputs keep theirs.
@@ -318,11 +375,7 @@ class ProgramState:
         Raises:
             InvalidInputError: more values than inputs, or a value other than 0 and 1.
         """
-        array = _image(values, self._digital_inputs.size, 'digital_inputs')
-        if wrong := np.flatnonzero((array != 0.0) & (array != 1.0)).tolist():
-            raise InvalidInputError(f'digital input {wrong[0] + 1} is {array[wrong[0]]:g}; valid are 0 and 1')
-        with self.condition:
-            self._digital_inputs[: array.size] = array != 0.0
+        self.io.set_inputs('digital', values)
 
     def set_analog_inputs(self, values: ArrayLike) -> None:
         """Set inputs 1..k to the k values; further inputs keep theirs.
@@ -330,9 +383,7 @@ class ProgramState:
         Raises:
             InvalidInputError: more values than inputs, or a value that is not finite.
         """
-        array = _image(values, self._analog_inputs.size, 'analog_inputs')
-        with self.condition:
-            self._analog_inputs[: array.size] = array
+        self.io.set_inputs('analog', values)
 
     def set_output(self, kind: Literal['digital', 'analog'], index: int, value: float) -> bool:
         """Switch one output.
@@ -345,28 +396,4 @@ class ProgramState:
         Returns:
             True if the output changed.
         """
-        with self.condition:
-            image = self._digital_outputs if kind == 'digital' else self._analog_outputs
-            changed = bool(image[index - 1] != value)
-            image[index - 1] = value
-            return changed
-
-
-def check_count(size: int, name: str) -> None:
-    """Check a number of axes, inputs or outputs.
-
-    Raises:
-        InvalidInputError: not a whole number, or below 1.
-    """
-    if isinstance(size, bool) or not isinstance(size, int) or size < 1:
-        raise InvalidInputError(f'{name} = {size!r} must be a whole number of at least 1')
-
-
-def _image(values: ArrayLike, size: int, name: str) -> Array:
-    try:
-        count = len(values)  # type: ignore[arg-type]
-    except TypeError:
-        raise InvalidInputError(f'{name} must be a list of up to {size} values, got {values!r}') from None
-    if count > size:
-        raise InvalidInputError(f'{name} has {count} values; the program has {size}')
-    return finite_vector(values, count, name)
+        return self.io.set_value(self.io.channel(kind, 'output', index), value)

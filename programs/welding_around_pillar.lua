@@ -1,0 +1,16 @@
+-- Spots on both sides of a car's B pillar, welded through its doors, in the cell programs/scenes/car_frame.yaml.
+-- The corrected twin of welding_collision.lua: the gun leaves the front door before it goes to the rear one.
+print("Welding a car frame")
+ptpJointSpacePosition(1.30, -0.55, 1.70, 0, 115, 0) -- away from the roof
+ptpJointSpacePosition(1.60, -0.55, 1.30, 0, 115, 0) -- before the front door
+ptpCartesianSpace(1.85, -0.55, 1.25, 0, 115, 0) -- in through the front door
+setDigitalOutput(1, 1) -- activate welding gun
+wait(0.2)
+setDigitalOutput(1, 0) -- deactivate welding gun
+ptpCartesianSpace(1.60, -0.55, 1.30, 0, 115, 0) -- out again
+ptpCartesianSpace(1.60, 0.55, 1.30, 0, 115, 0) -- past the B pillar
+ptpCartesianSpace(1.85, 0.55, 1.25, 0, 115, 0) -- in through the rear door
+setDigitalOutput(1, 1) -- activate welding gun
+wait(0.2)
+setDigitalOutput(1, 0) -- deactivate welding gun
+ptpCartesianSpace(1.60, 0.55, 1.30, 0, 115, 0) -- out again

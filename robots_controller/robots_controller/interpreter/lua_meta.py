@@ -1,0 +1,151 @@
+"""lua_meta: the editor's help for robot programs, made from the table of functions.
+
+`---@meta` files are those of the Lua language server: https://luals.github.io/wiki/definition-files
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+from robots_controller.interpreter.lua_functions import (
+    ANCHORS,
+    COMPARISONS,
+    FRAMES,
+    LUA_FUNCTIONS,
+    Argument,
+    Kind,
+    LuaFunction,
+)
+from robots_core.errors import RobotsError
+from robots_core.robot_choice import load_robot_model
+
+# Where no robot is named: what most arms have, and the others as overloads.
+USUAL_AXES: Final = 6
+OTHER_AXES: Final = (3, 4, 5, 7)
+
+_TYPES: Final[dict[Kind, str]] = {
+    'switch': 'boolean|0|1',
+    'text': 'any',
+    'name': 'string',
+    'frame': '|'.join(f'"{frame}"' for frame in FRAMES),
+    'comparison': '|'.join(f'"{comparison}"' for comparison in COMPARISONS),
+    'function': 'fun(): "abort"|nil',
+    'pose': 'Pose',
+    'digital index': 'integer',
+    'analog index': 'integer',
+}
+_OPTIONS: Final = {'cartesian': 'CartesianOptions', 'joint': 'JointOptions'}
+
+_ANCHOR_FIELDS: Final = '\n'.join(
+    f'---@field {anchor}? number {"m, on the way of the tool" if anchor.startswith("distance") else "s"}'
+    for anchor in ANCHORS
+)
+
+HEADER: Final = f"""---@meta
+-- Robot programs: what every function does, for the Lua language server. Generated; do not edit:
+-- lua_meta > programs/library/robot_functions.lua, or lua_meta --robot NAME for one robot's axes.
+
+---@alias Pose number[] {{x, y, z, phi1, phi2, phi3}}: metres and degrees
+
+---Switches an output while the robot moves: one place, one output, its value.
+---@class PathSwitch
+{_ANCHOR_FIELDS}
+---@field output? integer digital output
+---@field analog_output? integer analog output
+---@field value boolean|number
+
+---@class CartesianOptions
+---@field blend? number m, zone in which the corner to the next motion may be cut
+---@field on_path? PathSwitch|PathSwitch[]
+
+---@class JointOptions
+---@field jointBlend? number deg, zone in which the corner to the next motion may be cut
+---@field on_path? PathSwitch|PathSwitch[]
+"""
+
+
+def meta_file(num_axes: int | None = None) -> str:
+    """The definitions of all functions.
+
+    Args:
+        num_axes: The robot's; None for any.
+    """
+    return '\n'.join([HEADER, *('\n'.join(_function(f, num_axes)) for f in LUA_FUNCTIONS.values())])
+
+
+def _function(function: LuaFunction, num_axes: int | None) -> Iterator[str]:
+    axes = num_axes or USUAL_AXES
+    yield f'---{function.doc}'
+    names: list[str] = []
+    for argument in function.arguments:
+        if argument.repeated:  # whatever follows comes with them
+            yield f'---@param ... {_type(argument)}|{_OPTIONS[function.options]} {_meaning(argument)}'
+            names.append('...')
+            continue
+        optional = '?' if argument.optional else ''
+        for name in _names(argument, axes):
+            yield f'---@param {name}{optional} {_type(argument)} {_meaning(argument)}'
+            names.append(name)
+    if function.options and '...' not in names:
+        yield f'---@param options? {_OPTIONS[function.options]}'
+        names.append('options')
+    if function.more:
+        yield '---@param ... any'
+        names.append('...')
+    if function.result_type:
+        yield f'---@return {function.result_type} # {function.result}'
+    yield from _overloads(function, num_axes)
+    yield f'function {function.name}({", ".join(names)}) end'
+    yield ''
+
+
+def _overloads(function: LuaFunction, num_axes: int | None) -> Iterator[str]:
+    if not function.arguments or function.arguments[0].kind != 'number':
+        return
+    options = f', options?: {_OPTIONS[function.options]}' if function.options else ''
+    if len(function.arguments) == 1 and not function.arguments[0].per_axis:
+        return
+    first = function.arguments[0]
+    if first.per_axis:
+        for axes in () if num_axes else OTHER_AXES:
+            listed = ', '.join(f'{name}: {_type(first)}' for name in _names(first, axes))
+            yield f'---@overload fun({listed}{options})'
+        yield f'---@overload fun({first.name}: number[]{options})'
+    elif sum(argument.kind == 'number' for argument in function.arguments) >= 6:
+        rest = ''.join(f', {a.name}?: {_type(a)}' for a in function.arguments[6:])
+        yield f'---@overload fun(pose: Pose{rest}{options})'
+
+
+def _names(argument: Argument, axes: int) -> list[str]:
+    return [f'{argument.name}{i}' for i in range(1, axes + 1)] if argument.per_axis else [argument.name]
+
+
+def _type(argument: Argument) -> str:
+    return _TYPES.get(argument.kind, 'number')
+
+
+def _meaning(argument: Argument) -> str:
+    return f'{argument.meaning} ({argument.unit})' if argument.unit else argument.meaning
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Print the definitions."""
+    parser = argparse.ArgumentParser(
+        prog='lua_meta', description="Print the editor's help for robot programs."
+    )
+    parser.add_argument('--robot', default='', help='the robot whose number of axes counts; any by default')
+    options = parser.parse_args(arguments)
+    try:
+        num_axes = load_robot_model(options.robot).num_axes if options.robot else None
+    except RobotsError as error:
+        print(f'error: {error}', file=sys.stderr)
+        return 2
+    print(meta_file(num_axes), end='')
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,102 @@
+"""What a robot program sees of the robot, and where its last motion leads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from robots_core.errors import ProgramError
+from robots_core.pose import Pose
+from robots_core.validation import Array
+
+
+@dataclass(frozen=True)
+class RobotView:
+    """The robot as a program sees it.
+
+    Attributes:
+        convention: Order of the orientation angles.
+        prismatic: (n,) which axes slide; () for none.
+        joint_position: Gives the measured joint positions (n,); None where nobody measures.
+        direct_kinematics: Gives the pose of tool0 in the base frame; None where nobody knows.
+        points_file: Where taught points stand.
+    """
+
+    convention: str
+    prismatic: tuple[bool, ...]
+    joint_position: Callable[[], Array] | None
+    direct_kinematics: Callable[[Array], Pose] | None
+    points_file: Path
+
+    def pose(self, values: Sequence[float]) -> Pose:
+        """A pose of position (m) and orientation angles (rad)."""
+        return Pose.from_angles(values[:3], values[3:], self.convention)
+
+    def position(self) -> Array:
+        """Measured joint positions (n,).
+
+        Raises:
+            RobotsError: they are not known.
+        """
+        if self.joint_position is None:
+            raise ProgramError('the position of the robot is not known here')
+        return self.joint_position()
+
+    def flange(self, q: Array) -> Pose:
+        """tool0 in the base frame.
+
+        Raises:
+            ProgramError: the robot's kinematics are not known.
+        """
+        if self.direct_kinematics is None:
+            raise ProgramError("the robot's kinematics are not known here")
+        return self.direct_kinematics(q)
+
+
+class MotionTarget:
+    """Where the last motion leads, so that relative ones add up without the feedback's error.
+
+    Args:
+        view: The robot.
+    """
+
+    def __init__(self, view: RobotView) -> None:
+        self._view = view
+        self.tool = Pose.identity()
+        """Tip of the tool, seen from tool0."""
+        self.base = Pose.identity()
+        """The program's base, seen from the robot's."""
+        self._q: Array | None = None
+        self._flange: Pose | None = None
+
+    @property
+    def known(self) -> bool:
+        """A motion was commanded, and none failed since."""
+        return self._q is not None or self._flange is not None
+
+    @property
+    def in_joints(self) -> bool:
+        """It was a target in joint space."""
+        return self._q is not None
+
+    def set(self, q: Array | None, pose: Pose | None) -> None:
+        """A motion leads to joint positions, or to a pose of the tool seen from the base."""
+        self._q = q
+        self._flange = None if pose is None else self.base @ pose @ self.tool.inverse()
+
+    def forget(self) -> None:
+        """The robot does not stand at its target."""
+        self._q = self._flange = None
+
+    def joints(self) -> Array:
+        """Joint positions (n,) of the target, or those of the robot."""
+        return self._view.position() if self._q is None else self._q
+
+    def pose(self) -> Pose:
+        """The target as pose of the tool seen from the base; where the robot is, if there is none."""
+        return self.seen(self._flange or self._view.flange(self.joints()))
+
+    def seen(self, flange: Pose) -> Pose:
+        """A pose of tool0 in the robot's base frame as pose of the tool seen from the program's base."""
+        return self.base.inverse() @ flange @ self.tool

@@ -1,0 +1,29 @@
+"""ProgramEvents: what a program tells the host that runs it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from robots_controller.interpreter.motion_command import MotionCommand, OutputChange
+
+
+@dataclass(frozen=True)
+class ProgramEvents:
+    """What the host wants to hear; everything is called from the program's thread.
+
+    Attributes:
+        command: A motion is commanded; the host ends it with `finish_motion`.
+        flush: No motion follows the commanded ones for now, although the last would blend.
+        abort: The commanded motions shall end where the robot is.
+        output: An output changed.
+        override: The speed scale changed.
+        printed: A line of text, and the program's line.
+    """
+
+    command: Callable[[MotionCommand], None]
+    flush: Callable[[], None]
+    abort: Callable[[], None]
+    output: Callable[[OutputChange], None]
+    override: Callable[[float], None]
+    printed: Callable[[str, int], None]

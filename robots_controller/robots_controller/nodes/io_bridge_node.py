@@ -1,0 +1,215 @@
+"""io_bridge_node: connects inputs and outputs with any topics of a PLC, as a YAML file says."""
+
+from __future__ import annotations
+
+import sys
+from functools import partial
+from typing import Any, Final
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from robots_controller.io_conversion import INTEGERS, InputValue, to_field
+from robots_controller.io_map import IoMap, IoRow, TopicQos, read_io_map
+from robots_controller.nodes.io_images import InputImages, OutputImages
+from robots_controller.nodes.message_types import make_room, message_class, number_type
+from robots_core.errors import InvalidInputError
+from robots_core.nodes.robot_node import RobotNode
+from robots_core.nodes.run import run
+
+# Often enough to notice within a timeout of a tenth of a second that the robot program's node is gone.
+WATCH_PERIOD: Final = 0.02  # s
+
+
+class IoBridgeNode(RobotNode):
+    """Inputs from topics, outputs to topics.
+
+    Parameters:
+        io_map: The YAML file; nothing is connected without one.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('io_bridge_node', **options)
+        path = self.parameter('io_map', '', 'YAML file that maps channels to topics', read_only=True)
+        self._map = read_io_map(path) if path else IoMap()
+        kinds = {id(row): _checked(row) for row in (*self._map.inputs, *self._map.outputs)}
+        self._problems: dict[str, str] = {}
+        now = self._now()
+        self._inputs = [InputValue(row, now) for row in self._map.inputs]
+        self._images = InputImages(self, [row.channel for row in self._map.inputs])
+        self._timer = self.create_timer(WATCH_PERIOD, self._on_time)
+        for topic, rows in _by_topic(self._map.inputs).items():
+            members = [value for value in self._inputs if value.row.topic == topic]
+            self.create_subscription(
+                message_class(rows[0].type), topic, partial(self._on_message, members), _qos(rows[0].qos)
+            )
+        self._topics = [
+            _OutputTopic(self, rows, [kinds[id(row)] for row in rows])
+            for rows in _by_topic(self._map.outputs).values()
+        ]
+        self._outputs = OutputImages(self, [row.channel for row in self._map.outputs], self._on_outputs)
+        self._update_inputs()
+        if any(row.timeout < float('inf') for row in self._map.outputs):
+            self.create_timer(WATCH_PERIOD, self._on_outputs)
+        self._report()
+
+    def _now(self) -> float:
+        return 1e-9 * self.get_clock().now().nanoseconds
+
+    def _report(self) -> None:
+        problems = '; '.join(self._problems.values())
+        if problems:
+            self.report_health(DiagnosticStatus.WARN, problems)
+        elif not (self._map.inputs or self._map.outputs):
+            self.ready('ready; parameter io_map is empty, nothing is connected')
+        else:
+            self.ready(inputs=len(self._map.inputs), outputs=len(self._map.outputs))
+
+    def _set_problem(self, key: str, problem: str) -> None:
+        if problem and key not in self._problems:
+            self.get_logger().warning(problem)  # type: ignore[no-untyped-call]
+        if problem:
+            self._problems[key] = problem
+        else:
+            self._problems.pop(key, None)
+
+    # -- inputs ---------------------------------------------------------------------------------------
+
+    def _on_message(self, members: list[InputValue], message: Any) -> None:
+        now = self._now()
+        for value in members:
+            name = value.row.channel.name
+            try:
+                value.receive(message, now)
+            except InvalidInputError as error:
+                self._set_problem(f'value {name}', f'{value.row.topic}: {error}; {name} keeps its value')
+            else:
+                self._set_problem(f'value {name}', '')
+        self._update_inputs()
+
+    def _on_time(self) -> None:
+        self._update_inputs()
+
+    def _update_inputs(self) -> None:
+        now = self._now()
+        for value in self._inputs:
+            row = value.row
+            self._images.set(row.channel, value.update(now))
+            silent = value.silent(now)
+            self._set_problem(
+                f'silence {row.channel.name}',
+                f'{row.topic} has been silent for {row.timeout:g} s; {row.channel.name} is at its '
+                f'fail-safe value {row.fail_safe:g}'
+                if silent
+                else '',
+            )
+        self._images.publish()
+        self._report()
+        due = min((value.next_time(now) for value in self._inputs), default=float('inf')) - now
+        if due == float('inf'):
+            self._timer.cancel()
+        else:
+            self._timer.timer_period_ns = max(1_000_000, int(1e9 * due))
+            self._timer.reset()
+
+    # -- outputs --------------------------------------------------------------------------------------
+
+    def _on_outputs(self) -> None:
+        now = self._now()
+        for topic in self._topics:
+            for row, problem in topic.update(self._outputs, now):
+                self._set_problem(f'output {row.file}:{row.line}', problem)
+        self._report()
+
+
+class _OutputTopic:
+    """The message of one topic, made of all its rows."""
+
+    def __init__(self, node: RobotNode, rows: list[IoRow], kinds: list[str]) -> None:
+        self._rows = list(zip(rows, kinds, strict=True))
+        self._message = message_class(rows[0].type)()
+        for row in rows:
+            make_room(self._message, row.path)
+        self._publisher = node.create_publisher(type(self._message), rows[0].topic, _qos(rows[0].qos))
+        self._sent: list[Any] | None = None
+        period = min(row.period for row in rows)
+        if period < float('inf'):
+            node.create_timer(period, self._repeat)
+
+    def update(self, images: OutputImages, now: float) -> list[tuple[IoRow, str]]:
+        """Set the message and send it if it changed; the rows and their problems, '' for none."""
+        problems = []
+        for row, kind in self._rows:
+            value, problem = images.value(row.channel), ''
+            if images.absent_for(row.channel, now) >= row.timeout:
+                value = row.fail_safe
+                problem = (
+                    f'nobody has published {row.channel.image} for {row.timeout:g} s; {row.topic} gets '
+                    f'the fail-safe value {row.fail_safe:g} of {row.channel.name}'
+                )
+            if value is None:
+                return []  # a message with made-up values must not switch anything
+            field, lost = to_field(row, value, kind, row.path.get(self._message))
+            row.path.set(self._message, field)
+            problems.append((row, problem or lost))
+        fields = [row.path.get(self._message) for row, _ in self._rows]
+        if fields != self._sent:
+            self._sent = fields
+            self._publisher.publish(self._message)
+        return problems
+
+    def _repeat(self) -> None:
+        if self._sent is not None:
+            self._publisher.publish(self._message)
+
+
+def _checked(row: IoRow) -> str:
+    """Type of the row's field.
+
+    Raises:
+        InvalidInputError: the type or the field does not exist, or cannot hold the channel.
+    """
+    try:
+        kind = message_class(row.type)
+        found = number_type(kind, row.path)
+        _check_bit(row, found)
+        if row.channel.direction == 'output':
+            make_room(kind(), row.path)
+    except InvalidInputError as error:
+        raise row.error(error.message) from None
+    return found
+
+
+def _check_bit(row: IoRow, kind: str) -> None:
+    if row.bit is None:
+        return
+    if kind not in INTEGERS:
+        raise InvalidInputError(f'{row.path.text} is {kind!r}; a bit needs a whole number')
+    bits = (INTEGERS[kind][1] - INTEGERS[kind][0]).bit_length()
+    if row.bit >= bits:
+        raise InvalidInputError(f'{row.path.text} is {kind!r} with bits 0..{bits - 1}, not {row.bit}')
+
+
+def _by_topic(rows: tuple[IoRow, ...]) -> dict[str, list[IoRow]]:
+    topics: dict[str, list[IoRow]] = {}
+    for row in rows:
+        topics.setdefault(row.topic, []).append(row)
+    return topics
+
+
+def _qos(qos: TopicQos) -> QoSProfile:
+    reliable, latched = qos.reliability == 'reliable', qos.durability == 'transient_local'
+    return QoSProfile(
+        depth=qos.depth,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+def main() -> None:
+    """Start the node."""
+    sys.exit(run(IoBridgeNode))
+
+
+if __name__ == '__main__':
+    main()

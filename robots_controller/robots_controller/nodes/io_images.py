@@ -1,0 +1,96 @@
+"""The robot's image topics from the other side: inputs are published, outputs heard."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+from rclpy.node import Node
+from std_msgs.msg import Float64MultiArray, UInt8MultiArray
+
+from robots_controller.io_image import Channel
+from robots_core.nodes.messages import doubles
+from robots_core.nodes.qos import STATE, subscribe_state
+from robots_core.validation import Array
+
+MESSAGES: Final[dict[str, Any]] = {'digital': UInt8MultiArray, 'analog': Float64MultiArray}
+
+
+class InputImages:
+    """Publishes `digital_inputs` and `analog_inputs` at every change, up to the last channel that is used.
+
+    Args:
+        node: The node to speak through.
+        channels: The inputs that will be set; a kind that has none is not published.
+    """
+
+    def __init__(self, node: Node, channels: Iterable[Channel]) -> None:
+        self._values: dict[str, Array] = {}
+        self._publishers: dict[str, Any] = {}
+        self._published: dict[str, bytes] = {}
+        for image, kind, size in _sizes(channels):
+            self._values[image] = np.zeros(size)
+            self._publishers[image] = node.create_publisher(MESSAGES[kind], image, STATE)
+
+    def set(self, channel: Channel, value: float) -> None:
+        """Set a value; it is sent with the next `publish`."""
+        self._values[channel.image][channel.index - 1] = value
+
+    def publish(self) -> None:
+        """Publish the images that changed since the last time."""
+        for image, values in self._values.items():
+            if self._published.get(image) != values.tobytes():
+                self._published[image] = values.tobytes()
+                digital = image.startswith('digital')
+                data = values.astype('u1').tobytes() if digital else doubles(values)
+                self._publishers[image].publish(MESSAGES['digital' if digital else 'analog'](data=data))
+
+
+class OutputImages:
+    """Hears `digital_outputs` and `analog_outputs`.
+
+    Args:
+        node: The node to hear through.
+        channels: The outputs that matter.
+        on_change: An image came.
+    """
+
+    def __init__(self, node: Node, channels: Iterable[Channel], on_change: Callable[[], None]) -> None:
+        self._node = node
+        self._on_change = on_change
+        self._values: dict[str, Array] = {}
+        self._seen: dict[str, float] = {}
+        for image, kind, _ in _sizes(channels):
+            self._seen[image] = 1e-9 * node.get_clock().now().nanoseconds
+            subscribe_state(node, MESSAGES[kind], image, partial(self._on_message, image))
+
+    def value(self, channel: Channel) -> float | None:
+        """Value of an output; None before the first image, and 0 if the image is too short for it."""
+        values = self._values.get(channel.image)
+        if values is None:
+            return None
+        return float(values[channel.index - 1]) if channel.index <= values.size else 0.0
+
+    def absent_for(self, channel: Channel, now: float) -> float:
+        """For how long nobody has published the channel's image, s; 0 while somebody does."""
+        image = channel.image
+        if self._node.count_publishers(self._node.resolve_topic_name(image)) == 0:
+            self._values.pop(image, None)  # who comes next begins with an image of its own
+        elif image in self._values:
+            self._seen[image] = now
+        return now - self._seen[image]
+
+    def _on_message(self, image: str, message: Any) -> None:
+        self._values[image] = np.asarray(message.data, dtype=np.float64)
+        self._on_change()
+
+
+def _sizes(channels: Iterable[Channel]) -> list[tuple[str, str, int]]:
+    """Image, kind and highest index, for each image that has a channel."""
+    sizes: dict[str, tuple[str, int]] = {}
+    for channel in channels:
+        _, size = sizes.get(channel.image, ('', 0))
+        sizes[channel.image] = (channel.kind, max(size, channel.index))
+    return [(image, kind, size) for image, (kind, size) in sizes.items()]

@@ -1,0 +1,244 @@
+"""IoServices: the topics and services of an IoImage."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Final
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from rcl_interfaces.msg import ParameterDescriptor, ParameterType, ParameterValue, SetParametersResult
+from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
+from rclpy.node import Node
+from std_msgs.msg import Float64MultiArray, MultiArrayDimension, MultiArrayLayout, UInt8MultiArray
+from std_srvs.srv import SetBool
+
+from robots_controller.io_image import FORCE, IMAGES, Channel, IoImage, Kind
+from robots_core.errors import InvalidInputError
+from robots_core.nodes.messages import diagnostic_status, doubles
+from robots_core.nodes.qos import STATE, subscribe_state
+
+_MESSAGES: Final[dict[str, Any]] = {'digital': UInt8MultiArray, 'analog': Float64MultiArray}
+_TYPE_NAMES: Final = {
+    ParameterType.PARAMETER_NOT_SET: 'no value',
+    ParameterType.PARAMETER_STRING: 'a string',
+    ParameterType.PARAMETER_DOUBLE: 'a double',
+}
+_WANTED: Final[dict[Kind, str]] = {
+    'digital': 'a bool, or an integer 0 or 1',
+    'analog': 'a double or an integer',
+}
+
+
+class IoServices:
+    """Publishes an image at every change, takes inputs from topics, and serves all channels by name.
+
+    Topics: `digital_inputs`, `analog_inputs` in; `digital_outputs`, `analog_outputs`, the inputs as the
+    program sees them below the node's name, and `forced_inputs` out, all latched.
+    Services: `~/get_io`, `~/set_io`, `~/list_io`, `~/describe_io` with the types of parameter services, and
+    `~/digital_input_1/set` and so on. A channel's name with `.force` behind it stands for its forced value;
+    set to no value it releases the input.
+
+    Args:
+        node: The node to speak through.
+        image: The image.
+        on_inputs: Inputs came on a topic: the error, or None.
+    """
+
+    def __init__(
+        self, node: Node, image: IoImage, on_inputs: Callable[[str, InvalidInputError | None], None]
+    ) -> None:
+        self._image = image
+        self._on_inputs = on_inputs
+        self._hardware = node.get_fully_qualified_name()
+        self._lock = threading.Lock()
+        self._published: dict[str, bytes] = {}
+        self._forced: dict[Channel, float] | None = None
+        self._publishers: dict[str, Any] = {
+            name: node.create_publisher(
+                _MESSAGES[_kind(name)], name if name.endswith('outputs') else f'~/{name}', STATE
+            )
+            for name in IMAGES
+        }
+        self._layouts = {name: _layout(name, image.size(name)) for name in IMAGES}
+        self._forced_publisher = node.create_publisher(DiagnosticStatus, 'forced_inputs', STATE)
+        for name in ('digital_inputs', 'analog_inputs'):
+            subscribe_state(node, _MESSAGES[_kind(name)], name, partial(self._on_message, name))
+        for kind, name, serve in (
+            (GetParameters, 'get_io', self._get),
+            (SetParameters, 'set_io', self._set),
+            (ListParameters, 'list_io', self._list),
+            (DescribeParameters, 'describe_io', self._describe),
+        ):
+            node.create_service(kind, f'~/{name}', serve)
+        for channel in image.channels:
+            if channel.kind == 'digital':
+                name = f'~/{channel.kind}_{channel.direction}_{channel.index}/set'
+                node.create_service(SetBool, name, partial(self._set_bool, channel))
+        self.publish()
+
+    def publish(self) -> None:
+        """Publish what changed since the last time; safe from any thread."""
+        with self._lock:  # held while publishing: an older image must not overtake a newer one
+            for name in IMAGES:
+                values = self._image.numbers(name)
+                if self._published.get(name) == values.tobytes():
+                    continue
+                self._published[name] = values.tobytes()
+                data = values.astype('u1').tobytes() if _kind(name) == 'digital' else doubles(values)
+                message = _MESSAGES[_kind(name)](layout=self._layouts[name], data=data)
+                self._publishers[name].publish(message)
+            if (forced := self._image.forced()) != self._forced:
+                self._forced = forced
+                self._forced_publisher.publish(self._forced_status(forced))
+
+    def _forced_status(self, forced: dict[Channel, float]) -> DiagnosticStatus:
+        shown = {_shown_name(channel): _shown(channel, value) for channel, value in forced.items()}
+        return diagnostic_status(
+            'forced inputs',
+            f'{len(shown)} forced: {", ".join(shown)}' if shown else 'no input is forced',
+            level=DiagnosticStatus.WARN if shown else DiagnosticStatus.OK,
+            hardware_id=self._hardware,
+            **shown,
+        )
+
+    # -- the executor's thread ------------------------------------------------------------------
+
+    def _on_message(self, topic: str, message: UInt8MultiArray | Float64MultiArray) -> None:
+        try:
+            self._image.set_inputs(_kind(topic), message.data)
+        except InvalidInputError as error:
+            self._on_inputs(topic, error)
+        else:
+            self.publish()
+            self._on_inputs(topic, None)
+
+    def _get(self, request: GetParameters.Request, response: GetParameters.Response) -> Any:
+        response.values = [self._value(name) for name in request.names]
+        return response
+
+    def _value(self, name: str) -> ParameterValue:
+        try:
+            channel, force = self._find(name)
+        except InvalidInputError as error:
+            # The reason takes the place of the value: there is no other in the response.
+            return ParameterValue(string_value=str(error))
+        value = self._image.forced().get(channel) if force else self._image.value(channel)
+        if value is None:
+            return ParameterValue(string_value=f'{channel.name} is not forced')
+        if channel.kind == 'digital':
+            return ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=bool(value))
+        return ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value)
+
+    def _set(self, request: SetParameters.Request, response: SetParameters.Response) -> Any:
+        for parameter in request.parameters:
+            try:
+                reason = self._set_one(parameter.name, parameter.value)
+            except InvalidInputError as error:
+                response.results.append(SetParametersResult(successful=False, reason=str(error)))
+            else:
+                response.results.append(SetParametersResult(successful=True, reason=reason))
+        self.publish()
+        return response
+
+    def _set_one(self, name: str, value: ParameterValue) -> str:
+        channel, force = self._find(name)
+        if force and value.type == ParameterType.PARAMETER_NOT_SET:
+            self._image.release(channel)
+            return 'released'
+        number = _number(channel, value)
+        if force:
+            self._image.force(channel, number)
+            return 'forced'
+        self._image.set_value(channel, number)
+        if (forced := self._image.forced().get(channel)) is not None:
+            return (
+                f'{channel.name} is forced to {_shown(channel, forced)}; the value shows once it is released'
+            )
+        return ''
+
+    def _set_bool(self, channel: Channel, request: SetBool.Request, response: SetBool.Response) -> Any:
+        value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=request.data)
+        response.success, response.message = True, self._set_one(channel.name, value)
+        self.publish()
+        return response
+
+    def _list(self, request: ListParameters.Request, response: ListParameters.Response) -> Any:
+        names = [channel.name for channel in self._image.channels]
+        names += [f'{channel.name}.{FORCE}' for channel in self._image.forced()]
+        prefixes = [f'{prefix.rstrip(".")}.' for prefix in request.prefixes] or ['']
+        listed = {
+            name
+            for name in names
+            for prefix in prefixes
+            if f'{name}.'.startswith(prefix)
+            and (not request.depth or name.removeprefix(prefix).count('.') < request.depth)
+        }
+        response.result.names = [name for name in names if name in listed]
+        response.result.prefixes = list(dict.fromkeys(n.rpartition('.')[0] for n in response.result.names))
+        return response
+
+    def _describe(self, request: DescribeParameters.Request, response: DescribeParameters.Response) -> Any:
+        response.descriptors = [self._descriptor(name) for name in request.names]
+        return response
+
+    def _descriptor(self, name: str) -> ParameterDescriptor:
+        try:
+            channel, force = self._find(name)
+        except InvalidInputError as error:
+            return ParameterDescriptor(name=name, description=str(error))
+        text = f'{channel.kind} {channel.direction} {channel.index}'
+        if channel.label:
+            text = f'{channel.label}: {text}'
+        forced = self._image.forced().get(channel)
+        if forced is not None:
+            text += f', forced to {_shown(channel, forced)}'
+        return ParameterDescriptor(
+            name=f'{channel.name}.{FORCE}' if force else channel.name,
+            type=_type(channel),
+            description=text,
+            additional_constraints=_WANTED[channel.kind],
+        )
+
+    def _find(self, name: str) -> tuple[Channel, bool]:
+        plain = name.removesuffix(f'.{FORCE}')
+        channel = self._image.find(plain)
+        if plain != name and channel.direction == 'output':
+            raise InvalidInputError(f'{channel.name} is an output; only inputs can be forced')
+        return channel, plain != name
+
+
+def _kind(name: str) -> Kind:
+    return 'digital' if name.startswith('digital') else 'analog'
+
+
+def _type(channel: Channel) -> int:
+    digital = channel.kind == 'digital'
+    return int(ParameterType.PARAMETER_BOOL if digital else ParameterType.PARAMETER_DOUBLE)
+
+
+def _layout(name: str, size: int) -> MultiArrayLayout:
+    label = f'{name.removesuffix("s")}.1..{size}'
+    return MultiArrayLayout(dim=[MultiArrayDimension(label=label, size=size, stride=size)])
+
+
+def _number(channel: Channel, value: ParameterValue) -> float:
+    if value.type == ParameterType.PARAMETER_BOOL and channel.kind == 'digital':
+        return float(value.bool_value)
+    if value.type == ParameterType.PARAMETER_INTEGER:
+        return channel.checked(value.integer_value)
+    if value.type == ParameterType.PARAMETER_DOUBLE and channel.kind == 'analog':
+        return channel.checked(value.double_value)
+    given = _TYPE_NAMES.get(
+        value.type, 'a bool' if value.type == ParameterType.PARAMETER_BOOL else 'an array'
+    )
+    raise InvalidInputError(f'{channel.name} got {given}; valid is {_WANTED[channel.kind]}')
+
+
+def _shown(channel: Channel, value: float) -> str:
+    return str(bool(value)).lower() if channel.kind == 'digital' else f'{value:g}'
+
+
+def _shown_name(channel: Channel) -> str:
+    return f'{channel.name} ({channel.label})' if channel.label else channel.name

@@ -1,0 +1,71 @@
+"""plc_node: a scripted PLC, for tests and demonstrations."""
+
+from __future__ import annotations
+
+import math
+import sys
+from typing import Any, Final
+
+from diagnostic_msgs.msg import DiagnosticStatus
+
+from robots_controller.nodes.io_images import InputImages, OutputImages
+from robots_controller.plc_script import PlcScript, read_plc_script
+from robots_controller.scripted_plc import ScriptedPlc
+from robots_core.errors import InvalidInputError
+from robots_core.nodes.robot_node import RobotNode
+from robots_core.nodes.run import run
+
+IDLE_PERIOD: Final = 3600.0  # s, of a timer that has nothing to do
+
+
+class PlcNode(RobotNode):
+    """Hears the outputs and sets the inputs as a script says.
+
+    Parameters:
+        script: The YAML file; without one nothing is set.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('plc_node', **options)
+        path = self.parameter('script', '', 'YAML file with the rules of the PLC', read_only=True)
+        script = read_plc_script(path) if path else PlcScript(())
+        self._plc = ScriptedPlc(script, self._now())
+        self._inputs = InputImages(self, script.inputs)
+        self._wanted = [channel for channel in script.channels if channel.direction == 'output']
+        self._timer = self.create_timer(IDLE_PERIOD, self._step)
+        self._outputs = OutputImages(self, self._wanted, self._step)
+        for channel, value in self._plc.inputs.items():
+            self._inputs.set(channel, value)
+        self._inputs.publish()
+        self.ready('ready' if path else 'ready; parameter script is empty, no input is set')
+        self._step()
+
+    def _now(self) -> float:
+        return 1e-9 * self.get_clock().now().nanoseconds
+
+    def _step(self) -> None:
+        heard = {channel: self._outputs.value(channel) for channel in self._wanted}
+        outputs = {channel: value for channel, value in heard.items() if value is not None}
+        now = self._now()
+        try:
+            changes = self._plc.step(now, outputs)
+        except InvalidInputError as error:
+            self.get_logger().error(str(error))  # type: ignore[no-untyped-call]
+            self.report_health(DiagnosticStatus.ERROR, str(error))
+            self._timer.cancel()
+            return
+        for change in changes:
+            self._inputs.set(change.channel, change.value)
+            self._inputs.publish()
+        due = self._plc.next_time - now
+        self._timer.timer_period_ns = int(1e9 * (IDLE_PERIOD if due == math.inf else max(1e-4, due)))
+        self._timer.reset()
+
+
+def main() -> None:
+    """Start the node."""
+    sys.exit(run(PlcNode))
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,107 @@
+"""LenientPlanning: notes what is wrong with a motion, and brings the robot to its target all the same."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robots_core.errors import RobotsError, UnreachablePoseError
+from robots_core.pose import Pose
+from robots_core.validation import Array
+from robots_planning.motion_settings import MotionSettings
+from robots_planning.pathplanning import JOINT_STATES, PathPlanning, PlannedMotion, Shape, Target
+from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.trajectory import Trajectory
+from robots_planning.verification import verify
+
+STAY: Final = 0.02  # s
+
+
+class LenientPlanning(PathPlanning):
+    """Plans as `PathPlanning` does; a motion that it refuses is noted, and replaced.
+
+    What takes its place is the same motion without the check for collisions, or a joint motion to its
+    target, or, to a target that cannot be reached, none. So a program goes on, and its other motions are
+    looked at from where they begin. After a target that was not reached that is not so: what is wrong with
+    the way of a tool from there is not told.
+
+    Attributes:
+        problems: What is wrong, by the plan that took the motion's place.
+    """
+
+    problems: dict[PlannedMotion, RobotsError]
+
+    @classmethod
+    def of(cls, planning: PathPlanning) -> LenientPlanning:
+        """The lenient twin of a planner."""
+        made = cls(planning.robot, collision=planning.collision, collision_margin=planning.collision_margin)
+        made.problems = {}
+        made._astray = False
+        return made
+
+    def plan(
+        self,
+        state: RobotCommandState,
+        q_start: ArrayLike,
+        target: Target,
+        settings: MotionSettings | None = None,
+        *,
+        shape: Shape = 'line',
+    ) -> PlannedMotion:
+        """See `PathPlanning.plan`; raises nothing."""
+        try:
+            motion = super().plan(state, q_start, target, settings, shape=shape)
+        except RobotsError as error:
+            return self._in_its_place(error, state, q_start, target, settings, shape)
+        self._astray = False
+        return motion
+
+    def _in_its_place(  # noqa: PLR0917  # the arguments of `plan`, as they came
+        self,
+        error: RobotsError,
+        state: RobotCommandState,
+        q_start: ArrayLike,
+        target: Target,
+        settings: MotionSettings | None,
+        shape: Shape,
+    ) -> PlannedMotion:
+        astray, self._astray = self._astray, False
+        end = target[-1] if isinstance(target, tuple) else target
+        for kind, goal, path in (
+            (state, target, shape),
+            (RobotCommandState.PTPJOINT_CARTESIAN, end, 'line'),
+        ):
+            if kind not in JOINT_STATES and isinstance(error, UnreachablePoseError):
+                continue
+            if kind is RobotCommandState.PTPJOINT_CARTESIAN and not isinstance(goal, Pose):
+                continue
+            try:
+                with self._through_everything():
+                    motion = super().plan(kind, q_start, goal, settings, shape=path)  # type: ignore[arg-type]
+            except RobotsError:
+                continue
+            # A way of the tool from a place where the program never is tells nothing.
+            if not (astray and state is RobotCommandState.PTPCARTESIAN):
+                self.problems[motion] = error
+            return motion
+        self._astray = True
+        motion = self._stay(np.asarray(q_start, dtype=np.float64), state)
+        self.problems[motion] = error
+        return motion
+
+    @contextmanager
+    def _through_everything(self) -> Iterator[None]:
+        held, self.collision = self.collision, None
+        try:
+            yield
+        finally:
+            self.collision = held
+
+    def _stay(self, q: Array, state: RobotCommandState) -> PlannedMotion:
+        still = np.zeros((2, q.size))
+        trajectory = Trajectory(np.array([0.0, STAY]), np.stack([q, q]), still, still)
+        return PlannedMotion(trajectory, state, verify(trajectory, self.robot))

@@ -1,0 +1,53 @@
+"""What is wrong with a motion although it was planned: torques past their limits, singular postures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from robots_core.blocks.visualizer import reach
+from robots_core.errors import RobotsError, UnreachablePoseError
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_planning.pathplanning import PlannedMotion
+from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.verification import RATIO_TOLERANCE, verify
+
+# Smallest over largest singular value of the Jacobian, lengths in reaches of the robot: the joints move a
+# hundred times as fast in one direction as in another.
+SINGULAR: Final = 0.01
+SAMPLE_PERIOD: Final = 0.01  # s
+
+
+def motion_problems(robot: BaseRobotModel, motion: PlannedMotion) -> Iterator[str]:
+    """What is wrong with a planned motion, a sentence each."""
+    use = verify(motion.trajectory, robot).uses['torque']
+    if use.ratio > 1.0 + RATIO_TOLERANCE:
+        yield f'limit: {use.describe()}'
+    if motion.kind is RobotCommandState.PTPCARTESIAN:
+        yield from _singular_passage(robot, motion)
+
+
+def refusal(error: RobotsError) -> str:
+    """Why a motion was refused, with the kind of the problem."""
+    return f'unreachable: {error}' if isinstance(error, UnreachablePoseError) else str(error)
+
+
+def _singular_passage(robot: BaseRobotModel, motion: PlannedMotion) -> Iterator[str]:
+    count = max(2, int(np.ceil(motion.duration / SAMPLE_PERIOD)) + 1)
+    times = np.linspace(0.0, motion.duration, count)
+    length = reach(robot)
+    scale = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]
+    values = [
+        np.linalg.svd(robot.jacobian(q) * scale, compute_uv=False) for q in motion.trajectory.sample(times)[0]
+    ]
+    ratios = np.array([found[-1] / found[0] for found in values])
+    worst = int(np.argmin(ratios))
+    if ratios[worst] < SINGULAR:
+        part = 100.0 * times[worst] / motion.duration
+        factor = 1.0 / max(ratios[worst], 1e-9)
+        yield (
+            f'singular: the tool passes a singular posture after {part:.0f} % of its path '
+            f'({times[worst]:.2f} s): singular values differ by a factor of {factor:.3g}'
+        )
