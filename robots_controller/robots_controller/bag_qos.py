@@ -1,0 +1,30 @@
+"""Quality of service as bags tell it."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+
+UNLIMITED: Final = QosTime(sec=2147483647, nsec=4294967295)
+
+
+def bag_qos(*, latched: bool, reliable: bool = True, depth: int = 1) -> Qos:
+    """The profile of a publisher.
+
+    Args:
+        latched: Who comes late gets the last message.
+        reliable: Every message arrives.
+        depth: How many messages it keeps.
+    """
+    return Qos(
+        history=QosHistory.KEEP_LAST,
+        depth=max(1, depth),
+        reliability=QosReliability.RELIABLE if reliable else QosReliability.BEST_EFFORT,
+        durability=QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
+        deadline=UNLIMITED,
+        lifespan=UNLIMITED,
+        liveliness=QosLiveliness.AUTOMATIC,
+        liveliness_lease_duration=UNLIMITED,
+        avoid_ros_namespace_conventions=False,
+    )

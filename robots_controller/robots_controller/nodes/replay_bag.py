@@ -1,0 +1,93 @@
+"""replay_bag: publish a recorded bag onto real topics."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import try_shutdown
+
+from robots_controller.bag_file import read_bag
+from robots_controller.bag_replay import replay_plan
+from robots_controller.nodes.bag_player import BagPlayer
+from robots_core.errors import RobotsError
+from robots_core.nodes.interrupt import interrupt
+from robots_core.nodes.middleware import choose_transports
+
+EXIT_OK, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 2, 130
+
+
+def main() -> None:
+    """Run from the command line."""
+    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    choose_transports()
+    try:
+        code = replay_bag(sys.argv[1:])
+    except RobotsError as error:
+        print(f'error: {error}', file=sys.stderr)
+        code = EXIT_BAD_INPUT
+    sys.exit(code)
+
+
+def replay_bag(arguments: Sequence[str]) -> int:
+    """Publish the bag of a command line.
+
+    Returns:
+        Exit code: 0, or 130 after Ctrl-C.
+
+    Raises:
+        RobotsError: a bag that cannot be read, or options that do not fit it.
+    """
+    parser = argparse.ArgumentParser(
+        prog='replay_bag',
+        description='Publish a bag onto real topics with its timing, the state of latched topics first.',
+    )
+    parser.add_argument('bag', type=Path, help='a folder, or a .mcap or .db3 file')
+    parser.add_argument('--rate', type=float, default=1.0, help='times faster than recorded')
+    parser.add_argument('--start', type=float, default=0.0, help='where to begin, s after the first message')
+    parser.add_argument('--topics', nargs='+', default=(), help='publish these alone')
+    parser.add_argument(
+        '--remap', nargs='+', default=(), metavar='FROM:=TO', help='publish topics under other names'
+    )
+    parser.add_argument('--wait', type=float, default=1.0, help='longest wait for subscribers, s')
+    options = parser.parse_args(arguments)
+    bag = read_bag(options.bag)
+    if bag.problem:
+        print(f'{bag.path} is incomplete: {bag.problem}', file=sys.stderr)
+    plan = replay_plan(
+        bag,
+        rate=options.rate,
+        start=options.start,
+        topics=options.topics,
+        remaps=dict(_remap(text) for text in options.remap),
+    )
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    player: BagPlayer | None = None
+    try:
+        player = BagPlayer(plan)
+        with interrupt(lambda: None) as stop:
+            if unheard := player.wait_for_subscribers(options.wait, stop):
+                print(f'nobody listens to {", ".join(unheard)}')
+            print(f'{len(plan.timeline)} messages in {plan.duration:.1f} s', flush=True)
+            count = player.play(stop)
+    finally:
+        if player is not None:
+            player.destroy_node()  # type: ignore[no-untyped-call]
+        try_shutdown()
+    return EXIT_OK if count == len(plan.timeline) else EXIT_INTERRUPTED
+
+
+def _remap(text: str) -> tuple[str, str]:
+    old, separator, new = text.partition(':=')
+    if not (old and separator and new):
+        raise RobotsError(f'{text!r} is no remap; remaps are like /plc/inputs:=/press/inputs')
+    return old, new
+
+
+if __name__ == '__main__':
+    main()
