@@ -1,0 +1,60 @@
+"""report: what a recorded run did, or what changed between two."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from robots_controller.report.comparison import compare_runs
+from robots_controller.report.comparison_page import comparison_page, show_comparison
+from robots_controller.report.page import report_page, write_page
+from robots_controller.report.run_report import run_report
+from robots_controller.report.terminal import show_report
+from robots_core.errors import RobotsError
+
+LOG_WIDTH = 140  # characters; a log file has no width of its own
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Report on bags.
+
+    Returns:
+        0 for a report, 2 for what cannot be reported on.
+    """
+    parser = argparse.ArgumentParser(prog='report', description=__doc__)
+    parser.add_argument('bag', type=Path, metavar='BAG', help='a recorded bag, live or simulated')
+    parser.add_argument('other', type=Path, nargs='?', metavar='BAG', help='a second one: what changed since')
+    parser.add_argument('-o', '--output', type=Path, metavar='FILE', help='write an HTML page')
+    parser.add_argument('--robot', default='', help="the robot's name; by default the one that the bag names")
+    parser.add_argument('--scene', type=Path, metavar='FILE', help='what stands around the robot (YAML)')
+    parser.add_argument('--namespace', default='/', help='ROS namespace of the recorded cell')
+    options = parser.parse_args(arguments)
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else LOG_WIDTH)
+    try:
+        bags = [options.bag] if options.other is None else [options.bag, options.other]
+        reports = [
+            run_report(bag, robot=options.robot, scene=options.scene, namespace=options.namespace)
+            for bag in bags
+        ]
+        if len(reports) == 1:
+            show_report(reports[0], console)
+        else:
+            show_comparison(comparison := compare_runs(*reports), console)
+        if options.output is not None:
+            write_page(
+                options.output,
+                report_page(reports[0]) if len(reports) == 1 else comparison_page(comparison),
+            )
+            console.print(f'page: {options.output}')
+    except RobotsError as error:
+        print(f'error: {error}', file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

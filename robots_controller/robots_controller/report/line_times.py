@@ -1,0 +1,152 @@
+"""LineTimes: where the cycle time goes, line by line of the program."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final, Literal
+
+import numpy as np
+
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
+from robots_controller.report.recorded_run import RecordedRun
+
+Activity = Literal['moving', 'waiting', 'io']
+ACTIVITIES: Final[tuple[Activity, ...]] = ('moving', 'waiting', 'io')
+BEFORE: Final = '(before the first line)'
+_IO_CALL: Final = re.compile(
+    r'\b(' + '|'.join(name for name in LUA_FUNCTIONS if re.search(r'(In|Out)put', name)) + r')\b'
+)
+
+
+@dataclass(frozen=True)
+class Span:
+    """What a span of time was used for.
+
+    Attributes:
+        start: s.
+        end: s.
+        file: Program that it belongs to.
+        line: Line there; 0 for none.
+        activity: 'moving': a motion was under way; 'io': the program was at a line that reads or switches
+            inputs and outputs; 'waiting': all else.
+    """
+
+    start: float
+    end: float
+    file: str
+    line: int
+    activity: Activity
+
+    @property
+    def duration(self) -> float:
+        """Length, s."""
+        return self.end - self.start
+
+
+@dataclass(frozen=True)
+class LineTime:
+    """Times of a line, all its visits together.
+
+    Attributes:
+        file: Program or subprogram.
+        line: From 1.
+        source: The line's text.
+        visits: How often the program came there.
+        moving: s in which a motion of this line was under way.
+        waiting: s of waits, planning and computing.
+        io: s in which it waited for inputs, or switched outputs.
+    """
+
+    file: str
+    line: int
+    source: str
+    visits: int
+    moving: float
+    waiting: float
+    io: float
+
+    @property
+    def total(self) -> float:
+        """All together, s."""
+        return self.moving + self.waiting + self.io
+
+
+def time_spans(run: RecordedRun) -> tuple[Span, ...]:
+    """What every moment of a run was used for, in order and without gaps.
+
+    A motion's time belongs to the line that commanded it, also while the program is at a later one already.
+    """
+    motions = [motion for motion in run.motions if motion.moved]
+    cuts = {0.0, run.duration}
+    cuts.update(point.time for point in run.program)
+    cuts.update(time for motion in motions for time in (motion.start, motion.end))
+    edges = sorted(cut for cut in cuts if 0.0 <= cut <= run.duration)
+    times = [point.time for point in run.program]
+    spans: list[Span] = []
+    for start, end in pairwise(edges):
+        middle = 0.5 * (start + end)
+        under_way = next((m for m in motions if m.start <= middle < m.end), None)
+        index = int(np.searchsorted(times, middle, side='right')) - 1
+        activity: Activity = 'waiting'
+        if under_way is not None:
+            file, line, activity = under_way.file, under_way.line, 'moving'
+        elif index < 0:
+            file, line = '', 0
+        else:
+            point = run.program[index]
+            file, line = point.file, point.line
+            activity = 'io' if _IO_CALL.search(point.source) else 'waiting'
+        spans.append(Span(start, end, file, line, activity))
+    return tuple(_joined(spans))
+
+
+def line_times(run: RecordedRun) -> tuple[LineTime, ...]:
+    """Times of all lines that the run came to, in the program's order; their sum is the run's duration."""
+    sources = {(point.file, point.line): point.source for point in run.program if point.line}
+    spent: dict[tuple[str, int], dict[Activity, float]] = {}
+    visits: dict[tuple[str, int], int] = {}
+    last = None
+    for span in time_spans(run):
+        place = span.file, span.line
+        times = spent.setdefault(place, dict.fromkeys(ACTIVITIES, 0.0))
+        times[span.activity] += span.duration
+        visits[place] = visits.get(place, 0) + (place != last)
+        last = place
+    for place in _places(run):  # lines that took no time to speak of
+        spent.setdefault(place, dict.fromkeys(ACTIVITIES, 0.0))
+    files = list(dict.fromkeys(file for file, _ in spent))
+    return tuple(
+        LineTime(
+            file,
+            line,
+            sources.get((file, line), '') if line else BEFORE,
+            visits.get((file, line), 1),
+            **spent[file, line],
+        )
+        for file, line in sorted(spent, key=lambda place: (files.index(place[0]), place[1]))
+    )
+
+
+def _places(run: RecordedRun) -> Iterable[tuple[str, int]]:
+    return ((point.file, point.line) for point in run.program if point.line and point.time <= run.duration)
+
+
+def _joined(spans: Iterable[Span]) -> Iterable[Span]:
+    """Neighbours of one line and activity as one."""
+    held: Span | None = None
+    for span in spans:
+        if held is not None and (held.file, held.line, held.activity) == (
+            span.file,
+            span.line,
+            span.activity,
+        ):
+            held = Span(held.start, span.end, span.file, span.line, span.activity)
+            continue
+        if held is not None:
+            yield held
+        held = span
+    if held is not None:
+        yield held

@@ -1,0 +1,90 @@
+"""IoChannel: what an input or output of a recorded run showed over time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from robots_core.validation import Array, read_only
+
+IO_TOPICS: Final = (
+    'lua_program_node/digital_inputs',
+    'lua_program_node/analog_inputs',
+    'digital_inputs',
+    'analog_inputs',
+    'digital_outputs',
+    'analog_outputs',
+)
+IO_KINDS: Final = ('digital_input', 'digital_output', 'analog_input', 'analog_output')
+NANOSECONDS: Final = 1e-9  # s
+
+
+@dataclass(frozen=True, eq=False)
+class IoChannel:
+    """A channel that changed, or that is not 0.
+
+    Attributes:
+        name: As everywhere: digital_input.1.
+        digital: It is 0 or 1.
+        time: When it got its values, (k,) s, the first at 0 or before.
+        value: (k,); each holds until the next.
+        label: Its own name, '' for none.
+    """
+
+    name: str
+    digital: bool
+    time: Array
+    value: Array
+    label: str = ''
+
+
+def io_channels(
+    messages: Mapping[str, Sequence[tuple[int, Any]]], labels: Mapping[str, str], origin: int, end: float
+) -> tuple[IoChannel, ...]:
+    """The channels of a bag.
+
+    Args:
+        messages: (ns, message) of `IO_TOPICS`.
+        labels: Own names of channels, by name.
+        origin: Time 0, ns.
+        end: End of the run, s; what comes later is left out.
+    """
+    channels: list[IoChannel] = []
+    for image in (f'{kind}s' for kind in IO_KINDS):
+        # The inputs as the program saw them, forced ones too; as they came from outside in older bags.
+        rows = messages.get(f'lua_program_node/{image}') or messages.get(image) or ()
+        if not rows:
+            continue
+        size = max(len(message.data) for _, message in rows)
+        values = np.zeros((len(rows), size))
+        for row, (_, message) in enumerate(rows):
+            values[row, : len(message.data)] = message.data
+        time = np.array([NANOSECONDS * (stamp - origin) for stamp, _ in rows])
+        keep = time <= end
+        for index in range(size):
+            channel = _channel(image, index, time[keep], values[keep, index], labels)
+            if channel is not None:
+                channels.append(channel)
+    return tuple(channels)
+
+
+def _channel(
+    image: str, index: int, time: Array, values: Array, labels: Mapping[str, str]
+) -> IoChannel | None:
+    if not values.any():
+        return None
+    if time[0] > 0.0:  # before the first message nothing was on
+        time, values = np.concatenate([[0.0], time]), np.concatenate([[0.0], values])
+    changed = np.concatenate([[True], np.diff(values) != 0.0])
+    time, values = time[changed], values[changed]
+    name = f'{image.removesuffix("s")}.{index + 1}'
+    return IoChannel(
+        name,
+        image.startswith('digital'),
+        read_only(time),
+        read_only(values),
+        labels.get(name, ''),
+    )

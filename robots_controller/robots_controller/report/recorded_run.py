@@ -1,0 +1,254 @@
+"""RecordedRun: a recorded program run as arrays on one time axis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from robots_controller.bag_file import Bag, read_bag
+from robots_controller.bag_reading import seconds
+from robots_controller.report.recorded_io import IO_KINDS, IO_TOPICS, IoChannel, io_channels
+from robots_controller.report.recorded_motion import MOTION_TOPICS, RecordedMotion, recorded_motions
+from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.robot_choice import load_robot_model
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array, read_only
+
+ENDED: Final = ('FINISHED', 'FAILED', 'STOPPED')
+UNKNOWN_STATE: Final = 'unknown'
+STREAMS: Final = ('joint_reference', 'joint_states', 'min_distance')
+PARAMETERS: Final = '/parameter_events'
+NANOSECONDS: Final = 1e-9  # s
+
+
+@dataclass(frozen=True)
+class ProgramPoint:
+    """Where the program was from a time on.
+
+    Attributes:
+        time: s.
+        state: RUNNING, PAUSED, FINISHED ...
+        file: The program or subprogram.
+        line: From 1; 0 for none.
+        source: The line's text.
+    """
+
+    time: float
+    state: str
+    file: str
+    line: int
+    source: str
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedRun:
+    """A run on one time axis, which begins with the program.
+
+    Attributes:
+        bag: Where it comes from.
+        robot: The robot.
+        time: Instants of the references, (m,) s, increasing.
+        reference: Position, velocity and acceleration of the references, (m, n) each.
+        feedback: Position and velocity of the drives at these instants, (m, n) each.
+        effort: Torques of the drives, (m, n) N m (N); None where they tell none.
+        motions: In order.
+        program: Where the program was, by time.
+        io: The channels that the bag knows.
+        distance: (time, smallest distance in m), (k, 2), as watched while it ran; empty if nobody watched.
+        duration: Of the program, s.
+        program_state: How it ended.
+        program_error: Why it failed, or ''.
+        problem: What is wrong with the bag, or ''.
+    """
+
+    bag: Path
+    robot: BaseRobotModel
+    time: Array
+    reference: tuple[Array, Array, Array]
+    feedback: tuple[Array, Array]
+    effort: Array | None
+    motions: tuple[RecordedMotion, ...]
+    program: tuple[ProgramPoint, ...]
+    io: tuple[IoChannel, ...]
+    distance: Array
+    duration: float
+    program_state: str = UNKNOWN_STATE
+    program_error: str = ''
+    problem: str = field(default='')
+
+    @property
+    def program_name(self) -> str:
+        """File of the program; '' if none ran."""
+        return next((point.file for point in self.program if point.file), '')
+
+    def window(self, start: float, end: float) -> slice:
+        """The samples of a span of time, s; at least one."""
+        first = min(int(np.searchsorted(self.time, start)), self.time.size - 1)
+        return slice(first, max(int(np.searchsorted(self.time, end, side='right')), first + 1))
+
+
+def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/') -> RecordedRun:
+    """Read a run from a bag, live or simulated.
+
+    Args:
+        bag: A rosbag2 folder, or one .mcap or .db3 file; what was cut off is read up to the cut.
+        robot: The robot's name; by default the one that the bag names.
+        namespace: Namespace of the recorded cell.
+
+    Raises:
+        RobotsError: not a readable bag, no references in it, or an unknown robot.
+    """
+    recorded = read_bag(bag)
+    prefix = namespace.rstrip('/') + '/'
+    topics = (*STREAMS, *IO_TOPICS, *MOTION_TOPICS)
+    found = recorded.deserialized([*(prefix + topic for topic in topics), PARAMETERS])
+    parameters = [message for _, message in found[PARAMETERS]]
+    messages = {topic: found[prefix + topic] for topic in topics}
+    if not messages['joint_reference']:
+        there = ', '.join(sorted(recorded.topics)) or 'nothing'
+        raise RobotsError(f'{bag} holds no {prefix}joint_reference; a report needs it. It holds {there}')
+    model = load_robot_model(robot or _robot_name(recorded, messages))
+    origin = _program_start(messages['program_status'], messages['joint_reference'][0][0])
+    program = _program(messages['program_status'], origin)
+    time, reference = _references(messages['joint_reference'], model, origin)
+    ends = (point.time for point in program if point.state in ENDED)
+    end = next(ends, max(float(time[-1]), 0.0))
+    inside = (time >= 0.0) & (time <= end)
+    if not inside.any():  # a program that fails at once: where the robot stood then
+        inside[np.argmin(np.abs(time))] = True
+    time = read_only(time[inside])
+    position, velocity, acceleration = (read_only(values[inside]) for values in reference)
+    q, q_dot, effort = _feedback(messages['joint_states'], model, origin, time)
+    last = _values(messages['program_status'][-1][1]) if messages['program_status'] else {}
+    return RecordedRun(
+        bag=Path(bag),
+        robot=model,
+        time=time,
+        reference=(position, velocity, acceleration),
+        feedback=(q, q_dot),
+        effort=effort,
+        motions=recorded_motions(_since(messages, origin), model, (time, position)),
+        program=program,
+        io=io_channels(messages, _channel_labels(parameters), origin, float(end)),
+        distance=read_only(
+            np.array([(_time(t, origin), m.data) for t, m in messages['min_distance']]).reshape(-1, 2)
+        ),
+        duration=float(end),
+        program_state=last.get('state', UNKNOWN_STATE),
+        program_error=last.get('error', ''),
+        problem=recorded.problem,
+    )
+
+
+def _robot_name(bag: Bag, messages: Mapping[str, Sequence[tuple[int, Any]]]) -> str:
+    for topic in ('program_status', 'motion_result'):
+        for _, message in messages[topic]:
+            if message.hardware_id:
+                return str(message.hardware_id)
+    raise InvalidInputError(
+        f'{bag.path} does not say which robot it was recorded with; name it: --robot NAME'
+    )
+
+
+def _channel_labels(events: Sequence[Any]) -> dict[str, str]:
+    """Names of channels, from the parameters of lua_program_node where the bag has them."""
+    labels: dict[str, str] = {}
+    for event in events:
+        for parameter in (*event.new_parameters, *event.changed_parameters):
+            image = parameter.name.removesuffix('_names')
+            if event.node.endswith('/lua_program_node') and image in IO_KINDS:
+                names = enumerate(parameter.value.string_array_value, 1)
+                labels |= {f'{image}.{index}': str(label) for index, label in names}
+    return labels
+
+
+def _program_start(statuses: Sequence[tuple[int, Any]], first_reference: int) -> int:
+    running = (stamp for stamp, status in statuses if _values(status).get('state') == 'RUNNING')
+    return next(running, first_reference)
+
+
+def _program(statuses: Sequence[tuple[int, Any]], origin: int) -> tuple[ProgramPoint, ...]:
+    points = []
+    for stamp, status in statuses:
+        values = _values(status)
+        points.append(
+            ProgramPoint(
+                _time(stamp, origin),
+                values.get('state', UNKNOWN_STATE),
+                values.get('file', ''),
+                int(values.get('line') or 0),
+                values.get('source', '').strip(),
+            )
+        )
+    return tuple(point for point in points if point.time >= 0.0)
+
+
+def _since(
+    messages: Mapping[str, Sequence[tuple[int, Any]]], origin: int
+) -> dict[str, list[tuple[float, Any]]]:
+    return {topic: [(_time(stamp, origin), m) for stamp, m in messages[topic]] for topic in MOTION_TOPICS}
+
+
+def _references(
+    messages: Sequence[tuple[int, Any]], robot: BaseRobotModel, origin: int
+) -> tuple[Array, tuple[Array, Array, Array]]:
+    columns = _columns(messages[0][1].joint_names, robot, 'joint_reference')
+    points = [message.points[0] for _, message in messages]
+    time = np.array([_stamped(stamp, message, origin) for stamp, message in messages])
+    keep = np.concatenate([[True], np.diff(np.maximum.accumulate(time)) > 0.0])
+    position, velocity, acceleration = (
+        np.array([getattr(point, name) for point in points])[keep][:, columns]
+        for name in ('positions', 'velocities', 'accelerations')
+    )
+    return time[keep], (position, velocity, acceleration)
+
+
+def _feedback(
+    messages: Sequence[tuple[int, Any]], robot: BaseRobotModel, origin: int, time: Array
+) -> tuple[Array, Array, Array | None]:
+    if not messages:
+        raise RobotsError('the bag holds no joint_states; a report needs them')
+    columns = _columns(messages[0][1].name, robot, 'joint_states')
+    at = np.array([_stamped(stamp, message, origin) for stamp, message in messages])
+    order = np.argsort(at, kind='stable')
+
+    def on_grid(name: str) -> Array | None:
+        rows = [getattr(message, name) for _, message in messages]
+        if any(len(row) < len(columns) for row in rows):
+            return None
+        values = np.array(rows)[order][:, columns]
+        return read_only(np.stack([np.interp(time, at[order], column) for column in values.T], axis=1))
+
+    q, q_dot = on_grid('position'), on_grid('velocity')
+    if q is None:
+        raise RobotsError('joint_states lack positions; a report needs them')
+    if q_dot is None:
+        q_dot = read_only(np.gradient(q, time, axis=0) if time.size > 1 else np.zeros_like(q))
+    return q, q_dot, on_grid('effort')
+
+
+def _columns(names: Sequence[str], robot: BaseRobotModel, topic: str) -> list[int]:
+    missing = [name for name in robot.axes_data.names if name not in names]
+    if missing:
+        raise InvalidInputError(
+            f'{topic} of the bag lacks joint {missing[0]} of {robot.name}: it has {", ".join(names)}'
+        )
+    return [list(names).index(name) for name in robot.axes_data.names]
+
+
+def _stamped(stamp: int, message: Any, origin: int) -> float:
+    """When a sample was due; when it was sent if its stamp is of another clock."""
+    sent, due = _time(stamp, origin), seconds(message.header.stamp) - NANOSECONDS * origin
+    return due if abs(due - sent) < 1.0 else sent
+
+
+def _time(stamp: int, origin: int) -> float:
+    return NANOSECONDS * (stamp - origin)
+
+
+def _values(status: Any) -> dict[str, str]:
+    return {item.key: item.value for item in status.values}

@@ -1,0 +1,79 @@
+"""RunReport: everything that is told of a recorded run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from robots_controller.report.clearance import Clearance, clearance
+from robots_controller.report.line_times import ACTIVITIES, LineTime, line_times
+from robots_controller.report.motion_figures import MotionFigures, motion_figures
+from robots_controller.report.recorded_run import RecordedRun, read_run
+from robots_controller.report.run_signals import RunSignals, energy
+from robots_core.blocks.collision.scene import Scene
+from robots_core.blocks.collision.scene_file import read_scene
+from robots_core.validation import Array, read_only
+
+
+@dataclass(frozen=True, eq=False)
+class RunReport:
+    """A run and its figures.
+
+    Attributes:
+        run: The run.
+        signals: Signals over its time.
+        lines: Times by line.
+        motions: Figures by motion.
+        clearance: Distances; None without a scene.
+        scene: What stands around the robot; None for nothing.
+    """
+
+    run: RecordedRun
+    signals: RunSignals
+    lines: tuple[LineTime, ...]
+    motions: tuple[MotionFigures, ...]
+    clearance: Clearance | None
+    scene: Scene | None
+
+    @cached_property
+    def energy(self) -> Array:
+        """Mechanical energy that each axis takes up, (n,) J."""
+        return read_only(energy(self.run.time, self.signals.power))
+
+    @cached_property
+    def times(self) -> dict[str, float]:
+        """Time by activity, s; together the cycle time."""
+        return {activity: sum(getattr(line, activity) for line in self.lines) for activity in ACTIVITIES}
+
+    @property
+    def title(self) -> str:
+        """Program and robot."""
+        return f'{self.run.program_name or self.run.bag.name} on {self.run.robot.name}'
+
+
+def run_report(
+    bag: Path | str, *, robot: str = '', scene: Path | str | None = None, namespace: str = '/'
+) -> RunReport:
+    """Report on a recorded run, live or simulated.
+
+    Args:
+        bag: The recorded bag.
+        robot: The robot's name; by default the one that the bag names.
+        scene: YAML file of what stands around the robot; distances are told with it.
+        namespace: Namespace of the recorded cell.
+
+    Raises:
+        RobotsError: not a readable bag, no references in it, an unknown robot, or a scene that is not valid.
+    """
+    run = read_run(bag, robot=robot, namespace=namespace)
+    signals = RunSignals.of(run)
+    surroundings = read_scene(scene) if scene else None
+    return RunReport(
+        run=run,
+        signals=signals,
+        lines=line_times(run),
+        motions=motion_figures(run, signals),
+        clearance=clearance(run, surroundings) if surroundings is not None else None,
+        scene=surroundings,
+    )

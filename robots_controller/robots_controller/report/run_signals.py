@@ -1,0 +1,90 @@
+"""RunSignals: what is computed from the arrays of a run: tool, torques, powers, uses of limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from robots_controller.report.recorded_run import RecordedRun
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array, read_only
+
+LIMITS: Final = ('velocity', 'acceleration', 'torque')
+
+
+@dataclass(frozen=True, eq=False)
+class RunSignals:
+    """Signals over the run's time, (m,) rows.
+
+    Attributes:
+        tool_reference: Position of tool0 that the references ask for, (m, 3) m, base frame.
+        tool: Position of tool0 by the drives, (m, 3) m.
+        orientation: Orientation of tool0 by the drives, (m, 3, 3).
+        tool_speed: Speed of tool0 by the drives, (m,) m/s.
+        reference_speed: Speed of tool0 that the references ask for, (m,) m/s.
+        torque: Torques, (m, n) N m (N): those of the drives, or those that the references need.
+        measured: The torques are those of the drives.
+        power: Mechanical power of each axis, (m, n) W; below 0 it brakes.
+        use: By limit of `LIMITS`, the references' absolute value over the limit, (m, n); torques by inverse
+            dynamics.
+    """
+
+    tool_reference: Array
+    tool: Array
+    orientation: Array
+    tool_speed: Array
+    reference_speed: Array
+    torque: Array
+    measured: bool
+    power: Array
+    use: dict[str, Array]
+
+    @classmethod
+    def of(cls, run: RecordedRun) -> RunSignals:
+        """The signals of a run."""
+        robot, axes = run.robot, run.robot.axes_data
+        q_ref, q_dot_ref, q_ddot_ref = run.reference
+        q, q_dot = run.feedback
+        model = robot.rigid_dynamics_model
+        needed = np.array([model.torques(*state) for state in zip(q_ref, q_dot_ref, q_ddot_ref, strict=True)])
+        torque = needed if run.effort is None else run.effort
+        tool, orientation = _tool(robot, q)
+        return cls(
+            tool_reference=_tool(robot, q_ref)[0],
+            tool=tool,
+            orientation=orientation,
+            tool_speed=_speed(robot, q, q_dot),
+            reference_speed=_speed(robot, q_ref, q_dot_ref),
+            torque=read_only(torque),
+            measured=run.effort is not None,
+            power=read_only(torque * (q_dot_ref if run.effort is None else q_dot)),
+            use={
+                'velocity': read_only(np.abs(q_dot_ref) / axes.velocity),
+                'acceleration': read_only(np.abs(q_ddot_ref) / axes.acceleration),
+                'torque': read_only(np.abs(needed) / axes.effort),
+            },
+        )
+
+
+def energy(time: Array, power: Array) -> Array:
+    """Mechanical energy that each axis takes up, (n,) J, by the trapezoidal rule.
+
+    What comes back while an axis brakes is lost: common drives burn it in a resistor.
+
+    Args:
+        time: (m,) s.
+        power: (m, n) W.
+    """
+    return np.asarray(np.trapezoid(np.maximum(power, 0.0), time, axis=0))
+
+
+def _tool(robot: BaseRobotModel, q: Array) -> tuple[Array, Array]:
+    poses = [robot.direct_kinematics(row) for row in q]
+    return read_only([r for r, _ in poses]), read_only([T for _, T in poses])
+
+
+def _speed(robot: BaseRobotModel, q: Array, q_dot: Array) -> Array:
+    linear = (robot.jacobian(row)[:3] @ rate for row, rate in zip(q, q_dot, strict=True))
+    return read_only([np.linalg.norm(velocity) for velocity in linear])

@@ -1,0 +1,96 @@
+"""simulate: run a robot program in a simulated cell, faster than real time."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+from robots_controller.simulation.cell_parts import COLLISION_MARGIN, cell_parts
+from robots_controller.simulation.simulated_cell import SimulatedCell
+from robots_controller.simulation.simulation_run import SimulationRun
+from robots_core.validation import positive
+
+LONGEST_TIME = 3600.0  # s of simulated time
+
+
+def simulate(
+    program: Path | str,
+    *,
+    robot: str,
+    drive: str = 'second_order',
+    scene: Path | str = '',
+    io: Path | str = '',
+    bag: Path | str | None = None,
+    rate: float = 250.0,
+    goal_tolerance: float | None = None,
+    collision_margin: float = COLLISION_MARGIN,
+    points_file: Path | str = '',
+    longest: float = LONGEST_TIME,
+    on_progress: Callable[[float, int], None] | None = None,
+) -> SimulationRun:
+    """Run a program in a simulated cell from the robot's home position.
+
+    It has the same blocks as a live cell: Lua program, planner with its check for collisions, controller,
+    drives and scripted PLC. Nothing depends on the machine's clock: two runs are the same to the last bit,
+    but for `SimulationRun.cost`. Ctrl-C in the main thread ends the run early; it returns what there is so
+    far.
+
+    Args:
+        program: Lua robot program.
+        robot: The robot's name, or urdf:/path/to/robot.urdf.
+        drive: How much of a machine the drives are: `ideal`, `second_order` or `rigid_body`.
+        scene: What the robot keeps clear of (YAML, see `read_scene`); '' for nothing but itself.
+        io: Script of the PLC that the program works with (YAML, see `read_plc_script`); '' for none.
+        bag: Folder to write a bag to, with the topics of a live recording; must not exist.
+        rate: References per second, Hz.
+        goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
+            default.
+        collision_margin: Distance that motions keep, m.
+        points_file: Taught points; '' for the file beside the program.
+        longest: The program fails if it has not ended after this simulated time, s.
+        on_progress: Told about 25 times a simulated second: time in s, line of the program.
+
+    Returns:
+        The recorded run, also of a program that fails; see `SimulationRun.error`.
+
+    Raises:
+        RobotsError: an unknown robot, a file that is not valid, a program that is not Lua, a bag that exists.
+    """
+    positive(longest, 'longest', 's')
+    parts = cell_parts(
+        program,
+        robot=robot,
+        drive=drive,
+        scene=scene,
+        io=io,
+        rate=rate,
+        goal_tolerance=goal_tolerance,
+        collision_margin=collision_margin,
+        points_file=points_file,
+    )
+    cell = SimulatedCell(
+        parts, bag=None if bag is None else Path(bag), longest=longest, on_progress=on_progress
+    )
+    with _stopped_by_interrupt(cell):
+        return cell.run()
+
+
+@contextmanager
+def _stopped_by_interrupt(cell: SimulatedCell) -> Iterator[None]:
+    """Ctrl-C stops the cell between two periods, and not in the middle of writing a bag."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(_signal: int, _frame: FrameType | None) -> None:
+        cell.stop()
+
+    before = signal.signal(signal.SIGINT, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,109 @@
+"""CellParts: the blocks of a simulated cell, set up as the nodes of a live one set them up."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from robots_controller.controller import Controller
+from robots_controller.controller_settings import ControllerSettings
+from robots_controller.io_signals import channel_labels
+from robots_controller.plc_script import PlcScript, read_plc_script
+from robots_core.blocks.collision.scene_file import read_scene
+from robots_core.blocks.collision_detection import CollisionDetection
+from robots_core.blocks.drive_level import drive_train
+from robots_core.blocks.drive_train import DriveTrain
+from robots_core.robot_choice import load_robot_model
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import positive
+from robots_planning.pathplanning import PathPlanning
+
+COLLISION_MARGIN = 0.005  # m; as planning_node
+
+
+@dataclass(frozen=True, eq=False)
+class CellParts:
+    """Everything that one simulation needs; its blocks have a state and serve one run.
+
+    Attributes:
+        program: Path of the program.
+        points_file: Taught points; None for the file beside the program.
+        robot_name: As it was asked for.
+        robot: The robot.
+        drive: Level of the drives.
+        drives: The drives.
+        controller: The controller.
+        planning: The planner, with the check for collisions.
+        plc_script: What the PLC does; without rules if there is none.
+        io_labels: Names of inputs and outputs.
+        scene: Path of the scene, '' for none.
+        io: Path of the PLC's script, '' for none.
+        period: Of the controller, s.
+    """
+
+    program: Path
+    points_file: Path | None
+    robot_name: str
+    robot: BaseRobotModel
+    drive: str
+    drives: DriveTrain
+    controller: Controller
+    planning: PathPlanning
+    plc_script: PlcScript
+    io_labels: Mapping[str, Sequence[str]]
+    scene: str
+    io: str
+    period: float
+
+
+def cell_parts(
+    program: Path | str,
+    *,
+    robot: str,
+    drive: str,
+    scene: Path | str = '',
+    io: Path | str = '',
+    rate: float = 250.0,
+    goal_tolerance: float | None = None,
+    collision_margin: float = COLLISION_MARGIN,
+    points_file: Path | str = '',
+) -> CellParts:
+    """The parts of a cell.
+
+    Args:
+        program: Lua robot program.
+        robot: The robot's name, or urdf:/path/to/robot.urdf.
+        drive: Level of the drives, one of `DRIVE_LEVELS`.
+        scene: What the robot keeps clear of (see `read_scene`).
+        io: Script of a PLC (see `plc_script`).
+        rate: References per second, Hz.
+        goal_tolerance: Largest error of an axis that has reached its target, rad (m).
+        collision_margin: Distance that motions keep, m.
+        points_file: Taught points; '' for the file beside the program.
+
+    Raises:
+        RobotsError: an unknown robot or level, a file that is not valid, a number out of range.
+    """
+    period = 1.0 / positive(rate, 'rate', 'Hz')
+    model = load_robot_model(robot)
+    script = read_plc_script(io) if io else PlcScript(())
+    collision = CollisionDetection(model)
+    if scene:
+        collision.set_scene(read_scene(scene))
+    tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
+    return CellParts(
+        program=Path(program),
+        points_file=Path(points_file) if points_file else None,
+        robot_name=robot,
+        robot=model,
+        drive=drive,
+        drives=drive_train(drive, model, model.home, period=period),
+        controller=Controller(model.axes_data, ControllerSettings(period=period, **tolerance)),
+        planning=PathPlanning(model, collision=collision, collision_margin=collision_margin),
+        plc_script=script,
+        io_labels=channel_labels(list(script.signals.values())),
+        scene=str(scene),
+        io=str(io),
+        period=period,
+    )

@@ -1,0 +1,177 @@
+"""simulate: runs a robot program in a simulated cell and says how it went."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import dataclasses
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from types import FrameType
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import Progress, SpinnerColumn, TextColumn
+
+from robots_controller.motion_report import motion_report
+from robots_controller.report import write_report
+from robots_controller.simulate import LONGEST_TIME, simulate
+from robots_controller.simulation.simulation_run import SimulationRun
+from robots_core.blocks.drive_level import DRIVE_LEVELS
+from robots_core.errors import RobotsError
+
+EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
+LOG_WIDTH = 120
+DRAW_PERIOD = 0.1  # s of the machine's time between two drawings of the bar
+
+
+def main() -> None:
+    """Run from the command line."""
+    for number in (signal.SIGTERM, signal.SIGHUP):  # as Ctrl-C
+        signal.signal(number, _interrupt)
+    # Started in the background, a process ignores SIGINT.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    console = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else LOG_WIDTH)
+    try:
+        code = run(parse_options(sys.argv[1:]), console)
+    except RobotsError as error:
+        print(f'error: {error}', file=sys.stderr)
+        code = EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        code = EXIT_INTERRUPTED
+    sys.exit(code)
+
+
+def _interrupt(_signal: int, _frame: FrameType | None) -> None:
+    signal.raise_signal(signal.SIGINT)
+
+
+def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
+    """Options from a command line.
+
+    Raises:
+        RobotsError: a program that does not exist.
+    """
+    parser = argparse.ArgumentParser(prog='simulate', description=__doc__)
+    parser.add_argument('program', help='Lua robot program to run')
+    parser.add_argument('--robot', required=True, help="the robot's name, or urdf:/path/to/robot.urdf")
+    parser.add_argument(
+        '--drive', default='second_order', choices=DRIVE_LEVELS, help='how much of a machine the drives are'
+    )
+    parser.add_argument('--scene', default='', metavar='FILE', help='what the robot keeps clear of (YAML)')
+    parser.add_argument('--io', default='', metavar='FILE', help='play a PLC: YAML script of its inputs')
+    parser.add_argument('--bag', type=Path, metavar='FOLDER', help='write a bag; the folder must not exist')
+    parser.add_argument('--report', type=Path, metavar='FILE', help='write a report, one HTML page')
+    parser.add_argument('--rate', type=float, default=250.0, help='references per second, Hz')
+    parser.add_argument(
+        '--goal-tolerance', type=float, help='largest error of an axis that has reached its target, rad'
+    )
+    parser.add_argument('--points', default='', metavar='FILE', help='taught points, in the place of the own')
+    parser.add_argument(
+        '--longest', type=float, default=LONGEST_TIME, help='longest simulated time of the program, s'
+    )
+    options = parser.parse_args(arguments)
+    if not Path(options.program).is_file():
+        raise RobotsError(f'program {options.program!r} not found; programs are Lua files, see programs/')
+    return options
+
+
+def run(options: argparse.Namespace, console: Console) -> int:
+    """Simulate, with a bar on a terminal, and say how it went.
+
+    Returns:
+        Exit code, as of `cell`: 0 if all went well; 1 if the program failed, a target was missed or a limit
+        was broken; 130 after Ctrl-C.
+
+    Raises:
+        RobotsError: input that is not valid.
+    """
+    console.print(f'[bold]{options.robot}[/] simulates [bold]{Path(options.program).name}[/]')
+    with _bag_folder(options) as bag, _bar(console) as on_progress:
+        result = simulate(
+            options.program,
+            robot=options.robot,
+            drive=options.drive,
+            scene=options.scene,
+            io=options.io,
+            bag=bag,
+            rate=options.rate,
+            goal_tolerance=options.goal_tolerance,
+            points_file=options.points,
+            longest=options.longest,
+            on_progress=on_progress,
+        )
+        if options.report is not None and bag is not None:
+            write_report(bag, options.report, robot=options.robot, scene=options.scene or None)
+    code = show(dataclasses.replace(result, bag=options.bag), console)
+    if options.report is not None:
+        console.print(f'report: {options.report}')
+    return code
+
+
+@contextlib.contextmanager
+def _bag_folder(options: argparse.Namespace) -> Iterator[Path | None]:
+    """Where the bag goes; a report needs one for a while."""
+    if options.bag is not None or options.report is None:
+        yield options.bag
+        return
+    with tempfile.TemporaryDirectory(prefix='simulate_') as folder:
+        yield Path(folder) / 'bag'
+
+
+@contextlib.contextmanager
+def _bar(console: Console) -> Iterator[Callable[[float, int], None] | None]:
+    """Shows where the simulation is, on a terminal."""
+    if not console.is_terminal:
+        yield None
+        return
+    columns = (SpinnerColumn(), TextColumn('{task.description}'))
+    with Progress(*columns, console=console, transient=True, refresh_per_second=1.0 / DRAW_PERIOD) as bar:
+        task = bar.add_task('')
+        start = time.monotonic()
+        drawn = start
+
+        def on_progress(now: float, line: int) -> None:
+            nonlocal drawn
+            wall = time.monotonic()
+            if wall - drawn >= DRAW_PERIOD:
+                drawn = wall
+                factor = now / (wall - start)
+                bar.update(task, description=f'line {line}, {now:.1f} s, {factor:.0f} times real time')
+
+        yield on_progress
+
+
+def show(result: SimulationRun, console: Console) -> int:
+    """Say how a run went; returns an exit code."""
+    for text in result.printed:
+        console.print(escape(text))
+    seconds = sum(result.cost.values())
+    console.print(
+        f'{result.duration:.3f} s simulated in {seconds:.2f} s, {result.real_time_factor:.0f} times real time'
+    )
+    code = EXIT_OK if result.ok else EXIT_FAILED
+    if result.bag is not None:
+        console.print(f'bag: {result.bag}')
+    if result.interrupted:
+        console.print('[bold red]interrupted[/]: this is the beginning only')
+        return EXIT_INTERRUPTED
+    if result.bag is not None:
+        report = motion_report(result.bag, result.robot)
+        report.show(console)
+        return code if report.ok else EXIT_FAILED
+    if result.error is not None:
+        console.print(f'[bold red]{escape(str(result.error))}[/]')
+        console.print(f'[bold red]program {result.state.lower()}[/]')
+    else:
+        count = f'{len(result.motions)} motion{"" if len(result.motions) == 1 else "s"}'
+        console.print(f'[bold green]program finished[/]: {count}')
+    return code
+
+
+if __name__ == '__main__':
+    main()

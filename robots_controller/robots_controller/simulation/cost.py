@@ -1,0 +1,30 @@
+"""Cost: what a simulation costs of the machine's time, by part."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import Literal
+
+Part = Literal['program', 'planning', 'controller', 'drives', 'recording', 'other']
+
+
+class Cost:
+    """Books the time to one part after the other."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        """s by part; 'other' is all that belongs to none."""
+        self._part: Part = 'other'
+        self._since = perf_counter()
+
+    def begin(self) -> None:
+        """Forget what was before."""
+        self.seconds.clear()
+        self._since = perf_counter()
+
+    def switch(self, part: Part) -> Part:
+        """From now on the time belongs to a part; returns the one before."""
+        before, now = self._part, perf_counter()
+        self.seconds[before] = self.seconds.get(before, 0.0) + now - self._since
+        self._part, self._since = part, now
+        return before

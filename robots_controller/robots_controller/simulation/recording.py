@@ -1,0 +1,69 @@
+"""Recording: collects the samples and events of a simulated cell."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robots_controller.simulation.events import Event
+from robots_core.validation import Array
+
+INITIAL_SIZE: Final = 4096  # samples; 16 s at 250 Hz
+
+
+class Recording:
+    """Grows as the simulation goes on.
+
+    Args:
+        num_axes: n.
+        torque: The drives know their torques.
+    """
+
+    def __init__(self, num_axes: int, *, torque: bool) -> None:
+        self.count = 0
+        """Number of samples k."""
+        self.events: list[Event] = []
+        self.nanoseconds: NDArray[np.int64] = np.zeros(INITIAL_SIZE, np.int64)
+        """Times of the samples in their first k elements; so are the others."""
+        self.reference: Array = np.zeros((INITIAL_SIZE, 3, num_axes))
+        # Positions, velocities and torques of the drives.
+        self.state: Array = np.zeros((INITIAL_SIZE, 3 if torque else 2, num_axes))
+
+    def add(self, nanoseconds: int, reference: Array, q: Array, q_dot: Array, torque: Array | None) -> None:
+        """Add a sample."""
+        k = self.count
+        if k == self.nanoseconds.size:
+            self._grow(1)
+        self.nanoseconds[k] = nanoseconds
+        self.reference[k] = reference
+        state = self.state[k]
+        state[0], state[1] = q, q_dot
+        if torque is not None:
+            state[2] = torque
+        self.count = k + 1
+
+    def repeat(self, count: int, period: int) -> None:
+        """Add copies of the last sample, `period` (ns) apart."""
+        k = self.count
+        if k + count > self.nanoseconds.size:
+            self._grow(count)
+        last = k - 1
+        self.nanoseconds[k : k + count] = self.nanoseconds[last] + period * np.arange(1, count + 1)
+        self.reference[k : k + count] = self.reference[last]
+        self.state[k : k + count] = self.state[last]
+        self.count = k + count
+
+    def standing(self, samples: int) -> bool:
+        """The reference has not changed in the last samples."""
+        last = self.reference[max(0, self.count - samples) : self.count]
+        return bool((last == last[0]).all())
+
+    def _grow(self, more: int) -> None:
+        size = max(2 * self.nanoseconds.size, self.count + more)
+        for name in ('nanoseconds', 'reference', 'state'):
+            old = getattr(self, name)
+            new = np.zeros((size, *old.shape[1:]), old.dtype)
+            new[: self.count] = old[: self.count]
+            setattr(self, name, new)

@@ -1,0 +1,178 @@
+"""SimulatedBag: a bag with the topics of a live recording, stamped with the simulated time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from rosbags.interfaces import Connection
+from scipy.spatial.transform import Rotation
+
+from robots_controller.bag_qos import bag_qos
+from robots_controller.lasting_writer import LastingWriter
+from robots_controller.simulation import ros_messages as ros
+from robots_controller.simulation.message_rows import MessageRows, marks
+from robots_controller.simulation.recording import Recording
+from robots_core.errors import RobotsError
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array
+
+# A stamp of zero means "none" in ROS: the program starts at this time.
+START: Final = 1_000_000_000  # ns
+TCP_RATE: Final = 50.0  # Hz
+# Samples wait for each other to be written at once, but not for longer than that a kill may cost.
+MOST_WAITING: Final = 250
+# The end of a bag costs as much as seconds of a simulation; what a kill costs can be simulated again.
+CHUNKS: Final = 64
+MOST_AT_ONCE: Final = 4096  # of a robot that stood for long; bounds the memory
+LATCHED: Final = frozenset(
+    (
+        '/rosout',
+        'analog_inputs',
+        'analog_outputs',
+        'command_state',
+        'digital_inputs',
+        'digital_outputs',
+        'finished',
+        'forced_inputs',
+        'joint_reference',
+        'joint_states',
+        'lua_program_node/analog_inputs',
+        'lua_program_node/digital_inputs',
+        'motion_progress',
+        'motion_settings',
+        'override',
+        'program_status',
+        'robot_description',
+        'tcp_pose',
+    )
+)
+
+
+class SimulatedBag:
+    """Writes what a `Recording` holds, and messages in between.
+
+    Args:
+        path: Folder of the bag; must not exist.
+        robot: The robot.
+        period: Of the controller, s.
+        recording: Holds the samples.
+
+    Raises:
+        RobotsError: the folder exists or cannot be made.
+    """
+
+    def __init__(self, path: Path, robot: BaseRobotModel, *, period: float, recording: Recording) -> None:
+        self.path = path
+        self._robot = robot
+        self._recording = recording
+        self._written = 0
+        self._progress: list[tuple[int, float]] = []
+        self._names = robot.axes_data.names
+        self._tcp_every = max(1, round(1.0 / (TCP_RATE * period)))
+        self._connections: dict[str, Connection] = {}
+        self._rows = self._templates(period)
+        if path.exists():
+            raise RobotsError(f'{path} exists already; a bag needs a folder of its own')
+        self._writer = LastingWriter(path, chunks=CHUNKS)
+        try:
+            self._writer.open()
+        except OSError as error:
+            raise RobotsError(f'{path}: the bag cannot be made: {error.strerror}') from error
+        self.write('robot_description', 'std_msgs/msg/String', 0, ros.text(robot.description))
+
+    def write(self, topic: str, type_name: str, nanoseconds: int, message: Any) -> None:
+        """Write a message, after the samples before it.
+
+        Args:
+            topic: Below the cell's namespace, or global.
+            type_name: package/msg/Name.
+            nanoseconds: Since the start of the program.
+            message: As `ros_messages` makes them.
+        """
+        self.write_samples()
+        data = ros.typestore().serialize_cdr(message, type_name)
+        self._writer.write(self._connection(topic, type_name), START + nanoseconds, data)
+
+    def progress(self, nanoseconds: int, progress: float) -> None:
+        """Write done part of the current path, with the samples."""
+        self._progress.append((nanoseconds, progress))
+
+    def write_samples_in_time(self) -> None:
+        """Write the samples if many wait."""
+        if self._recording.count - self._written >= MOST_WAITING:
+            self.write_samples()
+
+    def write_samples(self) -> None:
+        """Write all samples that are not written yet."""
+        while self._written < self._recording.count:
+            first = self._written
+            self._written = min(first + MOST_AT_ONCE, self._recording.count)
+            self._write_part(first, self._written)
+
+    def _write_part(self, first: int, end: int) -> None:
+        part = slice(first, end)
+        stamps = START + self._recording.nanoseconds[part]
+        reference, state = self._recording.reference[part], self._recording.state[part]
+        self._write_rows('joint_reference', stamps, [reference[:, i] for i in range(3)])
+        self._write_rows('joint_states', stamps, [state[:, i] for i in range(state.shape[1])])
+        every = slice(-first % self._tcp_every, None, self._tcp_every)
+        positions = state[every, 0]
+        if len(positions):
+            self._write_rows('tcp_pose', stamps[every], self._tcp_poses(positions))
+        if self._progress:
+            times, values = zip(*self._progress, strict=True)
+            self._progress.clear()
+            self._write_rows('motion_progress', START + np.array(times), [np.array(values)])
+
+    def close(self) -> None:
+        """Write what has come and end."""
+        self.write_samples()
+        self._writer.close()
+
+    # -- inside -----------------------------------------------------------------------------------
+
+    def _write_rows(self, topic: str, stamps: NDArray[np.int64], values: list[Array]) -> None:
+        type_name, rows = self._rows[topic]
+        self._writer.write_rows(self._connection(topic, type_name), stamps, rows.fill(stamps, values))
+
+    def _tcp_poses(self, positions: Array) -> list[Array]:
+        poses = [self._robot.direct_kinematics(q) for q in positions]
+        quaternions = Rotation.from_matrix(np.array([T for _, T in poses])).as_quat(canonical=True)
+        return [np.hstack([np.array([r for r, _ in poses]), quaternions])]
+
+    def _connection(self, topic: str, type_name: str) -> Connection:
+        if topic not in self._connections:
+            latched = topic in LATCHED
+            self._connections[topic] = self._writer.add_connection(
+                topic if topic.startswith('/') else f'/{topic}',
+                type_name,
+                typestore=ros.typestore(),
+                offered_qos_profiles=[bag_qos(latched=latched, depth=1 if latched else 10)],
+            )
+        return self._connections[topic]
+
+    def _templates(self, period: float) -> dict[str, tuple[str, MessageRows]]:
+        n = len(self._names)
+        store, rows = ros.typestore(), [marks(n, i) for i in range(3)]
+        reference = ros.joint_trajectory(0, self._names, [(round(1e9 * period), rows[0], rows[1], rows[2])])
+        states = rows[: self._recording.state.shape[1]]
+        mark = marks(1, 0)
+        number = ros.message('std_msgs/msg/Float64', float(mark[0]))
+        progress = MessageRows(store, 'std_msgs/msg/Float64', number, [mark], stamped=False)
+        pose = marks(7, 0)
+        point = ros.message('geometry_msgs/msg/Point', *pose[:3])
+        quaternion = ros.message('geometry_msgs/msg/Quaternion', *pose[3:])
+        body = ros.message('geometry_msgs/msg/Pose', point, quaternion)
+        tcp = ros.message('geometry_msgs/msg/PoseStamped', ros.header(0, ros.BASE_FRAME), body)
+        templates: dict[str, tuple[str, Any, list[Array]]] = {
+            'joint_reference': ('trajectory_msgs/msg/JointTrajectory', reference, rows),
+            'joint_states': ('sensor_msgs/msg/JointState', ros.joint_state(0, self._names, *states), states),
+            'tcp_pose': ('geometry_msgs/msg/PoseStamped', tcp, [pose]),
+        }
+        return {
+            topic: (type_name, MessageRows(store, type_name, message, groups))
+            for topic, (type_name, message, groups) in templates.items()
+        } | {'motion_progress': ('std_msgs/msg/Float64', progress)}

@@ -1,0 +1,391 @@
+"""SimulatedCell: robot program, planner, controller, drives and PLC on one simulated clock."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from robots_controller.controller import Controller, ControllerState
+from robots_controller.interpreter.lua_program import LuaProgram
+from robots_controller.interpreter.program_state import MotionCommand, OutputChange, RunState
+from robots_controller.simulation.cell_log import CellLog
+from robots_controller.simulation.cell_parts import CellParts
+from robots_controller.simulation.cost import Cost
+from robots_controller.simulation.recording import Recording
+from robots_controller.simulation.simulated_bag import START, SimulatedBag
+from robots_controller.simulation.simulated_clock import NANOSECONDS, SimulatedClock
+from robots_controller.simulation.simulated_motions import MotionEnd, SimulatedMotions
+from robots_controller.simulation.simulated_plc import SimulatedPlc
+from robots_controller.simulation.simulated_switches import SimulatedSwitches
+from robots_controller.simulation.simulation_run import SimulationRun
+from robots_core.errors import ProgramError
+from robots_core.pose import Pose
+from robots_core.validation import read_only
+from robots_planning.order_planner import PlannedOrders
+
+# As in a live cell: the controller looks at the feedback, and tells its progress, so many times a second.
+FEEDBACK_RATE: Final = 125.0  # Hz
+PROGRESS_RATE: Final = 25.0  # Hz
+LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
+# A robot that stands for this long in the middle of a motion, with nothing left that could change that.
+STUCK_TIME: Final = 10.0  # s
+
+
+class SimulatedCell:
+    """A cell for one run of one program.
+
+    Between two periods of the controller the program works, the planner plans and time stands still; in each
+    period the controller makes one step, then the drives, then the PLC. The program's own waits end in
+    between, when they are over. See `CellParts` for the parts.
+
+    Args:
+        parts: Robot, program and blocks.
+        bag: Folder of a bag to write, or None.
+        longest: Longest simulated time, s.
+        on_progress: Told now and then: time in s, line of the program. For a progress bar.
+
+    Raises:
+        RobotsError: the bag's folder exists.
+    """
+
+    def __init__(
+        self,
+        parts: CellParts,
+        *,
+        bag: Path | None = None,
+        longest: float,
+        on_progress: Callable[[float, int], None] | None = None,
+    ) -> None:
+        self._parts, self._longest, self._on_progress = parts, longest, on_progress
+        robot, period = parts.robot, parts.period
+        axes = robot.axes_data
+        self._period_ns = round(period * NANOSECONDS)
+        self._controller: Controller = parts.controller
+        self._drives = parts.drives
+        self._clock = SimulatedClock(period)
+        torque = parts.drives.torque is not None
+        self._recording = Recording(axes.num_axes, torque=torque)
+        self._bag = (
+            None if bag is None else SimulatedBag(bag, robot, period=period, recording=self._recording)
+        )
+        self.cost = Cost()
+        self._log = CellLog(
+            self._recording, self._bag, self._clock, self.cost, robot=parts.robot_name, joints=axes.names
+        )
+        self._commands: deque[Callable[[], None]] = deque()
+        self._program = LuaProgram(
+            axes.num_axes,
+            io_labels=parts.io_labels,
+            orientation_convention=robot.orientation_convention,
+            prismatic=axes.prismatic,
+            clock=self._clock,
+            joint_position=lambda: read_only(self._drives.position),
+            direct_kinematics=lambda q: Pose(*robot.direct_kinematics(q)),
+            on_command=self._on_command,
+            on_flush=lambda: self._commands.append(self._motions_flush),
+            on_abort=lambda: self._commands.append(self._motions_abort),
+            on_hold=self._on_hold,
+            on_override=self._on_override,
+            on_output=self._on_output,
+            on_print=self._on_print,
+            on_line=lambda line: self._log.line(self._program, line),
+            on_finished=lambda _: self._clock.program_ended(),
+        )
+        self._motions = SimulatedMotions(
+            parts.planning,
+            parts.controller,
+            axes,
+            now=self._clock.now,
+            on_planned=self._on_planned,
+            on_end=self._on_end,
+        )
+        self._plc = SimulatedPlc(parts.plc_script, self._program.io)
+        self._switches = SimulatedSwitches(
+            lambda q: Pose(*robot.direct_kinematics(q)), self._program.switch_output
+        )
+        self._feedback_every = max(1, round(1.0 / (FEEDBACK_RATE * period)))
+        self._progress_every = max(1, round(1.0 / (PROGRESS_RATE * period)))
+        self._cycle = -1
+        self._last_stamp = 0
+        self._settled = False
+        self._changed = False
+        self._stands_since = 0.0
+        self._interrupted = self._over = self._running = False
+        self._error: ProgramError | None = None
+
+    def stop(self) -> None:
+        """End the simulation after the period under way; from any thread, and from a signal handler."""
+        self._interrupted = True
+        self._program.stop()
+
+    def run(self) -> SimulationRun:
+        """Run the program from its start to its end, and the robot to standstill.
+
+        Returns:
+            What was recorded, also of a program that fails.
+
+        Raises:
+            RobotsError: the program cannot be opened or is not Lua.
+        """
+        try:
+            self._program.open(self._parts.program)
+            self._program.points_file = self._parts.points_file
+            self._begin()
+            self._go()
+        finally:
+            self._close()
+        return self._result()
+
+    # -- the run ----------------------------------------------------------------------------------
+
+    def _begin(self) -> None:
+        log, io = self._log, self._program.io
+        log.nothing_forced()
+        for image in ('digital_outputs', 'analog_outputs'):
+            log.image(io, image)
+        log.command_state(self._program.command_state.value)
+        log.finished(done=False)
+        self._plc.begin()
+        for image in self._plc.images:
+            log.image(io, image)
+        for image in ('digital_inputs', 'analog_inputs'):
+            log.image(io, image, 'lua_program_node/')
+        log.state(self._program, RunState.OPENED)
+        self._tick()  # the program finds a robot that stands and tells where
+        log.state(self._program, RunState.RUNNING)
+        self._running = True
+        self._program.run()
+        self.cost.begin()
+        self.cost.switch('program')
+        self._clock.wait_for_program()
+        self.cost.switch('other')
+
+    def _go(self) -> None:
+        while True:
+            while self._commands:
+                self._commands.popleft()()
+            if self._running and not self._clock.waiting:
+                self._end_program()
+            at_rest = not self._running and not self._motions.any and self._stands()
+            if self._interrupted or self._over or at_rest:
+                return
+            if not self._changed:
+                self._pass_time()
+            if self._changed or self._clock.deadline <= self._clock.now():
+                self._changed = False
+                if self._clock.waiting:
+                    self.cost.switch('program')
+                    self._clock.let_program_work()
+                    self.cost.switch('other')
+
+    def _stands(self) -> bool:
+        return self._controller.state is ControllerState.HOLDING
+
+    def _end_program(self) -> None:
+        self._running = False
+        self._program.join()
+        self._error = self._error or self._program.error
+        state = RunState.FAILED if self._error else self._program.run_state
+        self._log.state(self._program, state, str(self._error or ''))
+
+    def _pass_time(self) -> None:
+        """Go on to the next thing that happens: the end of the program's wait, or a period."""
+        clock = self._clock
+        wait = clock.deadline if clock.waiting else math.inf
+        next_tick = (self._cycle + 1) * self._period_ns
+        if wait * NANOSECONDS <= next_tick:
+            clock.nanoseconds = max(clock.nanoseconds, math.ceil(wait * NANOSECONDS - 1e-3))
+            while clock.now() < wait:  # a nanosecond is finer than the rounding of late times
+                clock.nanoseconds += 1
+            if clock.nanoseconds < next_tick:
+                return
+        # A line is told some periods after it was reached, not after its wait.
+        told = not self._log.status_due
+        if self._settled and told and self._skip(min(wait, self._plc.next_time)):
+            return
+        clock.nanoseconds = next_tick
+        self._tick()
+        self._guard_against_endlessness(wait)
+
+    def _skip(self, until: float) -> bool:
+        """Let periods pass at once in which nothing moves; False if there are too few."""
+        if until == math.inf:
+            return False
+        until = min(until, self._longest)
+        last = math.floor(until / self._parts.period) - 1
+        # Time without feedback ends with a period that has it: it must not seem to be lost.
+        last -= last % self._feedback_every + 1
+        count = last - self._cycle
+        if count < self._feedback_every:
+            return False
+        self._recording.repeat(count, self._period_ns)
+        self._cycle = last
+        self._clock.nanoseconds = last * self._period_ns
+        if self._bag is not None:
+            self._bag.write_samples_in_time()
+        return True
+
+    def _guard_against_endlessness(self, wait: float) -> None:
+        now = self._clock.now()
+        if self._changed:  # the program will know what to do
+            return
+        if now >= self._longest:
+            self._give_up(f'it has not ended after {self._longest:g} s')
+            self._over = True
+            return
+        if wait < math.inf or self._plc.next_time < math.inf:
+            self._stands_since = now
+        elif self._stands() and not self._motions.any:
+            if self._clock.waiting:
+                self._give_up('it waits for ever: nothing is left that could change')
+        elif self._recording.standing(2):
+            if now - self._stands_since > STUCK_TIME:
+                self._give_up('the robot stands in the middle of a motion, and nothing lets it go on')
+        else:
+            self._stands_since = now
+
+    def _give_up(self, reason: str) -> None:
+        if self._error is None:
+            program = self._program
+            self._error = ProgramError(reason, file=program.file, line=program.line)
+            program.stop()
+            self._controller.stop(reason)
+            self._controller.paused = False
+            self._controller.set_override(1.0)
+            self._clock.end()
+
+    def _tick(self) -> None:
+        """One period of the controller."""
+        self._cycle += 1
+        now, cycle = self._clock.now(), self._cycle
+        cost, controller = self.cost, self._controller
+        position = self._drives.position
+        self._motions.begin(now)
+        cost.switch('controller')
+        due = cycle % self._feedback_every == 0
+        reference = controller.step(now, position if due else None)
+        assert reference is not None
+        cost.switch('drives')
+        q, q_dot = self._drives.step(reference[0], reference[1])
+        cost.switch('other')
+        self._settled = (
+            controller.state is ControllerState.HOLDING and not q_dot.any() and np.array_equal(q, position)
+        )
+        cost.switch('recording')
+        self._recording.add(self._clock.nanoseconds, reference, q, q_dot, self._drives.torque)
+        if self._bag is not None:
+            self._log.progress(controller.progress, due=cycle % self._progress_every == 0)
+            self._bag.write_samples_in_time()
+        cost.switch('other')
+        while controller.outcomes:
+            self._motions.end(controller.outcomes.popleft())
+        self._switches.reach(self._motions.running, controller.progress)
+        for channel, value in self._plc.step(now):
+            self._log.input(self._program.io, channel, value)
+            self._changed = True
+        self._log.status_in_time(self._program)
+        if self._on_progress is not None and cycle % self._progress_every == 0:
+            self._on_progress(now, self._program.line)
+
+    def _close(self) -> None:
+        self._program.stop()
+        self._clock.end()
+        if self._running:
+            self._end_program()
+        if self._bag is not None:
+            self.cost.switch('recording')
+            self._bag.close()
+        self.cost.switch('other')
+
+    def _result(self) -> SimulationRun:
+        parts, recording = self._parts, self._recording
+        k = recording.count
+        state = recording.state[:k]
+        failed = self._error is not None
+        return SimulationRun(
+            program=Path(parts.program),
+            robot=parts.robot_name,
+            drive=parts.drive,
+            scene=parts.scene,
+            io=parts.io,
+            period=parts.period,
+            axes=parts.robot.axes_data.names,
+            time=read_only(recording.nanoseconds[:k] / NANOSECONDS),
+            reference=read_only(recording.reference[:k]),
+            position=read_only(state[:, 0]),
+            velocity=read_only(state[:, 1]),
+            torque=read_only(state[:, 2]) if state.shape[1] > 2 else None,
+            motions=self._motions.records,
+            events=tuple(recording.events),
+            state='FAILED' if failed else self._program.run_state.value,
+            error=self._error,
+            interrupted=self._interrupted and not failed,
+            bag=None if self._bag is None else self._bag.path,
+            cost=self.cost.seconds,
+        )
+
+    # -- the program's callbacks ------------------------------------------------------------------
+
+    def _on_command(self, command: MotionCommand) -> None:
+        # The stamp is the command's id: unique even while time stands still.
+        self._last_stamp = max(START + self._clock.nanoseconds, self._last_stamp + 1)
+        stamp = self._last_stamp
+        self._log.status(self._program, stamp - START)
+        self._log.command_state(self._program.command_state.value)
+        id_ = f'{stamp // NANOSECONDS}.{stamp % NANOSECONDS:09d}'
+        self._log.command(stamp, command)
+        self._commands.append(partial(self._plan, id_, command))
+
+    def _plan(self, id_: str, command: MotionCommand) -> None:
+        self.cost.switch('planning')
+        self._motions.command(id_, command)
+        self.cost.switch('other')
+
+    def _motions_flush(self) -> None:
+        self.cost.switch('planning')
+        self._motions.flush()
+        self.cost.switch('other')
+
+    def _motions_abort(self) -> None:
+        self._motions.abort('stopped by ~/stop')
+
+    def _on_hold(self, held: bool) -> None:  # noqa: FBT001  # a callback's only argument
+        self._controller.paused = held
+
+    def _on_override(self, value: float) -> None:
+        self._controller.set_override(value)
+        self._log.override(value)
+
+    def _on_output(self, change: OutputChange) -> None:
+        self._log.status(self._program, self._clock.nanoseconds)
+        self._log.output(self._program.io, change)
+        self._plc.hear(change)
+
+    def _on_print(self, text: str, line: int) -> None:
+        if len(text) > LONGEST_TEXT:
+            text = f'{text[:LONGEST_TEXT]}... ({len(text)} characters)'
+        self._log.printed(text, line)
+
+    # -- the motions' callbacks -------------------------------------------------------------------
+
+    def _on_planned(self, planned: PlannedOrders) -> None:
+        self._log.planned(planned)
+        ids = [order.id for order in planned.orders]
+        chain = [self._motions.commands[id_] for id_ in ids]
+        self._switches.planned(chain, ids[-1], planned.motion.trajectory)
+
+    def _on_end(self, end: MotionEnd) -> None:
+        self._log.result(end)
+        if end.ok and not self._motions.running:
+            self._log.finished(done=True)
+        self._switches.finish(end.id, ok=end.ok)
+        if not end.ok or end.command in self._program.motions[-1:]:
+            self._log.command_state('IDLE')
+        self._program.finish_motion(end.error, end.command)
+        self._changed = True
