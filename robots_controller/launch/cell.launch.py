@@ -1,4 +1,4 @@
-"""ros2 launch robots_controller cell.launch.py robot:=... program:=... namespace:=..."""
+"""ros2 launch robots_controller cell.launch.py robot:=... program:=... scene:=... io:=... io_map:=..."""
 
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
 from launch.substitutions import EnvironmentVariable, LaunchConfiguration
@@ -10,8 +10,20 @@ from robots_controller.cell_graph import cell_graph
 
 def nodes(context: LaunchContext) -> list[Node]:
     """The nodes of the cell, from the same description that `cell` uses."""
-    value = {name: LaunchConfiguration(name).perform(context) for name in ('robot', 'program', 'namespace')}
-    graph = cell_graph(robot=value['robot'], program=value['program'], autostart=bool(value['program']))
+    value = {
+        name: LaunchConfiguration(name).perform(context)
+        for name in ('robot', 'program', 'namespace', 'io', 'io_map', 'scene', 'drive', 'guided')
+    }
+    graph = cell_graph(
+        robot=value['robot'],
+        program=value['program'],
+        autostart=bool(value['program']),
+        drive=value['drive'],
+        io=value['io'],
+        io_map=value['io_map'],
+        scene=value['scene'],
+        guided=value['guided'],
+    )
     return [
         Node(
             package=node.package,
@@ -35,7 +47,16 @@ def generate_launch_description() -> LaunchDescription:
             ),
             DeclareLaunchArgument('robot', default_value='bello_bot', description="the robot's name"),
             DeclareLaunchArgument('program', default_value='', description='Lua robot program to run'),
+            DeclareLaunchArgument('scene', default_value='', description='scene to keep clear of (YAML)'),
+            DeclareLaunchArgument(
+                'drive', default_value='second_order', description='ideal, second_order or rigid_body'
+            ),
+            DeclareLaunchArgument(
+                'guided', default_value='', description='inverse kinematics that follows reference_pose'
+            ),
             DeclareLaunchArgument('namespace', default_value='', description='namespace of all nodes'),
+            DeclareLaunchArgument('io', default_value='', description='YAML script of a PLC that is played'),
+            DeclareLaunchArgument('io_map', default_value='', description='YAML map to topics of a PLC'),
             OpaqueFunction(function=nodes),
         ]
     )

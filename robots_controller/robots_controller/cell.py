@@ -28,6 +28,8 @@ from robots_controller.motion_report import motion_report
 from robots_controller.node_processes import NodeProcesses
 from robots_controller.nodes.bag_recorder import BagRecorder
 from robots_controller.nodes.cell_monitor import CellMonitor
+from robots_core.blocks.drive_level import DRIVE_LEVELS
+from robots_core.blocks.pose_following import METHODS
 from robots_core.errors import RobotsError
 from robots_core.nodes.middleware import choose_transports
 from robots_core.robot_choice import load_robot_model
@@ -41,16 +43,19 @@ POLL = 0.05  # s between looks at processes and events
 
 # What a report needs; the recorder is subscribed to these before the program starts.
 REPORTED_TOPICS = (
+    'circcartesian',
     'command_state',
     'digital_outputs',
     'joint_reference',
     'joint_states',
     'joint_trajectory',
     'motion_result',
+    'motion_settings',
     'program_status',
     'ptpcartesian',
     'ptpjoint_cartesian',
     'ptpjoint_joint',
+    'splinecartesian',
 )
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 
@@ -66,7 +71,13 @@ class CellOptions:
     once: bool
     view: bool
     rate: float
+    drive: str
+    goal_tolerance: float | None
     port: int
+    io: str
+    io_map: str
+    scene: str
+    guided: str
 
 
 def main() -> None:
@@ -102,7 +113,19 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
     parser.add_argument('--once', action='store_true', help='end when the program has ended')
     parser.add_argument('--view', action='store_true', help='with --once: stay, so that the page stays open')
     parser.add_argument('--rate', type=float, default=250.0, help='references per second, Hz')
+    parser.add_argument(
+        '--drive', default='second_order', choices=DRIVE_LEVELS, help='how much of a machine the drives are'
+    )
+    parser.add_argument(
+        '--goal-tolerance', type=float, help='largest error of an axis that has reached its target, rad'
+    )
     parser.add_argument('--port', type=int, default=8080, help='first port to try for the browser page')
+    parser.add_argument('--scene', default='', metavar='FILE', help='what the robot keeps clear of (YAML)')
+    parser.add_argument(
+        '--guided', default='', choices=METHODS, help='follow reference_pose by this inverse kinematics'
+    )
+    parser.add_argument('--io', default='', metavar='FILE', help='play a PLC: YAML script of its inputs')
+    parser.add_argument('--io-map', default='', metavar='FILE', help='connect a PLC: YAML map to its topics')
     options = parser.parse_args(arguments)
     if options.program and not Path(options.program).is_file():
         raise RobotsError(f'program {options.program!r} not found; programs are Lua files, see programs/')
@@ -116,7 +139,13 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         once=options.once,
         view=options.view,
         rate=options.rate,
+        drive=options.drive,
+        goal_tolerance=options.goal_tolerance,
         port=options.port,
+        io=str(Path(options.io).resolve()) if options.io else '',
+        io_map=str(Path(options.io_map).resolve()) if options.io_map else '',
+        scene=str(Path(options.scene).resolve()) if options.scene else '',
+        guided=options.guided,
     )
 
 
@@ -134,7 +163,18 @@ def run_cell(options: CellOptions, console: Console) -> int:
     robot = load_robot_model(options.robot)
     if options.program:
         LuaProgram(robot.num_axes).open(options.program)
-    graph = cell_graph(robot=options.robot, program=options.program, rate=options.rate, port=options.port)
+    graph = cell_graph(
+        robot=options.robot,
+        program=options.program,
+        rate=options.rate,
+        drive=options.drive,
+        goal_tolerance=options.goal_tolerance,
+        port=options.port,
+        io=options.io,
+        io_map=options.io_map,
+        scene=options.scene,
+        guided=options.guided,
+    )
     folder = _run_folder(options.record or Path('out'), options)
     processes = NodeProcesses(graph, namespace=options.namespace, log_folder=folder / 'log')
     job = f' runs [bold]{Path(options.program).name}[/]' if options.program else ''

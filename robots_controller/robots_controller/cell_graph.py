@@ -10,6 +10,12 @@ from typing import Any
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
+from robots_controller.io_map import IoMap, read_io_map
+from robots_controller.io_signals import channel_labels
+from robots_controller.plc_script import PlcScript, read_plc_script
+from robots_core.blocks.collision.scene_file import read_scene
+from robots_core.blocks.drive_level import check_level
+from robots_core.blocks.pose_following import METHODS
 from robots_core.errors import RobotsError
 
 
@@ -62,8 +68,13 @@ def cell_graph(
     program: str = '',
     autostart: bool = False,
     rate: float = 250.0,
-    drive: Mapping[str, Any] | None = None,
+    drive: str = 'second_order',
+    goal_tolerance: float | None = None,
     port: int = 8080,
+    io: str = '',
+    io_map: str = '',
+    scene: str = '',
+    guided: str = '',
 ) -> tuple[NodeDescription, ...]:
     """All nodes of a cell with one simulated robot.
 
@@ -72,18 +83,57 @@ def cell_graph(
         program: Robot program that the Lua node opens.
         autostart: The Lua node runs the program by itself as soon as it can.
         rate: References per second, Hz.
-        drive: Further parameters of the drives.
+        drive: Level of the drives, one of `DRIVE_LEVELS`.
+        goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
+            default. Elastic gears and friction of `rigid_body` drives can keep an axis from standing closer.
         port: First port to try for the browser page.
+        io: Script of a PLC that is played (see `plc_script`); none without one.
+        io_map: Map of inputs and outputs to topics of a PLC (see `io_map`); none without one.
+        scene: Scene that the robot keeps clear of (see `read_scene`); with one, the robot is watched too.
+        guided: Inverse kinematics that follows `reference_pose` in command state TRAJECTORY, one of
+            `METHODS`; none by default.
+
+    Raises:
+        RobotsError: no such level or method, a file that is not valid, or both set inputs of the same kind.
     """
+    check_level(drive)
+    if guided and guided not in METHODS:
+        raise RobotsError(f'unknown inverse kinematics {guided!r}; valid are {", ".join(METHODS)}')
+    tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
+    names = _channel_names(io, io_map)
+    if scene:
+        read_scene(scene)
 
     def node(package: str, executable: str, **parameters: Any) -> NodeDescription:
         return NodeDescription(package, executable, {'robot_model': robot, **parameters})
 
     return (
-        node('robots_core', 'drive_node', rate=rate, **(drive or {})),
-        node('robots_controller', 'controller_node', rate=rate),
-        node('robots_planning', 'planning_node'),
-        node('robots_controller', 'lua_program_node', program=program, autostart=autostart),
+        node('robots_core', 'drive_node', rate=rate, level=drive),
+        node('robots_controller', 'controller_node', rate=rate, **tolerance),
+        node('robots_planning', 'planning_node', scene=scene),
+        node('robots_controller', 'lua_program_node', program=program, autostart=autostart, **names),
         node('robots_core', 'direct_kinematics_node'),
-        node('robots_core', 'visualizer_node', port=port),
+        node('robots_core', 'visualizer_node', port=port, scene=scene),
+        *([node('robots_core', 'inverse_kinematics_node', method=guided)] if guided else []),
+        *([node('robots_core', 'collision_node', scene=scene)] if scene else []),
+        *([node('robots_controller', 'plc_node', script=io)] if io else []),
+        *([node('robots_controller', 'io_bridge_node', io_map=io_map)] if io_map else []),
     )
+
+
+def _channel_names(io: str, io_map: str) -> dict[str, list[str]]:
+    """Parameters of the Lua node: the names that the files give to channels."""
+    script = read_plc_script(io) if io else PlcScript(())
+    rows = read_io_map(io_map) if io_map else IoMap()
+    both = {c.image for c in script.inputs} & {row.channel.image for row in rows.inputs}
+    if both:
+        raise RobotsError(
+            f'{io} and {io_map} both set {", ".join(sorted(both))}; only one can publish that topic'
+        )
+    signals = {**script.signals, **rows.signals}
+    for label in script.signals.keys() & rows.signals.keys():
+        here, there = script.signals[label], rows.signals[label]
+        if here != there:
+            raise RobotsError(f'{label!r} is {here.name} in {io} and {there.name} in {io_map}')
+    labels = channel_labels(list(signals.values()))
+    return {f'{image.removesuffix("s")}_names': names for image, names in labels.items()}

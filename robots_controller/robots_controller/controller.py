@@ -13,16 +13,13 @@ from robots_controller.controller_settings import ControllerSettings
 from robots_controller.followed_motion import FollowedMotion
 from robots_controller.interpolator import Interpolator
 from robots_controller.limit_guard import LimitGuard
+from robots_controller.motion_queue import MotionQueue
 from robots_controller.path_speed import PathSpeed
 from robots_controller.streamed_reference import StreamedReference, StreamPoint
 from robots_core.errors import TrajectoryRefusedError
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, fraction
 from robots_planning.trajectory import Trajectory
-
-# A planned start may differ from the reference by the rounding of its way through a message and by what
-# the smoothing still levels out; a larger step would be a jump of the robot.
-START_TOLERANCE = 1e-6  # rad, m
 
 
 class ControllerState(StrEnum):
@@ -78,7 +75,7 @@ class Controller:
         self._reference: Array | None = None
         self._sample = np.zeros((3, axes.num_axes))
         self._unchanged = 0
-        self._motion: FollowedMotion | None = None
+        self._motions = MotionQueue(axes)
         self._stream = StreamedReference(axes, period=period, timeout=self.settings.stream_timeout)
         self._stream_refused_until = -np.inf
         self._brake: Brake | None = None
@@ -117,6 +114,10 @@ class Controller:
         """Last reference, (3, n): position, velocity, acceleration; None before the first feedback."""
         return self._reference
 
+    @property
+    def _motion(self) -> FollowedMotion | None:
+        return self._motions.current
+
     def set_override(self, override: float) -> None:
         """Scale the path speed.
 
@@ -125,17 +126,19 @@ class Controller:
         """
         self.override = fraction(override, 'override')
 
-    def follow(self, trajectory: Trajectory, id_: str, now: float) -> None:
-        """Start a trajectory.
+    def follow(self, trajectory: Trajectory, id_: str, now: float, *, join_time: float = 0.0) -> None:
+        """Follow a trajectory: now, after those before it, or in the place of the running one.
 
         Args:
-            trajectory: Starts at the current reference, at rest.
+            trajectory: Starts at rest where the reference stands or where the last motion ends.
             id_: Comes back in the outcome.
             now: Time, s.
+            join_time: If above 0, the trajectory starts on the running motion instead, at this path time (s)
+                and moving as that one does there, and takes its place.
 
         Raises:
-            TrajectoryRefusedError: it does not start where the reference stands, a motion is still
-                running, there is no feedback, or another number of axes.
+            TrajectoryRefusedError: it starts elsewhere, the robot is being stopped or follows a stream,
+                there is no feedback, or another number of axes.
         """
         if self._reference is None or self._feedback_lost:
             raise TrajectoryRefusedError('no feedback from the robot: is its drive publishing joint_states?')
@@ -143,20 +146,12 @@ class Controller:
             raise TrajectoryRefusedError(
                 f'the trajectory has {trajectory.num_axes} axes, the robot has {self._axes.num_axes}'
             )
-        if self.state in (ControllerState.FOLLOWING, ControllerState.BRAKING, ControllerState.STREAMING):
+        if self.state in (ControllerState.BRAKING, ControllerState.STREAMING):
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
-        offset = trajectory.position[0] - self._reference[0]
-        worst = int(np.abs(offset).argmax())
-        if abs(offset[worst]) > START_TOLERANCE:
-            raise TrajectoryRefusedError(
-                f'the trajectory starts {offset[worst]:+.6g} {self._axes.unit(worst)} from where '
-                f'{self._axes.names[worst]} stands; plan from the current joint_reference',
-                joint=self._axes.names[worst],
-            )
-        if self._motion is not None:
-            self._finish(self._motion, now, 'replaced by a new trajectory while settling', ok=False)
-        self._path_speed.reset(self._target_speed())
-        self._motion = FollowedMotion(trajectory, id_, now)
+        standing = self._motion is None
+        self._motions.put(trajectory, id_, now, self._reference, join_time)
+        if standing:
+            self._path_speed.reset(self._target_speed())
 
     def stream(self, point: StreamPoint, id_: str, now: float) -> None:
         """Follow a point, the next of a stream or the first of one.
@@ -249,12 +244,24 @@ class Controller:
         if self._unchanged < self._interpolator.window:
             if not stopping:
                 self._check_following(motion)
+                self._join(now)
             return
         if motion.failure is not None:
             self._finish(motion, now, motion.failure, ok=False)
         elif motion.path_time >= motion.trajectory.duration:
+            if self._motions.waiting:
+                # Whoever sent the next motion already does not wait for the drives to settle.
+                self._finish(motion, now, 'reached', ok=True)
+                return
             motion.settling_since = now
             self._settle(motion, now)
+
+    def _join(self, now: float) -> None:
+        replaced = self._motions.join(now)
+        if replaced is not None:
+            assert self._motion is not None
+            message = f'replaced by motion {self._motion.id}'
+            self.outcomes.append(_outcome(replaced, now, message, ok=False))
 
     def _step_stream(self, now: float) -> None:
         stream = self._stream
@@ -365,17 +372,22 @@ class Controller:
             self._finish(self._motion, now, brake.reason, ok=False)
 
     def _finish(self, motion: FollowedMotion, now: float, message: str, *, ok: bool) -> None:
-        self._motion = None
         self._unchanged = 0
-        self.outcomes.append(
-            MotionOutcome(
-                motion.id,
-                ok,
-                message,
-                {
-                    'duration': round(now - motion.start, 6),
-                    'planned_duration': round(motion.trajectory.duration, 6),
-                    'progress': round(motion.progress, 6),
-                },
-            )
-        )
+        self.outcomes.append(_outcome(motion, now, message, ok=ok))
+        if ok:
+            self._motions.start_next(now)
+            self._path_speed.reset(self._target_speed())
+            return
+        for unbegun in self._motions.clear():
+            unbegun.start = now
+            reason = f'given up with the motion before it: {message}'
+            self.outcomes.append(_outcome(unbegun, now, reason, ok=False))
+
+
+def _outcome(motion: FollowedMotion, now: float, message: str, *, ok: bool) -> MotionOutcome:
+    details: dict[str, str | float] = {
+        'duration': round(now - motion.start, 6),
+        'planned_duration': round(motion.trajectory.duration, 6),
+        'progress': round(motion.progress, 6),
+    }
+    return MotionOutcome(motion.id, ok, message, details)

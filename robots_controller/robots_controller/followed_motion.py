@@ -9,6 +9,10 @@ import numpy as np
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 
+# Two motions join where position, velocity and acceleration are the same, but for rounding in the polynomials
+# of both: rad (m), s.
+JOIN_TOLERANCE = 1e-7
+
 
 class FollowedMotion:
     """A trajectory, how far it is followed, and what came in between.
@@ -26,6 +30,10 @@ class FollowedMotion:
         self.path_time = 0.0
         self.failure: str | None = None
         self.settling_since: float | None = None
+        self.successor: FollowedMotion | None = None
+        """Goes on in the place of this one from `join_time` on."""
+        self.join_time = np.inf
+        self._before: tuple[FollowedMotion, float] | None = None
         self._times: list[float] = trajectory.time.tolist()
 
     @property
@@ -33,8 +41,27 @@ class FollowedMotion:
         """Done part of the path time, 0..1."""
         return min(1.0, self.path_time / self.trajectory.duration)
 
+    def runs_like(self, trajectory: Trajectory, s: float) -> bool:
+        """This motion is at path time `s` where a trajectory begins, and moves as that one does there."""
+        states = zip(self.trajectory.sample(s), trajectory.sample(0.0), strict=True)
+        return all(float(np.abs(own - its).max()) <= JOIN_TOLERANCE for own, its in states)
+
+    def join(self, successor: FollowedMotion, join_time: float) -> None:
+        """Let another motion go on from a path time on."""
+        self.successor, self.join_time = successor, join_time
+        successor._before = (self, join_time)
+        self._before = None  # long past; a robot may be led on for hours
+
     def position(self, s: float) -> Array:
-        """Joint positions at path time `s`, (n,); standing before the start and after the end."""
+        """Joint positions at path time `s`, (n,), of the motions before and after it too.
+
+        Standing before the first and after the last.
+        """
+        if self.successor is not None and s > self.join_time:
+            return self.successor.position(s - self.join_time)
+        if self._before is not None and s < 0.0:
+            motion, join_time = self._before
+            return motion.position(s + join_time)
         c, x = self._locate(s)
         return np.asarray(c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5])))))
 

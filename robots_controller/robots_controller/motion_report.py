@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,35 +14,51 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from robots_controller.bag_reading import read_messages, reference_trajectory, seconds
+from robots_controller.bag_reading import late_references, read_messages, reference_trajectory, seconds
+from robots_controller.motion_record import (
+    MOTION_TOPICS,
+    CommandRecord,
+    MotionRecord,
+    recorded_motions,
+    status_values,
+)
+from robots_controller.reference_use import QUANTITIES, ReferenceUse
+from robots_controller.tool_path import ToolPath
 from robots_core.pose import Pose
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.robot_command_state import RobotCommandState
-from robots_planning.verification import LimitUse, verify
+from robots_planning.verification import LimitUse
 
 POSITION_TOLERANCE = 1e-4  # m
 ORIENTATION_TOLERANCE = math.radians(0.01)  # rad
 LINE_TOLERANCE = 1e-4  # m
-# The references are rebuilt from samples one period apart; verify resamples them at 1 kHz.
-RATIO_TOLERANCE = 1e-3
-OK = 0  # DiagnosticStatus.OK
-QUANTITIES = ('position', 'velocity', 'acceleration', 'torque')
+# A blend is planned to its zone, and passes between two references that are compared with it.
+ZONE_TOLERANCE = 1e-3  # of the zone
+# The controller's guard lets rounding pass. Torques it does not know, and its moving average is one of the
+# motion: this is what that makes of torques at their limit.
+RATIO_TOLERANCE = {'position': 1e-5, 'velocity': 1e-5, 'acceleration': 1e-5, 'torque': 1e-3}
+TOPICS = (*MOTION_TOPICS, 'joint_reference', 'joint_states')
 
-COMMAND_TOPICS = {
-    'ptpjoint_joint': RobotCommandState.PTPJOINT_JOINT,
-    'ptpjoint_cartesian': RobotCommandState.PTPJOINT_CARTESIAN,
-    'ptpcartesian': RobotCommandState.PTPCARTESIAN,
-}
-TOPICS = (
-    *COMMAND_TOPICS,
-    'joint_trajectory',
-    'motion_result',
-    'joint_reference',
-    'joint_states',
-    'program_status',
-)
+
+@dataclass(frozen=True)
+class Passing:
+    """How a motion ran through to the next one.
+
+    Attributes:
+        distance: How near the references came to the target, m or rad.
+        zone: How near they had to come, in the same unit.
+        joints: The unit is rad (m) of the axis that is farthest away, and not m of the tool.
+    """
+
+    distance: float
+    zone: float
+    joints: bool
+
+    def describe(self) -> str:
+        """'12.3 of 30 mm'."""
+        factor, unit = (math.degrees(1.0), 'deg') if self.joints else (1e3, 'mm')
+        return f'{factor * self.distance:.1f} of {factor * self.zone:g} {unit}'
 
 
 @dataclass(frozen=True)
@@ -50,30 +66,36 @@ class MotionRow:
     """One motion of the program.
 
     Attributes:
+        place: Line, with the file of a subprogram: '12' or 'pick.lua:12'.
         line: Line of the program.
         kind: How the target was given and the way there.
         planned: Planned duration, s; NaN where no plan was made.
-        duration: Time from the start of the motion until the robot stood at the target, s.
-        position_error: Distance of the tool to its target at the end, m.
+        duration: Time from the start of the motion until the robot stood at the target or passed it, s.
+        position_error: Distance of the tool to its target at the end, m; that of the references where the
+            next motion followed at once; NaN where it was passed.
         orientation_error: Angle to its target at the end, rad.
-        line_deviation: Largest distance of the references to the straight line, m; None in joint space.
+        passing: How the target was passed; None where the robot stood there.
+        line_deviation: Largest distance of the references to the straight line outside the zones at its ends,
+            m; None in joint space.
         uses: Worst use of each axis limit by quantity.
         problem: Why the motion did not succeed; empty if it did.
     """
 
+    place: str
     line: int
     kind: str
     planned: float
     duration: float
     position_error: float
     orientation_error: float
+    passing: Passing | None
     line_deviation: float | None
     uses: dict[str, LimitUse]
     problem: str
 
     @property
     def ok(self) -> bool:
-        """The target was reached exactly, inside all limits."""
+        """The target was reached exactly, or passed within its zone, inside all limits."""
         return not self.problem
 
 
@@ -85,11 +107,14 @@ class MotionReport:
         rows: The motions in order.
         program_state: How the program ended.
         program_error: Its error, or empty.
+        latest: The longest that a reference of a moving robot came too late, s. The robot went on from where
+            it was, so that it breaks no limit as a value; but drives that wait stand meanwhile.
     """
 
     rows: tuple[MotionRow, ...]
     program_state: str
     program_error: str = field(default='')
+    latest: float = 0.0
 
     @property
     def ok(self) -> bool:
@@ -98,20 +123,26 @@ class MotionReport:
 
     def show(self, console: Console) -> None:
         """Print the table and a closing line."""
-        table = Table(box=SIMPLE_HEAD, header_style='bold', pad_edge=False)
-        table.add_column('line', justify='right')
-        table.add_column('motion')
-        names = ('planned\ns', 'real\ns', 'missed by\nmm, deg', 'off line\nmm', *QUANTITIES)
-        for name in names:
+        passed = any(row.passing is not None for row in self.rows)
+        table = Table(box=SIMPLE_HEAD, header_style='bold', pad_edge=False, collapse_padding=True)
+        table.add_column('line', justify='right', no_wrap=True)
+        table.add_column('motion', no_wrap=True)
+        missed = 'missed by mm, deg\n(passed in zone)' if passed else 'missed by\nmm, deg'
+        for name in ('planned\ns', 'real\ns', missed, 'off line\nmm', *QUANTITIES):
             table.add_column(name, justify='right', no_wrap=True)
         for row in self.rows:
             table.add_row(*_cells(row))
         console.print(table)
         for row in self.rows:
             if not row.ok:
-                console.print(f'[bold red]line {row.line}: {row.problem}[/]', highlight=False)
+                console.print(f'[bold red]line {row.place}: {row.problem}[/]', highlight=False)
         if self.program_error:
             console.print(f'[bold red]{self.program_error}[/]', highlight=False)
+        if self.latest > 0.0:
+            console.print(
+                f'[yellow]the machine was busy: references came up to {1e3 * self.latest:.0f} ms late[/]',
+                highlight=False,
+            )
         if self.ok:
             count = f'{len(self.rows)} motion{"" if len(self.rows) == 1 else "s"}'
             console.print(
@@ -126,7 +157,7 @@ def motion_report(bag: Path, robot_name: str, *, namespace: str = '/') -> Motion
     """Report on a recorded run.
 
     Args:
-        bag: The recorded bag.
+        bag: The recorded bag, live or simulated.
         robot_name: The robot it was recorded with.
         namespace: Namespace of the recorded cell.
 
@@ -137,107 +168,142 @@ def motion_report(bag: Path, robot_name: str, *, namespace: str = '/') -> Motion
     recorded = read_messages(bag, [prefix + topic for topic in TOPICS])
     messages = {topic: recorded[prefix + topic] for topic in TOPICS}
     robot = load_robot_model(robot_name)
-    commands = sorted(
-        ((time, topic, message) for topic in COMMAND_TOPICS for time, message in messages[topic]),
-        key=lambda item: seconds(item[2].header.stamp),
-    )
-    statuses = [(time, _values(message)) for time, message in messages['program_status']]
-    rows = [
-        _row(robot, COMMAND_TOPICS[topic], message, _status_before(statuses, time), messages)
-        for time, topic, message in commands
-    ]
-    last = statuses[-1][1] if statuses else {}
-    return MotionReport(tuple(rows), last.get('state', 'unknown'), last.get('error', ''))
+    motions = recorded_motions(messages, robot)
+    statuses = [status_values(message) for _, message in messages['program_status']]
+    program = next((status['file'] for status in statuses if status.get('file')), '')
+    last = statuses[-1] if statuses else {}
+    rows: list[MotionRow] = []
+    latest = 0.0
+    if any(_succeeded(motion) for motion in motions):
+        judge = _Judge(robot, messages['joint_reference'], messages['joint_states'], program)
+        for motion in motions:
+            rows += judge.rows(motion)
+        latest = judge.latest
+    else:
+        rows = [_failed_row(command, program) for motion in motions for command in motion.commands]
+    return MotionReport(tuple(rows), last.get('state', 'unknown'), last.get('error', ''), latest)
 
 
-def _row(
-    robot: BaseRobotModel,
-    kind: RobotCommandState,
-    command: Any,
-    status: dict[str, str],
-    messages: dict[str, list[tuple[float, Any]]],
-) -> MotionRow:
-    id_ = _stamp_id(command.header.stamp)
-    results = [
-        (time, message) for time, message in messages['motion_result'] if _values(message).get('id') == id_
-    ]
-    plans = [(time, m) for time, m in messages['joint_trajectory'] if _stamp_id(m.header.stamp) == id_]
-    line = int(status.get('line') or 0)
-    if not results:
-        return _failed_row(line, kind, 'no result was recorded')
-    end, result = results[-1]
-    values = _values(result)
-    if not plans or result.level != OK:
-        return _failed_row(line, kind, str(result.message))
-    start, plan = plans[-1]
-    references = [m for time, m in messages['joint_reference'] if start <= time <= end]
-    trajectory = reference_trajectory(references)
-    target = _target(robot, kind, command)
-    r, T = robot.direct_kinematics(trajectory.position[0])
-    straight = (Pose(r, T), target) if kind is RobotCommandState.PTPCARTESIAN else None
-    report = verify(trajectory, robot, line=straight)
-    stood = _feedback_at(robot, messages['joint_states'], end)
-    position_error, orientation_error = stood.distance_to(target)
-    row = MotionRow(
-        line=line,
-        kind=kind.value,
-        planned=seconds(plan.points[-1].time_from_start),
-        duration=float(values['duration']),
-        position_error=position_error,
-        orientation_error=orientation_error,
-        line_deviation=report.line_deviation,
-        uses={quantity: report.uses[quantity] for quantity in QUANTITIES},
-        problem='',
-    )
-    return _checked(row)
+class _Judge:
+    """Compares motions with the references and the feedback of their time."""
+
+    def __init__(
+        self,
+        robot: BaseRobotModel,
+        references: Sequence[tuple[float, Any]],
+        joint_states: Sequence[tuple[float, Any]],
+        program: str,
+    ) -> None:
+        self._robot, self._joint_states, self._program = robot, joint_states, program
+        messages = [message for _, message in references]
+        self._times = [time for time, _ in references]
+        self._trajectory = reference_trajectory(messages)
+        self._late = late_references(messages)
+        self._use = ReferenceUse(robot, self._trajectory, seconds(messages[0].points[0].time_from_start))
+        self.latest = 0.0
+
+    def rows(self, motion: MotionRecord) -> list[MotionRow]:
+        """A row for each command of a motion."""
+        if not _succeeded(motion):
+            return [_failed_row(command, self._program) for command in motion.commands]
+        assert motion.plan is not None
+        first = max(0, bisect_right(self._times, motion.start) - 1)
+        last = bisect_right(self._times, motion.end) - 1
+        self.latest = max(self.latest, float(self._late[first : last + 1].max()))
+        references = ToolPath(self._robot, self._trajectory.position[first : last + 1])
+        passed = references.passings(motion.commands)
+        planned = motion.plan_time[ToolPath(self._robot, motion.plan).passings(motion.commands)]
+        starts = [first, *(first + place for place in passed)]
+        ends = [*starts[1:], last]
+        passing_times = [self._trajectory.time[end] - self._trajectory.time[first] for end in ends[:-1]]
+        durations = np.diff([0.0, *passing_times, motion.duration])
+        plans = np.diff([0.0, *planned, motion.plan_time[-1]])
+        rows = []
+        for number, command in enumerate(motion.commands):
+            begin, end = starts[number], ends[number]
+            passing, errors = None, (math.nan, math.nan)
+            if command is motion.commands[-1]:
+                stood = self._trajectory.position[last] if motion.followed else self._feedback_at(motion.end)
+                flange = Pose(*self._robot.direct_kinematics(stood))
+                errors = (flange @ command.settings.tool_pose).distance_to(command.tool_target)
+            else:
+                passing = Passing(references.distance(passed[number], command), *command.zone)
+            row = MotionRow(
+                place=_place(command, self._program),
+                line=command.line,
+                kind=command.kind,
+                planned=float(plans[number]),
+                duration=float(durations[number]),
+                position_error=errors[0],
+                orientation_error=errors[1],
+                passing=passing,
+                line_deviation=references.line_deviation(
+                    begin - first,
+                    end - first,
+                    motion.commands[number - 1] if number else None,
+                    command,
+                    stands=passing is None,
+                )
+                if command.straight
+                else None,
+                uses=self._use.worst(begin, end),
+                problem='',
+            )
+            rows.append(_checked(row))
+        return rows
+
+    def _feedback_at(self, time: float) -> Array:
+        index = max(0, bisect_right([t for t, _ in self._joint_states], time) - 1)
+        message = self._joint_states[index][1]
+        names = self._robot.axes_data.names
+        return np.array([message.position[message.name.index(name)] for name in names])
 
 
 def _checked(row: MotionRow) -> MotionRow:
-    problems = [use.describe() for use in row.uses.values() if use.ratio > 1.0 + RATIO_TOLERANCE]
+    problems = [
+        use.describe() for quantity, use in row.uses.items() if use.ratio > 1.0 + RATIO_TOLERANCE[quantity]
+    ]
     if row.position_error > POSITION_TOLERANCE or row.orientation_error > ORIENTATION_TOLERANCE:
         problems.append(
             f'the target was missed by {1e3 * row.position_error:.3f} mm and '
             f'{math.degrees(row.orientation_error):.4f} deg; allowed are {1e3 * POSITION_TOLERANCE:g} mm and '
             f'{math.degrees(ORIENTATION_TOLERANCE):g} deg'
         )
+    passing = row.passing
+    if passing is not None and passing.distance > passing.zone * (1.0 + ZONE_TOLERANCE):
+        problems.append(f'the target was passed outside its zone, in {passing.describe()}')
     if row.line_deviation is not None and row.line_deviation > LINE_TOLERANCE:
         problems.append(
             f'the references leave the straight line by {1e3 * row.line_deviation:.3f} mm, allowed is '
             f'{1e3 * LINE_TOLERANCE:g} mm'
         )
-    return MotionRow(**{**vars(row), 'problem': '; '.join(problems)})
+    return replace(row, problem='; '.join(problems))
 
 
-def _failed_row(line: int, kind: RobotCommandState, problem: str) -> MotionRow:
+def _succeeded(motion: MotionRecord) -> bool:
+    return motion.plan is not None and all(command.ok for command in motion.commands)
+
+
+def _failed_row(command: CommandRecord, program: str) -> MotionRow:
     nan = math.nan
-    return MotionRow(line, kind.value, nan, nan, nan, nan, None, {}, problem)
+    return MotionRow(
+        place=_place(command, program),
+        line=command.line,
+        kind=command.kind,
+        planned=nan,
+        duration=nan,
+        position_error=nan,
+        orientation_error=nan,
+        passing=None,
+        line_deviation=None,
+        uses={},
+        problem=command.message,
+    )
 
 
-def _target(robot: BaseRobotModel, kind: RobotCommandState, command: Any) -> Pose:
-    if kind is RobotCommandState.PTPJOINT_JOINT:
-        return Pose(*robot.direct_kinematics(np.asarray(command.position)))
-    p, o = command.pose.position, command.pose.orientation
-    return Pose.from_quaternion([p.x, p.y, p.z], [o.x, o.y, o.z, o.w])
-
-
-def _feedback_at(robot: BaseRobotModel, joint_states: Sequence[tuple[float, Any]], time: float) -> Pose:
-    index = max(0, bisect_right([t for t, _ in joint_states], time) - 1)
-    message = joint_states[index][1]
-    q: Array = np.array([message.position[message.name.index(name)] for name in robot.axes_data.names])
-    return Pose(*robot.direct_kinematics(q))
-
-
-def _status_before(statuses: Sequence[tuple[float, dict[str, str]]], time: float) -> dict[str, str]:
-    index = bisect_right([t for t, _ in statuses], time) - 1
-    return statuses[index][1] if index >= 0 else {}
-
-
-def _values(status: Any) -> dict[str, str]:
-    return {item.key: item.value for item in status.values}
-
-
-def _stamp_id(stamp: Any) -> str:
-    return f'{stamp.sec}.{stamp.nanosec:09d}'
+def _place(command: CommandRecord, program: str) -> str:
+    subprogram = command.file not in ('', program)
+    return f'{Path(command.file).name}:{command.line}' if subprogram else str(command.line)
 
 
 def _cells(row: MotionRow) -> list[str]:
@@ -245,12 +311,16 @@ def _cells(row: MotionRow) -> list[str]:
         return '-' if value is None or math.isnan(value) else text.format(value)
 
     missed = f'{1e3 * row.position_error:.4f}, {math.degrees(row.orientation_error):.4f}'
+    if row.passing is not None:
+        missed = f'({row.passing.describe()})'
+    elif math.isnan(row.position_error):
+        missed = '-'
     cells = [
-        str(row.line),
+        row.place,
         row.kind,
         number(row.planned, '{:.2f}'),
         number(row.duration, '{:.2f}'),
-        '-' if math.isnan(row.position_error) else missed,
+        missed,
         number(None if row.line_deviation is None else 1e3 * row.line_deviation, '{:.4f}'),
     ]
     for quantity in QUANTITIES:

@@ -3,33 +3,27 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterable
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
-from rosbags.interfaces import (
-    Connection,
-    Qos,
-    QosDurability,
-    QosHistory,
-    QosLiveliness,
-    QosReliability,
-    QosTime,
-)
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.interfaces import Connection, Qos
 from rosbags.typesys import Stores, get_typestore
 
+from robots_controller.bag_qos import bag_qos
+from robots_controller.lasting_writer import LastingWriter
+from robots_controller.nodes.message_types import message_class
 from robots_core.nodes.polled_subscription import PolledSubscription
 
 DISCOVERY_PERIOD = 0.1  # s
 WRITE_PERIOD = 0.02  # s
 QUEUE_DEPTH = 1000  # messages of one topic between two writes
-BAG_VERSION: Final = 9
+FLUSH_PERIOD = 1.0  # s; what a kill may cost
 
 
 @dataclass(frozen=True)
@@ -41,19 +35,24 @@ class _RecordedTopic:
 class BagRecorder(Node):
     """Subscribes to every topic that it sees and writes it as it came, with a thread of its own.
 
+    Memory is bounded: a queue per topic and one chunk of the file. The bag on disk is whole after every
+    `FLUSH_PERIOD`: a kill of the process costs what came since.
+
     Args:
         path: Folder of the bag; must not exist.
         namespace: Records the topics below it, and the global ones (`/diagnostics`, `/rosout`).
+        options: Passed on to `rclpy.node.Node`.
     """
 
-    def __init__(self, path: Path, *, namespace: str) -> None:
-        super().__init__('bag_recorder', namespace=namespace)
+    def __init__(self, path: Path, *, namespace: str, **options: Any) -> None:
+        super().__init__('bag_recorder', namespace=namespace, **options)
         self.path = path
         self._prefix = namespace.rstrip('/') + '/'
         self._typestore = get_typestore(Stores.ROS2_JAZZY)
-        self._writer = Writer(path, version=BAG_VERSION, storage_plugin=StoragePlugin.MCAP)
+        self._writer = LastingWriter(path)
         self._topics: dict[str, _RecordedTopic] = {}
         self._writer.open()
+        self._writing = threading.Lock()  # a topic is found while another's messages are written
         self._closed = threading.Event()
         # A topic may be found while the bag is being closed; then it comes too late.
         self._discovering = threading.Lock()
@@ -99,46 +98,41 @@ class BagRecorder(Node):
             reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
         )
-        connection = self._writer.add_connection(
-            topic,
-            type_name,
-            typestore=self._typestore,
-            offered_qos_profiles=[_bag_qos(p.qos_profile) for p in publishers],
-        )
-        return _RecordedTopic(
-            connection, PolledSubscription(self, _message_class(type_name), topic, qos, raw=True)
-        )
+        subscription = PolledSubscription(self, message_class(type_name), topic, qos, raw=True)
+        with self._writing:
+            connection = self._writer.add_connection(
+                topic,
+                type_name,
+                typestore=self._typestore,
+                offered_qos_profiles=[_bag_qos(p.qos_profile) for p in publishers],
+            )
+        return _RecordedTopic(connection, subscription)
 
     def _write(self) -> None:
+        unsaved, saved = False, time.monotonic()
         while not self._closed.wait(WRITE_PERIOD):
-            self._write_what_came()
+            unsaved |= self._write_what_came()
+            if unsaved and time.monotonic() - saved >= FLUSH_PERIOD:
+                with self._writing:
+                    self._writer.flush()
+                unsaved, saved = False, time.monotonic()
         self._write_what_came()
         self._writer.close()
 
-    def _write_what_came(self) -> None:
+    def _write_what_came(self) -> bool:
+        written = False
         for topic in list(self._topics.values()):
             for data, info in topic.subscription.take_all():
                 # Sent, not received: topics keep their order to each other however late they come in.
-                self._writer.write(topic.connection, info['source_timestamp'], data)
-
-
-def _message_class(type_name: str) -> Any:
-    package, _, name = type_name.split('/')
-    return getattr(import_module(f'{package}.msg'), name)
+                with self._writing:
+                    self._writer.write(topic.connection, info['source_timestamp'], data)
+                written = True
+        return written
 
 
 def _bag_qos(profile: QoSProfile) -> Qos:
-    latched = profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
-    reliable = profile.reliability is ReliabilityPolicy.RELIABLE
-    unlimited = QosTime(sec=2147483647, nsec=4294967295)
-    return Qos(
-        history=QosHistory.KEEP_LAST,
-        depth=max(1, profile.depth),
-        reliability=QosReliability.RELIABLE if reliable else QosReliability.BEST_EFFORT,
-        durability=QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
-        deadline=unlimited,
-        lifespan=unlimited,
-        liveliness=QosLiveliness.AUTOMATIC,
-        liveliness_lease_duration=unlimited,
-        avoid_ros_namespace_conventions=False,
+    return bag_qos(
+        latched=profile.durability is DurabilityPolicy.TRANSIENT_LOCAL,
+        reliable=profile.reliability is ReliabilityPolicy.RELIABLE,
+        depth=profile.depth,
     )

@@ -31,7 +31,7 @@ from robots_core.nodes.robot_node import RobotNode
 from robots_core.nodes.run import run
 from robots_core.periodic_thread import PeriodicThread, ask_for_realtime
 from robots_core.validation import Array, fraction
-from robots_planning.nodes.trajectory_messages import trajectory_from_message
+from robots_planning.nodes.trajectory_messages import join_time, trajectory_from_message
 from robots_planning.trajectory import Trajectory
 from robots_planning.verification import verify
 
@@ -142,7 +142,9 @@ class ControllerNode(RobotNode):
             return None
 
     def _publish_result(self, outcome: MotionOutcome) -> None:
-        details = {key: str(value) for key, value in outcome.details.items()}
+        # Who has commanded another motion meanwhile can tell whether that was before or after this end.
+        ended = 1e-9 * self.get_clock().now().nanoseconds
+        details = {key: str(value) for key, value in outcome.details.items()} | {'ended': f'{ended:.9f}'}
         result = MotionResult(outcome.id, outcome.ok, outcome.message, details)
         self._result_publisher.publish(result.to_message(self.robot_name))
         if not outcome.ok:
@@ -155,9 +157,9 @@ class ControllerNode(RobotNode):
             self._last_progress = progress
             self._progress_publisher.publish(Float64(data=progress))
 
-    def _follow(self, trajectory: Trajectory, id_: str, now: float) -> None:
+    def _follow(self, trajectory: Trajectory, id_: str, join: float, now: float) -> None:
         try:
-            self._controller.follow(trajectory, id_, now)
+            self._controller.follow(trajectory, id_, now, join_time=join)
         except RobotsError as error:
             self._refuse_motion(id_, error)
             return
@@ -184,14 +186,15 @@ class ControllerNode(RobotNode):
             self._on_streamed_point(message, id_)
             return
         try:
-            trajectory = trajectory_from_message(message, self._names)
-            report = verify(trajectory, self.robot, torque=False)
+            trajectory, join = trajectory_from_message(message, self._names), join_time(message)
+            moving = (trajectory.velocity[0], trajectory.acceleration[0]) if join > 0.0 else None
+            report = verify(trajectory, self.robot, torque=False, start_motion=moving)
             if not report.ok:
                 raise InvalidInputError(f'joint_trajectory breaks a limit: {report.describe()}')
         except RobotsError as error:
             self._refuse_motion(id_, error)
             return
-        self._mailbox.append(partial(self._follow, trajectory, id_))
+        self._mailbox.append(partial(self._follow, trajectory, id_, join))
 
     def _on_streamed_point(self, message: JointTrajectory, id_: str) -> None:
         ros_time, now = 1e-9 * self.get_clock().now().nanoseconds, time.monotonic()

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Final
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-from robots_controller.interpreter.program_state import MotionCommand
+from robots_controller.interpreter.motion_command import MotionCommand
+from robots_controller.nodes.planner_settings import BLEND_ZONES, PlannerSettings
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.nodes.messages import MotionResult, joint_state_message, pose_stamped_message, stamp_id
 from robots_core.nodes.qos import COMMAND
@@ -23,24 +27,32 @@ from robots_planning.robot_command_state import RobotCommandState
 # A node restarts in about this time; a robot that nobody plans for must not be waited for longer.
 LOST_TIMEOUT: Final = 2.0  # s
 WATCH_PERIOD: Final = 0.1  # s
+# Motions on their way at once: fewer than the controller queues and than the middleware keeps of commands.
+MOST_SENT: Final = 50
 UNKNOWN_NODE: Final = '_NODE_NAME_UNKNOWN_'
 
-_TOPICS: Final[dict[RobotCommandState, tuple[str, Any]]] = {
+_TOPICS: Final[dict[str, tuple[str, Any]]] = {
     RobotCommandState.PTPJOINT_JOINT: ('ptpjoint_joint', JointState),
     RobotCommandState.PTPJOINT_CARTESIAN: ('ptpjoint_cartesian', PoseStamped),
     RobotCommandState.PTPCARTESIAN: ('ptpcartesian', PoseStamped),
+    'circCartesianSpace': ('circcartesian', Path),
+    'splineCartesianSpace': ('splinecartesian', Path),
 }
 
 
 class MotionClient:
-    """One motion at a time: sent when somebody plans it, ended by its result or when that somebody is gone.
+    """Motions in their order: sent when somebody plans them, ended by their results or when nobody is left.
+
+    A motion is sent at once; the program sends the next one before its end only if they blend. Before a
+    motion, planning_node gets the settings it was commanded with, if they have changed.
 
     Args:
         node: The node to speak through.
         joint_names: The robot's joints.
         planner_timeout: Longest wait for a node that plans, s.
-        on_result: The motion ended; None, or why the robot does not stand at the target. Called from the
-            executor's thread.
+        on_sent: A motion was sent, with its id.
+        on_result: A motion ended; its id ('' if it was not sent), and None, or why the robot is not at the
+            target. Called from the executor's thread.
     """
 
     def __init__(
@@ -49,21 +61,28 @@ class MotionClient:
         *,
         joint_names: tuple[str, ...],
         planner_timeout: float,
-        on_result: Callable[[RobotsError | None], None],
+        on_sent: Callable[[str, MotionCommand], None],
+        on_result: Callable[[str, MotionCommand, RobotsError | None], None],
     ) -> None:
         self._node = node
         self._joint_names = joint_names
         self._planner_timeout = planner_timeout
+        self._on_sent = on_sent
         self._on_result = on_result
-        self._lock = threading.Lock()
+        # Entered again by an answer of the planner that is there at once.
+        self._lock = threading.RLock()
         self._last_stamp = 0
-        self._command: MotionCommand | None = None  # to be sent
-        self._id = ''  # of the one that was sent
+        self._unsent: deque[MotionCommand] = deque()
+        self._sent: dict[str, MotionCommand] = {}  # by id, oldest first
+        self._settings = PlannerSettings(node)
+        self._setting: MotionCommand | None = None  # whose settings are on their way
+        self._flush = False
+        self._planners: set[bytes] = set()  # endpoints of those who plan
         self._since = 0.0  # when the command came, or when all its servers were last seen
         self._servers: dict[bytes, str] = {}  # who could end the motion: endpoint and its node
         self._stopping = False
         self._publishers = {
-            state: node.create_publisher(kind, topic, COMMAND) for state, (topic, kind) in _TOPICS.items()
+            kind: node.create_publisher(type_, topic, COMMAND) for kind, (topic, type_) in _TOPICS.items()
         }
         node.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
         self._controller = {
@@ -75,20 +94,29 @@ class MotionClient:
     def send(self, command: MotionCommand) -> None:
         """Send a motion, at once or as soon as somebody plans it."""
         with self._lock:
-            self._command, self._id, self._since = command, '', time.monotonic()
-            self._stopping = False
-            self._send_if_planned()
+            if not self._unsent:
+                self._since = time.monotonic()
+            self._unsent.append(command)
+            self._stopping = self._flush = False
+            self._send_planned()
+
+    def flush(self) -> None:
+        """No motion follows for now: a planner need not wait for the next one to blend into."""
+        with self._lock:
+            self._flush = True
+            self._send_planned()
 
     def stop(self) -> None:
-        """Give up the motion; its result still comes, or at once if it was not sent."""
+        """Give up all motions; the results of those that were sent still come."""
         with self._lock:
-            if self._command is None:
-                # A motion that is being planned reaches the controller after its stop: `_watch` repeats it.
-                self._stopping = bool(self._id)
-            unsent, self._command = self._command is not None, None
+            # A motion that is being planned reaches the controller after its stop: `_watch` repeats it.
+            self._stopping = bool(self._sent)
+            unsent = list(self._unsent)
+            self._unsent.clear()
+            self._setting = None
         self.ask_controller('stop')
-        if unsent:
-            self._on_result(PlanningError('stopped before it began'))
+        for command in unsent:
+            self._on_result('', command, PlanningError('stopped before it began'))
 
     def ask_controller(self, service: str) -> None:
         """Call `pause`, `resume` or `stop` of the controller without waiting."""
@@ -101,29 +129,71 @@ class MotionClient:
                 throttle_duration_sec=5.0,
             )
 
-    def planner_listens(self, state: RobotCommandState = RobotCommandState.PTPJOINT_JOINT) -> bool:
+    def planner_listens(self, kind: str = RobotCommandState.PTPJOINT_JOINT) -> bool:
         """A node that publishes `joint_trajectory` is subscribed to a motion's topic.
 
         The number of subscriptions alone says nothing: a recorder has them too.
         """
-        planners = _names(self._node.get_publishers_info_by_topic('joint_trajectory'))
-        return bool(planners & _names(self._node.get_subscriptions_info_by_topic(_TOPICS[state][0])))
+        publishers = self._node.get_publishers_info_by_topic('joint_trajectory')
+        planners = _names(publishers)
+        endpoints = {bytes(endpoint.endpoint_gid) for endpoint in publishers}
+        if endpoints - self._planners:  # one that was started anew has not heard our settings
+            self._settings.forget()
+        self._planners = endpoints
+        return bool(planners & _names(self._node.get_subscriptions_info_by_topic(_TOPICS[kind][0])))
 
     # -- both threads, locked -------------------------------------------------------------------
 
-    def _send_if_planned(self) -> None:
-        command = self._command
-        if command is None or not self.planner_listens(command.state):
-            return
+    @property
+    def _full(self) -> bool:
+        return len(self._sent) >= MOST_SENT
+
+    def _send_planned(self) -> None:
+        while self._unsent and self._setting is None and not self._full:
+            command = self._unsent[0]
+            if not self.planner_listens(_kind(command)):
+                return
+            if self._settings.differ(command.settings):
+                if not self._settings.ready:
+                    return
+                self._setting = command
+                done = partial(self._on_settings, command)
+                self._settings.apply(command.settings, done, moving=bool(self._sent))
+                return
+            self._publish(self._unsent.popleft())
+        if self._flush and not self._unsent and self._sent and self._setting is None and self._settings.ready:
+            self._flush = False
+            last = next(reversed(self._sent.values()))
+            settings = {**last.settings, **dict.fromkeys(BLEND_ZONES, 0.0)}
+            self._settings.apply(settings, lambda _: None, moving=True)
+
+    def _on_settings(self, command: MotionCommand, error: PlanningError | None) -> None:
+        with self._lock:
+            if self._setting is not command:  # given up meanwhile
+                return
+            self._setting = None
+            if error is None:
+                self._publish(self._unsent.popleft())
+                self._send_planned()
+                return
+            self._unsent.clear()
+        self._on_result('', command, error)
+
+    def _publish(self, command: MotionCommand) -> None:
         stamp = self._next_stamp()
         if command.q is not None:
             message: Any = joint_state_message(stamp, self._joint_names, command.q)
+        elif command.path:
+            message = Path(poses=[pose_stamped_message(stamp, pose) for pose in command.path])
+            message.header = message.poses[0].header
         else:
             assert command.pose is not None
             message = pose_stamped_message(stamp, command.pose)
-        self._command, self._id = None, stamp_id(stamp)
+        id_ = stamp_id(stamp)
+        self._sent[id_] = command
         self._since, self._servers = time.monotonic(), self._result_servers()
-        self._publishers[command.state].publish(message)
+        self._on_sent(id_, command)
+        self._publishers[_kind(command)].publish(message)
 
     def _next_stamp(self) -> Time:
         # The stamp is the command's id: unique even while a simulated clock stands still.
@@ -141,39 +211,58 @@ class MotionClient:
     def _on_motion_result(self, message: DiagnosticStatus) -> None:
         result = MotionResult.from_message(message)
         with self._lock:
-            if not self._id or result.id != self._id:
+            command = self._sent.pop(result.id, None)
+            if command is None:
                 return
-            self._id, self._stopping = '', False
+            before = {}
+            if result.ok:  # those before it have ended too
+                before = {id_: one for id_, one in self._sent.items() if _number(id_) < _number(result.id)}
+                for id_ in before:
+                    del self._sent[id_]
+            if not self._sent:
+                self._stopping = False
+            if result.ok:
+                self._since = time.monotonic()
+                self._send_planned()
         error = None
         if not result.ok:
             error = RobotsError(result.message)
             error.details.update(result.details)
-        self._on_result(error)
+        for id_, one in before.items():
+            self._on_result(id_, one, None)
+        self._on_result(result.id, command, error)
 
     def _watch(self) -> None:
         with self._lock:
             now, stopping = time.monotonic(), self._stopping
-            problem = self._unplanned(now) if self._command is not None else self._lost(now)
+            waiting = self._unsent and not self._full
+            problem = self._unplanned(now) if waiting else self._lost(now)
+            given_up = list(self._sent.items()) + [('', command) for command in self._unsent]
             if problem:
-                self._command, self._id, self._stopping = None, '', False
+                self._sent.clear()
+                self._unsent.clear()
+                self._setting, self._stopping = None, False
         if problem:
-            self._on_result(PlanningError(problem))
+            for id_, command in given_up:
+                self._on_result(id_, command, PlanningError(problem))
             self.ask_controller('stop')
         elif stopping:
             self.ask_controller('stop')
 
     def _unplanned(self, now: float) -> str:
-        self._send_if_planned()
-        if self._command is None or now - self._since < self._planner_timeout:
+        self._send_planned()
+        if not self._unsent or now - self._since < self._planner_timeout:
             return ''
-        topic = _TOPICS[self._command.state][0]
+        if self._setting is not None:
+            return f'planning_node has not answered for {self._planner_timeout:g} s: is it still running?'
+        topic = _TOPICS[_kind(self._unsent[0])][0]
         return (
             f'nobody plans {topic} within {self._planner_timeout:g} s: planning_node is not running, '
             'or in another namespace'
         )
 
     def _lost(self, now: float) -> str:
-        if not self._id:
+        if not self._sent:
             return ''
         present = self._result_servers()
         gone = [name for gid, name in self._servers.items() if gid not in present]
@@ -184,6 +273,14 @@ class MotionClient:
             return ''
         names = ', '.join(sorted(gone)) or 'everyone who could end the motion'
         return f'{names} has been gone for {LOST_TIMEOUT:g} s while the robot moved: is it still running?'
+
+
+def _kind(command: MotionCommand) -> str:
+    return command.function if command.path else command.state
+
+
+def _number(id_: str) -> int:
+    return int(id_.replace('.', ''))
 
 
 def _names(endpoints: list[Any]) -> set[str]:

@@ -1,0 +1,210 @@
+"""MotionRecord: the motions of a recorded bag, as they were commanded, planned and ended."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from robots_controller.bag_reading import seconds
+from robots_core.pose import Pose
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array, read_only
+from robots_planning.motion_settings import MotionSettings, settings_from_text
+from robots_planning.pathplanning import JOINT_STATES, Shape
+from robots_planning.robot_command_state import RobotCommandState
+
+OK: Final = 0  # DiagnosticStatus.OK
+PASSED: Final = 'passed'  # result of a motion that ran through to the next one
+COMMAND_TOPICS: Final[dict[str, tuple[RobotCommandState, Shape]]] = {
+    'ptpjoint_joint': (RobotCommandState.PTPJOINT_JOINT, 'line'),
+    'ptpjoint_cartesian': (RobotCommandState.PTPJOINT_CARTESIAN, 'line'),
+    'ptpcartesian': (RobotCommandState.PTPCARTESIAN, 'line'),
+    'circcartesian': (RobotCommandState.PTPCARTESIAN, 'circle'),
+    'splinecartesian': (RobotCommandState.PTPCARTESIAN, 'spline'),
+}
+MOTION_TOPICS: Final = (
+    *COMMAND_TOPICS, 'motion_settings', 'joint_trajectory', 'motion_result', 'program_status'
+)  # fmt: skip
+Messages = Mapping[str, Sequence[tuple[float, Any]]]
+"""(time in s, message) by topic, in order."""
+
+
+@dataclass(frozen=True, eq=False)
+class CommandRecord:
+    """A motion command.
+
+    Attributes:
+        id: Its stamp.
+        file: The program that commanded it; '' if none ran.
+        line: Its line there.
+        state: The kind of motion.
+        shape: Of a Cartesian motion.
+        settings: What held for it.
+        q: Joint target, (n,); None for poses.
+        pose: Target of tool0 in the robot's base; for a joint target where those joints lead; nothing if not
+            `ok`.
+        ok: The robot came there.
+        message: The result's words.
+    """
+
+    id: str
+    file: str
+    line: int
+    state: RobotCommandState
+    shape: Shape
+    settings: MotionSettings
+    q: Array | None
+    pose: Pose
+    ok: bool
+    message: str
+
+    @property
+    def kind(self) -> str:
+        """State and shape in words."""
+        return self.state.value if self.shape == 'line' else f'{self.state.value} {self.shape}'
+
+    @property
+    def tool_target(self) -> Pose:
+        """Target of the tool in the robot's base."""
+        return self.pose @ self.settings.tool_pose
+
+    @property
+    def straight(self) -> bool:
+        """The tool moves on a straight line."""
+        return self.state is RobotCommandState.PTPCARTESIAN and self.shape == 'line'
+
+    @property
+    def zone(self) -> tuple[float, bool]:
+        """Size of the zone around its target, and whether it is one of joints (rad) or of the tool (m)."""
+        joints, tool = (self.settings.joint_blend_zone, True), (self.settings.blend_zone, False)
+        own, other = (joints, tool) if self.state in JOINT_STATES else (tool, joints)
+        return own if own[0] > 0.0 else other
+
+
+@dataclass(frozen=True, eq=False)
+class MotionRecord:
+    """What the robot moved in one go: one command, or several that ran through from one to the next.
+
+    Attributes:
+        commands: In order; the robot stands after the last.
+        plan: Planned positions at `plan_time`, (m, n); None if nothing was planned.
+        plan_time: (m,) s.
+        start: When it began, s.
+        end: When its result came, s.
+        duration: From its start until the robot stood, as the controller measured it, s.
+        followed: The next motion was there before it ended: the references were at the target, but nobody
+            waited for the drives.
+    """
+
+    commands: tuple[CommandRecord, ...]
+    plan: Array | None
+    plan_time: Array
+    start: float
+    end: float
+    duration: float
+    followed: bool = False
+
+
+def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionRecord, ...]:
+    """The motions of a bag in order.
+
+    Raises:
+        RobotsError: a command or a setting that makes no sense.
+    """
+    plans = {_stamp_id(m): (time, m) for time, m in messages['joint_trajectory'] if len(m.points) > 1}
+    results = {status_values(m).get('id'): (time, m) for time, m in messages['motion_result']}
+    commands = sorted(
+        ((time, topic, message) for topic in COMMAND_TOPICS for time, message in messages[topic]),
+        key=lambda item: seconds(item[2].header.stamp),
+    )
+    motions: list[MotionRecord] = []
+    chain: list[CommandRecord] = []
+    end = 0.0
+    for time, topic, message in commands:
+        result = results.get(_stamp_id(message), (time, None))
+        chain.append(_command(messages, robot, (time, topic, message), result[1]))
+        planned = plans.get(chain[-1].id)
+        if planned is None and chain[-1].message == PASSED:
+            continue
+        plan, plan_time = None, np.zeros(0)
+        if planned is not None:
+            plan = np.array([point.positions for point in planned[1].points])
+            plan_time = np.array([seconds(point.time_from_start) for point in planned[1].points])
+            time = planned[0]  # noqa: PLW2901  # the robot starts with its plan
+        # Planned while the motion before it was running, it starts at that one's end.
+        if motions and time < end:
+            motions[-1] = replace(motions[-1], followed=True)
+        start, end = max(time, end), result[0]
+        measured = {} if result[1] is None else status_values(result[1])
+        duration = float(measured.get('duration', end - start))
+        motions.append(MotionRecord(tuple(chain), plan, plan_time, start, end, duration))
+        chain = []
+    if chain:
+        motions.append(MotionRecord(tuple(chain), None, np.zeros(0), end, end, 0.0))
+    return tuple(motions)
+
+
+def status_values(status: Any) -> dict[str, str]:
+    """The key-value pairs of a DiagnosticStatus."""
+    return {item.key: item.value for item in status.values}
+
+
+def _command(
+    messages: Messages, robot: BaseRobotModel, sent: tuple[float, str, Any], result: Any
+) -> CommandRecord:
+    time, topic, message = sent
+    state, shape = COMMAND_TOPICS[topic]
+    told = _before(messages['motion_settings'], time)
+    settings = settings_from_text(status_values(told)) if told is not None else MotionSettings()
+    file, line = _place(messages['program_status'], _stamp_id(message), time)
+    ok = result is not None and result.level == OK
+    q, pose = None, Pose.identity()
+    if not ok:
+        pass  # what was refused need not be a target
+    elif hasattr(message, 'position'):
+        names = list(message.name)
+        q = read_only(np.array([message.position[names.index(name)] for name in robot.axes_data.names]))
+        pose = Pose(*robot.direct_kinematics(q))
+    else:
+        target = message.poses[-1].pose if hasattr(message, 'poses') else message.pose
+        p, o = target.position, target.orientation
+        tool = Pose.from_quaternion([p.x, p.y, p.z], [o.x, o.y, o.z, o.w])
+        pose = settings.in_base(tool) @ settings.tool_pose.inverse()
+    return CommandRecord(
+        id=_stamp_id(message),
+        file=file,
+        line=line,
+        state=state,
+        shape=shape,
+        settings=settings,
+        q=q,
+        pose=pose,
+        ok=ok,
+        message='no result was recorded' if result is None else str(result.message),
+    )
+
+
+def _place(statuses: Sequence[tuple[float, Any]], id_: str, time: float) -> tuple[str, int]:
+    """File and line of a command: those that the program's status tells of it, or where the program was."""
+    for _, status in statuses:
+        values = status_values(status)
+        if values.get('motion') == id_:
+            return values['motion_file'], int(values['motion_line'])
+    now = _before(statuses, time)
+    values = status_values(now) if now is not None else {}
+    return values.get('file', ''), int(values.get('line') or 0)
+
+
+def _before(messages: Sequence[tuple[float, Any]], time: float) -> Any:
+    """The last message until a time; None if there is none."""
+    index = bisect_right([t for t, _ in messages], time) - 1
+    return messages[index][1] if index >= 0 else None
+
+
+def _stamp_id(message: Any) -> str:
+    stamp = message.header.stamp
+    return f'{stamp.sec}.{stamp.nanosec:09d}'

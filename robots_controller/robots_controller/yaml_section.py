@@ -1,0 +1,237 @@
+"""YamlSection: a YAML file whose mistakes are told with file and line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+import yaml
+from yaml.constructor import ConstructorError
+
+from robots_core.errors import InvalidInputError
+
+
+class YamlSection:
+    """One mapping of a YAML file: its keys are read once each, and `finish` refuses those that were not.
+
+    Args:
+        file: The file's name, for errors.
+        node: The mapping.
+    """
+
+    def __init__(self, file: str, node: yaml.MappingNode) -> None:
+        self.file = file
+        self.line = node.start_mark.line + 1
+        self._nodes: dict[str, tuple[yaml.Node, yaml.Node]] = {}
+        self._read: list[str] = []
+        for key, value in node.value:
+            name = str(key.value)
+            if name in self._nodes:
+                first = self._nodes[name][0].start_mark.line + 1
+                raise self.error(f'{name!r} stands here and in line {first}', node=key)
+            self._nodes[name] = (key, value)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """All keys, in the file's order, as they are written."""
+        return tuple(self._nodes)
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._nodes
+
+    def line_of(self, key: str) -> int:
+        """The line of a key; the section's own for one that is missing."""
+        return self._nodes[key][0].start_mark.line + 1 if key in self._nodes else self.line
+
+    def error(self, message: str, key: str = '', *, node: yaml.Node | None = None) -> InvalidInputError:
+        """The error to raise, at a key or at the section."""
+        line = self.line_of(key) if node is None else node.start_mark.line + 1
+        return located(self.file, line, message)
+
+    # -- values -----------------------------------------------------------------------------------
+
+    def text(self, key: str, default: str | None = None, *, among: Collection[str] = ()) -> str:
+        """A text; a number or a switch counts as its text.
+
+        Raises:
+            InvalidInputError: missing without a default, not a single value, or not `among` the valid ones.
+        """
+        node = self._take(key, needed=default is None)
+        if node is None:
+            assert default is not None
+            return default
+        if not isinstance(node, yaml.ScalarNode):
+            raise self.error(f'{key} must be a text', key)
+        text = str(node.value)
+        if among and text not in among:
+            raise self.error(f'{key} is {text!r}; valid are {", ".join(among)}', key)
+        return text
+
+    def number(
+        self, key: str, default: float | None = None, *, low: float = -math.inf, high: float = math.inf
+    ) -> float:
+        """A finite number in [low, high].
+
+        Raises:
+            InvalidInputError: missing without a default, or another value.
+        """
+        value = self._scalar(key, default)
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            raise self.error(f'{key} is {value!r}; valid is a finite number', key)
+        if not low <= value <= high:
+            bounds = f'at least {low:g}' if high == math.inf else f'in [{low:g}, {high:g}]'
+            raise self.error(f'{key} is {value!r}; valid is a number {bounds}', key)
+        return value
+
+    def whole(self, key: str, default: int | None = None, *, low: int, high: int) -> int:
+        """A whole number in low..high.
+
+        Raises:
+            InvalidInputError: missing without a default, or another value.
+        """
+        value = self._scalar(key, default)
+        if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
+            raise self.error(f'{key} is {value!r}; valid is a whole number in {low}..{high}', key)
+        return value
+
+    def switch(self, key: str, default: bool | None = None) -> bool:  # noqa: FBT001
+        """True or false, or 1 or 0.
+
+        Raises:
+            InvalidInputError: missing without a default, or another value.
+        """
+        value = self._scalar(key, default)
+        if value not in (True, False):  # 1 and 0 are equal to these
+            raise self.error(f'{key} is {value!r}; valid are true and false', key)
+        return bool(value)
+
+    def section(self, key: str) -> YamlSection | None:
+        """A mapping below a key; None if the key is missing.
+
+        Raises:
+            InvalidInputError: not a mapping.
+        """
+        node = self._take(key, needed=False)
+        return None if node is None else self._section(node, key)
+
+    def sections(self, key: str) -> Iterator[YamlSection]:
+        """A list of mappings below a key; none if the key is missing or empty.
+
+        Raises:
+            InvalidInputError: not a list of mappings.
+        """
+        node = self._take(key, needed=False)
+        for item in [] if node is None else self._items(node, key):
+            yield self._section(item, f'an item of {key}')
+
+    def texts(self, key: str) -> list[tuple[str, int]]:
+        """One text or a list of texts, each with its line; none if the key is missing.
+
+        Raises:
+            InvalidInputError: another value.
+        """
+        node = self._take(key, needed=False)
+        if node is None:
+            return []
+        items = [node] if isinstance(node, yaml.ScalarNode) else self._items(node, key)
+        for item in items:
+            if not isinstance(item, yaml.ScalarNode):
+                raise self.error(f'{key} must be texts', node=item)
+        return [(str(item.value), item.start_mark.line + 1) for item in items]
+
+    def finish(self, valid: Collection[str] = ()) -> None:
+        """Refuse keys that nobody asked for.
+
+        Args:
+            valid: Further keys that the message names.
+
+        Raises:
+            InvalidInputError: there is one.
+        """
+        for key in self._nodes:
+            if key not in self._read:
+                known = list(dict.fromkeys([*self._read, *valid]))
+                close = get_close_matches(key, known, 1)
+                hint = f'did you mean {close[0]!r}?' if close else f'valid are {", ".join(known)}'
+                raise self.error(f'unknown key {key!r}; {hint}', key)
+
+    def _take(self, key: str, *, needed: bool) -> yaml.Node | None:
+        if key not in self._read:
+            self._read.append(key)
+        if key in self._nodes:
+            return self._nodes[key][1]
+        if needed:
+            raise self.error(f'{key} is missing')
+        return None
+
+    def _scalar(self, key: str, default: Any) -> Any:
+        node = self._take(key, needed=default is None)
+        if node is None:
+            return default
+        try:
+            return yaml.constructor.SafeConstructor().construct_object(node, deep=True)
+        except (ConstructorError, ValueError) as error:
+            raise self.error(f'{key} is not valid: {error}', key) from None
+
+    def _items(self, node: yaml.Node, key: str) -> list[yaml.Node]:
+        if isinstance(node, yaml.SequenceNode):
+            return list(node.value)
+        if isinstance(node, yaml.ScalarNode) and node.tag == 'tag:yaml.org,2002:null':
+            return []
+        raise self.error(f'{key} must be a list', node=node)
+
+    def _section(self, node: yaml.Node, what: str) -> YamlSection:
+        if not isinstance(node, yaml.MappingNode):
+            raise self.error(f'{what} must be a mapping (key: value)', node=node)
+        return YamlSection(self.file, node)
+
+
+def read_yaml(path: Path | str) -> YamlSection:
+    """The mapping that a YAML file is.
+
+    Raises:
+        InvalidInputError: no file, not YAML, or not a mapping; with its line.
+    """
+    return parse_yaml(read_text(path), Path(path).name)
+
+
+def read_text(path: Path | str) -> str:
+    """The text of a file.
+
+    Raises:
+        InvalidInputError: it cannot be read.
+    """
+    try:
+        return Path(path).read_text(encoding='utf-8')
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidInputError(f'{path} cannot be read: {error}') from error
+
+
+def parse_yaml(text: str, file: str) -> YamlSection:
+    """The mapping that a YAML text is.
+
+    Args:
+        text: The text.
+        file: Its name, for errors.
+
+    Raises:
+        InvalidInputError: not YAML, or not a mapping; with its line.
+    """
+    try:
+        node = yaml.compose(text, Loader=yaml.SafeLoader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        raise located(file, 1 if mark is None else mark.line + 1, f'not YAML: {error.problem}') from None
+    except (yaml.YAMLError, RecursionError, ValueError) as error:
+        raise located(file, 1, f'not YAML: {error}'.replace('\n', ' ')) from None
+    if not isinstance(node, yaml.MappingNode):
+        raise located(file, 1, 'the file must be a mapping (key: value)')
+    return YamlSection(file, node)
+
+
+def located(file: str, line: int, message: str, **details: str | float) -> InvalidInputError:
+    """An error with file and line, in its text and in its details."""
+    return InvalidInputError(f'{file}:{line}: {message}', file=file, line=line, **details)
