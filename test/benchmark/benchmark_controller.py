@@ -29,6 +29,7 @@ from rich.progress import track
 from rich.table import Table
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_typestore
+from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.cell_graph import NodeDescription
@@ -37,6 +38,7 @@ from robots_core.nodes.middleware import choose_transports
 
 HERE = Path(__file__).parent
 MOVES = 20
+FEEDBACK_RATE = 100.0  # Hz, as slow as drives come
 
 
 @dataclass(frozen=True)
@@ -48,12 +50,18 @@ class Timing:
 
 
 class Receiver(Node):
-    """Collects when each `joint_reference` was sent, by the middleware's own stamp."""
+    """Collects when each `joint_reference` was sent, by the middleware's own stamp.
 
-    def __init__(self) -> None:
+    Each side is read once, by this; a standing robot's `joint_states` come from here too.
+    """
+
+    def __init__(self, names: tuple[str, ...], home: np.ndarray) -> None:
         super().__init__('receiver')
         self.stamps: list[int] = []
         self.create_subscription(JointTrajectory, 'joint_reference', self._on_message, QoSProfile(depth=1000))
+        feedback = self.create_publisher(JointState, 'joint_states', QoSProfile(depth=1))
+        state = JointState(name=list(names), position=home.tolist())
+        self.create_timer(1.0 / FEEDBACK_RATE, lambda: feedback.publish(state))
 
     def _on_message(self, message: JointTrajectory, info: dict[str, int]) -> None:
         del message
@@ -100,24 +108,22 @@ def node_command(node: NodeDescription) -> list[str]:
 
 
 def run_timings(robot: str, rate: float, seconds: float, rounds: int) -> tuple[list[Timing], list[Timing]]:
-    names = load_robot_model(robot).axes_data.names
+    model = load_robot_model(robot)
+    names = model.axes_data.names
     parameters = {'robot_model': robot, 'rate': rate}
     controller = NodeDescription('robots_controller', 'controller_node', parameters)
-    drive = NodeDescription('robots_core', 'drive_node', {'robot_model': robot})
     choose_transports()  # for all processes alike
     rclpy.init()
-    receiver, executor = Receiver(), SingleThreadedExecutor()
+    receiver, executor = Receiver(names, model.home), SingleThreadedExecutor()
     executor.add_node(receiver)
     thread = threading.Thread(target=executor.spin, daemon=True)
     thread.start()
     timer_runs, controller_runs = [], []
     for _ in track(range(rounds), description='measuring', transient=True):
-        # The drives listen to both, and tell both where the robot stands.
-        with process(*node_command(drive)):
-            with process(sys.executable, str(HERE / 'bare_timer.py'), str(rate), ','.join(names)) as pid:
-                timer_runs.append(measure(receiver, pid, rate, seconds))
-            with process(*node_command(controller)) as pid:
-                controller_runs.append(measure(receiver, pid, rate, seconds))
+        with process(sys.executable, str(HERE / 'bare_timer.py'), str(rate), ','.join(names)) as pid:
+            timer_runs.append(measure(receiver, pid, rate, seconds))
+        with process(*node_command(controller)) as pid:
+            controller_runs.append(measure(receiver, pid, rate, seconds))
     executor.shutdown()
     thread.join()
     receiver.destroy_node()

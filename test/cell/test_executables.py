@@ -72,7 +72,7 @@ def test_node_names_a_robot_that_it_does_not_know(ros_domain: int, package: str,
 def test_program_explains_itself(package: str, executable: str) -> None:
     command = [str(path_of(package, executable)), '--help']
     result = subprocess.run(command, capture_output=True, text=True, timeout=60.0, check=True)
-    assert '--robot' in result.stdout
+    assert result.stdout.startswith(f'usage: {executable} ')
 
 
 def test_a_node_interrupted_twice_ends_without_a_traceback(ros_nodes: Any) -> None:

@@ -34,13 +34,13 @@ MANY = QoSProfile(depth=1000)
 class Bench:
     """A controller with its drive, and somebody who sends trajectories."""
 
-    def __init__(self, nodes: Any) -> None:
+    def __init__(self, nodes: Any, *drives: Parameter) -> None:
         self.nodes = nodes
         options: dict[str, Any] = {'context': nodes.context}
         # One process runs the test too, which no thread may push aside.
         robot = Parameter('robot_model', value='kuka_kr210_r2700')
         ordinary = Parameter('realtime_priority', value=0)
-        self.drive = DriveNode(**options, parameter_overrides=[robot, ordinary, *FAST_DRIVES])
+        self.drive = DriveNode(**options, parameter_overrides=[robot, ordinary, *(drives or FAST_DRIVES)])
         self.controller = ControllerNode(**options, parameter_overrides=[robot, ordinary])
         node = self.node = nodes.create_node('planner')
         self.references: list[np.ndarray] = []
@@ -253,3 +253,34 @@ def test_refuses_joint_states_that_lack_a_joint(ros_nodes: Any) -> None:
     publisher.publish(JointState(name=NAMES[:5], position=[0.0] * 5))
     ros_nodes.wait_for(lambda: any('lacks joint A6' in message for message in messages))
     assert controller._controller.reference is None
+
+
+def test_drives_with_motors_and_masses_come_to_the_target(ros_nodes: Any) -> None:
+    bench = Bench(ros_nodes, Parameter('level', value='rigid_body'))
+    bench.send(HOME, AWAY)
+    result = bench.result()
+    assert result.ok, result.message
+    # The feedback behind the result may still be on its way to the test; 1e-5 is the goal_tolerance.
+    bench.wait(lambda: np.abs(bench.positions[-1] - AWAY).max() <= 1e-5, 'the target in joint_states')
+
+
+@pytest.mark.parametrize(
+    ('fault', 'axes', 'reason'),
+    [
+        ('fault_stopped', ['A2'], 'does the drive follow?'),
+        ('fault_frozen', ['A3'], 'does the drive follow?'),
+        ('fault_lost', ['A5'], 'no feedback for 0.5 s'),
+    ],
+)
+def test_a_fault_of_the_drives_stops_the_motion(
+    bench: Bench, fault: str, axes: list[str], reason: str
+) -> None:
+    far = HOME + np.array([0.0, 0.6, -0.6, 0.0, 0.6, 0.0])
+    bench.send(HOME, far, duration=2.0)
+    bench.until_moving()
+    (accepted,) = bench.drive.set_parameters([Parameter(fault, value=axes)])
+    assert accepted.successful, accepted.reason
+    result = bench.result()
+    assert not result.ok
+    assert reason in result.message
+    bench.until_standing()

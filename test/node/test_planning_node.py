@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
+from rcl_interfaces.srv import GetParameters, SetParametersAtomically
 from rclpy.duration import Duration
 from rclpy.parameter import Parameter
 from rclpy.qos import LivelinessPolicy
@@ -20,14 +23,17 @@ from robots_core import Pose, load_robot_model
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.messages import (
     MotionResult,
+    diagnostic_values,
     doubles,
     joint_state_message,
     pose_stamped_message,
     stamp_id,
 )
 from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STATE
-from robots_planning import LinearCartesianLimited, Trajectory, verify
+from robots_planning import LinearCartesianLimited, MotionSettings, Trajectory, verify
+from robots_planning.motion_settings import settings_from_text
 from robots_planning.nodes.planning_node import PlanningNode
+from robots_planning.order_book import LONGEST_CHAIN
 
 ROBOT = 'bello_bot'
 
@@ -63,6 +69,8 @@ class Bench:
                 ('ptpjoint_joint', JointState, COMMAND),
                 ('ptpjoint_cartesian', PoseStamped, COMMAND),
                 ('ptpcartesian', PoseStamped, COMMAND),
+                ('circcartesian', Path, COMMAND),
+                ('splinecartesian', Path, COMMAND),
                 ('trigger', Bool, COMMAND),
                 ('reference_pose', PoseStamped, STATE),
                 ('motion_result', DiagnosticStatus, COMMAND),
@@ -134,7 +142,7 @@ class Bench:
         """End a motion, as the controller does."""
         result = MotionResult(id_, ok, 'reached' if ok else 'stopped')
         self.publishers['motion_result'].publish(result.to_message(ROBOT))
-        self.wait(lambda: self.node._motion != id_, 'the node has heard the result')
+        self.wait(lambda: not self.node._book.knows(id_), 'the node has heard the result')
         self.wait(lambda: id_ in [result.id for result in self.results], 'so has everybody')
 
 
@@ -237,29 +245,122 @@ def test_a_moving_robot_is_not_planned_for(bench: Bench) -> None:
     bench.planned()
 
 
-def test_a_second_command_waits_for_the_first_to_end(bench: Bench) -> None:
+def test_a_command_that_comes_while_the_robot_moves_goes_on_from_its_end(bench: Bench) -> None:
     home = bench.robot.home
     bench.stand(home)
     first = bench.command('ptpjoint_joint', home + 0.1, 5)
-    second = bench.command('ptpjoint_joint', home - 0.1, 6)
-    assert first in bench.refusal(second).message
-    bench.end(first)
-    bench.wait(lambda: bench.finished[-1], 'the first has finished')
-    bench.stand(home + 0.1)
+    second = bench.command('ptpjoint_cartesian', below(bench), 6)
     bench.command('ptpjoint_joint', home, 7)
-    np.testing.assert_array_equal(bench.planned(2).position[0], home + 0.1)
+    third = bench.planned(3)
+    starts = [message.points[0] for message in bench.trajectories]
+    np.testing.assert_array_equal(starts[1].positions, home + 0.1)
+    assert Pose(*bench.robot.direct_kinematics(third.position[0])).distance_to(below(bench))[0] < 1e-9
+    assert all(point.time_from_start.nanosec == 0 for point in starts)
+    bench.end(first)
+    assert not bench.finished[-1]
+    bench.end(second)
+    bench.end('7.000000000')
+    bench.wait(lambda: bench.finished[-1], 'finished with the last of them')
 
 
-def test_a_command_may_overtake_the_result_before_it(bench: Bench) -> None:
+def test_after_a_stop_nothing_moves_that_was_commanded_before(bench: Bench) -> None:
     home = bench.robot.home
     bench.stand(home)
     first = bench.command('ptpjoint_joint', home + 0.1, 5)
     bench.planned()
-    bench.stand(home + 0.1)
+    bench.stand(home + 0.03)  # on its way, stopped there
+    stopped = bench.node.get_clock().now().nanoseconds * 1e-9 + 3600.0
+    late = MotionResult(first, ok=False, message='stopped', details={'ended': f'{stopped:.9f}'})
+    bench.publishers['motion_result'].publish(late.to_message(ROBOT))
+    bench.wait(lambda: not bench.node._book.knows(first), 'the node has heard of the stop')
+    void = bench.command('ptpjoint_joint', home, 6)  # sent before that stop
+    assert f'given up with motion {first} before it' in bench.refusal(void).message
+    assert len(bench.trajectories) == 1
+
+
+def test_a_command_after_a_stop_starts_where_the_robot_stands(bench: Bench) -> None:
+    home = bench.robot.home
+    bench.stand(home)
+    first = bench.command('ptpjoint_joint', home + 0.1, 5)
+    bench.planned()
+    bench.stand(home + 0.03)
+    bench.end(first, ok=False)
     bench.command('ptpjoint_joint', home, 6)
-    bench.wait(lambda: bench.node._waiting is not None, 'the second command waits')
-    bench.end(first)
-    np.testing.assert_array_equal(bench.planned(2).position[0], home + 0.1)
+    np.testing.assert_array_equal(bench.planned(2).position[0], home + 0.03)
+
+
+def test_a_replacing_command_joins_the_running_motion(ros_nodes: Any) -> None:
+    bench = Bench(ros_nodes, new_command='replace')
+    home = bench.robot.home
+    bench.stand(home)
+    bench.command('ptpjoint_joint', home + 0.4, 5)
+    running = bench.planned()
+    bench.command('ptpjoint_joint', home - 0.1, 6)
+    bench.wait(lambda: len(bench.trajectories) == 2, 'the motion in its place')
+    message = bench.trajectories[1]
+    start = message.points[0]
+    join_time = start.time_from_start.sec + 1e-9 * start.time_from_start.nanosec
+    assert 0.0 < join_time < running.duration
+    for field, state in zip(
+        ('positions', 'velocities', 'accelerations'), running.sample(join_time), strict=True
+    ):
+        np.testing.assert_allclose(getattr(start, field), state, atol=1e-12)  # rounding of polynomials
+    np.testing.assert_allclose(message.points[-1].positions, home - 0.1, atol=1e-9)
+
+
+def test_unknown_ways_to_take_a_new_command_are_refused(ros_nodes: Any) -> None:
+    with pytest.raises(InvalidInputError, match='valid are queue and replace'):
+        Bench(ros_nodes, new_command='interrupt')
+
+
+def test_planning_does_not_keep_the_node_from_answering(bench: Bench) -> None:
+    bench.stand(bench.robot.home)
+    planning, entered, leave = bench.node._planning, threading.Event(), threading.Event()
+    plan = planning.plan
+
+    def slow(*arguments: Any, **options: Any) -> Any:
+        entered.set()
+        assert leave.wait(10.0)
+        return plan(*arguments, **options)
+
+    planning.plan = slow
+    bench.command('ptpjoint_joint', bench.robot.home + 0.1, 5)
+    bench.wait(entered.is_set, 'the node plans')
+    client = bench.peer.create_client(GetParameters, 'planning_node/get_parameters')
+    bench.wait(client.service_is_ready, 'the parameter service')
+    future = client.call_async(GetParameters.Request(names=['speed_fraction']))
+    bench.wait(future.done, 'an answer while it plans')
+    assert not bench.trajectories
+    leave.set()
+    bench.planned()
+
+
+def test_a_circle_and_a_spline_are_planned(bench: Bench) -> None:
+    bench.stand(bench.robot.home)
+    start = Pose(*bench.robot.direct_kinematics(bench.robot.home))
+    points = list(start.r + np.array([[0.0, 0.05, -0.05], [0.0, 0.0, -0.1]]))
+    for stamp, topic in ((5, 'circcartesian'), (6, 'splinecartesian')):
+        poses = [pose_stamped_message(Time(sec=stamp), Pose(r, start.T)) for r in points]
+        path = Path(poses=poses)
+        path.header.stamp = Time(sec=stamp)
+        bench.publishers[topic].publish(path)
+        trajectory = bench.planned(stamp - 4)
+        reached = Pose(*bench.robot.direct_kinematics(trajectory.position[-1]))
+        assert np.abs(reached.r - points[-1]).max() < 1e-9
+        points = list(start.r + np.array([[0.0, -0.05, -0.05], [0.0, 0.0, 0.0]]))
+
+
+def test_a_tool_and_a_base_are_applied(ros_nodes: Any) -> None:
+    tool, base = [0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.2, 0.0, 0.0, 0.0, 1.0]
+    bench = Bench(ros_nodes, tool=tool, base=base)
+    bench.stand(bench.robot.home)
+    start = Pose(*bench.robot.direct_kinematics(bench.robot.home))
+    tip = start @ Pose(np.array([0.0, 0.0, 0.1]), np.eye(3))
+    target = Pose(tip.r - [0.0, 0.0, 0.25], tip.T)  # 0.2 m lower in the frame that is 0.2 m higher
+    for stamp, topic in ((5, 'ptpcartesian'), (6, 'ptpjoint_cartesian')):
+        bench.command(topic, target, stamp)
+        reached = Pose(*bench.robot.direct_kinematics(bench.planned(stamp - 4).position[-1]))
+        assert reached.distance_to(Pose(start.r - [0.0, 0.0, 0.05], start.T))[0] < 1e-9
 
 
 def test_a_command_that_comes_twice_is_planned_once(bench: Bench) -> None:
@@ -267,9 +368,9 @@ def test_a_command_that_comes_twice_is_planned_once(bench: Bench) -> None:
     bench.stand(home)
     first = bench.command('ptpjoint_joint', home + 0.1, 5)
     bench.command('ptpjoint_joint', home + 0.1, 5)
-    later = bench.command('ptpjoint_joint', home + 0.1, 6)
-    bench.refusal(later)
-    assert len(bench.trajectories) == 1
+    bench.command('ptpjoint_joint', home, 6)
+    bench.planned(2)
+    assert [message.header.stamp.sec for message in bench.trajectories] == [5, 6]
     assert first not in [result.id for result in bench.results]
 
 
@@ -372,6 +473,26 @@ def test_invalid_settings_are_refused_and_change_nothing(bench: Bench, value: fl
     assert bench.node.get_parameter('cartesian_speed').value == 0.5
 
 
+def test_the_settings_are_told_to_whoever_records_them(ros_nodes: Any) -> None:
+    tool = [0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0]
+    bench = Bench(ros_nodes, tool=tool)
+    told: list[MotionSettings] = []
+    bench.peer.create_subscription(
+        DiagnosticStatus,
+        'motion_settings',
+        lambda message: told.append(settings_from_text(diagnostic_values(message))),
+        STATE,
+    )
+    bench.wait(lambda: told, 'the settings of the start')
+    assert told == [MotionSettings(tool=tuple(tool))]
+    bench.node.set_parameters([Parameter('new_command', value='queue')])  # no setting of a motion
+    bench.node.set_parameters_atomically(
+        [Parameter('cartesian_speed', value=0.1), Parameter('blend_zone', value=0.02)]
+    )
+    bench.wait(lambda: len(told) > 1, 'the change')
+    assert told[1:] == [MotionSettings(tool=tuple(tool), cartesian_speed=0.1, blend_zone=0.02)]
+
+
 def test_an_invalid_setting_at_start_is_told(ros_nodes: Any) -> None:
     with pytest.raises(InvalidInputError, match='rotation_speed'):
         Bench(ros_nodes, rotation_speed=-1.0)
@@ -383,3 +504,120 @@ def test_finished_is_a_sign_of_life(bench: Bench) -> None:
     qos = publishers[0].qos_profile
     assert qos.liveliness == LivelinessPolicy.AUTOMATIC
     assert qos.liveliness_lease_duration == Duration(seconds=0.5)
+
+
+def blended(ros_nodes: Any, zone: float = 0.02) -> Bench:
+    bench = Bench(ros_nodes, blend_zone=zone, joint_blend_zone=0.1)
+    bench.stand(bench.robot.home)
+    return bench
+
+
+def steps(bench: Bench, count: int) -> list[np.ndarray]:
+    """Joint targets on a square of the first and the third axis."""
+    corners = [(0.3, 0.0), (0.3, 0.3), (0.0, 0.3), (0.0, 0.0)]
+    targets = []
+    for number in range(count):
+        target = bench.robot.home.copy()
+        target[[0, 2]] += corners[number % 4]
+        targets.append(target)
+    return targets
+
+
+def set_zones(bench: Bench, zone: float) -> None:
+    """As a program does, by the node's service."""
+    client = bench.peer.create_client(SetParametersAtomically, 'planning_node/set_parameters_atomically')
+    bench.wait(client.service_is_ready, 'the parameter service')
+    parameters = [Parameter(name, value=zone) for name in ('blend_zone', 'joint_blend_zone')]
+    future = client.call_async(
+        SetParametersAtomically.Request(parameters=[parameter.to_parameter_msg() for parameter in parameters])
+    )
+    bench.wait(future.done, 'the zones are set')
+    assert future.result().result.successful
+
+
+def test_blended_commands_become_one_trajectory_of_the_last_one(ros_nodes: Any) -> None:
+    bench = blended(ros_nodes)
+    targets = steps(bench, 3)
+    ids = [bench.command('ptpjoint_joint', target, 5 + number) for number, target in enumerate(targets)]
+    bench.wait(lambda: all(bench.node._book.knows(id_) for id_ in ids), 'all are held')
+    set_zones(bench, 0.0)
+    trajectory = bench.planned()
+    assert [stamp_id(message.header.stamp) for message in bench.trajectories] == ids[-1:]
+    np.testing.assert_allclose(trajectory.position[-1], targets[-1], atol=1e-9)
+    report = verify(trajectory, bench.robot, torque=False)
+    assert report.ok, report.describe()
+
+
+def test_motions_that_were_passed_are_answered_with_the_last_one(ros_nodes: Any) -> None:
+    bench = blended(ros_nodes)
+    ids = [bench.command('ptpjoint_joint', target, 5 + k) for k, target in enumerate(steps(bench, 3))]
+    bench.planned()
+    bench.end(ids[-1])
+    bench.wait(lambda: len(bench.results) == 3, 'a result for each')
+    results = {result.id: result for result in bench.results}
+    assert [results[id_].message for id_ in ids] == ['passed', 'passed', 'reached']
+    assert all(result.ok for result in bench.results)
+    bench.wait(lambda: bench.finished[-1], 'finished with the last of them')
+
+
+def test_a_chain_that_was_stopped_tells_which_of_its_motions_were_passed(ros_nodes: Any) -> None:
+    bench = blended(ros_nodes)
+    ids = [bench.command('ptpjoint_joint', target, 5 + k) for k, target in enumerate(steps(bench, 3))]
+    bench.planned()
+    (motion,) = bench.node._book.running
+    between = 0.5 * (motion.ends[0] + motion.ends[1]) / motion.trajectory.duration
+    stopped = MotionResult(ids[-1], ok=False, message='stopped by ~/stop', details={'progress': str(between)})
+    bench.publishers['motion_result'].publish(stopped.to_message(ROBOT))
+    bench.wait(lambda: len(bench.results) == 3, 'a result for each')
+    results = {result.id: (result.ok, result.message) for result in bench.results}
+    assert [results[id_] for id_ in ids] == [
+        (True, 'passed'), (False, 'stopped by ~/stop'), (False, 'stopped by ~/stop')
+    ]  # fmt: skip
+
+
+def test_a_blended_command_that_nothing_follows_stops_at_its_target(ros_nodes: Any) -> None:
+    bench = blended(ros_nodes)
+    target = steps(bench, 1)[0]
+    id_ = bench.command('ptpjoint_joint', target, 5)
+    trajectory = bench.planned()  # its patience ends
+    assert stamp_id(bench.trajectories[0].header.stamp) == id_
+    np.testing.assert_allclose(trajectory.position[-1], target, atol=1e-9)
+
+
+def test_a_command_that_stops_ends_the_chain_before_it(ros_nodes: Any) -> None:
+    bench = Bench(ros_nodes)
+    bench.stand(bench.robot.home)
+    set_zones(bench, 0.05)
+    targets = steps(bench, 2)
+    first = bench.command('ptpjoint_joint', targets[0], 5)
+    bench.wait(lambda: bench.node._book.knows(first), 'the first is held')
+    set_zones(bench, 0.0)  # nothing that it could run through to is coming
+    bench.planned()
+    bench.command('ptpjoint_joint', targets[1], 6)
+    bench.planned(2)
+    assert [message.header.stamp.sec for message in bench.trajectories] == [5, 6]
+
+
+def test_the_longest_chain_is_planned_although_more_follows(ros_nodes: Any) -> None:
+    bench = blended(ros_nodes)
+    targets = steps(bench, LONGEST_CHAIN + 1)
+    for number, target in enumerate(targets):
+        bench.command('ptpjoint_joint', target, 5 + number)
+    # A chain and the one after it, which its patience lets go.
+    bench.planned(2)
+    assert [message.header.stamp.sec for message in bench.trajectories] == [
+        5 + LONGEST_CHAIN - 1,
+        5 + LONGEST_CHAIN,
+    ]
+
+
+def test_a_chain_with_an_impossible_motion_is_done_up_to_it(ros_nodes: Any) -> None:
+    bench = blended(ros_nodes)
+    good = bench.command('ptpjoint_joint', steps(bench, 1)[0], 5)
+    far = Pose(np.array([50.0, 0.0, 0.0]), np.eye(3))
+    bad = bench.command('ptpcartesian', far, 6)
+    after = bench.command('ptpjoint_joint', bench.robot.home, 7)
+    assert 'cannot reach' in bench.refusal(bad).message
+    assert f'given up with motion {bad} before it' in bench.refusal(after).message
+    bench.planned()
+    assert [stamp_id(message.header.stamp) for message in bench.trajectories] == [good]

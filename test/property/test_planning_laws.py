@@ -14,6 +14,9 @@ ROBOTS = ('kuka_kr210_r2700', 'bello_bot')
 _LOADED = {name: load_robot_model(name) for name in ROBOTS}
 # 10 kHz, ten times what the controller may do.
 FINE = 1e-4
+# Smallest singular value of the Jacobian; the tolerance of poses over it is how well axes are known.
+NEARLY_SINGULAR = 1e-3
+SAME_POSTURE = 1e-4  # rad; self-motion of a redundant robot is integrated to about 1e-5
 
 part = st.one_of(st.floats(0.0, 1.0), st.sampled_from([0.0, 0.5, 0.5001, 1.0]))
 parts = st.lists(part, min_size=7, max_size=7)
@@ -118,7 +121,11 @@ def test_lines_backwards_and_with_smaller_limits(
         back = LinearCartesianLimited(robot).generate(forward.position[-1], pose)
     except (PlanningError, UnreachablePoseError):
         assume(False)  # the other law's business
-    # The grid of the path differs from both sides, and so does where smoothing costs time.
-    assert back.duration == pytest.approx(forward.duration, rel=0.03)
+    # Close to a singularity the pose leaves axes undetermined within its tolerance, and the way back may take
+    # other postures; everywhere else it is the same joint path.
+    if np.linalg.svd(robot.jacobian(q), compute_uv=False)[-1] > NEARLY_SINGULAR:
+        assert np.abs(back.position[-1] - q).max() < SAME_POSTURE
+        # The grid of the path differs from both sides, and so does where smoothing costs time.
+        assert back.duration == pytest.approx(forward.duration, rel=0.02)
     slower = LinearCartesianLimited(robot, speed_fraction=less, acceleration_fraction=less)
     assert slower.generate(q, target).duration >= forward.duration * (1.0 - 0.01)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import queue
 import threading
+import time
 from pathlib import Path
 from typing import Any
 
@@ -79,3 +80,10 @@ class LuaHost:
 
     def wait_for_command(self) -> None:
         assert self.commanded.acquire(timeout=DEADLINE)
+
+
+def wait_until(condition: object) -> None:
+    end = time.monotonic() + DEADLINE
+    while not condition():  # type: ignore[operator]
+        assert time.monotonic() < end
+        time.sleep(0.001)

@@ -33,6 +33,19 @@ def test_what_is_not_published_has_a_default():
     assert AxesData(**{**GOOD, 'prismatic': ()}).prismatic == (False, False, False)
 
 
+def test_friction_and_rotors_are_there_or_zero():
+    axes = _axes(
+        gear_ratio=[-100.0, np.nan, 50.0], rotor_inertia=[1e-3, 0.0, 2e-3], coulomb_friction=[1, 2, 3]
+    )
+    np.testing.assert_allclose(axes.reflected_inertia, [10.0, 0.0, 5.0])
+    np.testing.assert_array_equal(axes.coulomb_friction, [1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(axes.viscous_friction, 0.0)
+    for quantity in ('rotor_inertia', 'coulomb_friction', 'viscous_friction'):
+        for bad in (-1.0, np.nan, np.inf):
+            with pytest.raises(InvalidInputError, match=f'axis slide: {quantity}'):
+                _axes(**{quantity: [0.0, bad, 0.0]})
+
+
 def test_units_and_kinds_of_axes():
     axes = _axes()
     assert [axes.unit(index) for index in range(axes.num_axes)] == ['rad', 'm', 'rad']

@@ -82,14 +82,6 @@ def test_refuses_another_number_of_axes(controller: Controller) -> None:
         controller.follow(Trajectory(np.array([0.0, 1.0]), zero, zero, zero), 'x', 0.0)
 
 
-def test_refuses_a_second_trajectory_while_moving(controller: Controller) -> None:
-    move = slow_move(np.zeros(2), np.array([0.5, 0.2]))
-    controller.follow(move, 'x', 0.0)
-    controller.step(0.01, np.zeros(2))
-    with pytest.raises(TrajectoryRefusedError, match='still moving'):
-        controller.follow(move, 'y', 0.01)
-
-
 @pytest.mark.parametrize('value', [-0.1, 1.1, float('nan'), float('inf')])
 def test_refuses_an_override_outside_its_range(controller: Controller, value: float) -> None:
     with pytest.raises(InvalidInputError, match=r'override .* must be in \[0, 1\]'):

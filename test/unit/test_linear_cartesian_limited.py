@@ -7,11 +7,9 @@ from scipy.spatial.transform import Rotation
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import InvalidInputError, JointLimitError, PlanningError, UnreachablePoseError
 from robots_planning import LinearCartesianLimited, verify
-from robots_planning.trajectory_generators.cartesian_line import CartesianLine
-from robots_planning.trajectory_generators.two_pass import two_pass
 
 KUKA = 'kuka_kr210_r2700'
-WINDOW = 0.06  # s, the default smoothing
+WINDOW = 0.008  # s, the default smoothing
 
 
 @pytest.fixture(scope='module')
@@ -189,40 +187,6 @@ def test_options_must_be_positive(kuka: BaseRobotModel, option: str, value: floa
         LinearCartesianLimited(kuka, **{option: value})
 
 
-def test_line_turns_about_one_axis() -> None:
-    start = Pose.from_angles([0.1, 0.2, 0.3], [0.4, 0.5, 0.6])
-    end = Pose.from_angles([0.5, -0.2, 0.7], [-0.4, 0.9, 1.6])
-    line = CartesianLine(start, end)
-    for s in (0.0, 0.3, 1.0):
-        r, T = line.frame(s)
-        np.testing.assert_allclose(r, start.r + s * (end.r - start.r), atol=1e-15)
-        vector = Rotation.from_matrix(T @ start.T.T).as_rotvec()
-        np.testing.assert_allclose(vector, s * line.rotation, atol=1e-14)
-    assert end.distance_to(line.pose(1.0))[1] < 1e-14
-
-
-def test_two_pass_on_a_straight_joint_path_is_the_trapezoid() -> None:
-    s = np.linspace(0.0, 1.0, 401)
-    first, zero = np.full((401, 1), 2.0), np.zeros((401, 1))
-    u = two_pass(s, first, zero, np.ones((401, 1)), np.full((401, 1), 1.5))
-    steps = 2.0 * np.diff(s) / (np.sqrt(u[:-1]) + np.sqrt(u[1:]))
-    # The switch of acceleration lies between grid points: at most a step of them is lost.
-    assert steps.sum() == pytest.approx(trapezoid(2.0, 1.0, 1.5), rel=2e-3)
-
-
-def test_two_pass_keeps_the_limits_it_is_given() -> None:
-    rng = np.random.default_rng(8)
-    s = np.linspace(0.0, 1.0, 300)
-    waves = rng.normal(size=(4, 1, 5)), rng.uniform(1.0, 9.0, (4, 1, 5))
-    phase = waves[1] * s[None, :, None]
-    first = (waves[0] * np.cos(phase)).sum(axis=0)
-    second = (-waves[0] * waves[1] * np.sin(phase)).sum(axis=0)
-    velocity, acceleration = np.full_like(first, 1.3), np.full_like(first, 2.1)
-    u = two_pass(s, first, second, velocity, acceleration)
-    assert u[0] == u[-1] == 0.0
-    assert (u[1:-1] > 0.0).all()
-    # Rounding of quotients of these sizes.
-    assert (np.abs(first) * np.sqrt(u)[:, None] <= velocity * (1.0 + 1e-9)).all()
-    path_acceleration = np.diff(u) / (2.0 * np.diff(s))
-    use = np.abs(second[:-1] * u[:-1, None] + first[:-1] * path_acceleration[:, None]) / acceleration[:-1]
-    assert use.max() <= 1.0 + 1e-6
+def test_a_jerk_limit_of_the_tool_needs_the_two_passes(kuka: BaseRobotModel) -> None:
+    with pytest.raises(InvalidInputError, match=r"cartesian_jerk = 5\.0 needs planner 'limited'"):
+        LinearCartesianLimited(kuka, planner='dynamic_programming', cartesian_jerk=5.0)

@@ -6,14 +6,17 @@ import numpy as np
 import pytest
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
-from robots_core.errors import InvalidInputError
+from robots_core.errors import InvalidInputError, PlanningError
 from robots_planning import (
     LinearCartesianLimited,
     LinearJoint,
+    LinearJointAxes,
     MotionSettings,
     PathPlanning,
     RobotCommandState,
 )
+from robots_planning.pathplanning import Shape
+from robots_planning.verification import LINE_TOLERANCE
 
 
 @pytest.fixture(scope='module')
@@ -41,6 +44,27 @@ def test_each_state_plans_its_kind(robot: BaseRobotModel, target: Pose) -> None:
     assert straight.report.line_deviation is not None
     assert by_joints.report.line_deviation is None
     assert straight.kind is RobotCommandState.PTPCARTESIAN
+
+
+@pytest.mark.parametrize('planner', ['limited', 'dynamic_programming'])
+@pytest.mark.parametrize('shape', ['circle', 'spline'])
+def test_curves_are_verified_against_their_path(
+    robot: BaseRobotModel, shape: Shape, planner: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settings = MotionSettings(cartesian_planner=planner, tool=(0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0))
+    planning, state = PathPlanning(robot), RobotCommandState.PTPCARTESIAN
+    start = Pose(*robot.direct_kinematics(robot.home)) @ settings.tool_pose
+    poses = tuple(Pose(start.r + step, start.T) for step in np.array([[0, 0.05, -0.05], [0, 0, -0.1]]))
+    motion = planning.plan(state, robot.home, poses, settings, shape=shape)
+    assert motion.report.line_deviation is not None
+    assert motion.report.line_deviation < LINE_TOLERANCE
+    # A generator that goes somewhere else on its way to the same end is caught.
+    generator = planning.generator(state, settings, shape)
+    aside = Pose(poses[0].r + np.array([1e-3, 1e-3, 0.0]), start.T)
+    detour = generator.generate(robot.home, (aside, poses[1]))
+    monkeypatch.setattr(generator, 'generate', lambda *_: detour)
+    with pytest.raises(PlanningError, match='the tool leaves its line by'):
+        planning.plan(state, robot.home, poses, settings, shape=shape)
 
 
 def test_generators_are_those_of_the_design(robot: BaseRobotModel) -> None:
@@ -76,8 +100,37 @@ def test_limiting_axis_is_the_one_that_takes_longest(robot: BaseRobotModel) -> N
         assert motion.limiting_axis == axes.names[axis]
 
 
-@pytest.mark.parametrize('name', [field.name for field in fields(MotionSettings)])
-def test_every_setting_matters_and_is_checked(robot: BaseRobotModel, target: Pose, name: str) -> None:
+def test_joint_planner_and_configuration_are_chosen_by_name(robot: BaseRobotModel) -> None:
+    planning = PathPlanning(robot)
+    for name, planner in (('linear_joint', LinearJoint), ('linear_joint_axes', LinearJointAxes)):
+        settings = MotionSettings(joint_planner=name)
+        assert type(planning.generator(RobotCommandState.PTPJOINT_JOINT, settings)) is planner
+    with pytest.raises(InvalidInputError, match='linear_joint_axes'):
+        MotionSettings(joint_planner='linear')
+    with pytest.raises(InvalidInputError, match='no_flip'):
+        MotionSettings(configuration='upside/down')
+    kuka = load_robot_model('kuka_kr210_r2700')
+    q = np.array([0.3, -1.2, 1.5, 0.4, 0.7, -0.2])
+    flipped = MotionSettings(configuration='front/up/no_flip'), MotionSettings(configuration='front/up/flip')
+    pose = Pose(*kuka.direct_kinematics(q))
+    ends = [
+        PathPlanning(kuka).plan(RobotCommandState.PTPJOINT_CARTESIAN, q, pose, item).trajectory.position[-1]
+        for item in flipped
+    ]
+    assert np.sign(ends[0][4]) == -np.sign(ends[1][4])
+    # Joint positions need no configuration; a robot without a closed form has none to offer.
+    planning.plan(RobotCommandState.PTPJOINT_JOINT, robot.home, robot.home + 0.1, flipped[0])
+
+
+NUMBERS = [
+    field.name
+    for field in fields(MotionSettings)
+    if isinstance(field.default, float) and 'zone' not in field.name
+]
+
+
+@pytest.mark.parametrize('name', NUMBERS)
+def test_every_number_matters_and_is_checked(robot: BaseRobotModel, target: Pose, name: str) -> None:
     turned = Pose(target.r, Pose.from_angles([0.0] * 3, [0.3, 0.0, 0.0]).T @ target.T)
     default = MotionSettings()
     slow = replace(default, **{name: 0.02 * getattr(default, name)})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -51,6 +52,27 @@ def command(line: int = 1) -> MotionCommand:
     return MotionCommand(RobotCommandState.PTPCARTESIAN, line, 'ptpCartesianSpace', pose=Pose.identity())
 
 
+def wait(state: ProgramState, ready: Callable[[], bool], duration: float | None = None) -> bool:
+    """Wait as a program does that holds whenever it must attend to something."""
+    waiting = state.waiting(ready, duration)
+    while True:
+        try:
+            next(waiting)
+        except StopIteration as end:
+            return bool(end.value)
+        state.hold()
+
+
+def wait_for_motion(state: ProgramState) -> None:
+    wait(state, lambda: not state.motions)
+    if failure := state.take_motion_error():
+        raise failure[1]
+
+
+def sleep(state: ProgramState, duration: float) -> None:
+    assert not wait(state, lambda: False, duration)
+
+
 class Caller:
     """Calls a function in a thread and keeps how it ended."""
 
@@ -82,7 +104,7 @@ def test_finished_motion_is_idle_and_lets_the_program_go_on():
     state = running_state(clock)
     state.command_motion(command())
     assert state.command_state is RobotCommandState.PTPCARTESIAN
-    waiter = Caller(state.wait_for_motion)
+    waiter = Caller(wait_for_motion, state)
     clock.wait_for_waiter()
     state.finish_motion()
     assert waiter.ended() is None
@@ -94,7 +116,7 @@ def test_setting_idle_finishes_the_motion():
     state = running_state()
     state.command_motion(command())
     state.set_command_state('IDLE')
-    state.wait_for_motion()
+    wait_for_motion(state)
     assert state.motion is None
 
 
@@ -104,8 +126,8 @@ def test_failed_motion_raises_its_error_once():
     error = PlanningError('no way')
     state.finish_motion(error)
     with pytest.raises(PlanningError, match='no way'):
-        state.wait_for_motion()
-    state.wait_for_motion()
+        wait_for_motion(state)
+    wait_for_motion(state)
 
 
 def test_result_without_motion_does_not_fail_the_next_one():
@@ -113,7 +135,7 @@ def test_result_without_motion_does_not_fail_the_next_one():
     state.finish_motion(PlanningError('late'))
     state.command_motion(command())
     state.finish_motion()
-    state.wait_for_motion()
+    wait_for_motion(state)
 
 
 def test_second_motion_before_the_end_of_the_first_is_refused():
@@ -129,9 +151,9 @@ def test_stop_interrupts_every_wait(wait: str):
     state = running_state(clock)
     if wait == 'motion':
         state.command_motion(command())
-        waiter = Caller(state.wait_for_motion)
+        waiter = Caller(wait_for_motion, state)
     elif wait == 'sleep':
-        waiter = Caller(state.sleep, 1e9)
+        waiter = Caller(sleep, state, 1e9)
     else:
         assert state.change_run_state(RunState.RUNNING, RunState.PAUSED)
         waiter = Caller(state.hold)
@@ -158,7 +180,7 @@ def test_next_run_forgets_the_stop_of_the_last():
 def test_sleep_takes_the_clocks_time():
     clock = SteppedClock()
     state = running_state(clock)
-    waiter = Caller(state.sleep, 2.0)
+    waiter = Caller(sleep, state, 2.0)
     clock.wait_for_waiter()
     advance(state, clock, 1.5)
     clock.wait_for_waiter()
@@ -170,7 +192,7 @@ def test_sleep_takes_the_clocks_time():
 def test_time_of_a_pause_does_not_count_as_slept():
     clock = SteppedClock()
     state = running_state(clock)
-    waiter = Caller(state.sleep, 2.0)
+    waiter = Caller(sleep, state, 2.0)
     clock.wait_for_waiter()
     with state.condition:
         clock.time += 0.5
@@ -188,7 +210,7 @@ def test_time_of_a_pause_does_not_count_as_slept():
 def test_sleep_of_the_wall_clock_is_not_shorter_than_asked():
     state = running_state(WallClock())
     start = state.clock.now()
-    state.sleep(0.02)
+    sleep(state, 0.02)
     assert state.clock.now() - start >= 0.02
 
 

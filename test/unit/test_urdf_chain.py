@@ -114,6 +114,21 @@ def test_continuous_and_prismatic_axes():
     assert axes.prismatic == (False, True)
 
 
+def test_friction_of_the_urdf_and_of_the_limits_file(tmp_path: Path):
+    xml = robot(
+        joint('one', 'base', 'a', inside=f'{LIMIT}<dynamics damping="0.5" friction="2"/>'),
+        joint('two', 'a', 'b', inside=f'{LIMIT}<dynamics damping="0.1"/>'),
+        links='base a b',
+    )
+    axes = read_urdf_chain(xml).axes_data
+    np.testing.assert_array_equal(axes.coulomb_friction, [2.0, 0.0])
+    np.testing.assert_array_equal(axes.viscous_friction, [0.5, 0.1])
+    file = limits_file(tmp_path, 'joint_limits: {one: {coulomb_friction: 3, viscous_friction: 0.7}}')
+    axes = read_urdf_chain(xml, joint_limits=file).axes_data
+    np.testing.assert_array_equal(axes.coulomb_friction, [3.0, 0.0])
+    np.testing.assert_array_equal(axes.viscous_friction, [0.7, 0.1])
+
+
 def test_gear_ratio_of_a_transmission():
     transmission = (
         '<transmission name="t"><joint name="two"/><actuator name="m">'

@@ -259,3 +259,16 @@ def test_xacro_file_is_refused_with_what_to_do(tmp_path: Path):
     text = '<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm/></robot>'
     with pytest.raises(UnknownRobotError, match='expand it first'):
         UrdfRobotModel(write_arm(tmp_path, text=text))
+
+
+def test_positions_of_any_layout_give_the_same_pose():
+    robot = load_robot_model('kuka_kr210_r2700')
+    q = np.random.default_rng(4).uniform(robot.axes_data.lower, robot.axes_data.upper)
+    r, T = robot.direct_kinematics(q)
+    frozen = q.copy()
+    frozen.flags.writeable = False
+    layouts = (frozen, np.repeat(q, 2)[::2], q[::-1].copy()[::-1], q.tolist(), q.astype('>f8'))
+    for same in layouts:
+        found_r, found_T = robot.direct_kinematics(same)
+        np.testing.assert_array_equal(found_r, r)
+        np.testing.assert_array_equal(found_T, T)

@@ -1,0 +1,165 @@
+"""Recorded motion commands, replayed into the real planner: the same plans, as recorded."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_controller.bag_file import Bag, read_bag
+from robots_controller.bag_replay import replay_plan
+from robots_controller.nodes.bag_player import BagPlayer
+from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.testing import BAG_TYPES, assert_bag_matches, write_bag
+from robots_core import Pose, load_robot_model
+from robots_core.nodes.qos import COMMAND
+
+T = BAG_TYPES.types
+ROBOT = load_robot_model('ur10e')
+START = np.array([0.2, -1.2, 1.6, -1.9, -1.4, 0.3])
+COMMANDS = ('/ptpjoint_joint', '/ptpjoint_cartesian', '/ptpcartesian', '/circcartesian', '/splinecartesian')
+PLANNED, REFUSED = 6, 1
+# The same code plans the same on every machine but for rounding, which inverse kinematics along a path does
+# not magnify; times of points are whole nanoseconds. Answers may come late on a machine that is busy. Stamps
+# are ids here, not times, and compared by themselves.
+TOLERANCES = """
+align: /ptpjoint_joint
+default: {time: 2.0, absolute: 1.0e-9, relative: 1.0e-9}
+ignore: ['*']
+topics:
+  joint_trajectory: {fields: {header.stamp: ignore}}
+  motion_result: {}
+"""
+
+
+def header(stamp: int) -> Any:
+    return T['std_msgs/msg/Header'](T['builtin_interfaces/msg/Time'](stamp, 0), 'base')
+
+
+def pose_stamped(stamp: int, pose: Pose) -> Any:
+    position, orientation = T['geometry_msgs/msg/Point'], T['geometry_msgs/msg/Quaternion']
+    told = T['geometry_msgs/msg/Pose'](
+        position(*map(float, pose.r)), orientation(*map(float, pose.quaternion()))
+    )
+    return T['geometry_msgs/msg/PoseStamped'](header(stamp), told)
+
+
+def path(stamp: int, poses: list[Pose]) -> Any:
+    return T['nav_msgs/msg/Path'](header(stamp), [pose_stamped(stamp, pose) for pose in poses])
+
+
+def joints(stamp: int, q: np.ndarray) -> Any:
+    none = np.empty(0)
+    return T['sensor_msgs/msg/JointState'](header(stamp), list(ROBOT.axes_data.names), q, none, none)
+
+
+def reference() -> Any:
+    still, none = np.zeros(6), np.empty(0)
+    at_once = T['builtin_interfaces/msg/Duration'](0, 0)
+    point = T['trajectory_msgs/msg/JointTrajectoryPoint'](START, still, still, none, at_once)
+    return T['trajectory_msgs/msg/JointTrajectory'](header(0), list(ROBOT.axes_data.names), [point])
+
+
+def commands() -> Iterator[tuple[float, str, Any]]:
+    """The reference of a robot that stands, and one motion after the other, each from the end before."""
+    for k in range(100):
+        yield 0.02 * k, '/joint_reference', reference()
+    away = START + np.array([0.4, 0.1, -0.2, 0.1, 0.1, 0.2])
+    pose = Pose(*ROBOT.direct_kinematics(away))
+
+    def moved(*step: float, turn: float = 0.0) -> Pose:
+        return Pose(pose.r + np.array(step), Pose.from_angles([0.0] * 3, [turn, 0.0, 0.0]).T @ pose.T)
+
+    yield 0.5, '/ptpjoint_joint', joints(11, away)
+    yield 0.6, '/ptpcartesian', pose_stamped(12, moved(0.0, 0.1, -0.15, turn=0.3))
+    yield 0.7, '/circcartesian', path(13, [moved(0.05, 0.0, -0.15), moved(0.1, 0.1, -0.15)])
+    yield 0.8, '/ptpcartesian', pose_stamped(14, moved(9.0, 0.0, 0.0))
+    yield (
+        0.9,
+        '/splinecartesian',
+        path(15, [moved(0.0, 0.2, -0.1), moved(0.0, 0.0, 0.0), moved(0.1, 0.1, 0.1)]),
+    )
+    yield 1.0, '/ptpjoint_cartesian', pose_stamped(16, moved(-0.1, -0.1, 0.0))
+    yield 1.1, '/ptpjoint_joint', joints(17, START)
+
+
+@contextlib.contextmanager
+def planning_node(**parameters: object) -> Iterator[None]:
+    command = [sys.executable, '-P', '-m', 'robots_planning.nodes.planning_node', '--ros-args']
+    for name, value in ({'robot_model': ROBOT.name} | parameters).items():
+        command += ['-p', f'{name}:={value}']
+    process = subprocess.Popen(command, start_new_session=True)
+    try:
+        yield
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(20.0)
+
+
+def replayed(ros_nodes: Any, bag: Path, recorded: Path, **parameters: object) -> Path:
+    """Replay the commands of a bag into a new planner; returns the bag of all that was said."""
+    plan = replay_plan(read_bag(bag), topics=[*COMMANDS, '/joint_reference'])
+    answers: list[Any] = []
+    tester = ros_nodes.create_node(f'tester_{recorded.name}')
+    heard = [
+        tester.create_subscription(kind, topic, answers.append, COMMAND)
+        for kind, topic in ((JointTrajectory, 'joint_trajectory'), (DiagnosticStatus, 'motion_result'))
+    ]
+    recorder = ros_nodes.add(BagRecorder(recorded, namespace='/', context=ros_nodes.context))
+    player = ros_nodes.add(BagPlayer(plan, context=ros_nodes.context))
+    with planning_node(**parameters):
+        ros_nodes.wait_for(
+            lambda: recorder.records([*COMMANDS, '/joint_trajectory', '/motion_result']),
+            timeout=60.0,
+            what='the recorder',
+        )
+        # The planner besides the recorder.
+        ros_nodes.wait_for(
+            lambda: all(tester.count_subscribers(topic) >= 2 for topic in (*COMMANDS, '/joint_reference')),
+            what='the planner',
+        )
+        assert player.play(threading.Event()) == len(plan.timeline)
+        ros_nodes.wait_for(lambda: len(answers) == PLANNED + REFUSED, timeout=60.0, what='all answers')
+        # What one subscriber has got may be on its way to another.
+        ros_nodes.wait_for(lambda: whole(recorded), what='a bag with all of them')
+    recorder.close()
+    ros_nodes.call(lambda: [tester.destroy_subscription(one) for one in heard])
+    return recorder.path
+
+
+def whole(path: Path) -> bool:
+    """All commands and answers are in a bag, which is being written."""
+    written = [topic for topic, *_ in read_bag(path).messages]
+    answers = written.count('/joint_trajectory'), written.count('/motion_result')
+    return answers == (PLANNED, REFUSED) and sum(map(written.count, COMMANDS)) == PLANNED + REFUSED
+
+
+def ids(bag: Bag) -> list[int]:
+    messages = bag.deserialized(['/joint_trajectory'])['/joint_trajectory']
+    return [message.header.stamp.sec for _, message in messages]
+
+
+@pytest.mark.timeout(240)
+def test_replayed_commands_give_the_recorded_plans(ros_nodes: Any, tmp_path: Path) -> None:
+    (tmp_path / 'tolerances.yaml').write_text(TOLERANCES)
+    first = replayed(ros_nodes, write_bag(tmp_path / 'commands', commands()), tmp_path / 'recorded')
+    assert ids(read_bag(first)) == [11, 12, 13, 15, 16, 17]
+    again = replayed(ros_nodes, first, tmp_path / 'again')
+    comparison = assert_bag_matches(again, first, tmp_path / 'tolerances.yaml')
+    assert {result.topic for result in comparison.topics} == {'/joint_trajectory', '/motion_result'}
+    assert ids(read_bag(again)) == ids(read_bag(first))
+
+    # A planner with another setting plans something else, which is found.
+    other = replayed(ros_nodes, first, tmp_path / 'other', cartesian_speed=0.1)
+    with pytest.raises(AssertionError, match=r'/joint_trajectory at .*points'):
+        assert_bag_matches(other, first, tmp_path / 'tolerances.yaml')

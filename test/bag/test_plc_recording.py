@@ -1,0 +1,197 @@
+"""A recorded PLC, replayed with its timing into the real nodes; their answers against expected ones."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from std_srvs.srv import Trigger
+
+from robots_controller.bag_file import read_bag
+from robots_controller.bag_replay import replay_plan
+from robots_controller.nodes.bag_player import BagPlayer
+from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.testing import BAG_TYPES, assert_bag_matches, write_bag
+from robots_core.nodes.messages import diagnostic_values
+from robots_core.nodes.qos import STATE
+
+T = BAG_TYPES.types
+IO_MAP = """
+inputs:
+  - topic: /plc/words
+    type: UInt16MultiArray
+    field: data[0]
+    bits: {0: digital_input.1, 1: digital_input.2}
+  - topic: /plc/words
+    type: UInt16MultiArray
+    field: data[0]
+    bit: 8
+    channel: digital_input.3
+    debounce: 0.1
+  - {topic: /plc/level, type: Float32, channel: analog_input.1, scale: 0.5}
+outputs:
+  - {topic: /plc/answer, type: UInt16, bit: 3, channel: digital_output.1, qos: {durability: transient_local}}
+  - {topic: /plc/current, type: Float64, channel: analog_output.1, qos: {durability: transient_local}}
+"""
+# Answers every part: its number, and half a second of acknowledgement by output 1, with the level doubled.
+PROGRAM = """
+for part = 1, 3 do
+  while not getDigitalInput(1) do wait(0.002) end
+  setAnalogOutput(1, 2 * getAnalogInput(1) + part)
+  setDigitalOutput(1, true)
+  while getDigitalInput(1) do wait(0.002) end
+  setDigitalOutput(1, false)
+end
+while not getDigitalInput(3) do wait(0.002) end
+setDigitalOutput(2, true)
+"""
+PARTS = ((0.5, 1.1, 3.0), (1.6, 1.9, 5.0), (2.4, 3.2, 7.0))  # there from, until, level
+BOUNCES = ((3.5, 3.53), (3.56, 3.6), (3.65, 4.2))  # of the contact at bit 8; the last one lasts
+DEBOUNCE = 0.1  # s
+# From a message of the PLC over two nodes and a program that looks every 2 ms: a few ms; a machine that is
+# busy with other tests takes a tenth of a second at times.
+DELAY = 0.25  # s
+TOLERANCES = f"""
+align: /plc/words
+default: {{time: {DELAY}}}
+ignore: [/plc/words]
+"""
+
+
+def words(value: int) -> Any:
+    layout = T['std_msgs/msg/MultiArrayLayout']([], 0)
+    return T['std_msgs/msg/UInt16MultiArray'](layout, np.array([value], dtype=np.uint16))
+
+
+def plc_recording() -> Iterator[tuple[float, str, Any]]:
+    """What a PLC said: a word at 100 Hz, and the level before each part."""
+    for k in range(450):
+        t = 0.01 * k
+        part = any(there <= t < gone for there, gone, _ in PARTS)
+        contact = any(there <= t < gone for there, gone in BOUNCES)
+        yield t, '/plc/words', words(part | contact << 8)
+    for there, _, level in PARTS:
+        yield there - 0.3, '/plc/level', T['std_msgs/msg/Float32'](level)
+
+
+def expectation(*, first_level: float = 3.0) -> Iterator[tuple[float, str, Any]]:
+    """What the nodes answer, worked out by hand from the recording; analog values are exact in binary."""
+
+    def image(topic: str, values: list[float]) -> tuple[str, Any]:
+        digital = topic.startswith('/digital')
+        kind = T['std_msgs/msg/UInt8MultiArray' if digital else 'std_msgs/msg/Float64MultiArray']
+        size = len(values)
+        labels = [] if 'inputs' in topic else [f'{topic[1:-1]}.1..{size}']
+        dims = [T['std_msgs/msg/MultiArrayDimension'](label, size, size) for label in labels]
+        return topic, kind(
+            T['std_msgs/msg/MultiArrayLayout'](dims, 0), np.array(values, 'u1' if digital else float)
+        )
+
+    yield 0.0, '/plc/words', words(0)  # aligns the bags
+    yield -1.0, *image('/digital_inputs', [0, 0, 0])
+    yield -1.0, *image('/analog_inputs', [0.0])
+    yield -1.0, *image('/digital_outputs', [0, 0, 0])
+    yield -1.0, *image('/analog_outputs', [0.0, 0.0])
+    yield -1.0, '/plc/answer', T['std_msgs/msg/UInt16'](0)
+    yield -1.0, '/plc/current', T['std_msgs/msg/Float64'](0.0)
+    for number, (there, gone, level) in enumerate(PARTS, 1):
+        shown = 0.5 * (first_level if number == 1 else level)
+        yield there - 0.3, *image('/analog_inputs', [shown])
+        yield there, *image('/digital_inputs', [1, 0, 0])
+        yield there, *image('/analog_outputs', [2.0 * shown + number, 0.0])
+        yield there, '/plc/current', T['std_msgs/msg/Float64'](2.0 * shown + number)
+        yield there, *image('/digital_outputs', [1, 0, 0])
+        yield there, '/plc/answer', T['std_msgs/msg/UInt16'](8)
+        yield gone, *image('/digital_inputs', [0, 0, 0])
+        yield gone, *image('/digital_outputs', [0, 0, 0])
+        yield gone, '/plc/answer', T['std_msgs/msg/UInt16'](0)
+    lasting, end = BOUNCES[-1]
+    yield lasting + DEBOUNCE, *image('/digital_inputs', [0, 0, 1])
+    yield lasting + DEBOUNCE, *image('/digital_outputs', [0, 1, 0])
+    yield end + DEBOUNCE, *image('/digital_inputs', [0, 0, 0])
+
+
+@contextlib.contextmanager
+def node(module: str, **parameters: str) -> Iterator[None]:
+    command = [sys.executable, '-P', '-m', f'robots_controller.nodes.{module}', '--ros-args']
+    for name, value in parameters.items():
+        command += ['-p', f'{name}:={value}']
+    process = subprocess.Popen(command, start_new_session=True)
+    try:
+        yield
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(20.0)
+
+
+ANSWERS = (
+    *(
+        '/digital_inputs',
+        '/analog_inputs',
+        '/digital_outputs',
+        '/analog_outputs',
+        '/plc/answer',
+        '/plc/current',
+    ),
+)
+
+
+def record_answers(ros_nodes: Any, folder: Path) -> Path:
+    """Replay the recording into the nodes; returns the bag with all that was said."""
+    (folder / 'map.yaml').write_text(IO_MAP)
+    (folder / 'parts.lua').write_text(PROGRAM)
+    plan = replay_plan(read_bag(write_bag(folder / 'plc', plc_recording())))
+    status: list[DiagnosticStatus] = []
+    tester = ros_nodes.create_node('tester')
+    tester.create_subscription(DiagnosticStatus, 'program_status', status.append, STATE)
+    recorder = ros_nodes.add(BagRecorder(folder / 'recorded', namespace='/', context=ros_nodes.context))
+    player = BagPlayer(plan, context=ros_nodes.context)
+    ros_nodes.add(player)
+    with (
+        node('io_bridge_node', io_map=str(folder / 'map.yaml')),
+        node('lua_program_node', program=str(folder / 'parts.lua'), digital_size='3', analog_size='2'),
+    ):
+        for name in ('open', 'run'):
+            client = tester.create_client(Trigger, f'lua_program_node/{name}')
+            ros_nodes.wait_for(client.service_is_ready, timeout=60.0, what=name)
+            future = client.call_async(Trigger.Request())
+            ros_nodes.wait_for(future.done, what=f'the answer of {name}')
+            assert future.result().success, future.result().message
+        heard = [*ANSWERS, *plan.topics]
+        ros_nodes.wait_for(lambda: recorder.records(heard), timeout=60.0, what='the recorder')
+        # The bridge and the recorder.
+        ros_nodes.wait_for(
+            lambda: all(tester.count_subscribers(topic) >= 2 for topic in plan.topics), what='the bridge'
+        )
+        stop = threading.Event()
+        assert player.play(stop) == len(plan.timeline)
+        ros_nodes.wait_for(
+            lambda: diagnostic_values(status[-1])['state'] == 'FINISHED', what='the end of the program'
+        )
+    recorder.close()
+    return recorder.path
+
+
+@pytest.mark.timeout(180)
+def test_the_nodes_answer_a_recorded_plc_as_expected(ros_nodes: Any, tmp_path: Path) -> None:
+    recorded = record_answers(ros_nodes, tmp_path)
+    (tmp_path / 'tolerances.yaml').write_text(TOLERANCES)
+    expected = write_bag(tmp_path / 'expected', expectation(), latched=ANSWERS)
+    comparison = assert_bag_matches(recorded, expected, tmp_path / 'tolerances.yaml')
+    assert {result.topic for result in comparison.topics} == set(ANSWERS)
+
+    # The same comparison finds one value that is another, and says where.
+    other = write_bag(tmp_path / 'other', expectation(first_level=3.5), latched=ANSWERS)
+    with pytest.raises(
+        AssertionError, match=r'/analog_inputs at 0\.2000 s, data\[0\]: expected 1\.75, recorded 1\.5'
+    ):
+        assert_bag_matches(recorded, other, tmp_path / 'tolerances.yaml')

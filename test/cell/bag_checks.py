@@ -1,0 +1,55 @@
+"""What every recorded bag of a program has to pass."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from robots_controller.bag_reading import reference_trajectory
+from robots_core import BaseRobotModel
+from robots_planning import Trajectory
+
+Messages = Mapping[str, Sequence[tuple[float, Any]]]
+PERIOD = 0.004  # s, of the references
+# The controller's guard lets rounding pass, and so do second differences of float64 positions.
+EXACT = 1.0 + 1e-5
+# A quintic between two references that knows nothing of a step of acceleration in between passes its ends by
+# up to 37.4 % of that step (the step at one end). The moving average over five references makes steps of 20 %
+# of the acceleration limit, and of 40 % where it reverses.
+RESAMPLED = 1.0 + 0.374 * 2.0 / 5.0
+
+
+def check_references(bag: Messages, robot: BaseRobotModel) -> Trajectory:
+    """References keep all limits, as values, as steps and resampled at 1 kHz; returns them."""
+    axes = robot.axes_data
+    trajectory = reference_trajectory([message for _, message in bag['/joint_reference']])
+    assert np.diff(trajectory.time).max() < 1.5 * PERIOD, 'the recorder lost references'
+    step = np.diff(trajectory.position, axis=0) / PERIOD
+    for velocity in (trajectory.velocity, step):
+        assert np.max(np.abs(velocity) / axes.velocity) <= EXACT
+    for acceleration in (trajectory.acceleration, np.diff(step, axis=0) / PERIOD):
+        assert np.max(np.abs(acceleration) / axes.acceleration) <= EXACT
+    q, q_dot, q_ddot = trajectory.sample(np.arange(0.0, trajectory.duration, 1e-3))
+    assert np.all(q >= axes.lower)
+    assert np.all(q <= axes.upper)
+    # Between two references the speed gains at most what that much acceleration gains in half the time.
+    gained = 0.5 * PERIOD * axes.acceleration * (RESAMPLED - 1.0)
+    assert np.all(np.abs(q_dot) <= axes.velocity * EXACT + gained)
+    assert np.max(np.abs(q_ddot) / axes.acceleration) <= RESAMPLED
+    return trajectory
+
+
+def changes(bag: Messages, image: str) -> list[tuple[float, int, float]]:
+    """(time, channel from 1, new value) of all changes in an image of inputs or outputs, in order."""
+    found = []
+    before: Any = None
+    for time, message in bag[f'/{image}']:
+        values = np.asarray(message.data, dtype=float)
+        if before is not None:
+            found += [
+                (time, index + 1, float(values[index])) for index in np.flatnonzero(values != before).tolist()
+            ]
+        before = values
+    return found

@@ -1,0 +1,219 @@
+"""Every program of programs/ on its robot, from the command to its recorded bag."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robots_controller.bag_reading import read_messages, seconds
+from robots_controller.motion_record import MotionRecord, recorded_motions
+from robots_controller.motion_report import TOPICS, MotionReport, motion_report
+from robots_core import BaseRobotModel, load_robot_model
+from robots_planning import Trajectory
+
+from .bag_checks import Messages, changes, check_references
+from .cell_process import CellProcess
+from .conftest import PROGRAMS
+
+IO_TOPICS = ('digital_inputs', 'digital_outputs', 'analog_inputs', 'analog_outputs')
+# Between the controller's progress and the output are two processes of a machine that may be busy.
+SWITCH_DELAY = 0.1  # s
+StartCell = Callable[..., CellProcess]
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A program that has run."""
+
+    robot: BaseRobotModel
+    bag: Messages
+    motions: tuple[MotionRecord, ...]
+    report: MotionReport
+    references: Trajectory
+
+    def switched_between(self, *, without: tuple[int, ...] = ()) -> list[tuple[int, float, str, str]]:
+        """For each output switched: channel, value, and the lines of the motions before and after."""
+        found = []
+        for time, channel, value in changes(self.bag, 'digital_outputs'):
+            if channel in without:
+                continue
+            before = [motion for motion in self.motions if motion.end <= time]
+            after = [motion for motion in self.motions if motion.start >= time]
+            assert len(before) + len(after) == len(self.motions), f'output {channel} switched in a motion'
+            places = (before[-1].commands[-1] if before else None, after[0].commands[0] if after else None)
+            found.append((channel, value, *(f'{c.file}:{c.line}' if c else '' for c in places)))
+        return found
+
+    def line_of(self, text: str, program: str) -> str:
+        """'file:line' of the one line of a program that begins with a text."""
+        lines = (PROGRAMS / program).read_text().splitlines()
+        (number,) = (number for number, line in enumerate(lines, 1) if line.strip().startswith(text))
+        return f'{program}:{number}'
+
+
+def run_program(
+    start_cell: StartCell, folder: Path, program: str, robot: str, shortened: dict[str, str] | None = None
+) -> Run:
+    """Run a program to its end; check what holds for every program.
+
+    Args:
+        shortened: Text of the program and what stands in its place, so that things are done once.
+    """
+    path = folder / 'programs' / program
+    shutil.copytree(PROGRAMS, path.parent)
+    text = path.read_text()
+    for old, new in (shortened or {}).items():
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    path.write_text(text)
+    plc = path.parent / 'io' / f'{path.stem}.yaml'
+    io = ('--io', str(plc)) if plc.is_file() else ()
+    cell = start_cell('--robot', robot, '--program', str(path), '--once', *io)
+    cell.wait()
+    assert cell.process.returncode == 0, cell.text
+    assert 'every target reached, every limit kept' in cell.text
+    bag = read_messages(cell.bag, ['/' + topic for topic in (*TOPICS, *IO_TOPICS)])
+    model = load_robot_model(robot)
+    report = motion_report(cell.bag, robot)
+    assert report.ok
+    assert not [row for row in report.rows if row.passing is not None and row.passing.distance <= 0.0]
+    motions = recorded_motions({topic[1:]: rows for topic, rows in bag.items()}, model)
+    return Run(model, bag, motions, report, check_references(bag, model))
+
+
+def test_palletizing(start_cell: StartCell, tmp_path: Path) -> None:
+    run = run_program(
+        start_cell, tmp_path, 'palletizing.lua', 'kuka_kr210_r2700', {'GAP = 2, 2, 2,': 'GAP = 1, 2, 1,'}
+    )
+    pick, place = 'palletizing/pick.lua', 'palletizing/place.lua'
+    down = {name: run.line_of('ptpCartesianSpace', name) for name in (pick, place)}
+    up = {name: run.line_of('linearRelative', name) for name in (pick, place)}
+    box = [(1, 1.0, down[pick], up[pick]), (1, 0.0, down[place], up[place])]
+    assert run.switched_between() == 2 * box
+    # On its way between conveyor and pallet it runs through above both.
+    passed = {row.place: row.passing for row in run.report.rows if row.passing is not None}
+    number = {
+        name: {'up': up[name], 'over': run.line_of('ptpJointSpacePosition', name)} for name in (pick, place)
+    }
+    for name, lines in number.items():
+        corners = [passed[line.removeprefix('palletizing/')] for line in lines.values()]
+        assert [corner.joints for corner in corners] == [False, True], name
+        assert [corner.zone for corner in corners] == pytest.approx([0.10, np.radians(5.0)])
+
+
+def test_press_tending(start_cell: StartCell, tmp_path: Path) -> None:
+    run = run_program(
+        start_cell,
+        tmp_path,
+        'press_tending.lua',
+        'kuka_kr210_r2700',
+        {'PATIENCE = 2, 10': 'PATIENCE = 1, 10'},
+    )
+    program = 'press_tending.lua'
+    down, up = (
+        run.line_of('ptpCartesianSpace(place)', program),
+        run.line_of('ptpCartesianSpace(above', program),
+    )
+    outside = run.line_of('ptpJointSpaceAngles(0, -100', program)
+    lines = (PROGRAMS / program).read_text().splitlines()
+    to_press = [number for number, text in enumerate(lines, 1) if 'above(PRESS' in text]
+    switched = run.switched_between(without=(3,))
+    assert [item[:2] for item in switched] == [(2, 1.0), (2, 0.0), (1, 1.0), (1, 0.0), (2, 1.0), (2, 0.0)]
+    assert {item[2:] for item in switched if item[0] == 2} == {(down, up)}
+    assert {item[2:] for item in switched if item[0] == 1} == {(outside, f'{program}:{to_press[1]}')}
+    # The pulse goes on while the robot moves.
+    (rise, _, one), (fall, _, zero) = (item for item in changes(run.bag, 'digital_outputs') if item[1] == 3)
+    assert (one, zero) == (1.0, 0.0)
+    assert fall - rise == pytest.approx(0.3, abs=SWITCH_DELAY)
+    # The robot stands outside while the press is not ready.
+    inputs = [(time, value) for time, channel, value in changes(run.bag, 'digital_inputs') if channel == 1]
+    (closed, _), (opened, _) = inputs[-2:]
+    assert not [motion for motion in run.motions if motion.start < opened and motion.end > closed]
+
+
+def test_wheel_test(start_cell: StartCell, tmp_path: Path) -> None:
+    run = run_program(
+        start_cell,
+        tmp_path,
+        'wheel_test.lua',
+        'kuka_kr210_r3100',
+        {'TRACK, RAMP = 0.80, 0.05': 'TRACK, RAMP = 0.25, 0.05', 'ipairs {0, 0.2}': 'ipairs {0.2}'},
+    )
+    speed, ramp, track = 0.05, 0.05, 0.25  # m/s, m
+    (on, *_), (off, *_) = changes(run.bag, 'digital_outputs')
+    (motion,) = (m for m in run.motions if m.start < on < m.end)
+    assert motion.start < off < motion.end
+    time = np.array([seconds(message.header.stamp) for _, message in run.bag['/joint_reference']])
+    time += run.bag['/joint_reference'][0][0] - time[0]
+    rows = np.flatnonzero((time >= motion.start) & (time <= motion.end))
+    r = np.array([run.robot.direct_kinematics(q)[0] for q in run.references.position[rows]])
+    way = np.linalg.norm(r - r[0], axis=1)
+    assert way[-1] == pytest.approx(track + 2 * ramp, abs=1e-4)
+    for at, place in ((on, ramp), (off, ramp + track)):
+        assert np.interp(at, time[rows], way) == pytest.approx(place, abs=speed * SWITCH_DELAY)
+    # Over the measured way the speed is constant: the planned path is a line to 10 um.
+    measured = (way >= ramp) & (way <= ramp + track)
+    J = [run.robot.jacobian(q)[:3] for q in run.references.position[rows][measured]]
+    velocity = np.einsum('mij,mj->mi', np.array(J), run.references.velocity[rows][measured])
+    np.testing.assert_allclose(np.linalg.norm(velocity, axis=1), speed, rtol=1e-3)
+    # The wheel's drive turns while the robot goes, at more than the robot's speed by the slip.
+    drive = [(t, value) for t, _, value in changes(run.bag, 'analog_outputs')]
+    assert [value for _, value in drive] == [pytest.approx(speed / (1 - 0.2) / 0.125), 0.0]
+    assert drive[0][0] < motion.start
+    assert drive[1][0] > motion.end
+
+
+def test_three_axis_grasp(start_cell: StartCell, tmp_path: Path) -> None:
+    run = run_program(start_cell, tmp_path, 'three_axis_grasp.lua', 'debris_arm')
+    program = 'three_axis_grasp.lua'
+    approach, pull = (
+        run.line_of(text, program) for text in ('ptpJointSpaceAngles(ring_at(10 + S', 'ptpJointSpaceAnglesR')
+    )
+    assert run.switched_between() == [(1, 1.0, approach, pull)]
+    steps = [m for m in run.motions if f'{m.commands[0].file}:{m.commands[0].line}' == approach]
+    assert len(steps) == 8
+    # The last step ends where the ring has drifted to meanwhile.
+    ring = np.array([2.30, 0.60, 1.90]) + np.array([-0.004, -0.012, 0.003]) * (10 + 0.7 * 8)
+    np.testing.assert_allclose(steps[-1].commands[0].pose.r, ring, atol=1e-3)
+
+
+def test_rover_placement(start_cell: StartCell, tmp_path: Path) -> None:
+    run = run_program(
+        start_cell,
+        tmp_path,
+        'rover_placement.lua',
+        'kinova_j2n6s300',
+        {'wait(1) --': 'wait(0.3) --', 'setSpeed(nil, 0.05, 20)': 'setSpeed(nil, 0.1, 20)'},
+    )
+    lines = (PROGRAMS / 'rover_placement.lua').read_text().splitlines()
+    ways = [number for number, line in enumerate(lines, 1) if line.startswith('linearRelative')]
+    name = 'rover_placement.lua'
+    assert run.switched_between() == [
+        (1, 1.0, f'{name}:{ways[0]}', f'{name}:{ways[1]}'),
+        (1, 0.0, f'{name}:{ways[2]}', f'{name}:{ways[3]}'),
+    ]
+
+
+def test_make_demo_finds_the_scripted_plc_of_a_program() -> None:
+    shown = subprocess.run(
+        ['make', '-n', 'demo', 'PROGRAM=programs/press_tending.lua'],
+        cwd=PROGRAMS.parent,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    assert re.search(r'--io "programs/io/press_tending\.yaml"', shown)
+
+
+def test_all_programs_are_run_by_some_test(request: Any) -> None:
+    folder = Path(request.path).parent
+    tests = '\n'.join(file.read_text() for file in folder.glob('test_*.py'))
+    assert not [file.name for file in PROGRAMS.glob('*.lua') if f"'{file.name}'" not in tests]

@@ -1,0 +1,100 @@
+"""The recorder of a cell, killed while it records."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from rclpy.qos import QoSProfile
+from rosbags.rosbag2 import Reader
+from std_msgs.msg import Float64, String
+
+from robots_controller.bag_file import read_bag
+from robots_core.errors import RobotsError
+from robots_core.nodes.qos import STATE
+
+RECORDER = """
+import sys
+from pathlib import Path
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from robots_controller.nodes.bag_recorder import BagRecorder
+rclpy.init()
+executor = SingleThreadedExecutor()
+executor.add_node(BagRecorder(Path(sys.argv[1]), namespace='/'))
+executor.spin()
+"""
+
+
+def saved(path: Path) -> int:
+    """How many messages the bag says to have; 0 before there is one."""
+    try:
+        metadata = yaml.safe_load((path / 'metadata.yaml').read_text())
+    except FileNotFoundError:
+        return 0
+    return int(metadata['rosbag2_bagfile_information']['message_count'])
+
+
+def readable(path: Path) -> int:
+    """How many messages a reader that knows nothing of us finds."""
+    with Reader(path) as reader:
+        return sum(1 for _ in reader.messages())
+
+
+@pytest.mark.parametrize('count', [1, 3])
+def test_a_killed_recorder_leaves_a_whole_bag(ros_nodes: Any, tmp_path: Path, count: int):
+    path = tmp_path / 'bag'
+    node = ros_nodes.create_node('source')
+    mode = node.create_publisher(String, 'mode', STATE)
+    level = node.create_publisher(Float64, 'level', QoSProfile(depth=100))
+    mode.publish(String(data='auto'))
+    numbers = iter(range(1_000_000))
+    node.create_timer(0.01, lambda: level.publish(Float64(data=float(next(numbers)))))
+    process = subprocess.Popen([sys.executable, '-P', '-c', RECORDER, str(path)])
+    try:
+        seen = 0
+        for _ in range(count):  # a bag that was written over `count` times
+            before = seen
+            ros_nodes.wait_for(lambda before=before: saved(path) > before, what='a longer bag')
+            seen = saved(path)
+    finally:
+        process.send_signal(signal.SIGKILL)
+        process.wait(20.0)
+    assert readable(path) == saved(path) >= seen
+    bag = read_bag(path)
+    assert bag.problem == ''
+    found = bag.deserialized(['/mode', '/level'])
+    assert [message.data for _, message in found['/mode']] == ['auto']
+    values = [message.data for _, message in found['/level']]
+    assert values == [values[0] + k for k in range(len(values))]
+
+
+def test_a_kill_in_the_middle_of_a_write_costs_what_came_since_the_one_before(ros_nodes: Any, tmp_path: Path):
+    """As a kill between two blocks of the disk leaves it: new bytes at first, old ones behind."""
+    path = tmp_path / 'bag'
+    node = ros_nodes.create_node('source')
+    level = node.create_publisher(Float64, 'level', QoSProfile(depth=100))
+    node.create_timer(0.01, lambda: level.publish(Float64(data=1.0)))
+    process = subprocess.Popen([sys.executable, '-P', '-c', RECORDER, str(path)])
+    try:
+        ros_nodes.wait_for(lambda: saved(path), what='a bag')
+        file = path / 'bag.mcap'
+        count = saved(path)
+        older = file.read_bytes()
+        ros_nodes.wait_for(lambda: saved(path) > count, what='a longer bag')
+    finally:
+        process.send_signal(signal.SIGKILL)
+        process.wait(20.0)
+    newer = file.read_bytes()
+    for cut in range(0, len(newer), 997):
+        file.write_bytes(newer[:cut] + older[cut:])
+        try:
+            bag = read_bag(path)
+        except RobotsError as error:
+            pytest.fail(f'cut at {cut}: {error}')
+        assert len(bag.messages) >= count, cut

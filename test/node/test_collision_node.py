@@ -1,0 +1,239 @@
+"""collision_node: distance and status out, objects in, and the controller stopped before a collision."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from visualization_msgs.msg import Marker, MarkerArray
+
+from robots_core import Pose, load_robot_model
+from robots_core.blocks import CollisionDetection, Scene, SceneObject
+from robots_core.errors import InvalidInputError
+from robots_core.nodes.collision_node import CollisionNode
+from robots_core.nodes.messages import MotionResult, diagnostic_values, doubles
+from robots_core.nodes.qos import COMMAND, STATE
+from robots_core.nodes.scene_messages import markers
+from robots_core.robot_model.shapes import Sphere
+
+ROBOT = 'kuka_kr210_r2700'
+
+
+class Bench:
+    """The node under test between drives, planner, controller and a sensor of obstacles."""
+
+    def __init__(self, runner: Any, **parameters: Any) -> None:
+        self.runner = runner
+        self.robot = load_robot_model(ROBOT)
+        overrides = [Parameter('robot_model', value=ROBOT)]
+        overrides += [Parameter(name, value=value) for name, value in parameters.items()]
+        self.peer = peer = runner.create_node('controller_node')
+        self.node = runner.add(CollisionNode(context=runner.context, parameter_overrides=overrides))
+        self.distances: list[float] = []
+        self.statuses: list[DiagnosticStatus] = []
+        self.health: list[DiagnosticStatus] = []
+        self.stops = 0
+        peer.create_subscription(
+            Float64, 'min_distance', lambda message: self.distances.append(message.data), STATE
+        )
+        peer.create_subscription(DiagnosticStatus, 'collision_status', self.statuses.append, STATE)
+        peer.create_subscription(
+            DiagnosticArray, '/diagnostics', lambda message: self.health.extend(message.status), COMMAND
+        )
+        peer.create_service(Trigger, '~/stop', self.on_stop)
+        self.publishers = {
+            topic: peer.create_publisher(kind, topic, qos)
+            for topic, kind, qos in (
+                ('joint_states', JointState, STATE),
+                ('joint_trajectory', JointTrajectory, COMMAND),
+                ('motion_progress', Float64, STATE),
+                ('motion_result', DiagnosticStatus, COMMAND),
+                ('collision_objects', MarkerArray, STATE),
+            )
+        }
+        self.wait(
+            lambda: (
+                all(publisher.get_subscription_count() > 0 for publisher in self.publishers.values())
+                and self.node._stop.service_is_ready()
+                and peer.count_publishers('min_distance')
+            ),
+            'the node is connected',
+        )
+
+    def on_stop(self, _: Any, response: Any) -> Any:
+        self.stops += 1
+        response.success = True
+        return response
+
+    def wait(self, condition: Any, what: str) -> None:
+        self.runner.wait_for(condition, what=what)
+
+    def stand(self, q: np.ndarray) -> None:
+        """Publish feedback, and wait for the answer."""
+        count = len(self.statuses)
+        names = list(self.robot.axes_data.names)
+        self.publishers['joint_states'].publish(
+            JointState(name=['gripper', *reversed(names)], position=[0.0, *map(float, reversed(q))])
+        )
+        self.wait(lambda: len(self.statuses) > count, 'a status')
+
+    def move(self, start: np.ndarray, end: np.ndarray, duration: float, stamp: int) -> None:
+        """Send a trajectory in a straight line from rest to rest."""
+        zero = doubles(np.zeros(len(start)))
+        message = JointTrajectory(joint_names=list(self.robot.axes_data.names))
+        message.header.stamp = Time(sec=stamp)
+        for q, time in ((start, 0.0), (end, duration)):
+            point = JointTrajectoryPoint(positions=doubles(q), velocities=zero, accelerations=zero)
+            point.time_from_start.sec = int(time)
+            message.points.append(point)
+        self.publishers['joint_trajectory'].publish(message)
+        self.wait(lambda: f'{stamp}.000000000' in self.node._motions, 'the motion is known')
+
+    def place(self, *objects: SceneObject) -> None:
+        self.publishers['collision_objects'].publish(markers(Scene(objects), Time()))
+        names = {item.name for item in objects}
+        self.wait(
+            lambda: names <= {item.name for item in self.node._detection.scene.objects}, 'objects are known'
+        )
+
+
+@pytest.fixture
+def bench(ros_nodes: Any) -> Bench:
+    return Bench(ros_nodes)
+
+
+def ball(robot: Any, q: np.ndarray, *, radius: float = 0.1) -> SceneObject:
+    """A ball around tool0 of a posture."""
+    return SceneObject('ball', Sphere(radius), Pose(robot.direct_kinematics(q)[0], np.eye(3)))
+
+
+def turned(robot: Any, angle: float) -> np.ndarray:
+    q = robot.home.copy()
+    q[0] += angle
+    return q
+
+
+def test_distance_and_status_follow_joint_states(bench: Bench):
+    home = bench.robot.home
+    expected = CollisionDetection(bench.robot).distance(home)
+    assert expected is not None
+    bench.stand(home)
+    bench.wait(lambda: bench.distances, 'a distance')
+    assert bench.distances[-1] == pytest.approx(expected.distance, abs=1e-9)
+    status = bench.statuses[-1]
+    assert status.level == DiagnosticStatus.OK
+    assert status.hardware_id == ROBOT
+    values = diagnostic_values(status)
+    assert (values['first'], values['second']) == (expected.first, expected.second)
+    first, second = (np.array(values[f'point_{which}'].split(), dtype=float) for which in ('first', 'second'))
+    assert np.linalg.norm(first - second) == pytest.approx(expected.distance, abs=1e-5)  # six digits
+
+
+def test_an_object_that_comes_is_named_with_what_it_touches(bench: Bench):
+    home = bench.robot.home
+    bench.place(ball(bench.robot, home))
+    bench.stand(home)
+    status = bench.statuses[-1]
+    assert status.level == DiagnosticStatus.ERROR
+    assert 'ball' in status.message
+    assert 'link_6/flange - ball' in diagnostic_values(status)['contacts']
+    bench.wait(lambda: bench.distances[-1] == 0.0, 'distance 0')
+    # Nobody moves: there is nothing to stop.
+    assert bench.stops == 0
+    bench.publishers['collision_objects'].publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
+    bench.wait(lambda: not bench.node._detection.scene.objects, 'the ball is gone')
+    bench.stand(home)
+    assert bench.statuses[-1].level == DiagnosticStatus.OK
+
+
+def test_a_path_into_an_object_is_stopped_when_it_is_near(bench: Bench):
+    home, there = bench.robot.home, turned(bench.robot, 1.2)
+    bench.stand(home)
+    bench.place(ball(bench.robot, turned(bench.robot, 1.0)))
+    bench.move(home, there, 10.0, 5)
+    danger = bench.node._motions['5.000000000'].danger
+    assert danger is not None
+    bench.stand(home)
+    assert bench.statuses[-1].level == DiagnosticStatus.WARN
+    assert 'ball' in diagnostic_values(bench.statuses[-1])['ahead']
+    assert bench.stops == 0  # still far ahead
+    near = danger.time - bench.node._lookahead + 0.1
+    bench.publishers['motion_progress'].publish(Float64(data=near / 10.0))
+    bench.wait(lambda: bench.stops == 1, 'the controller is stopped')
+    bench.wait(lambda: any('stopped the controller' in item.message for item in bench.health), 'health')
+    bench.publishers['motion_progress'].publish(Float64(data=(near + 0.05) / 10.0))
+    result = MotionResult('5.000000000', ok=False, message='stopped')
+    bench.publishers['motion_result'].publish(result.to_message(ROBOT))
+    bench.wait(lambda: not bench.node._motions, 'the motion has ended')
+    assert bench.stops == 1  # asked once
+
+
+def test_an_object_that_comes_into_the_path_stops_the_motion(bench: Bench):
+    home = bench.robot.home
+    bench.stand(home)
+    bench.move(home, turned(bench.robot, 1.2), 2.0, 5)
+    bench.publishers['motion_progress'].publish(Float64(data=0.3))
+    bench.wait(lambda: bench.node._progress == 0.3, 'progress is known')
+    assert bench.stops == 0
+    # Behind the robot it does not matter.
+    bench.place(ball(bench.robot, home, radius=0.02))
+    assert bench.node._motions['5.000000000'].danger is None
+    bench.place(ball(bench.robot, turned(bench.robot, 0.9)))
+    bench.wait(lambda: bench.stops == 1, 'the controller is stopped')
+
+
+def test_a_robot_that_leaves_its_path_is_stopped(bench: Bench):
+    home = bench.robot.home
+    bench.place(ball(bench.robot, turned(bench.robot, 1.0)))
+    bench.stand(home)
+    bench.move(home, turned(bench.robot, -0.5), 2.0, 5)
+    assert bench.node._motions['5.000000000'].danger is None
+    bench.stand(turned(bench.robot, 1.0))
+    bench.wait(lambda: bench.stops == 1, 'the controller is stopped')
+
+
+def test_bad_objects_are_refused_and_change_nothing(bench: Bench):
+    bench.place(ball(bench.robot, bench.robot.home))
+    bad = Marker(ns='arrow', type=Marker.ARROW)
+    bad.pose.orientation.w = 1.0
+    bench.publishers['collision_objects'].publish(MarkerArray(markers=[bad]))
+    bench.wait(lambda: any("'arrow'" in item.message for item in bench.health), 'a warning')
+    assert [item.name for item in bench.node._detection.scene.objects] == ['ball']
+
+
+def test_bad_feedback_is_told(bench: Bench):
+    names = list(bench.robot.axes_data.names)
+    bench.publishers['joint_states'].publish(JointState(name=names, position=[math.nan] * len(names)))
+    bench.wait(lambda: any('nan' in item.message for item in bench.health), 'a warning')
+    assert not bench.statuses
+
+
+def test_the_scene_file_is_read_and_its_mistakes_stop_the_start(ros_nodes: Any, tmp_path: Path):
+    path = tmp_path / 'cell.yaml'
+    path.write_text('objects:\n  - {name: floor, box: {size: [1, 1, 0.1]}, pose: {position: [3, 0, 0]}}\n')
+    bench = Bench(ros_nodes, scene=str(path), collision_engine='coal')
+    assert [item.name for item in bench.node._detection.scene.objects] == ['floor']
+    path.write_text('objects:\n  - {name: floor, box: {size: [1, 1]}}\n')
+    overrides = [Parameter('robot_model', value=ROBOT), Parameter('scene', value=str(path))]
+    with pytest.raises(InvalidInputError, match=r'cell\.yaml:2: size must have shape'):
+        CollisionNode(context=ros_nodes.context, parameter_overrides=overrides)
+
+
+@pytest.mark.parametrize(
+    ('name', 'value'),
+    [('collision_margin', -1.0), ('collision_engine', 'ode'), ('rate', 0.0), ('lookahead', -1.0)],
+)
+def test_invalid_parameters_stop_the_start(ros_nodes: Any, name: str, value: Any):
+    overrides = [Parameter('robot_model', value=ROBOT), Parameter(name, value=value)]
+    with pytest.raises(InvalidInputError, match=name):
+        CollisionNode(context=ros_nodes.context, parameter_overrides=overrides)

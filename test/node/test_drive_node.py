@@ -1,0 +1,187 @@
+"""drive_node: joint_reference in, joint_states out, at every level and with every fault."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from robots_core import load_robot_model
+from robots_core.blocks.drive_level import DRIVE_LEVELS
+from robots_core.blocks.numerical_dynamics import NumericalDynamics
+from robots_core.blocks.payload import Payload
+from robots_core.errors import InvalidInputError
+from robots_core.nodes.drive_node import DriveNode
+from robots_core.nodes.messages import doubles
+from robots_core.nodes.qos import COMMAND, STATE
+
+NAME = 'kuka_kr210_r2700'
+ROBOT = load_robot_model(NAME)
+NAMES = list(ROBOT.axes_data.names)
+HOME = np.array(ROBOT.home)
+MANY = QoSProfile(depth=1000)
+
+
+class Bench:
+    """A drive node, and somebody in the controller's place."""
+
+    def __init__(self, nodes: Any, **parameters: Any) -> None:
+        self.nodes = nodes
+        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
+        # One process runs the test too, which no thread may push aside.
+        overrides += [Parameter('robot_model', value=NAME), Parameter('realtime_priority', value=0)]
+        node = nodes.create_node()
+        self.states: list[JointState] = []
+        self.health: list[DiagnosticStatus] = []
+        node.create_subscription(JointState, 'joint_states', self.states.append, MANY)
+        node.create_subscription(
+            DiagnosticArray, '/diagnostics', lambda message: self.health.extend(message.status), COMMAND
+        )
+        self.publisher = node.create_publisher(JointTrajectory, 'joint_reference', STATE)
+        self.drive = nodes.add(DriveNode(context=nodes.context, parameter_overrides=overrides))
+        nodes.wait_for(lambda: self.states and self.publisher.get_subscription_count(), what='joint_states')
+
+    def refer(self, q: np.ndarray, q_dot: np.ndarray | None = None, names: list[str] | None = None) -> None:
+        point = JointTrajectoryPoint(positions=doubles(q))
+        if q_dot is not None:
+            point.velocities = doubles(q_dot)
+        self.publisher.publish(JointTrajectory(joint_names=names or NAMES, points=[point]))
+
+    def set(self, **values: Any) -> None:
+        results = self.drive.set_parameters([Parameter(name, value=value) for name, value in values.items()])
+        for result in results:
+            if not result.successful:
+                raise InvalidInputError(result.reason)
+
+    def until_at(self, q: np.ndarray, tolerance: float = 1e-6) -> JointState:
+        def there() -> bool:
+            state = self.states[-1]
+            return len(state.name) == q.size and np.abs(np.array(state.position) - q).max() <= tolerance
+
+        self.nodes.wait_for(there, what=f'the robot at {q}')
+        return self.states[-1]
+
+    def next_states(self, count: int) -> list[JointState]:
+        """States from now on; one may be under way that is older."""
+        seen = len(self.states) + 1
+        self.nodes.wait_for(lambda: len(self.states) >= seen + count, what=f'{count} states')
+        return self.states[seen : seen + count]
+
+
+@pytest.mark.parametrize('level', DRIVE_LEVELS)
+def test_every_level_comes_to_its_reference(ros_nodes: Any, level: str):
+    bench = Bench(ros_nodes, level=level)
+    target = HOME + 0.01
+    bench.refer(target[::-1], names=NAMES[::-1])
+    state = bench.until_at(target)
+    assert list(state.name) == NAMES
+    assert len(state.velocity) == 6
+    if level == 'rigid_body':
+        # The last micrometres are crept; what accelerations are left there is some 1e-4 rad/s^2.
+        expected = NumericalDynamics(ROBOT).bias_torques(target, np.zeros(6))
+        np.testing.assert_allclose(state.effort, expected, rtol=1e-2, atol=1.0)
+    else:
+        assert len(state.effort) == 0
+
+
+def test_the_payload_is_felt(ros_nodes: Any):
+    bench = Bench(ros_nodes, level='rigid_body', payload=[100.0, 0.0, 0.0, 0.3])
+    load = Payload(100.0, np.array([0.0, 0.0, 0.3]))
+    expected = NumericalDynamics(ROBOT, payload=load).bias_torques(HOME, np.zeros(6))
+    np.testing.assert_allclose(bench.states[-1].effort, expected, rtol=1e-6, atol=1e-6)
+    assert abs(expected[1] - NumericalDynamics(ROBOT).bias_torques(HOME, np.zeros(6))[1]) > 500.0
+
+
+def test_a_late_reference_is_extrapolated_for_a_while_and_then_held(ros_nodes: Any):
+    bench = Bench(ros_nodes, level='ideal')
+    speed = np.full(6, 0.1)
+    bench.refer(HOME, speed)
+    # Five periods of 4 ms at 0.1 rad/s.
+    bench.until_at(HOME + 5 * 0.004 * speed, tolerance=1e-9)
+    for state in bench.next_states(5):
+        np.testing.assert_allclose(state.position, HOME + 5 * 0.004 * speed, atol=1e-9)
+        np.testing.assert_array_equal(state.velocity, np.zeros(6))
+
+
+def test_a_stopped_drive_stays_where_it_is(ros_nodes: Any):
+    bench = Bench(ros_nodes, level='ideal')
+    bench.set(fault_stopped=[NAMES[2]])
+    bench.next_states(2)
+    bench.refer(HOME + 0.1)
+    expected = HOME + 0.1
+    expected[2] = HOME[2]
+    bench.until_at(expected)
+    bench.set(fault_stopped=[''])
+    bench.until_at(HOME + 0.1)
+
+
+def test_a_frozen_encoder_reports_what_it_saw_last(ros_nodes: Any):
+    bench = Bench(ros_nodes, level='ideal')
+    bench.set(fault_frozen=[NAMES[0], NAMES[4]])
+    bench.next_states(2)
+    bench.refer(HOME + 0.1)
+    expected = HOME + 0.1
+    expected[[0, 4]] = HOME[[0, 4]]
+    bench.until_at(expected)
+
+
+def test_a_lost_joint_is_missing_in_joint_states(ros_nodes: Any):
+    bench = Bench(ros_nodes, level='rigid_body')
+    bench.set(fault_lost=[NAMES[1]])
+    for state in bench.next_states(3):
+        assert list(state.name) == NAMES[:1] + NAMES[2:]
+        assert len(state.position) == len(state.velocity) == len(state.effort) == 5
+    bench.set(fault_lost=[''])
+    assert [list(state.name) for state in bench.next_states(2)] == [NAMES, NAMES]
+
+
+def test_noise_is_reported(ros_nodes: Any):
+    bench = Bench(ros_nodes, level='ideal')
+    bench.set(fault_noise=0.01)
+    spread = np.std([np.array(state.position) - HOME for state in bench.next_states(100)])
+    assert spread == pytest.approx(0.01, rel=0.2)  # 600 samples: 3 % of standard deviation
+
+
+@pytest.mark.parametrize(
+    ('values', 'reason'),
+    [
+        ({'fault_stopped': ['elbow']}, "no axis is called 'elbow'"),
+        ({'fault_noise': -0.1}, 'outside'),
+        ({'fault_noise': float('nan')}, 'outside'),
+    ],
+)
+def test_bad_faults_are_refused(ros_nodes: Any, values: dict[str, Any], reason: str):
+    bench = Bench(ros_nodes)
+    with pytest.raises(InvalidInputError, match=reason):
+        bench.set(**values)
+
+
+@pytest.mark.parametrize(
+    ('parameters', 'reason'),
+    [
+        ({'level': 'perfect'}, "drive level 'perfect' is unknown"),
+        ({'payload': [1.0]}, '1 numbers came; a payload is'),
+        ({'payload': [-1.0, 0.0, 0.0, 0.0]}, 'mass = -1.0 kg'),
+    ],
+)
+def test_bad_parameters_end_the_start(ros_nodes: Any, parameters: dict[str, Any], reason: str):
+    with pytest.raises(InvalidInputError, match=reason):
+        Bench(ros_nodes, **parameters)
+
+
+@pytest.mark.parametrize('bad', [np.append(HOME[:5], np.nan), HOME + 100.0, HOME[:5]])
+def test_a_bad_reference_is_refused_and_the_drives_stay(ros_nodes: Any, bad: np.ndarray):
+    bench = Bench(ros_nodes, level='ideal')
+    bench.refer(bad)
+    ros_nodes.wait_for(
+        lambda: any('joint_reference' in status.message for status in bench.health), what='a warning'
+    )
+    np.testing.assert_array_equal(bench.next_states(1)[0].position, HOME)
+    bench.refer(HOME + 0.01)
+    bench.until_at(HOME + 0.01)

@@ -1,0 +1,200 @@
+"""dynamics_node: a motion in, torques, mass matrix and wrenches out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import WrenchStamped
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from robots_core import load_robot_model
+from robots_core.blocks.base_motion import BaseMotion
+from robots_core.blocks.numerical_dynamics import NumericalDynamics
+from robots_core.blocks.payload import Payload
+from robots_core.errors import InvalidInputError
+from robots_core.nodes.dynamics_node import DynamicsNode
+from robots_core.nodes.messages import doubles
+from robots_core.nodes.qos import COMMAND, STATE
+
+NAME = 'kuka_kr210_r2700'
+ROBOT = load_robot_model(NAME)
+NAMES = list(ROBOT.axes_data.names)
+Q = np.array(ROBOT.home) + 0.1
+SPEED = np.array([0.1, -0.2, 0.3, 0.4, -0.5, 0.6])
+PUSH = np.array([0.5, 0.4, -0.3, 0.2, 0.1, 0.6])
+STILL = np.zeros(6)
+MANY = QoSProfile(depth=100)
+
+
+class Bench:
+    """The node under test, fed and listened to by another."""
+
+    def __init__(self, nodes: Any, **parameters: Any) -> None:
+        self.nodes = nodes
+        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
+        overrides += [Parameter('robot_model', value=NAME), Parameter('rate', value=200.0)]
+        tester = nodes.create_node()
+        self.clock = tester.get_clock()
+        self.heard: dict[str, list[Any]] = {}
+        for topic, kind in (
+            ('joint_torques', JointState),
+            ('bias_torques', JointState),
+            ('mass_matrix', Float64MultiArray),
+            ('tcp_wrench', WrenchStamped),
+            ('base_wrench', WrenchStamped),
+        ):
+            tester.create_subscription(kind, topic, self.heard.setdefault(topic, []).append, MANY)
+        self.health: list[DiagnosticStatus] = []
+        tester.create_subscription(
+            DiagnosticArray, '/diagnostics', lambda message: self.health.extend(message.status), COMMAND
+        )
+        self.states = tester.create_publisher(JointState, 'joint_states', STATE)
+        self.references = tester.create_publisher(JointTrajectory, 'joint_reference', STATE)
+        self.node = nodes.add(DynamicsNode(context=nodes.context, parameter_overrides=overrides))
+        nodes.wait_for(
+            lambda: self.states.get_subscription_count() + self.references.get_subscription_count() == 1,
+            what='the node listens',
+        )
+
+    def send(
+        self, q: np.ndarray, q_dot: np.ndarray = STILL, tau: np.ndarray | None = None, at: float = 0.0
+    ) -> Any:
+        state = JointState(name=NAMES[::-1], position=doubles(q[::-1]), velocity=doubles(q_dot[::-1]))
+        if tau is not None:
+            state.effort = doubles(tau[::-1])
+        state.header.stamp.sec, state.header.stamp.nanosec = 100 + int(at), round(1e9 * (at % 1.0))
+        self.states.publish(state)
+        return state.header.stamp
+
+    def answer(self, topic: str, stamp: Any) -> Any:
+        return self.nodes.wait_for(
+            lambda: next((m for m in self.heard[topic] if m.header.stamp == stamp), None), what=topic
+        )
+
+    def until_health(self, level: bytes, text: str) -> DiagnosticStatus:
+        return self.nodes.wait_for(
+            lambda: next((s for s in self.health if s.level == level and text in s.message), None),
+            what=f'health {text!r}',
+        )
+
+
+def wrench_of(message: WrenchStamped) -> np.ndarray:
+    assert message.header.frame_id == 'base'
+    force, torque = message.wrench.force, message.wrench.torque
+    return np.array([force.x, force.y, force.z, torque.x, torque.y, torque.z])
+
+
+def close(mine: Any, expected: np.ndarray) -> None:
+    np.testing.assert_allclose(mine, expected, rtol=0.0, atol=1e-9 * (1.0 + np.abs(expected).max()))
+
+
+def test_torques_and_mass_matrix_of_joint_states(ros_nodes: Any):
+    bench = Bench(ros_nodes)
+    stamp = bench.send(Q, SPEED)
+    tau, M, tau_aux = NumericalDynamics(ROBOT).rigid_dynamics(Q, SPEED, STILL)
+    message = bench.answer('joint_torques', stamp)
+    assert list(message.name) == NAMES
+    close(message.effort, tau)
+    close(bench.answer('bias_torques', stamp).effort, tau_aux)
+    (matrix,) = ros_nodes.wait_for(lambda: bench.heard['mass_matrix'], what='mass_matrix')
+    rows, columns = matrix.layout.dim
+    assert (rows.label, rows.size, rows.stride) == ('torque', 6, 36)
+    assert (columns.label, columns.size, columns.stride) == ('acceleration', 6, 6)
+    close(np.reshape(matrix.data, (rows.size, columns.size)), M)
+    pushed = -NumericalDynamics(ROBOT).base_wrench(Q, SPEED, STILL)
+    close(wrench_of(bench.answer('base_wrench', stamp)), pushed)
+    assert not bench.heard['tcp_wrench']
+
+
+def test_accelerations_are_told_from_velocities(ros_nodes: Any):
+    bench = Bench(ros_nodes, filter_time=0.0)
+    bench.answer('joint_torques', bench.send(Q, SPEED, at=0.0))
+    stamp = bench.send(Q, SPEED + 0.01 * PUSH, at=0.01)
+    expected = NumericalDynamics(ROBOT).torques(Q, SPEED + 0.01 * PUSH, PUSH)
+    # A stamp is good to 1 ns of the 10 ms.
+    np.testing.assert_allclose(bench.answer('joint_torques', stamp).effort, expected, rtol=1e-6, atol=1e-3)
+
+
+def test_references_bring_their_accelerations(ros_nodes: Any):
+    bench = Bench(ros_nodes, source='joint_reference')
+    point = JointTrajectoryPoint(positions=doubles(Q), velocities=doubles(SPEED), accelerations=doubles(PUSH))
+    message = JointTrajectory(joint_names=NAMES, points=[point])
+    message.header.stamp.sec = 7
+    bench.references.publish(message)
+    expected = NumericalDynamics(ROBOT).torques(Q, SPEED, PUSH)
+    close(bench.answer('joint_torques', message.header.stamp).effort, expected)
+
+
+def test_payload_and_base_are_parameters(ros_nodes: Any):
+    bench = Bench(ros_nodes, payload=[50.0, 0.1, 0.0, 0.2])
+    base = BaseMotion.ceiling()
+    results = bench.node.set_parameters(
+        [
+            Parameter('payload', value=[80.0, 0.0, 0.0, 0.2, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0]),
+            Parameter('base_orientation', value=[1.0, 0.0, 0.0, 0.0]),
+        ]
+    )
+    assert all(result.successful for result in results), results
+    load = Payload(80.0, np.array([0.0, 0.0, 0.2]), np.eye(3))
+    expected = NumericalDynamics(ROBOT, payload=load, base=base).torques(Q, SPEED, STILL)
+    close(bench.answer('joint_torques', bench.send(Q, SPEED)).effort, expected)
+
+
+def test_the_wrench_at_the_tool_is_told_from_the_drives(ros_nodes: Any):
+    bench = Bench(ros_nodes)
+    wrench = np.array([100.0, -50.0, 200.0, 10.0, 5.0, -20.0])
+    tau = NumericalDynamics(ROBOT).bias_torques(Q, STILL) - ROBOT.jacobian(Q).T @ wrench
+    stamp = bench.send(Q, STILL, tau)
+    np.testing.assert_allclose(wrench_of(bench.answer('tcp_wrench', stamp)), wrench, atol=1e-6)
+
+
+def test_a_torque_past_its_limit_is_told_and_so_is_its_end(ros_nodes: Any):
+    bench = Bench(ros_nodes)
+    tau = np.zeros(6)
+    tau[3] = 1.5 * ROBOT.axes_data.effort[3]
+    bench.send(Q, STILL, tau)
+    status = bench.until_health(DiagnosticStatus.WARN, f'torque of {NAMES[3]} is past its limit')
+    values = {pair.key: pair.value for pair in status.values}
+    assert float(values['torque']) == pytest.approx(tau[3])
+    bench.health.clear()
+    bench.send(Q, STILL, np.zeros(6), at=1.0)
+    bench.until_health(DiagnosticStatus.OK, 'ready')
+
+
+@pytest.mark.parametrize(
+    ('change', 'reason'),
+    [
+        ({'name': NAMES[1:], 'position': [0.0] * 5}, 'lacks joint A1'),
+        ({'position': [0.0] * 5 + [float('nan')]}, 'positions'),
+        ({'velocity': [0.0] * 5}, '5 velocities for 6 joints'),
+        ({'position': []}, 'no positions'),
+    ],
+)
+def test_bad_joint_states_are_named(ros_nodes: Any, change: dict[str, Any], reason: str):
+    bench = Bench(ros_nodes)
+    bench.states.publish(JointState(**({'name': NAMES, 'position': [0.0] * 6} | change)))
+    bench.until_health(DiagnosticStatus.WARN, reason)
+    assert not bench.heard['joint_torques']
+    close(
+        bench.answer('joint_torques', bench.send(Q)).effort, NumericalDynamics(ROBOT).torques(Q, STILL, STILL)
+    )
+
+
+@pytest.mark.parametrize(
+    ('parameters', 'reason'),
+    [
+        ({'source': 'guesses'}, "source 'guesses' is unknown"),
+        ({'base_orientation': [0.0, 0.0, 0.0, 0.0]}, 'length 0'),
+        ({'payload': [1.0, 2.0]}, '2 numbers came'),
+    ],
+)
+def test_bad_parameters_end_the_start(ros_nodes: Any, parameters: dict[str, Any], reason: str):
+    with pytest.raises(InvalidInputError, match=reason):
+        Bench(ros_nodes, **parameters)

@@ -1,0 +1,209 @@
+"""Whatever a program is: the node answers every service in time, and the next program runs."""
+
+from __future__ import annotations
+
+import random
+import string
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
+
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
+from robots_controller.nodes.lua_program_node import LuaProgramNode
+
+ROBOT = 'kuka_kr210_r2700'
+ANSWER_TIME = 0.5  # s
+RUN_TIME = 0.15  # s that a program that does not end has before it is stopped
+END_TIME = 2.0  # s from the stop to the end, on a loaded machine
+SERVICES = (
+    *('open', 'run', 'pause', 'resume', 'step', 'stop', 'reset', 'get_command_state', 'get_call_stack'),
+)
+SEED = 20240607  # the same programs in every run
+
+HOSTILE = {
+    'deep recursion': 'local function f(n) return 1 + f(n + 1) end f(0)',
+    'deep recursion in pcall': 'local function f() pcall(f) f() end while true do pcall(f) end',
+    'huge string': "local s = 'x' while true do s = s .. s end",
+    'huge strings in pcall': "while true do pcall(string.rep, 'x', 1 << 40) pcall(string.rep, 'x', 5e7) end",
+    'huge table': 'local t = {} while true do t[#t + 1] = {} end',
+    'huge format': "while true do pcall(string.format, ('%s'):rep(50), table.unpack({}, 1, 50)) end",
+    'catastrophic pattern': "return ('a'):rep(10000):find(('.-'):rep(30) .. 'b')",
+    'catastrophic gsub': "return ('a'):rep(200000):gsub('(a*)*b', '%1')",
+    'balanced pattern': "return ('('):rep(1e6):find('%b()%b()%b()x')",
+    'coroutine bomb': """
+        local function bomb() while true do coroutine.wrap(bomb)() end end
+        while true do pcall(bomb) end""",
+    'coroutines kept': 'local t = {} while true do t[#t + 1] = coroutine.create(print) end',
+    'sort with a mad order': 'local t = {} for i = 1, 1e6 do t[i] = i end table.sort(t, print)',
+    'concat of a million': "local t = {} for i = 1, 1e6 do t[i] = 'x' end while true do table.concat(t) end",
+    'unpack in a loop': 'local t = {} while true do pcall(table.unpack, t, 1, 1e6) end',
+    'prints without end': "while true do print(('x'):rep(1000)) end",
+    'huge print': "print(('x'):rep(5e7)) while true do end",
+    'outputs without end': 'while true do setDigitalOutput(1, 1) setDigitalOutput(1, 0) end',
+    'handlers without end': 'while true do onDigitalInput(1, true, function() end) end',
+    'pulses without end': 'while true do for i = 1, 32 do pulseDigitalOutput(i, 0.001) end end',
+    'nested tables as arguments': 'local t = {} for i = 1, 1e5 do t = {t} end ptpCartesianSpace(t)',
+    'large table as argument': """
+        local t = {} for i = 1, 1e6 do t[i] = i end
+        while true do pcall(ptpCartesianSpace, t) end""",
+    'table that holds itself': 'local t = {} t[1] = t t.t = t while true do pcall(setTool, t) end',
+    'long error': "error(('x'):rep(5e7))",
+    'error in tostring': 'error(setmetatable({}, {__tostring = function() while true do end end}))',
+    'subprogram that calls itself': "call('test')",
+    'string metamethods': "while true do pcall(function() return ('x') + 1 end) end",
+    'long integer loops': 'for i = math.mininteger, math.maxinteger do end',
+    'goto': '::again:: goto again',
+    'closing forever': """
+        local meta = {__close = function() while true do end end}
+        while true do local x <close> = setmetatable({}, meta) end""",
+    'metamethod chains': """
+        local t = setmetatable({}, {})
+        for i = 1, 1e5 do t = setmetatable({}, {__index = t}) end
+        while true do pcall(function() return t.x end) end""",
+    'collecting garbage': 'while true do local t = {} for i = 1, 1e5 do t[i] = {i} end end',
+}
+
+
+class Caller:
+    """Asks the node in a process thread of its own context, and notes the slowest answer."""
+
+    def __init__(self, node: Node, runner: Any) -> None:
+        self.node = node
+        self.runner = runner
+        self.slowest = 0.0
+        self.clients = {name: node.create_client(Trigger, f'lua_program_node/{name}') for name in SERVICES}
+        for client in self.clients.values():
+            runner.wait_for(client.service_is_ready, what='the services')
+
+    def ask(self, name: str) -> Trigger.Response:
+        done = threading.Event()
+        start = time.monotonic()
+        future = self.clients[name].call_async(Trigger.Request())
+        future.add_done_callback(lambda _: done.set())
+        assert done.wait(20.0), f'no answer of ~/{name}'
+        taken = time.monotonic() - start
+        assert taken < ANSWER_TIME, f'~/{name} took {taken:.2f} s'
+        self.slowest = max(self.slowest, taken)
+        return future.result()
+
+
+class Bench:
+    def __init__(self, runner: Any, folder: Path) -> None:
+        self.folder = folder
+        self.path = folder / 'test.lua'
+        overrides = [
+            Parameter('robot_model', value=ROBOT),
+            Parameter('program', value=str(self.path)),
+            Parameter('planner_timeout', value=0.1),
+        ]
+        self.node = runner.add(LuaProgramNode(context=runner.context, parameter_overrides=overrides))
+        self.caller = Caller(runner.create_node('caller'), runner)
+
+    def state(self) -> str:
+        return str(self.node._program.run_state)
+
+    def try_program(self, data: bytes) -> None:
+        """Open, run, look at it while it runs, hold it, and stop it."""
+        ask = self.caller.ask
+        self.path.write_bytes(data)
+        if not ask('open').success:
+            return
+        assert ask('run').success
+        end = time.monotonic() + RUN_TIME
+        while self.state() == 'RUNNING' and time.monotonic() < end:
+            ask('get_command_state')
+        if ask('pause').success:
+            ask('get_call_stack')
+            ask('step')
+            ask('resume')
+        ask('stop')
+        end = time.monotonic() + END_TIME
+        while self.state() in ('RUNNING', 'PAUSED'):
+            ask('get_command_state')
+            assert time.monotonic() < end, 'the program does not end'
+        assert 'internal error' not in str(self.node._program.error)
+
+    def next_program_runs(self) -> None:
+        self.path.write_text('setDigitalOutput(1, 1) setDigitalOutput(1, 0)')
+        assert self.caller.ask('open').success
+        assert self.caller.ask('run').success
+        assert self.node._program.join(END_TIME)
+        assert self.state() == 'FINISHED'
+
+
+@pytest.fixture
+def bench(ros_nodes: Any, tmp_path: Path) -> Bench:
+    return Bench(ros_nodes, tmp_path)
+
+
+def test_hostile_programs(bench: Bench):
+    for kind, text in HOSTILE.items():
+        try:
+            bench.try_program(text.encode())
+            bench.next_program_runs()
+        except AssertionError as error:
+            raise AssertionError(f'{kind}: {error}') from error
+
+
+def test_random_bytes(bench: Bench):
+    rng = random.Random(SEED)  # noqa: S311  # the same programs in every run
+    for size in range(60):
+        bench.try_program(rng.randbytes(size * 3))
+    for _ in range(30):
+        bench.try_program(''.join(rng.choices(string.printable, k=60)).encode())
+    bench.next_program_runs()
+
+
+def random_program(rng: random.Random, depth: int = 0) -> str:
+    """Random statements that Lua mostly accepts, with our functions and much nonsense."""
+    names = [
+        *LUA_FUNCTIONS,
+        'pcall',
+        'error',
+        'tostring',
+        'string.rep',
+        'string.find',
+        'table.unpack',
+        'x',
+        'y',
+    ]
+    values = [
+        *('0', '1', '-1', '1e300', '0/0', "'text'", "('a'):rep(1000)", 'nil', 'true', '{}', '{on_path = {}}'),
+        *('{1, 2, 3, 4, 5, 6}', '{blend = 0.1}', 'print', 'x', 'y', 'function() return x end', '...'),
+    ]
+
+    def call() -> str:
+        return f'{rng.choice(names)}({", ".join(rng.choices(values, k=rng.randint(0, 7)))})'
+
+    lines = []
+    for _ in range(rng.randint(1, 5)):
+        kind = rng.randint(0, 9) if depth < 3 else 0
+        inner = '' if kind == 0 else random_program(rng, depth + 1)
+        lines.append(
+            [
+                f'pcall(function(...) {call()} end)',
+                f'pcall(function(...) {inner} end)',
+                f'while {rng.choice(values[:12])} do {inner} if x then break end end',
+                f'for i = 1, {rng.choice(["3", "1e9"])} do {inner} end',
+                f'x = {rng.choice(values[:12])} {inner}',
+                f'local y = {rng.choice(values[:12])} {inner}',
+                f'coroutine.wrap(function(...) {inner} end)(1)',
+                f'if {call()} then {inner} end',
+                f'onDigitalInput({rng.randint(1, 3)}, true, function(...) {inner} end)',
+                f'y = select(2, pcall(function(...) return {call()} end))',
+            ][kind]
+        )
+    return '\n'.join(lines)
+
+
+def test_random_programs(bench: Bench):
+    rng = random.Random(SEED)  # noqa: S311  # the same programs in every run
+    for _ in range(40):
+        bench.try_program(random_program(rng).encode())
+    bench.next_program_runs()

@@ -1,0 +1,126 @@
+"""What opens a report: V8 with a stub of the browser everywhere, and the browsers of this machine."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import re
+import shutil
+import subprocess
+import urllib.request
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from websockets.sync.client import ClientConnection, connect
+
+CHROMES = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
+BROWSERS = [path for name in CHROMES if (path := shutil.which(name))][:1]
+DEADLINE = 60.0  # s
+# Colours of every canvas of the page: of plots those that are neither white nor transparent, of the view all.
+LOOK = """(() => [...document.querySelectorAll('canvas')].map((canvas) => {
+  const flat = document.createElement('canvas');
+  flat.width = canvas.width; flat.height = canvas.height;
+  const pen = flat.getContext('2d');
+  pen.drawImage(canvas, 0, 0);
+  const pixels = new Uint32Array(pen.getImageData(0, 0, flat.width, flat.height).data.buffer);
+  return [canvas.getAttribute('aria-label'), new Set(pixels).size];
+}))()"""
+
+
+@dataclass(frozen=True)
+class Opened:
+    """What a browser made of a page.
+
+    Attributes:
+        errors: Of its scripts, and of anything that it wanted to load.
+        colours: (label, number of colours) of each canvas.
+    """
+
+    errors: list[str]
+    colours: list[tuple[str, int]]
+
+
+def open_page(browser: str, path: Path, profile: Path) -> Opened:
+    """Open a page in a headless browser over the Chrome DevTools protocol."""
+    options = ['--headless=new', '--no-sandbox', '--no-first-run', '--disable-background-networking']
+    options += ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']
+    options += [f'--user-data-dir={profile}', '--remote-debugging-port=0', '--window-size=1400,1000']
+    with _running([browser, *options, 'about:blank']) as port:
+        with urllib.request.urlopen(f'http://127.0.0.1:{port}/json', timeout=DEADLINE) as answer:
+            tabs = json.load(answer)
+        address = next(tab['webSocketDebuggerUrl'] for tab in tabs if tab['type'] == 'page')
+        with connect(address, max_size=None, open_timeout=DEADLINE) as socket:
+            return _look(_Tab(socket), path)
+
+
+def _look(tab: _Tab, path: Path) -> Opened:
+    for domain in ('Page', 'Runtime', 'Log', 'Network'):
+        tab.call(f'{domain}.enable')
+    tab.call('Page.navigate', url=path.as_uri())
+    tab.until('Page.loadEventFired')
+    # The view and the plots are drawn while the page loads; a frame later they are on the canvases.
+    tab.evaluate('new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))')
+    colours = [(label, count) for label, count in tab.evaluate(LOOK)]
+    errors = [
+        json.dumps(event['params'])
+        for event in tab.events
+        if event['method'] == 'Runtime.exceptionThrown'
+        or (event['method'] == 'Log.entryAdded' and event['params']['entry']['level'] == 'error')
+        or (
+            event['method'] == 'Network.requestWillBeSent'
+            and event['params']['request']['url'] != path.as_uri()
+        )
+    ]
+    return Opened(errors, colours)
+
+
+class _Tab:
+    """A page of the browser."""
+
+    def __init__(self, socket: ClientConnection) -> None:
+        self._socket = socket
+        self._number = 0
+        self.events: list[dict[str, Any]] = []
+
+    def call(self, method: str, **parameters: Any) -> dict[str, Any]:
+        self._number += 1
+        self._socket.send(json.dumps({'id': self._number, 'method': method, 'params': parameters}))
+        while True:
+            message = self._receive()
+            if message.get('id') == self._number:
+                assert 'error' not in message, message
+                return dict(message['result'])
+
+    def until(self, method: str) -> None:
+        while not any(event['method'] == method for event in self.events):
+            self._receive()
+
+    def evaluate(self, expression: str) -> Any:
+        result = self.call('Runtime.evaluate', expression=expression, returnByValue=True, awaitPromise=True)
+        assert 'exceptionDetails' not in result, result
+        return result['result'].get('value')
+
+    def _receive(self) -> dict[str, Any]:
+        message: dict[str, Any] = json.loads(self._socket.recv(timeout=DEADLINE))
+        if 'method' in message:
+            self.events.append(message)
+        return message
+
+
+@contextlib.contextmanager
+def _running(command: list[str]) -> Iterator[int]:
+    """The browser, and the port where it listens; ended afterwards."""
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    try:
+        for line in process.stderr:
+            if found := re.search(r'DevTools listening on ws://[^:/]+:(\d+)/', line):
+                break
+        else:
+            raise AssertionError(f'{command[0]} ended before it listened')
+        yield int(found[1])
+    finally:
+        process.terminate()
+        process.communicate(timeout=DEADLINE)

@@ -1,0 +1,79 @@
+"""Which nodes a cell has, and with which parameters."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from robots_controller.cell_graph import cell_graph
+from robots_core.errors import RobotsError
+
+ROOT = Path(__file__).parents[2]
+PRESS = str(ROOT / 'programs' / 'io' / 'press_tending.yaml')
+TAGS = str(ROOT / 'robots_controller' / 'config' / 'io_map_tags.yaml')
+
+
+def test_a_plc_and_a_bridge_are_there_when_their_files_are_given(tmp_path: Path):
+    names = {node.name for node in cell_graph(robot='bello_bot')}
+    assert not names & {'plc_node', 'io_bridge_node'}
+    with_plc = {node.name: node for node in cell_graph(robot='bello_bot', io=PRESS)}
+    assert set(with_plc) == names | {'plc_node'}
+    assert with_plc['plc_node'].parameters['script'] == PRESS
+    with_bridge = {node.name: node for node in cell_graph(robot='bello_bot', io_map=TAGS)}
+    assert set(with_bridge) == names | {'io_bridge_node'}
+    assert with_bridge['io_bridge_node'].parameters['io_map'] == TAGS
+    outputs = tmp_path / 'outputs.yaml'
+    outputs.write_text('outputs:\n  - {channel: digital_output.1, topic: a, type: Bool}\n')
+    assert {node.name for node in cell_graph(robot='bello_bot', io=PRESS, io_map=str(outputs))} == (
+        names | {'plc_node', 'io_bridge_node'}
+    )
+
+
+def test_the_names_of_the_files_are_those_of_the_robot_program():
+    (lua,) = (node for node in cell_graph(robot='bello_bot', io=PRESS) if node.name == 'lua_program_node')
+    assert lua.parameters['digital_input_names'] == [
+        *('press_ready', 'press_closed', 'part_present', 'part_pressed')
+    ]
+    assert lua.parameters['digital_output_names'] == ['start_press', 'gripper', 'part_placed']
+    assert lua.parameters['analog_input_names'] == ['press_force']
+    assert 'analog_output_names' not in lua.parameters
+
+
+def test_two_that_set_the_same_inputs_are_refused():
+    with pytest.raises(RobotsError, match='both set analog_inputs, digital_inputs; only one can publish'):
+        cell_graph(robot='bello_bot', io=PRESS, io_map=TAGS)
+
+
+def test_a_name_means_one_channel(tmp_path: Path):
+    path = tmp_path / 'map.yaml'
+    path.write_text(
+        'signals: {gripper: digital_output.7}\noutputs:\n  - {channel: gripper, topic: a, type: Bool}\n'
+    )
+    with pytest.raises(RobotsError, match=r"'gripper' is digital_output\.2 in .* and digital_output\.7 in"):
+        cell_graph(robot='bello_bot', io=PRESS, io_map=str(path))
+
+
+def test_a_mistake_in_a_file_is_told_with_its_line(tmp_path: Path):
+    path = tmp_path / 'plc.yaml'
+    path.write_text('rules:\n  - {when: start}\n')
+    with pytest.raises(RobotsError, match=r'plc\.yaml:2: set is missing'):
+        cell_graph(robot='bello_bot', io=str(path))
+
+
+def test_the_drives_have_the_level_asked_for():
+    (drives,) = (
+        node for node in cell_graph(robot='bello_bot', drive='rigid_body') if node.name == 'drive_node'
+    )
+    assert drives.parameters['level'] == 'rigid_body'
+    with pytest.raises(RobotsError, match="drive level 'perfect' is unknown"):
+        cell_graph(robot='bello_bot', drive='perfect')
+
+
+def test_the_goal_tolerance_is_the_controllers_own_unless_given():
+    for given in ({}, {'goal_tolerance': 0.002}):
+        nodes = cell_graph(robot='bello_bot', **given)
+        (controller,) = (node for node in nodes if node.name == 'controller_node')
+        assert {'goal_tolerance': controller.parameters.get('goal_tolerance', None)} == (
+            given or {'goal_tolerance': None}
+        )

@@ -1,0 +1,64 @@
+"""Ideal and second-order drives, and the choice of a level."""
+
+import numpy as np
+import pytest
+from scipy.signal import lti
+
+from robots_core import load_robot_model
+from robots_core.blocks.drive_level import DRIVE_LEVELS, drive_train
+from robots_core.blocks.drive_train import IdealDrive, SecondOrderDrive
+from robots_core.blocks.rigid_body_drive import RigidBodyDrive
+from robots_core.errors import InvalidInputError
+
+ROBOT = load_robot_model('bello_bot')
+
+
+def test_an_ideal_drive_is_where_its_reference_is():
+    drive = IdealDrive([0.1, 0.2], period=0.01)
+    q, q_dot = drive.step([0.11, 0.18], [1.0, -1.5])
+    np.testing.assert_array_equal(q, [0.11, 0.18])
+    np.testing.assert_array_equal(q_dot, [1.0, -1.5])
+    _, q_dot = drive.step([0.12, 0.18])
+    np.testing.assert_allclose(q_dot, [1.0, 0.0], atol=1e-12)
+    assert drive.torque is None
+
+
+def test_a_second_order_drive_answers_a_step_as_its_transfer_function():
+    bandwidth, damping = np.array([5.0, 12.0]), np.array([0.4, 1.3])
+    drive = SecondOrderDrive(np.zeros(2), period=0.004, bandwidth=bandwidth, damping=damping)
+    answers = np.array([drive.step(np.ones(2))[0] for _ in range(200)])
+    times = 0.004 * np.arange(201)
+    for axis in range(2):
+        w, D = 2.0 * np.pi * bandwidth[axis], damping[axis]
+        _, expected = lti([w**2], [1.0, 2.0 * D * w, w**2]).step(T=times)
+        np.testing.assert_allclose(answers[:, axis], expected[1:], atol=1e-9)
+
+
+def test_levels_are_what_their_names_say():
+    made = {level: drive_train(level, ROBOT, ROBOT.home, period=0.004) for level in DRIVE_LEVELS}
+    assert [type(drive) for drive in made.values()] == [IdealDrive, SecondOrderDrive, RigidBodyDrive]
+    for drive in made.values():
+        np.testing.assert_allclose(drive.position, ROBOT.home)
+        np.testing.assert_array_equal(drive.velocity, np.zeros(7))
+    torque = made['rigid_body'].torque
+    assert torque is not None
+    np.testing.assert_allclose(
+        torque, ROBOT.rigid_dynamics(ROBOT.home, np.zeros(7), np.zeros(7))[2], atol=1e-9
+    )
+
+
+def test_bad_input_is_named():
+    with pytest.raises(
+        InvalidInputError, match="'perfect' is unknown; levels are ideal, second_order, rigid_body"
+    ):
+        drive_train('perfect', ROBOT, ROBOT.home, period=0.004)
+    with pytest.raises(InvalidInputError, match='bandwidth must be one number or 7'):
+        drive_train('second_order', ROBOT, ROBOT.home, period=0.004, bandwidth=[1.0, 2.0])
+    for level in DRIVE_LEVELS:
+        with pytest.raises(InvalidInputError, match='period'):
+            drive_train(level, ROBOT, ROBOT.home, period=-1.0)
+        drive = drive_train(level, ROBOT, ROBOT.home, period=0.004)
+        with pytest.raises(InvalidInputError, match='q_ref'):
+            drive.step(np.full(7, np.inf))
+        with pytest.raises(InvalidInputError, match='q_ref'):
+            drive.step(np.zeros(6))

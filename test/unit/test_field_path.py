@@ -1,0 +1,73 @@
+"""Numbers inside messages by path."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from robots_controller.field_path import FieldPath
+from robots_core.errors import InvalidInputError
+
+
+def message() -> Any:
+    return SimpleNamespace(
+        data=[1, 2, 3], pose=SimpleNamespace(position=SimpleNamespace(x=0.5)), rows=[SimpleNamespace(v=[7])]
+    )
+
+
+@pytest.mark.parametrize(
+    ('text', 'value'), [('data[2]', 3), ('pose.position.x', 0.5), ('rows[0].v[0]', 7), ('data', [1, 2, 3])]
+)
+def test_a_value_is_read(text: str, value: object):
+    assert FieldPath.parse(text).get(message()) == value
+
+
+@pytest.mark.parametrize('text', ['data[1]', 'pose.position.x', 'rows[0].v[0]'])
+def test_what_is_set_is_read_again_and_nothing_else_changes(text: str):
+    changed, path = message(), FieldPath.parse(text)
+    path.set(changed, 9)
+    assert path.get(changed) == 9
+    path.set(changed, path.get(message()))
+    assert changed == message()
+
+
+@pytest.mark.parametrize(
+    ('text', 'problem'),
+    [
+        ('data[3]', r'data has 3 elements; data\[3\] needs 4'),
+        ('pose[0]', r'pose is no array; pose\[0\] needs one'),
+        ('pose.y', "pose has no field 'y', which pose.y needs"),
+        ('x', "the message has no field 'x'"),
+    ],
+)
+def test_what_is_not_there_is_told(text: str, problem: str):
+    for use in (
+        lambda p: p.get(message()),
+        lambda p: p.set(message(), 1) if '[' in text else p.get(message()),
+    ):
+        with pytest.raises(InvalidInputError, match=problem):
+            use(FieldPath.parse(text))
+
+
+@pytest.mark.parametrize(
+    'text', ['', '.', '.a', 'a.', 'a..b', '[0]', 'a[', 'a[]', 'a[-1]', 'a[0]b', 'a b', 'a[1e3]', '1a']
+)
+def test_what_is_no_path_is_told(text: str):
+    with pytest.raises(InvalidInputError, match='is no path of a field'):
+        FieldPath.parse(text)
+
+
+@given(
+    st.from_regex(r'[a-z_]{1,5}', fullmatch=True),
+    st.lists(st.one_of(st.from_regex(r'[a-z_]{1,5}', fullmatch=True), st.integers(0, 999)), max_size=5),
+)
+def test_a_path_is_its_steps_and_back(first: str, rest: list[str | int]):
+    steps = (first, *rest)
+    text = FieldPath('', steps).up_to(len(steps))
+    path = FieldPath.parse(text)
+    assert path.steps == steps
+    assert path.up_to(len(steps)) == path.text == text

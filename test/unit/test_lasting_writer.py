@@ -1,0 +1,96 @@
+"""Bags that are whole while they are written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from rosbags.rosbag2 import Reader
+
+from robots_controller.lasting_writer import CHUNK_SIZE, LastingWriter
+from robots_controller.testing import BAG_START, BAG_TYPES
+
+TEXT = 'std_msgs/msg/String'
+
+
+def content(path: Path) -> list[tuple[str, int, bytes]]:
+    """As a reader that knows nothing of us finds it."""
+    with Reader(path) as reader:
+        found = [(connection.topic, stamp, bytes(data)) for connection, stamp, data in reader.messages()]
+        assert reader.message_count == len(found)
+    return found
+
+
+class Recording:
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.writer = LastingWriter(path)
+        self.writer.open()
+        self.rows: list[tuple[str, int, bytes]] = []
+        self.connections = {}
+
+    def write(self, topic: str, length: int) -> None:
+        if topic not in self.connections:
+            self.connections[topic] = self.writer.add_connection(topic, TEXT, typestore=BAG_TYPES)
+        message = BAG_TYPES.types[TEXT]('x' * length)
+        row = (topic, BAG_START + len(self.rows), bytes(BAG_TYPES.serialize_cdr(message, TEXT)))
+        self.writer.write(self.connections[topic], *row[1:])
+        self.rows.append(row)
+
+
+STEPS = st.lists(
+    st.one_of(
+        st.just('flush'),
+        st.tuples(st.sampled_from(['/a', '/b']), st.sampled_from([0, 10, 600_000, 2_000_000])),
+    ),
+    max_size=12,
+)
+
+
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(STEPS)
+def test_after_every_flush_the_bag_is_whole(tmp_path: Path, steps: list[str | tuple[str, int]]):
+    recording = Recording(tmp_path / str(len(list(tmp_path.iterdir()))))
+    for step in steps:
+        if isinstance(step, str):
+            recording.writer.flush()
+            assert content(recording.path) == recording.rows
+        else:
+            recording.write(*step)
+    recording.writer.close()
+    assert content(recording.path) == recording.rows
+
+
+def test_what_waits_in_memory_is_bounded_and_written_whole(tmp_path: Path):
+    recording = Recording(tmp_path / 'bag')
+    length = 300_000
+    written = 0
+    for _ in range(20):
+        recording.write('/a', length)
+        saved = len(content(recording.path)) if (recording.path / 'metadata.yaml').exists() else 0
+        assert saved >= written
+        written = saved
+        assert (len(recording.rows) - saved) * length <= CHUNK_SIZE
+    assert written > 0
+    recording.writer.close()
+    assert content(recording.path) == recording.rows
+
+
+@pytest.mark.parametrize('chunks', [1, 3])
+def test_rows_are_the_messages_that_would_be_written_one_by_one(tmp_path: Path, chunks: int):
+    text = 'x' * 500
+    data = bytes(BAG_TYPES.serialize_cdr(BAG_TYPES.types[TEXT](text), TEXT))
+    count = 6 * CHUNK_SIZE // len(data)  # several chunks
+    stamps = BAG_START + np.arange(count)
+    rows = np.tile(np.frombuffer(data, np.uint8), (count, 1))
+    with LastingWriter(tmp_path / 'rows', chunks=chunks) as writer:
+        writer.write_rows(writer.add_connection('/a', TEXT, typestore=BAG_TYPES), stamps, rows)
+    with LastingWriter(tmp_path / 'single', chunks=chunks) as writer:
+        connection = writer.add_connection('/a', TEXT, typestore=BAG_TYPES)
+        for stamp in stamps.tolist():
+            writer.write(connection, stamp, data)
+    expected = [('/a', stamp, data) for stamp in stamps.tolist()]
+    assert content(tmp_path / 'rows') == content(tmp_path / 'single') == expected

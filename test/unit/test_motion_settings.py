@@ -1,0 +1,52 @@
+"""Modal settings as text, for messages and bags."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+
+import pytest
+
+from robots_core.errors import InvalidInputError
+from robots_planning import MotionSettings
+from robots_planning.motion_settings import DESCRIPTIONS, settings_as_text, settings_from_text
+
+
+def test_text_and_back_is_exact() -> None:
+    settings = MotionSettings(
+        speed_fraction=1.0 / 3.0,
+        jerk_limited=True,
+        configuration='front/up/no_flip',
+        tool=(0.0, 0.1, 0.2 + 1e-16, 0.0, 0.0, 0.0, 1.0),
+        blend_zone=0.1,
+    )
+    texts = settings_as_text(settings)
+    assert settings_from_text(texts) == settings
+    assert list(texts) == list(DESCRIPTIONS)
+
+
+def test_what_is_missing_has_its_default() -> None:
+    assert settings_from_text({}) == MotionSettings()
+    assert settings_from_text({'cartesian_speed': '0.25'}) == MotionSettings(cartesian_speed=0.25)
+
+
+def test_every_setting_is_told() -> None:
+    assert {name: json.loads(text) for name, text in settings_as_text(MotionSettings()).items()} == {
+        name: list(value) if isinstance(value, tuple) else value
+        for name, value in asdict(MotionSettings()).items()
+    }
+
+
+@pytest.mark.parametrize(
+    ('texts', 'message'),
+    [
+        ({'colour': '1'}, "unknown setting 'colour'; settings are speed_fraction"),
+        ({'tool': 'left'}, "tool = 'left' is not JSON"),
+        ({'tool': '[1, 2]'}, 'tool must have'),
+        ({'speed_fraction': '2.0'}, 'speed_fraction'),
+        ({'cartesian_speed': 'NaN'}, 'cartesian_speed'),
+    ],
+)
+def test_what_is_no_setting_is_refused(texts: dict[str, str], message: str) -> None:
+    with pytest.raises(InvalidInputError, match=message):
+        settings_from_text(texts)

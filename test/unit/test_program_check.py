@@ -1,0 +1,160 @@
+"""The check of a program without running it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from robots_controller.check_program import main
+from robots_controller.interpreter.lua_arguments import Sizes
+from robots_controller.interpreter.lua_tokens import lua_tokens
+from robots_controller.interpreter.program_check import check_program
+from robots_core import load_robot_model
+
+PROGRAMS = Path(__file__).parents[2] / 'programs'
+ROBOTS = {
+    'bello_bot_tour.lua': 'bello_bot',
+    'wheel_test.lua': 'kuka_kr210_r3100',
+    'three_axis_grasp.lua': 'debris_arm',
+    'rover_placement.lua': 'kinova_j2n6s300',
+}
+SIZES = Sizes(6, 32, 8)
+
+
+def check(folder: Path, text: str) -> list[str]:
+    path = folder / 'test.lua'
+    path.write_text(text)
+    return [str(problem) for problem in check_program(path, SIZES)]
+
+
+@pytest.mark.parametrize('path', sorted(PROGRAMS.glob('*.lua')), ids=lambda path: path.name)
+def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
+    robot = ROBOTS.get(path.name, 'kuka_kr210_r2700')
+    assert main([str(path), '--robot', robot]) == 0, capsys.readouterr().out
+    assert load_robot_model(robot)
+
+
+@pytest.mark.parametrize(
+    ('text', 'problem'),
+    [
+        ('wait(1)\nthen', "test.lua:2: unexpected symbol near 'then': then"),
+        ('\nwelding()', 'test.lua:2: there is no function welding'),
+        ('ptpcartesianspace(1)', 'there is no function ptpcartesianspace; meant is ptpCartesianSpace'),
+        ('os.execute("x")', 'test.lua:1: os is not available in robot programs'),
+        ('local f = load', 'load is not available in robot programs'),
+        ('ptpJointSpaceAngles(1, 2, 3)', 'ptpJointSpaceAngles: 3 joint angles, needed are 6 for 6 axes'),
+        ('ptpJointSpaceAngles {1, 2, 3, 4, 5, 6, 7}', '7 joint angles, needed are 6 for 6 axes'),
+        (
+            'setDigitalOutput(1)',
+            'setDigitalOutput: 1 arguments, needed are 2: setDigitalOutput(index, value)',
+        ),
+        ('setDigitalOutput(33, 1)', 'setDigitalOutput: index = 33; valid is a whole number in 1..32'),
+        ('getAnalogInput(0)', 'getAnalogInput: index = 0; valid is a whole number in 1..8'),
+        ("waitAnalogInput(1, '=', 2)", "comparison = the string '='; valid is '<', '<='"),
+        (
+            "linearRelative(0, 0, 0, 0, 0, 0, 'world')",
+            "frame = the string 'world'; valid is 'base' or 'tool'",
+        ),
+        ("setDigitalOutput('1', 1)", "index = the string '1'; valid is a whole number in 1..32"),
+        ("call('missing')", 'test.lua:1: call: missing.lua: there is no program'),
+        ("call '../x'", "'../x' leads out of the folder"),
+        ('setSpeed(0.5, 1, 90, 4)', 'setSpeed: 4 arguments, needed are 0 to 3'),
+    ],
+)
+def test_problems_name_file_line_and_what_is_valid(tmp_path: Path, text: str, problem: str):
+    (found,) = check(tmp_path, text)
+    assert found.startswith('test.lua:')
+    assert problem in found
+
+
+@pytest.mark.parametrize(
+    'text',
+    [
+        'local function f(...) ptpCartesianSpace(...) end f(1)',
+        'ptpCartesianSpace(getCartesianPosition())',
+        'local p = {1, 2, 3, 4, 5, 6} ptpCartesianSpace(p) ptpCartesianSpace(p, {blend = 0.1})',
+        'local o = {blend = 0.1} ptpCartesianSpace({1, 2, 3, 4, 5, 6}, o)',
+        'local o = {blend = 0.1} ptpCartesianSpace(1, 2, 3, 4, 5, 6, o)',
+        'ptpCartesianSpace({1, 2, 3; 4, 5, 6}, {on_path = {time_before_end = 1, output = 1, value = 1}})',
+        'onDigitalInput(1, true, function(a, b) local x, y = 1, 2 return nil end)',
+        'local t = {} function t.f() end function t:g(h) h() end t.f() t:g(print) string.format("%d", 1)',
+        'a, b = print, 1 a(b) for i, f in ipairs {print} do f(i) end',
+        "print 'x' print [[os.execute()]] -- load()",
+        'local wait = print wait(1, 2, 3)',
+        'goto done ::done:: local x <const> = 1',
+        'setSpeed(nil, 0.1) setSpeed()',
+        'wait(-1)',  # computed, though simply
+    ],
+)
+def test_what_is_right_or_computed_is_left_alone(tmp_path: Path, text: str):
+    assert check(tmp_path, text) == []
+
+
+def test_subprograms_are_checked_with_the_globals_of_all(tmp_path: Path):
+    (tmp_path / 'part.lua').write_text('helper() setDigitalOutput(99, 1)\nunknown()\ncall("part")')
+    found = check(tmp_path, 'function helper() end call("part") call("part.lua")')
+    assert found == [
+        'part.lua:1: setDigitalOutput: index = 99; valid is a whole number in 1..32',
+        'part.lua:2: there is no function unknown',
+    ]
+
+
+def test_command_line_says_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    path = tmp_path / 'test.lua'
+    path.write_text('ptpJointSpaceAngles(1, 2, 3, 4, 5, 6)')
+    assert main([str(path)]) == 0
+    assert main([str(path), '--robot', 'bello_bot']) == 1
+    assert '6 joint angles, needed are 7 for 7 axes' in capsys.readouterr().out
+    assert main([str(path), '--robot', 'nobody']) == 2
+    assert main([str(tmp_path / 'missing.lua')]) == 1
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=150)
+@given(
+    st.one_of(
+        st.text(max_size=60),
+        st.lists(
+            st.sampled_from(
+                [
+                    'local',
+                    'function',
+                    'end',
+                    '(',
+                    ')',
+                    '{',
+                    '}',
+                    ',',
+                    '=',
+                    'x',
+                    'wait',
+                    'call',
+                    '"a"',
+                    '1',
+                    'for',
+                    'in',
+                    '...',
+                    'ptpCartesianSpace',
+                    'setDigitalOutput',
+                    '[[',
+                    ']]',
+                    '--',
+                    '\n',
+                    'do',
+                    'if',
+                    'then',
+                    'nil',
+                ]
+            ),
+            max_size=30,
+        ).map(' '.join),
+    )
+)
+def test_any_text_is_checked(tmp_path: Path, text: str):
+    path = tmp_path / 'test.lua'
+    path.write_bytes(text.encode(errors='replace'))
+    for problem in check_program(path, SIZES):
+        assert problem.file
+    assert sum(token.text.count('\n') for token in lua_tokens(text)) <= text.count('\n')

@@ -1,0 +1,381 @@
+"""Programs in a simulated cell: time, motions, inputs and outputs, errors and bags."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from robots_controller.bag_file import read_bag
+from robots_controller.motion_report import motion_report
+from robots_controller.simulate import simulate
+from robots_controller.simulation.events import (
+    CommandStateChanged,
+    InputChanged,
+    LineReached,
+    OutputChanged,
+    ProgramStateChanged,
+)
+from robots_controller.simulation.simulation_run import SimulationRun
+from robots_core import load_robot_model
+from robots_core.errors import RobotsError
+
+PROGRAMS = Path(__file__).parents[2] / 'programs'
+ROBOT = 'kuka_kr210_r2700'
+PERIOD = 0.004
+
+
+def run_text(tmp_path: Path, text: str, **options: object) -> SimulationRun:
+    program = tmp_path / 'program.lua'
+    program.write_text(text)
+    wanted: dict[str, object] = {'robot': ROBOT, 'drive': 'ideal', **options}
+    return simulate(program, **wanted)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope='module')
+def welding() -> SimulationRun:
+    return simulate(PROGRAMS / 'welding.lua', robot=ROBOT, drive='ideal')
+
+
+def outputs(run: SimulationRun) -> list[tuple[float, float]]:
+    return [(event.time, event.value) for event in run.events if isinstance(event, OutputChanged)]
+
+
+# -- time and samples -------------------------------------------------------------------------------------
+
+
+def test_the_welding_program_is_the_paper_s(welding: SimulationRun):
+    states = [event.state for event in welding.events if isinstance(event, CommandStateChanged)]
+    assert states == ['IDLE', 'PTPJOINT_JOINT', 'IDLE'] + 3 * ['PTPCARTESIAN', 'IDLE']
+    assert welding.state == 'FINISHED'
+    assert welding.printed == ('Welding Program 1',)
+    assert [motion.command.line for motion in welding.motions] == [6, 7, 8, 12]
+    assert all(motion.ok and motion.message == 'reached' for motion in welding.motions)
+    # The gun is on for exactly the second that the program waits, between the third and the fourth motion.
+    (on, first), (off, second) = outputs(welding)
+    assert (first, second) == (1.0, 0.0)
+    assert off - on == pytest.approx(1.0, abs=1e-9)  # waits end at the nanosecond
+    assert welding.motions[2].ended <= on < off <= welding.motions[3].started
+
+
+def test_every_period_is_recorded(welding: SimulationRun):
+    assert welding.time[0] == 0.0
+    assert np.diff(welding.time) == pytest.approx(PERIOD, abs=1e-9)
+    assert welding.duration == pytest.approx(welding.time[-1], abs=PERIOD)
+    k, n = welding.time.size, len(welding.axes)
+    assert welding.reference.shape == (k, 3, n)
+    assert welding.position.shape == welding.velocity.shape == (k, n)
+    assert welding.torque is None
+    for array in (welding.time, welding.reference, welding.position):
+        assert not array.flags.writeable
+
+
+def test_times_that_are_passed_at_once_are_as_those_passed_one_by_one(tmp_path: Path):
+    # Second-order drives creep for longer than the wait takes, so that nothing is passed at once with them.
+    still = run_text(tmp_path, 'wait(0.5)')
+    crept = run_text(tmp_path, 'wait(0.5)', drive='second_order')
+    assert still.time.tolist() == crept.time.tolist()
+    assert (still.position == still.position[0]).all()
+    assert still.reference.tolist() == crept.reference.tolist()
+
+
+@pytest.mark.parametrize('times', [(0.0,), (1.0,), (0.0013,), (0.1, 0.2, 0.3), (0.004, 0.004), (1e-12, 7.7)])
+def test_waits_take_simulated_time(tmp_path: Path, times: tuple[float, ...]):
+    lines = [f'wait({time!r}) setDigitalOutput({i}, 1)' for i, time in enumerate(times, 1)]
+    run = run_text(tmp_path, '\n'.join(lines))
+    assert run.ok
+    # Rounded up to nanoseconds, each.
+    ends = [time for time, _ in outputs(run)]
+    assert ends == pytest.approx(np.cumsum(times).tolist(), abs=2e-9 * len(times))
+
+
+def test_computing_takes_no_time(tmp_path: Path):
+    run = run_text(tmp_path, 'local x = 0 for i = 1, 300000 do x = x + i end setDigitalOutput(1, 1)')
+    assert outputs(run) == [(0.0, 1.0)]
+
+
+def test_a_loop_that_reads_an_input_lets_time_pass(tmp_path: Path):
+    (tmp_path / 'plc.yaml').write_text('rules: [{when: start, after: 0.2, set: {digital_input.1: 1}}]')
+    text = 'while not getDigitalInput(1) do end setDigitalOutput(1, 1)'
+    run = run_text(tmp_path, text, io=tmp_path / 'plc.yaml')
+    assert run.ok
+    assert 0.2 <= outputs(run)[0][0] <= 0.2 + 2 * PERIOD
+
+
+# -- motions ----------------------------------------------------------------------------------------------
+
+
+def test_drives_stand_at_the_targets_and_references_keep_the_plan(welding: SimulationRun):
+    for motion in welding.motions:
+        assert motion.plan is not None
+        end = welding.position[np.searchsorted(welding.time, motion.ended)]
+        assert end == pytest.approx(motion.plan.trajectory.position[-1], abs=1e-5)  # the goal tolerance
+        # Smoothing takes the planned duration and its window, settling up to the next two feedbacks.
+        late = motion.ended - motion.started - motion.plan.duration
+        assert 0.0 <= late <= 0.02 + 4 * PERIOD
+
+
+def test_rigid_body_drives_know_their_torques():
+    run = simulate(PROGRAMS / 'welding.lua', robot=ROBOT, drive='rigid_body', goal_tolerance=1e-3)
+    assert run.ok
+    assert run.torque is not None
+    assert np.abs(run.torque).max() > 100.0  # N m: it carries its own weight
+
+
+def test_settings_hold_as_long_as_the_program_says(tmp_path: Path):
+    move = 'ptpJointSpaceAngles({}, -90, 90, 0, 90, 0)\n'
+    run = run_text(tmp_path, move.format(0) + move.format(20) + 'setSpeed(0.1)\n' + move.format(0))
+    fast, slow = (motion.plan for motion in run.motions[1:])
+    assert fast is not None
+    assert slow is not None
+    assert slow.report.uses['velocity'].ratio == pytest.approx(0.1, rel=1e-3)  # the planner's margin
+    assert slow.duration > 2.0 * fast.duration
+    assert [motion.settings.speed_fraction for motion in run.motions] == [1.0, 1.0, 0.1]
+
+
+def test_an_override_slows_the_motion_under_way(tmp_path: Path):
+    move = 'ptpJointSpaceAngles(40, -90, 90, 0, 90, 0)'
+    full, half = (run_text(tmp_path, f'{before} {move}') for before in ('', 'setOverride(0.5)'))
+    assert half.motions[0].plan is not None
+    # Twice as long but for smoothing and settling, which the override does not touch.
+    assert half.duration == pytest.approx(full.duration + half.motions[0].plan.duration, abs=2 * PERIOD)
+
+
+def test_blended_motions_run_through(tmp_path: Path):
+    text = """
+    ptpJointSpaceAngles(0, -90, 90, 0, 90, 0)
+    linearRelative(0, 0.3, 0, 0, 0, 0, {%s})
+    linearRelative(0, 0, -0.3, 0, 0, 0)
+    """
+    stops, blends = (run_text(tmp_path, text % option) for option in ('', 'blend = 0.05'))
+    assert stops.ok
+    assert blends.ok
+    assert [motion.message for motion in blends.motions] == ['reached', 'passed', 'reached']
+    assert blends.motions[1].chain == (blends.motions[1].id, blends.motions[2].id)
+    assert blends.motions[1].end_on_plan == blends.motions[2].start_on_plan
+    assert blends.duration < stops.duration
+
+
+def test_outputs_switch_on_the_path(tmp_path: Path):
+    run = run_text(
+        tmp_path,
+        'ptpJointSpaceAngles(0, -90, 90, 0, 90, 0)\n'
+        'local place = {distance_before_end = 0.1, output = 1, value = true}\n'
+        'linearRelative(0, 0, -0.4, 0, 0, 0, {on_path = place})',
+    )
+    (switched,) = outputs(run)
+    motion = run.motions[-1]
+    assert motion.started < switched[0] < motion.ended
+    position = run.position[np.searchsorted(run.time, switched[0])]
+    robot = load_robot_model(ROBOT)
+    (r, _), (end, _) = (robot.direct_kinematics(q) for q in (position, run.position[-1]))
+    # One period at the 0.5 m/s of the tool, and the smoothing's lag of 10 ms before which the plan is.
+    assert np.linalg.norm(end - r) == pytest.approx(0.1, abs=0.5 * (PERIOD + 0.012))
+
+
+# -- inputs and interrupts --------------------------------------------------------------------------------
+
+
+def test_a_plc_and_the_program_work_together():
+    io = PROGRAMS / 'io' / 'press_tending.yaml'
+    run = simulate(PROGRAMS / 'press_tending.lua', robot=ROBOT, drive='ideal', io=io)
+    assert run.ok
+    assert run.printed == ('part 1: 250 kN', 'part 2: 250 kN', '2 parts pressed')
+    force = [e for e in run.events if isinstance(e, InputChanged) and (e.kind, e.index) == ('analog', 1)]
+    assert [event.value for event in force] == [250.0, 0.0, 250.0, 0.0]
+    starts = [e.time for e in run.events if isinstance(e, OutputChanged) and (e.index, e.value) == (1, 1.0)]
+    # The press closes 0.8 s after its start; the PLC looks once in a period.
+    assert [event.time for event in force[::2]] == pytest.approx([t + 0.8 for t in starts], abs=2 * PERIOD)
+
+
+def test_a_handler_brakes_the_robot_and_lets_it_go_on(tmp_path: Path):
+    (tmp_path / 'plc.yaml').write_text('rules: [{when: start, after: 0.5, set: {digital_input.2: 1}}]')
+    text = """
+    onDigitalInput(2, true, function() setDigitalOutput(1, 1) wait(1) setDigitalOutput(1, 0) end)
+    ptpJointSpaceAngles(90, -90, 90, 0, 90, 0)
+    """
+    plain = run_text(tmp_path, text)
+    handled = run_text(tmp_path, text, io=tmp_path / 'plc.yaml')
+    assert handled.ok
+    (on, _), (off, _) = outputs(handled)
+    assert on == pytest.approx(0.5, abs=PERIOD)
+    assert off - on == pytest.approx(1.0, abs=1e-9)
+    # It stands before the handler ends: braking takes at least the ramp of 0.2 s.
+    standing = (handled.time > on + 0.8) & (handled.time < off)
+    assert not handled.reference[standing, 1].any()
+    assert handled.motions[0].ok
+    assert handled.duration > plain.duration + 1.0
+
+
+# -- errors -----------------------------------------------------------------------------------------------
+
+
+def test_an_error_names_the_line_as_in_a_live_cell(tmp_path: Path):
+    run = run_text(tmp_path, 'wait(0.1)\nptpJointSpaceAngles(0, 500, 0, 0, 0, 0)')
+    assert run.state == 'FAILED'
+    assert str(run.error) == (
+        'program.lua:2: ptpJointSpaceAngles: A2 = 500.0 deg is outside its limits [-140.0, -5.0] deg'
+    )
+    assert run.events[-1] == ProgramStateChanged(pytest.approx(0.1), 'FAILED')
+    assert not run.motions[0].ok
+
+
+def test_a_program_can_catch_a_motion_that_fails(tmp_path: Path):
+    run = run_text(
+        tmp_path,
+        'print(pcall(ptpJointSpaceAngles, 0, 500, 0, 0, 0, 0))\nptpJointSpaceAngles(0, -90, 90, 0, 90, 0)',
+    )
+    assert run.ok
+    assert run.printed[0].startswith('false\t')
+    assert [motion.ok for motion in run.motions] == [False, True]
+
+
+def test_motions_that_collide_are_refused():
+    scene = PROGRAMS / 'scenes' / 'car_frame.yaml'
+    runs = [
+        simulate(PROGRAMS / f'{name}.lua', robot=ROBOT, drive='ideal', scene=scene)
+        for name in ('welding_collision', 'welding_around_pillar')
+    ]
+    assert runs[0].state == 'FAILED'
+    assert 'welding_collision.lua:11: ptpCartesianSpace: the motion collides' in str(runs[0].error)
+    assert runs[1].ok
+
+
+@pytest.mark.parametrize('drive', ['ideal', 'second_order'])
+def test_a_wait_without_end_is_found(tmp_path: Path, drive: str):
+    run = run_text(tmp_path, 'wait(1)\nwaitDigitalInput(3, true)', drive=drive)
+    assert run.state == 'FAILED'
+    assert str(run.error) == 'program.lua:2: it waits for ever: nothing is left that could change'
+    assert run.duration == pytest.approx(1.0, abs=2 * PERIOD)
+
+
+def test_a_robot_that_stands_for_ever_is_found(tmp_path: Path):
+    run = run_text(tmp_path, 'setOverride(0)\nptpJointSpaceAngles(0, -90, 90, 0, 90, 0)')
+    assert 'the robot stands in the middle of a motion' in str(run.error)
+
+
+def test_a_program_without_end_is_ended(tmp_path: Path):
+    run = run_text(tmp_path, 'while true do wait(1) end', longest=20.0)
+    assert str(run.error) == 'program.lua:1: it has not ended after 20 s'
+    assert run.time[-1] == pytest.approx(20.0, abs=2 * PERIOD)
+
+
+@pytest.mark.parametrize(
+    ('options', 'reason'),
+    [
+        ({'robot': 'nobody'}, 'unknown robot'),
+        ({'drive': 'magic'}, 'magic'),
+        ({'io': 'missing.yaml'}, 'missing.yaml'),
+        ({'scene': 'missing.yaml'}, 'missing.yaml'),
+        ({'rate': float('nan')}, 'rate'),
+        ({'longest': -1.0}, 'longest'),
+    ],
+)
+def test_bad_input_is_said_before_anything_moves(tmp_path: Path, options: dict[str, object], reason: str):
+    with pytest.raises(RobotsError, match=reason):
+        run_text(tmp_path, 'wait(1)', **options)
+
+
+def test_a_program_that_is_not_lua_is_refused(tmp_path: Path):
+    with pytest.raises(RobotsError, match=r'program\.lua:1'):
+        run_text(tmp_path, 'this is no program')
+
+
+# -- bags -------------------------------------------------------------------------------------------------
+
+
+def test_a_bag_tells_the_same_as_the_run(tmp_path: Path, welding: SimulationRun):
+    run = simulate(PROGRAMS / 'welding.lua', robot=ROBOT, drive='ideal', bag=tmp_path / 'bag')
+    bag = read_bag(tmp_path / 'bag')
+    assert not bag.problem
+    topics = ['/joint_reference', '/joint_states', '/digital_outputs', '/command_state', '/motion_result']
+    messages = bag.deserialized(topics)
+    start = messages['/joint_reference'][0][0]
+    times = [1e-9 * (stamp - start) for stamp, _ in messages['/joint_reference']]
+    assert times == pytest.approx(run.time.tolist(), abs=1e-9)
+    references = [message.points[0].positions for _, message in messages['/joint_reference']]
+    assert np.array_equal(references, run.reference[:, 0])
+    assert np.array_equal([message.position for _, message in messages['/joint_states']], run.position)
+    assert [message.data[0] for _, message in messages['/digital_outputs']] == [0, 1, 0]
+    assert [message.data for _, message in messages['/command_state']] == [
+        event.state for event in run.events if isinstance(event, CommandStateChanged)
+    ]
+    assert len(messages['/motion_result']) == len(run.motions)
+    # And writing one changes nothing of what happens.
+    assert np.array_equal(run.reference, welding.reference)
+    assert run.events == welding.events
+
+
+def test_the_table_of_the_demo_is_made_of_a_simulated_bag_too(tmp_path: Path):
+    run = simulate(PROGRAMS / 'welding.lua', robot=ROBOT, drive='second_order', bag=tmp_path / 'bag')
+    assert run.bag is not None
+    report = motion_report(run.bag, ROBOT)
+    assert report.ok
+    assert [row.line for row in report.rows] == [6, 7, 8, 12]
+
+
+def test_a_bag_needs_a_folder_of_its_own(tmp_path: Path):
+    with pytest.raises(RobotsError, match='exists already'):
+        run_text(tmp_path, 'wait(1)', bag=tmp_path)
+
+
+def test_two_processes_write_the_same_bag_to_the_last_bit_and_need_no_ros(tmp_path: Path):
+    code = (
+        'import sys; from robots_controller.simulate import simulate; '
+        "simulate(sys.argv[1], robot='kuka_kr210_r2700', io=sys.argv[2], bag=sys.argv[3], longest=30.0); "
+        "sys.exit('rclpy' in sys.modules)"
+    )
+    program, io = PROGRAMS / 'press_tending.lua', PROGRAMS / 'io' / 'press_tending.yaml'
+    for seed in ('1', '2'):
+        subprocess.run(
+            [sys.executable, '-c', code, str(program), str(io), str(tmp_path / seed / 'bag')],
+            env={**os.environ, 'PYTHONHASHSEED': seed},
+            cwd=tmp_path,
+            check=True,
+        )
+    for name in ('bag.mcap', 'metadata.yaml'):
+        first, second = ((tmp_path / seed / 'bag' / name).read_bytes() for seed in ('1', '2'))
+        assert first == second
+    assert len(read_bag(tmp_path / '1' / 'bag').messages) > 2 * 30.0 / PERIOD
+
+
+def test_ctrl_c_leaves_a_bag_that_can_be_read(tmp_path: Path):
+    def interrupt(now: float, _line: int) -> None:
+        if now > 4.0:
+            signal.raise_signal(signal.SIGINT)
+
+    run = simulate(
+        PROGRAMS / 'welding.lua', robot=ROBOT, drive='ideal', bag=tmp_path / 'bag', on_progress=interrupt
+    )
+    assert run.interrupted
+    assert run.state == 'STOPPED'
+    assert 4.0 < run.time[-1] < 4.1
+    bag = read_bag(tmp_path / 'bag')
+    assert not bag.problem
+    assert sum(topic == '/joint_reference' for topic, _, _ in bag.messages) == run.time.size
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_ctrl_c_reaches_a_program_that_computes_for_ever(tmp_path: Path):
+    program = tmp_path / 'program.lua'
+    program.write_text('wait(0.1)\nwhile true do end')
+    code = (
+        'import os, signal, sys, threading; from robots_controller.simulate import simulate\n'
+        'def watch(now, line):\n'
+        '    if not timers:\n'
+        '        timers.append(threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)))\n'
+        '        timers[0].start()\n'
+        'timers = []\n'
+        "run = simulate(sys.argv[1], robot='bello_bot', on_progress=watch)\n"
+        'sys.exit(not run.interrupted)'
+    )
+    subprocess.run([sys.executable, '-c', code, str(program)], cwd=tmp_path, check=True, timeout=60.0)
+
+
+def test_lines_are_those_of_the_program(welding: SimulationRun):
+    assert [e.line for e in welding.events if isinstance(e, LineReached)] == [3, 4, 5, 6, 7, 8, 9, 10, 11, 12]
