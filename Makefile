@@ -2,7 +2,12 @@
 
 ROBOT ?= kuka_kr210_r2700
 PROGRAM ?= programs/welding.lua
+# The scripted PLC that a program works with, if it has one.
+IO ?= $(wildcard $(dir $(PROGRAM))io/$(basename $(notdir $(PROGRAM))).yaml)
 VIEW ?= 0
+# Of simulations.
+DRIVE ?= second_order
+SCENE ?=
 ROS_DISTRO_SETUP := /opt/ros/jazzy/setup.bash
 
 SHELL := /bin/bash
@@ -45,7 +50,10 @@ $(BUILD_STAMP): $(VENV_STAMP) $(SOURCES)
 	@echo "Building the workspace ..."
 	@$(BUILD_ENVIRONMENT) colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
 	@.venv/bin/python -m compileall -q install
+	@# Numba looks for changes in a function's own file only, not in those of the functions that it calls.
+	@find install \( -name '*.nbi' -o -name '*.nbc' \) -delete
 	@$(RUN) python -m robots_core.warm_up
+	@$(RUN) python -m robots_planning.warm_up
 	@touch $@
 
 .PHONY: build
@@ -54,7 +62,13 @@ build: $(BUILD_STAMP)  ## Set up .venv and build the workspace
 .PHONY: demo
 demo: build  ## Run a robot program: ROBOT=..., PROGRAM=..., VIEW=1 keeps the browser page open
 	@$(RUN) cell_options=$$([ "$(VIEW)" = 1 ] && echo --view || true); \
-	  exec install/robots_controller/lib/robots_controller/cell --robot "$(ROBOT)" --program "$(PROGRAM)" --record out --once $$cell_options
+	  exec install/robots_controller/lib/robots_controller/cell --robot "$(ROBOT)" --program "$(PROGRAM)" --io "$(IO)" --record out --once $$cell_options
+
+.PHONY: simulate
+simulate: build  ## Simulate a robot program without ROS: ROBOT=..., PROGRAM=..., DRIVE=..., SCENE=...
+	@$(RUN) folder="out/simulated_$(basename $(notdir $(PROGRAM)))_$(ROBOT)_$$(date +%Y%m%d-%H%M%S)"; \
+	  exec install/robots_controller/lib/robots_controller/simulate "$(PROGRAM)" --robot "$(ROBOT)" --drive "$(DRIVE)" \
+	  --io "$(IO)" --scene "$(SCENE)" --bag "$$folder/bag" --report "$$folder/report.html"
 
 .PHONY: lint
 lint: $(VENV_STAMP)  ## Lint, format and type checks
@@ -64,11 +78,17 @@ lint: $(VENV_STAMP)  ## Lint, format and type checks
 
 .PHONY: test
 test: build lint  ## Lint, types and all tests
-	@$(RUN) python -m pytest
+	@$(RUN) python -m pytest -n auto --dist worksteal test/contract test/property test/unit
+	@# What keeps time has the machine to itself.
+	@$(RUN) python -m pytest test/bag test/cell test/node
 
 .PHONY: benchmark-controller
 benchmark-controller: build  ## The controller's timing side by side with a bare rclpy timer
 	@$(RUN) python test/benchmark/benchmark_controller.py
+
+.PHONY: benchmark-simulate
+benchmark-simulate: build  ## How much faster than real time simulations are, and where the time goes
+	@$(RUN) python test/benchmark/benchmark_simulate.py
 
 # Without dependencies and beside the other packages: what a peer wants must not change what we run with.
 .venv/benchmark/.installed: requirements-benchmark.txt $(VENV_STAMP)
@@ -83,9 +103,26 @@ benchmark-analytic-ik: build .venv/benchmark/.installed  ## Analytic inverse kin
 benchmark-kinematics: build .venv/benchmark/.installed  ## Kinematics and dynamics of all robots side by side with peers
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_kinematics.py
 
+.PHONY: benchmark-dynamics
+benchmark-dynamics: build  ## Dynamics, drives and collision checks side by side with bare Pinocchio and python-fcl
+	@$(RUN) python test/benchmark/benchmark_dynamics.py; python test/benchmark/benchmark_collisions.py
+
 .PHONY: benchmark-inverse-kinematics
 benchmark-inverse-kinematics: build .venv/benchmark/.installed  ## Numerical and constrained inverse kinematics side by side with peers
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_inverse_kinematics.py
+
+.PHONY: benchmark-planning
+benchmark-planning: build .venv/benchmark/.installed  ## Planners side by side with toppra, Ruckig and trapezoids
+	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_planning.py; \
+	  python test/benchmark/benchmark_welding_cycle.py
+
+.PHONY: benchmark-programs
+benchmark-programs: build  ## Delays of motion calls and inputs, Lua statements per second next to bare Lua
+	@$(RUN) python test/benchmark/benchmark_programs.py
+
+.PHONY: plots
+plots: build .venv/benchmark/.installed  ## A picture per planner, every axis over its limits, in out/plots
+	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/plot_planners.py
 
 .PHONY: clean
 clean:  ## Remove what was built; .venv stays
