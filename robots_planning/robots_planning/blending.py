@@ -85,7 +85,9 @@ def blend_with_corners(
     total = float(starts[-1])
     s = s / total
     s[-1] = 1.0
-    return JointPath(s, q, q_s * total, q_ss * total**2), starts[1:-1] / total
+    begins, ends = (np.array(starts[:-1] + np.multiply(weights, part)) / total for part in (first, last))
+    seams = np.concatenate([ends[:-1], begins[1:]])
+    return JointPath(s, q, q_s * total, q_ss * total**2, np.sort(seams)), starts[1:-1] / total
 
 
 def _length(path: JointPath) -> float:

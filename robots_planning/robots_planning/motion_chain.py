@@ -22,11 +22,15 @@ from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 from robots_planning.trajectory_generators.cartesian_line import CartesianLine
 from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.joint_space import SHORTEST_MOVE, JointSpaceGenerator
-from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming import one_after_another
+from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming import (
+    LinearCartesianDynamicProgramming,
+    one_after_another,
+)
 from robots_planning.trajectory_generators.linear_cartesian_limited import LinearCartesianLimited
 from robots_planning.trajectory_generators.poses_generator import PosesGenerator
 from robots_planning.trajectory_generators.time_optimal import TimeOptimalTiming, ToolLimits
 
+LINES = (LinearCartesianLimited, LinearCartesianDynamicProgramming)
 PASSING_STEP = 1e-3  # s, between the places that are compared to find when a target is passed
 
 
@@ -58,12 +62,14 @@ class MotionChain:
             only = orders[0]
             motion = self._planning.plan(only.state, q_start, only.target, only.settings, shape=only.shape)
             return motion, (motion.duration,)
-        path, targets, limits = self._blended(orders, q_start)
+        paths = self._paths(orders, q_start)
         plans: list[tuple[Trajectory, tuple[float, ...]]] = []
         # A blend of ways that lead back almost on themselves may leave no speed; then it stops.
         with contextlib.suppress(PlanningError):
-            trajectory = self._timing(orders).trajectory(path, limits)
-            plans.append((trajectory, _passing_times(trajectory, targets)))
+            if paths:
+                path, limits = self._blended(orders, paths)
+                trajectory = self._timing(orders).trajectory(path, limits)
+                plans.append((trajectory, _passing_times(trajectory, [part.q[-1] for part in paths[:-1]])))
         try:
             plans.append(self._with_stops(orders, q_start))
         except RobotsError:
@@ -74,38 +80,51 @@ class MotionChain:
         motion = self._planning.checked(trajectory, last.state, last.settings)
         return motion, (*ends, trajectory.duration)
 
+    def _paths(self, orders: tuple[MotionOrder, ...], q_start: Array) -> list[JointPath]:
+        """The path of every motion alone; none at all if one of them stands still on its way."""
+        paths: list[JointPath] = []
+        for order in self._limited(orders):
+            path = self._path(order, paths[-1].q[-1] if paths else q_start)
+            if path is None:
+                return []
+            paths.append(path)
+        return paths
+
     def _blended(
-        self, orders: tuple[MotionOrder, ...], q_start: Array
-    ) -> tuple[JointPath, list[Array], ToolLimits]:
-        """The path with blends, the targets in between, and the limits on it."""
-        paths = []
-        q = q_start
-        for order in orders:
-            paths.append(self._path(order, q))
-            q = paths[-1].q[-1]
+        self, orders: tuple[MotionOrder, ...], paths: list[JointPath]
+    ) -> tuple[JointPath, ToolLimits]:
+        """The path with blends, and the limits on it."""
         zones, measures = zip(*(self._zone(order.settings, order) for order in orders[:-1]), strict=True)
         path, corners = blend_with_corners(paths, zones, measures=measures)
         sections, tool = [_section(order) for order in orders], orders[-1].settings.tool_pose
-        limits = chain_limits(self._robot, path, corners, sections, tool)
-        return path, [part.q[-1] for part in paths[:-1]], limits
+        return path, chain_limits(self._robot, path, corners, sections, tool)
 
     def _with_stops(
         self, orders: tuple[MotionOrder, ...], q_start: Array
     ) -> tuple[Trajectory, tuple[float, ...]]:
         """The motions from rest to rest, and when each but the last ends; raises as `plan`."""
         parts: list[Trajectory] = []
-        q, jerk_limited = q_start, _jerk_limited(orders)
-        for order in orders:
-            settings = replace(order.settings, jerk_limited=jerk_limited)
-            parts.append(self._planning.trajectory(order.state, q, order.target, settings, order.shape))
-            q = parts[-1].position[-1]
+        q = q_start
+        for order in self._limited(orders):
+            plan = self._planning.trajectory(order.state, q, order.target, order.settings, order.shape)
+            parts.append(plan)
+            q = plan.position[-1]
         ends = np.cumsum([part.duration for part in parts[:-1]])
         return one_after_another(parts), tuple(map(float, ends))
 
-    def _path(self, order: MotionOrder, q_start: Array) -> JointPath:
+    @staticmethod
+    def _limited(orders: tuple[MotionOrder, ...]) -> list[MotionOrder]:
+        """The motions, all with jerk limits if one of them has."""
+        jerk_limited = _jerk_limited(orders)
+        return [
+            replace(order, settings=replace(order.settings, jerk_limited=jerk_limited)) for order in orders
+        ]
+
+    def _path(self, order: MotionOrder, q_start: Array) -> JointPath | None:
+        """The path that a motion alone would take; None if it stands still on the way."""
         state, settings = order.state, order.settings
         start = self._robot.axes_data.check_position(q_start, 'q_start')
-        generator = self._planning.generator(state, _geometric(settings), order.shape)
+        generator = self._planning.generator(state, settings, order.shape)
         goal = in_base(state, order.shape, order.target, settings)
         if isinstance(generator, JointSpaceGenerator) and not isinstance(goal, tuple):
             end = generator.goal(start, goal)
@@ -115,8 +134,9 @@ class MotionChain:
             return JointPath(np.array([0.0, 1.0]), np.array([start, end]), way, still)
         if isinstance(generator, PosesGenerator) and isinstance(goal, tuple):
             return generator.follow(generator.path(generator.path_kinematics.pose(start), goal), start)
-        if isinstance(generator, LinearCartesianLimited) and isinstance(goal, Pose):
-            return generator.follow(CartesianLine(generator.path_kinematics.pose(start), goal), start)
+        if isinstance(generator, LINES) and isinstance(goal, Pose):
+            pose = Pose(*self._robot.direct_kinematics(start)) @ settings.tool_pose
+            return generator.follow(CartesianLine(pose, goal), start)
         raise InvalidInputError(f'{state} has no path that could run through')
 
     def _zone(self, settings: MotionSettings, order: MotionOrder) -> tuple[float, Measure]:
@@ -145,11 +165,6 @@ class MotionChain:
 
 def _jerk_limited(orders: tuple[MotionOrder, ...]) -> bool:
     return any(order.settings.jerk_limited for order in orders)
-
-
-def _geometric(settings: MotionSettings) -> MotionSettings:
-    """Settings of the generator that makes the same path without a time law."""
-    return MotionSettings(configuration=settings.configuration, tool=settings.tool)
 
 
 def _section(order: MotionOrder) -> SectionLimits:

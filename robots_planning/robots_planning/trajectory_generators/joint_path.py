@@ -20,6 +20,8 @@ class JointPath:
         q: (k, n), rad (m).
         q_s: (k, n), first derivative with respect to s.
         q_ss: (k, n), second derivative.
+        seams: (j,), s where the path goes on by another rule and its third derivative jumps; trajectories
+            have a point there. None by default.
 
     Raises:
         InvalidInputError: shapes that do not match, values that are not finite, or s that does not increase
@@ -30,11 +32,12 @@ class JointPath:
     q: Array
     q_s: Array
     q_ss: Array
+    seams: Array = field(default_factory=lambda: np.empty(0))
     coefficients: Array = field(init=False, repr=False)
     """(k - 1, 6, n): polynomial per interval, in powers of s - s of the interval's start."""
 
     def __post_init__(self) -> None:
-        for name in ('s', 'q', 'q_s', 'q_ss'):
+        for name in ('s', 'q', 'q_s', 'q_ss', 'seams'):
             values = np.ascontiguousarray(getattr(self, name), dtype=np.float64)
             # A sum is not finite if one of the values is not.
             if not np.isfinite(values.sum()):

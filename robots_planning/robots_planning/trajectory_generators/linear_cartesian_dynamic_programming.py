@@ -16,6 +16,7 @@ from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN, TrajectoryGenerator, rest_trajectory
 from robots_planning.trajectory_generators.cartesian_line import CartesianLine
 from robots_planning.trajectory_generators.cartesian_path import COINCIDENT_ANGLE, COINCIDENT_DISTANCE
+from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.trajectory_generators.posture_graph import PostureGraph, Route
 from robots_planning.trajectory_generators.time_optimal import TimeOptimalTiming, ToolLimits
@@ -92,8 +93,24 @@ class LinearCartesianDynamicProgramming(TrajectoryGenerator):
         line = CartesianLine(self._kinematics.pose(start), target)
         if line.length < COINCIDENT_DISTANCE and line.angle < COINCIDENT_ANGLE:
             return rest_trajectory(start, start)
-        plans = [self._timed(route) for route in self._routes(line, start)]
-        return min(plans, key=lambda plan: plan.duration)
+        return self._fastest(line, start)[0]
+
+    def follow(self, line: CartesianLine, start: Array) -> JointPath | None:
+        """The joint path of a line that begins at joint positions `start`, (n,), as a motion would take it.
+
+        Returns:
+            The path; None where the tool stands still in a singularity on the way.
+
+        Raises:
+            PlanningError: the line is impossible; says where and why.
+            UnreachablePoseError: its end cannot be reached at all.
+        """
+        route = self._fastest(line, start)[1]
+        return route[0].joints if len(route) == 1 else None
+
+    def _fastest(self, line: CartesianLine, start: Array) -> tuple[Trajectory, Route]:
+        plans = [(self._timed(route), route) for route in self._routes(line, start)]
+        return min(plans, key=lambda plan: plan[0].duration)
 
     def _routes(self, line: CartesianLine, start: Array) -> list[Route]:
         # A pose that no posture reaches is told as such, before the place where the line fails.

@@ -94,3 +94,21 @@ def quintic_extremes(c: Array, h: float) -> tuple[float, float, float]:
         second = max(second, abs(2.0 * c2 + y * (6.0 * c3 + y * (12.0 * c4 + y * 20.0 * c5))))
         third = max(third, abs(6.0 * c3 + y * (24.0 * c4 + y * 60.0 * c5)))
     return first, second, third
+
+
+@compiled()
+def quintic_uses(x: Array, coefficients: Array, limits: Array, uses: Array) -> None:
+    """Fill uses (m - 1, 3): the largest part of a limit that each derivative has on every interval.
+
+    Args:
+        x: (m,), increasing.
+        coefficients: (m - 1, 6, n).
+        limits: Of the first, second and third derivative, (3, n); infinite for none.
+        uses: Filled.
+    """
+    for i in range(x.size - 1):
+        uses[i] = 0.0
+        for k in range(coefficients.shape[2]):
+            extremes = quintic_extremes(coefficients[i, :, k], x[i + 1] - x[i])
+            for order in range(3):
+                uses[i, order] = max(uses[i, order], extremes[order] / limits[order, k])

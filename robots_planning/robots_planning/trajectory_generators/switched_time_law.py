@@ -11,6 +11,7 @@ from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
 SMALLEST_JUMP = 2e-3  # of a limit
+BISECTIONS = 40  # to a nanosecond of a quarter of an hour
 
 
 class SwitchedTimeLaw:
@@ -51,6 +52,15 @@ class SwitchedTimeLaw:
         values = np.empty((3, len(t)))
         averaged(self._t, self._pieces, self.window, t, values)
         return values[0], values[1], values[2]
+
+    def times_of(self, s: Array) -> Array:
+        """When s has the values `s` (m,), each between 0 and 1, (m,) s."""
+        low, high = np.zeros(len(s)), np.full(len(s), self.duration)
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            passed = self.s_of(middle)[0] > s
+            low, high = np.where(passed, low, middle), np.where(passed, middle, high)
+        return high
 
     def sample_times(self, longest: float, weight: Array) -> Array:
         """Times (m,) for a trajectory: both ends of every ramp, and no gap above `longest`, s.

@@ -17,7 +17,7 @@ from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_dynamics import torque_rows, torque_use
-from robots_planning.trajectory_generators.quintic import quintic_coefficients, quintics_at
+from robots_planning.trajectory_generators.quintic import quintic_coefficients, quintic_uses, quintics_at
 from robots_planning.trajectory_generators.speed_profile import fastest_speeds
 from robots_planning.trajectory_generators.switched_time_law import SwitchedTimeLaw
 
@@ -36,6 +36,7 @@ RESERVE = 3e-4  # of the limits, at first, so that most trajectories need no sec
 JERK_RAMPS = (1.0, 0.75, 0.55)
 ROUNDS = 6  # of lowering the limits where the trajectory broke them
 LOWEST_SCALE = 0.1  # of the limits, below which lowering them further helps nobody
+CLOSEST_SEAM = 2e-4  # s to the next point of the trajectory; shorter steps would magnify rounding of jerk
 EXCESS = 3e-4  # part of a limit that is not worth another round; limits were lowered by a third of it before
 
 
@@ -86,6 +87,9 @@ class TimeOptimalTiming:
         self._robot = robot
         self._jerk = jerk
         self._velocity, self._acceleration, self._effort = velocity, acceleration, effort
+        self._axis_limits = np.array(
+            [velocity, acceleration, np.full(len(velocity), np.inf) if jerk is None else jerk]
+        )
         self._ramp = ramp
         self._dynamics = None if effort is None else _dynamics_of(robot)
 
@@ -120,16 +124,15 @@ class TimeOptimalTiming:
         for _ in range(ROUNDS):
             law = self._law(s, limits, scale, q, shortest)
             trajectory = self._sampled(path, law, weight)
-            times, use = self._use(trajectory, law, tool)
+            times, use, jerk = self._use(trajectory, law, tool)
             worst = float(use.max())
             if self._jerk is not None:
-                # Jerk is a jump of acceleration over its ramp: it falls with the acceleration limits.
-                at, _, jerk = trajectory.acceleration_extremes()
-                times = np.concatenate([times, at.ravel()])
-                use = np.concatenate([use, (jerk / self._jerk).ravel()])
                 plans.append(self._slowed(trajectory, law, worst))
-            if float(use.max()) <= 1.0 + EXCESS:
-                return [*plans, trajectory]
+                # Jerk is a jump of acceleration over its ramp: it falls with the acceleration limits.
+                use = np.maximum(use, jerk)
+            excess = float(use.max())
+            if excess <= 1.0 + EXCESS:
+                return [*plans, slower(trajectory, excess)]
             scale = scale / _local_excess(law, times, use)
             if float(scale.min()) < LOWEST_SCALE:
                 break
@@ -143,12 +146,10 @@ class TimeOptimalTiming:
             trajectory = slower(trajectory, worst)
             worst = float(self._use(trajectory, law, None)[1].max())
         for _ in range(ROUNDS):
-            if self._jerk is None:
+            jerk = float(self._use(trajectory, law, None)[2].max())
+            if jerk <= 1.0:
                 break
-            use = float((trajectory.acceleration_extremes()[2] / self._jerk).max())
-            if use <= 1.0:
-                break
-            trajectory = slower(trajectory, use ** (1.0 / 3.0) * (1.0 + EXCESS))
+            trajectory = slower(trajectory, jerk ** (1.0 / 3.0) * (1.0 + EXCESS))
         return trajectory
 
     def _limits(
@@ -201,7 +202,10 @@ class TimeOptimalTiming:
         return SwitchedTimeLaw(s, u, difference, self._ramp, shortest)
 
     def _sampled(self, path: JointPath, law: SwitchedTimeLaw, weight: Array) -> Trajectory:
-        t = Trajectory.message_times(law.sample_times(LONGEST_STEP, weight))
+        times = law.sample_times(LONGEST_STEP, weight)
+        if len(path.seams):
+            times = with_times(times, law.times_of(path.seams))
+        t = Trajectory.message_times(times)
         s, s_dot, s_ddot = law.s_of(t)
         s[0], s[-1] = 0.0, 1.0
         s_dot[[0, -1]] = s_ddot[[0, -1]] = 0.0
@@ -210,20 +214,18 @@ class TimeOptimalTiming:
 
     def _use(
         self, trajectory: Trajectory, law: SwitchedTimeLaw, tool: ToolLimits | None
-    ) -> tuple[Array, Array]:
-        """Times between the points, and the largest use of a limit there; velocity counts by itself."""
+    ) -> tuple[Array, Array, Array]:
+        """Times between the points, the largest use of a limit there, and that of the jerk limits."""
         points = trajectory.time
         parts = np.arange(CHECKS_PER_STEP) / CHECKS_PER_STEP
         times = (points[:-1, None] + np.diff(points)[:, None] * parts).ravel()
-        q, q_dot, q_ddot = (np.empty((len(times), trajectory.num_axes)) for _ in range(3))
         coefficients = np.empty((len(points) - 1, 6, trajectory.num_axes))
         quintic_coefficients(
             points, trajectory.position, trajectory.velocity, trajectory.acceleration, coefficients
         )
-        quintics_at(points, coefficients, times, q, q_dot, q_ddot)
-        use = np.maximum(
-            np.abs(q_dot / self._velocity).max(axis=1), np.abs(q_ddot / self._acceleration).max(axis=1)
-        )
+        uses = np.empty((len(points) - 1, 3))
+        quintic_uses(points, coefficients, self._axis_limits, uses)
+        use, jerk = (np.repeat(values, CHECKS_PER_STEP) for values in (uses[:, :2].max(axis=1), uses[:, 2]))
         if tool is not None:
             s, s_dot, s_ddot = law.s_of(times)
             first, second = tool.derivatives(s)
@@ -236,8 +238,10 @@ class TimeOptimalTiming:
         if self._effort is not None:
             # Torques follow the accelerations, which are looked at everywhere.
             some = slice(None, None, TORQUE_CHECK)
-            use[some] = np.maximum(use[some], self._torque_use(q[some], q_dot[some], q_ddot[some]))
-        return times, use
+            q, q_dot, q_ddot = (np.empty((len(times[some]), trajectory.num_axes)) for _ in range(3))
+            quintics_at(points, coefficients, times[some], q, q_dot, q_ddot)
+            use[some] = np.maximum(use[some], self._torque_use(q, q_dot, q_ddot))
+        return times, use, jerk
 
     def _torque_use(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
         effort = self._effort
@@ -316,10 +320,20 @@ def _local_excess(law: SwitchedTimeLaw, times: Array, use: Array) -> Array:
     return np.asarray(1.0 + 1.2 * (spread - 1.0))
 
 
+def with_times(times: Array, others: Array) -> Array:
+    """Increasing times with others among them, but for those that nearly coincide with one already there."""
+    after = np.clip(np.searchsorted(times, others), 1, len(times) - 1)
+    distance = np.minimum(others - times[after - 1], times[after] - others)
+    return np.union1d(times, others[distance > CLOSEST_SEAM])
+
+
 def slower(trajectory: Trajectory, use: float) -> Trajectory:
-    """The same trajectory with time stretched until the largest use of a limit, `use`, is 1."""
-    stretch = max(use, 1.0)
-    t = Trajectory.message_times(trajectory.time * stretch)
-    return Trajectory(
-        t, trajectory.position, trajectory.velocity / stretch, trajectory.acceleration / stretch**2
-    )
+    """The same motion, from rest to rest, in the time in which the largest use of a limit, `use`, is 1."""
+    if use <= 1.0:
+        return trajectory
+    t = Trajectory.message_times(trajectory.time * use)
+    # Rounding times moves the points along the motion; see `message_times`.
+    q, q_dot, q_ddot = trajectory.sample(t / use)
+    q[[0, -1]] = trajectory.position[[0, -1]]
+    q_dot[[0, -1]] = q_ddot[[0, -1]] = 0.0
+    return Trajectory(t, q, q_dot / use, q_ddot / use**2)
