@@ -241,10 +241,11 @@ def test_caught_errors_name_the_programs_line_never_the_preludes(tmp_path: Path)
     assert host.printed[2] == 'false\tnil'
 
 
-def test_random_numbers_are_the_same_in_every_run(tmp_path: Path):
+@pytest.mark.parametrize('seed', ['', 'math.randomseed()', 'math.randomseed(7)'])
+def test_random_numbers_are_the_same_in_every_run(tmp_path: Path, seed: str):
     host = LuaHost(tmp_path)
     for _ in range(2):
-        assert host.run('print(math.random(), math.random(1000))') is None
+        assert host.run(f'{seed} print(math.random(), math.random(1000))') is None
     assert host.printed[0] == host.printed[1]
 
 

@@ -7,6 +7,7 @@ from typing import Final
 
 from robots_controller.interpreter.lua_library import LIBRARY
 from robots_controller.interpreter.lua_snapshot import SNAPSHOT
+from robots_controller.interpreter.lua_texts import TEXTS
 
 _STOPPING: Final = rb"""
 local text, name, host, count, period, pattern_steps, table_steps, max_arguments, patterns_text = ...
@@ -17,7 +18,7 @@ local error, getmetatable, ipairs, load, next, pairs = error, getmetatable, ipai
 local pcall, xpcall, rawget, rawlen, select = pcall, xpcall, rawget, rawlen, select
 local setmetatable, tonumber, tostring, type = setmetatable, tonumber, tostring, type
 local byte, char, concat, format, rep = string.byte, string.char, table.concat, string.format, string.rep
-local gsub, pack, unpack, math_type = string.gsub, table.pack, table.unpack, math.type
+local gmatch, gsub, pack, unpack, math_type = string.gmatch, string.gsub, table.pack, table.unpack, math.type
 local getinfo, sethook, clock = debug.getinfo, debug.sethook, os.clock
 local getlocal, getupvalue = debug.getlocal, debug.getupvalue
 local string_pack, sub = string.pack, string.sub
@@ -307,7 +308,7 @@ local special = {}
 
 function special.print(...)
   local words = pack(...)
-  for i = 1, words.n do words[i] = tostring(words[i]) end
+  for i = 1, words.n do words[i] = text_of(words[i]) end
   call('print', {concat(words, '\t')}, 1)
 end
 
@@ -370,4 +371,4 @@ return function()
 end
 """
 
-PRELUDE: Final = _STOPPING + SNAPSHOT + _CALLS + LIBRARY + _RUN
+PRELUDE: Final = _STOPPING + SNAPSHOT + TEXTS + _CALLS + LIBRARY + _RUN
