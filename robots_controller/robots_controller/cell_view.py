@@ -22,6 +22,7 @@ from robots_controller.cell_events import (
     ProgramPrint,
     ProgramStatus,
 )
+from robots_controller.motion_record import PASSED
 from robots_core.pose import Pose
 
 MARGIN = ' ' * 8
@@ -39,9 +40,11 @@ class CellView:
     def __init__(self, console: Console, nodes: Sequence[str]) -> None:
         self.console = console
         self._waiting = list(nodes)
-        self._line = 0
+        self._place = ('', 0)  # file and line
         self._told: dict[str, float] = {}
-        self._motion: MotionCommanded | None = None
+        self._commanded: dict[str, MotionCommanded] = {}  # by id, not planned yet, oldest first
+        self._planned: dict[str, str] = {}  # kinds by id, not ended yet, oldest first
+        self._running: str | None = None  # id of the motion that has the bar
         self._bar = Progress(
             TextColumn(f'{MARGIN}[cyan]{{task.description}}'),
             BarColumn(bar_width=40),
@@ -64,7 +67,8 @@ class CellView:
 
     def close(self) -> None:
         """Remove the bar."""
-        self._bar.stop()
+        if self._task is not None:
+            self._bar.stop()
 
     def show(self, event: Event) -> None:
         """Show an event."""
@@ -74,11 +78,18 @@ class CellView:
     def _print(self, text: str) -> None:
         self.console.print(text, highlight=False, soft_wrap=True)
 
+    def _print_on_one_line(self, text: str) -> None:
+        """A line of a file that a person can look up: a narrow terminal shows its beginning."""
+        if self.console.is_terminal:
+            self.console.print(text, highlight=False, soft_wrap=False, no_wrap=True, overflow='ellipsis')
+        else:
+            self._print(text)
+
     def _show_print(self, event: ProgramPrint) -> None:
         self._print(f'{MARGIN}[bold]{escape(event.text)}[/]')
 
     def _show_commanded(self, event: MotionCommanded) -> None:
-        self._motion = event
+        self._commanded[event.id] = event
 
     def _show_progress(self, event: MotionProgress) -> None:
         if self._task is not None:
@@ -108,36 +119,53 @@ class CellView:
     def _show_program(self, event: ProgramStatus) -> None:
         if event.error:
             self._print(f'[bold red]{escape(event.error)}[/]')
-        elif event.state == 'RUNNING' and event.line and event.line != self._line:
-            self._line = event.line
-            self._print(f'[dim]{event.line:>5}[/]   {escape(event.source.strip())}')
+        elif event.state == 'RUNNING' and event.line and (event.file, event.line) != self._place:
+            if self._place[0] not in ('', event.file):
+                self._print(f'[dim]  in    {escape(event.file)}[/]')
+            self._place = (event.file, event.line)
+            self._print_on_one_line(f'[dim]{event.line:>5}[/]   {escape(event.source.strip())}')
 
     def _show_planned(self, event: MotionPlanned) -> None:
-        if self._motion is None or self._motion.id != event.id:
+        if event.id not in self._commanded:  # a streamed reference
             return
-        target = _target(self._motion.target)
-        self._print(
-            f'{MARGIN}[cyan]{self._motion.kind}[/] to {target}, planned [bold]{event.duration:.2f} s[/]'
-        )
-        if self.console.is_terminal:
-            self._bar.start()
-            self._task = self._bar.add_task(self._motion.kind, total=1.0)
+        chain: list[MotionCommanded] = []
+        while not chain or chain[-1].id != event.id:
+            chain.append(self._commanded.pop(next(iter(self._commanded))))
+        for motion in chain:
+            last = f', planned [bold]{event.duration:.2f} s[/]' if motion is chain[-1] else ', runs through'
+            self._print(f'{MARGIN}[cyan]{motion.kind}[/] to {_target(motion.target)}{last}')
+        self._planned[event.id] = chain[-1].kind
+        self._show_running()
 
     def _show_end(self, event: MotionEnded) -> None:
-        if self._task is not None:
-            self._bar.remove_task(self._task)
-            self._task = None
-            self._bar.stop()
+        self._commanded.pop(event.id, None)
+        if event.message == PASSED:  # the end of its chain is told
+            return
+        self._planned.pop(event.id, None)
+        self._show_running()
         if event.ok:
             duration = float(event.details.get('duration', 'nan'))
             self._print(f'{MARGIN}[green]{event.message}[/] after {duration:.2f} s')
         else:
             self._print(f'{MARGIN}[yellow]stopped: {escape(event.message)}[/]')
-        self._motion = None
+
+    def _show_running(self) -> None:
+        """A bar for the oldest motion that is planned and has not ended."""
+        running = next(iter(self._planned), None)
+        if running == self._running or not self.console.is_terminal:
+            return
+        if self._task is not None:
+            self._bar.remove_task(self._task)
+            self._bar.stop()
+            self._task = None
+        self._running = running
+        if running is not None:
+            self._bar.start()
+            self._task = self._bar.add_task(self._planned[running], total=1.0)
 
 
 def _target(target: Pose | Sequence[float] | np.ndarray) -> str:
     if isinstance(target, Pose):
         x, y, z = target.r
         return f'({x:.3f}, {y:.3f}, {z:.3f}) m'
-    return '(' + ', '.join(f'{value:.3f}' for value in target) + ') rad'
+    return '(' + ', '.join(f'{value:.2f}' for value in target) + ') rad'

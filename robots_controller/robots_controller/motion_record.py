@@ -65,7 +65,7 @@ class CommandRecord:
     @property
     def kind(self) -> str:
         """State and shape in words."""
-        return self.state.value if self.shape == 'line' else f'{self.state.value} {self.shape}'
+        return motion_kind(self.state, self.shape)
 
     @property
     def tool_target(self) -> Pose:
@@ -107,6 +107,11 @@ class MotionRecord:
     end: float
     duration: float
     followed: bool = False
+
+
+def motion_kind(state: RobotCommandState, shape: Shape) -> str:
+    """State and shape in words."""
+    return state.value if shape == 'line' else f'{state.value} {shape}'
 
 
 def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionRecord, ...]:

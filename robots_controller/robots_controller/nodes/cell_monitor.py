@@ -8,10 +8,11 @@ import threading
 import time
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any
+from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -32,8 +33,10 @@ from robots_controller.cell_events import (
     ProgramPrint,
     ProgramStatus,
 )
+from robots_controller.motion_record import COMMAND_TOPICS, motion_kind
 from robots_core.nodes.messages import MotionResult, diagnostic_values, pose_from_message, stamp_id
-from robots_core.validation import read_only
+from robots_core.pose import Pose
+from robots_core.validation import Array, read_only
 
 # Topics arrive in any order; after this long everything that was sent before has arrived.
 ORDERING_TIME = 0.06  # s
@@ -43,15 +46,25 @@ LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 VOLATILE = QoSProfile(depth=100, durability=DurabilityPolicy.VOLATILE)
 
 
+_COMMAND_TYPES: Final[dict[str, Any]] = {
+    'ptpjoint_joint': JointState,
+    'ptpjoint_cartesian': PoseStamped,
+    'ptpcartesian': PoseStamped,
+    'circcartesian': Path,
+    'splinecartesian': Path,
+}
+
+
 class CellMonitor(Node):
     """Listens to a cell and calls its program services.
 
     Args:
         namespace: The cell's namespace.
+        options: Of a node.
     """
 
-    def __init__(self, *, namespace: str) -> None:
-        super().__init__('cell_monitor', namespace=namespace)
+    def __init__(self, *, namespace: str, **options: Any) -> None:
+        super().__init__('cell_monitor', namespace=namespace, **options)
         self._outputs: dict[str, list[float]] = {}
         self._trigger_clients: dict[str, Any] = {}
         self._lock = threading.Lock()
@@ -61,9 +74,9 @@ class CellMonitor(Node):
         self._listen(DiagnosticArray, '/diagnostics', self._health, VOLATILE)
         self._listen(Log, '/rosout', _prints, LATCHED)
         self._listen(DiagnosticStatus, 'program_status', _program_status, LATCHED)
-        self._listen(JointState, 'ptpjoint_joint', _joint_command, VOLATILE)
-        for topic, kind in (('ptpjoint_cartesian', 'PTPJOINT_CARTESIAN'), ('ptpcartesian', 'PTPCARTESIAN')):
-            self._listen(PoseStamped, topic, partial(_pose_command, kind), VOLATILE)
+        for topic, (state, shape) in COMMAND_TOPICS.items():
+            kind = motion_kind(state, shape)
+            self._listen(_COMMAND_TYPES[topic], topic, partial(_command, kind), VOLATILE)
         self._listen(JointTrajectory, 'joint_trajectory', _planned, VOLATILE)
         self._listen(Float64, 'motion_progress', _progress, VOLATILE)
         self._listen(DiagnosticStatus, 'motion_result', _result, VOLATILE)
@@ -143,12 +156,17 @@ def _program_status(message: DiagnosticStatus) -> Iterable[Event]:
     )
 
 
-def _joint_command(message: JointState) -> Iterable[Event]:
-    yield MotionCommanded(stamp_id(message.header.stamp), 'PTPJOINT_JOINT', read_only(message.position))
-
-
-def _pose_command(kind: str, message: PoseStamped) -> Iterable[Event]:
-    yield MotionCommanded(stamp_id(message.header.stamp), kind, pose_from_message(message.pose))
+def _command(kind: str, message: JointState | PoseStamped | Path) -> Iterable[Event]:
+    match message:
+        case JointState():
+            target: Array | Pose = read_only(message.position)
+        case PoseStamped():
+            target = pose_from_message(message.pose)
+        case Path():
+            if not message.poses:  # planning_node refuses it and says why
+                return
+            target = pose_from_message(message.poses[-1].pose)
+    yield MotionCommanded(stamp_id(message.header.stamp), kind, target)
 
 
 def _planned(message: JointTrajectory) -> Iterable[Event]:
