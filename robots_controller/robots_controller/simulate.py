@@ -36,8 +36,8 @@ def simulate(
 
     It has the same blocks as a live cell: Lua program, planner with its check for collisions, controller,
     drives and scripted PLC. Nothing depends on the machine's clock: two runs are the same to the last bit,
-    but for `SimulationRun.cost`. Ctrl-C in the main thread ends the run early; it returns what there is so
-    far.
+    but for what it took of the machine's time. Ctrl-C in the main thread ends the run early; it returns what
+    there is so far.
 
     Args:
         program: Lua robot program.

@@ -301,7 +301,7 @@ class SimulatedCell:
         if self._bag is not None:
             self.cost.switch('recording')
             self._bag.close()
-        self.cost.switch('other')
+        self.cost.end()
 
     def _result(self) -> SimulationRun:
         parts, recording = self._parts, self._recording
@@ -328,6 +328,7 @@ class SimulatedCell:
             interrupted=self._interrupted and not failed,
             bag=None if self._bag is None else self._bag.path,
             cost=self.cost.seconds,
+            processor_time=self.cost.processor,
         )
 
     # -- the program's callbacks ------------------------------------------------------------------

@@ -71,8 +71,9 @@ class SimulationRun:
         error: Why it failed, as a live cell would say it.
         interrupted: It was stopped from outside, so that all this is only a part.
         bag: The recorded bag, if one was wanted.
-        cost: What it took to simulate, s of the machine's time by part; the one thing that is not the same in
-            every run.
+        cost: What it took to simulate, s of the wall's time by part. This and the next are the only things
+            that are not the same in every run.
+        processor_time: What it took of one core, s.
     """
 
     program: Path
@@ -94,6 +95,7 @@ class SimulationRun:
     interrupted: bool = False
     bag: Path | None = None
     cost: Mapping[str, float] = field(default_factory=dict, repr=False)
+    processor_time: float = field(default=0.0, repr=False)
 
     @property
     def ok(self) -> bool:
