@@ -33,6 +33,14 @@ def test_an_input_or_the_time_ends_it(tmp_path: Path, function: str, mode: Robot
     assert host.program.command_state is RobotCommandState.IDLE
 
 
+@pytest.mark.parametrize(('function', 'mode'), MODES)
+def test_the_host_hears_who_guides_the_robot(tmp_path: Path, function: str, mode: RobotCommandState):
+    told: list[RobotCommandState] = []
+    host = LuaHost(tmp_path, joint_position=lambda: np.zeros(6), on_guided=told.append)
+    assert host.run(f'{function}(0.001)') is None
+    assert told == [mode, RobotCommandState.IDLE]
+
+
 def test_the_program_goes_on_when_the_robot_stands(tmp_path: Path):
     looks = iter([*np.linspace(0.0, 0.5, 8), *np.full(100, 0.5)])
     host = LuaHost(tmp_path, joint_position=lambda: np.full(6, next(looks)))

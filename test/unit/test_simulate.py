@@ -246,6 +246,20 @@ def test_motions_that_collide_are_refused():
     assert runs[1].ok
 
 
+@pytest.mark.parametrize(
+    ('function', 'reason'),
+    [
+        ('followReference', 'a simulation has no sensor whose reference_pose could guide the robot'),
+        ('jog', 'a simulation has nobody who could jog the robot'),
+    ],
+)
+def test_a_robot_that_nobody_can_guide_is_an_error(tmp_path: Path, function: str, reason: str):
+    run = run_text(tmp_path, f'wait(1)\n{function}(5)')
+    assert str(run.error) == f'program.lua:2: {function}: {reason}'
+    # And one that a program can expect.
+    assert run_text(tmp_path, f'print(pcall({function}, 5))').ok
+
+
 @pytest.mark.parametrize('drive', ['ideal', 'second_order'])
 def test_a_wait_without_end_is_found(tmp_path: Path, drive: str):
     run = run_text(tmp_path, 'wait(1)\nwaitDigitalInput(3, true)', drive=drive)

@@ -24,6 +24,8 @@ def guided(
     ended: Callable[[], bool],
     duration: float,
     position: Callable[[], Array],
+    *,
+    told: Callable[[RobotCommandState], None],
 ) -> Generator[None, None, bool]:
     """Hand the robot over, and take it back when it stands.
 
@@ -33,19 +35,23 @@ def guided(
         ended: The program shall go on.
         duration: Longest time of it, s; braking comes after that.
         position: Measured joint positions, (n,).
+        told: Hears that the robot is handed over (the mode) and taken back (IDLE).
 
     Returns:
         True if it ended before `duration`.
 
     Raises:
+        RobotsError: `told` knows that nobody can guide the robot.
         ProgramError: whoever guides the robot does not let go of it.
         ProgramStopped: the program shall stop.
     """
     state.set_command_state(mode)
     try:
+        told(mode)
         early = yield from state.waiting(ended, duration)
     finally:
         state.set_command_state(RobotCommandState.IDLE)
+        told(RobotCommandState.IDLE)
     last, still, looks = position(), 0, 0
     while still < LOOKS:
         yield from state.waiting(lambda: False, LOOK_PERIOD)

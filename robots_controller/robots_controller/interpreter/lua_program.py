@@ -30,6 +30,7 @@ from robots_controller.interpreter.taught_points import SUFFIX
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.pose import ORIENTATION_CONVENTIONS, Pose
 from robots_core.validation import Array
+from robots_planning.robot_command_state import RobotCommandState
 
 DIGITAL_SIZE: Final = 32
 ANALOG_SIZE: Final = 8
@@ -58,6 +59,8 @@ class LuaProgram(SharedData):
         on_command: A motion is commanded. A RobotsError that it raises fails the motion.
         on_flush: No motion follows for now, although the last one would blend into it.
         on_abort: The commanded motions shall end where the robot is; each still gets its `finish_motion`.
+        on_guided: Others shall guide the robot, in state TRAJECTORY or TEACH, or no longer (IDLE). A
+            RobotsError that it raises for the first fails the call.
         on_hold: The robot shall stand on its path (True), or go on (False); from any thread.
         on_override: The speed scale of all motions, 0..1.
         on_output: An output changed.
@@ -87,6 +90,7 @@ class LuaProgram(SharedData):
         on_command: Callable[[MotionCommand], None] = _ignore,
         on_flush: Callable[[], None] = _ignore,
         on_abort: Callable[[], None] = _ignore,
+        on_guided: Callable[[RobotCommandState], None] = _ignore,
         on_hold: Callable[[bool], None] = _ignore,
         on_override: Callable[[float], None] = _ignore,
         on_output: Callable[[OutputChange], None] = _ignore,
@@ -113,6 +117,7 @@ class LuaProgram(SharedData):
             command=on_command,
             flush=on_flush,
             abort=on_abort,
+            guided=on_guided,
             output=on_output,
             override=on_override,
             printed=on_print,

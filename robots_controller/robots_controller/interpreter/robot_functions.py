@@ -351,7 +351,9 @@ class RobotFunctions:
             def ended() -> bool:
                 return index is not None and self._input('digital', inputs) == wanted
 
-            result = yield from guided(self.state, mode, ended, duration, self.view.position)
+            result = yield from guided(
+                self.state, mode, ended, duration, self.view.position, told=self.events.guided
+            )
             self.target.forget()
             return result
 

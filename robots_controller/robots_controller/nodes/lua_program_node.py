@@ -104,6 +104,7 @@ class LuaProgramNode(RobotNode):
             on_command=self._on_command,
             on_flush=self._on_flush,
             on_abort=self._on_abort,
+            on_guided=lambda state: self._command_state_publisher.publish(String(data=state.value)),
             on_hold=self._on_hold,
             on_override=lambda value: self._override_publisher.publish(Float64(data=value)),
             on_output=self._on_output,

@@ -24,10 +24,11 @@ from robots_controller.simulation.simulated_motions import MotionEnd, SimulatedM
 from robots_controller.simulation.simulated_plc import SimulatedPlc
 from robots_controller.simulation.simulated_switches import SimulatedSwitches
 from robots_controller.simulation.simulation_run import SimulationRun
-from robots_core.errors import ProgramError
+from robots_core.errors import PlanningError, ProgramError
 from robots_core.pose import Pose
 from robots_core.validation import read_only
 from robots_planning.order_planner import PlannedOrders
+from robots_planning.robot_command_state import RobotCommandState
 
 # As in a live cell: the controller looks at the feedback, and tells its progress, so many times a second.
 FEEDBACK_RATE: Final = 125.0  # Hz
@@ -35,6 +36,11 @@ PROGRESS_RATE: Final = 25.0  # Hz
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
 # A robot that stands for this long in the middle of a motion, with nothing left that could change that.
 STUCK_TIME: Final = 10.0  # s
+
+GUIDES: Final = {
+    RobotCommandState.TRAJECTORY: 'a simulation has no sensor whose reference_pose could guide the robot',
+    RobotCommandState.TEACH: 'a simulation has nobody who could jog the robot',
+}
 
 
 class SimulatedCell:
@@ -90,6 +96,7 @@ class SimulatedCell:
             on_command=self._on_command,
             on_flush=lambda: self._commands.append(self._motions_flush),
             on_abort=lambda: self._commands.append(self._motions_abort),
+            on_guided=self._on_guided,
             on_hold=self._on_hold,
             on_override=self._on_override,
             on_output=self._on_output,
@@ -355,6 +362,10 @@ class SimulatedCell:
 
     def _motions_abort(self) -> None:
         self._motions.abort('stopped by ~/stop')
+
+    def _on_guided(self, state: RobotCommandState) -> None:
+        if state is not RobotCommandState.IDLE:
+            raise PlanningError(GUIDES[state])
 
     def _on_hold(self, held: bool) -> None:  # noqa: FBT001  # a callback's only argument
         self._controller.paused = held
