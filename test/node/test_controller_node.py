@@ -21,7 +21,7 @@ from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.nodes.messages import MotionResult, doubles, stamp_id
-from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STATE
+from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE
 
 ROBOT = load_robot_model('kuka_kr210_r2700')
 NAMES = list(ROBOT.axes_data.names)
@@ -238,21 +238,43 @@ def test_says_what_is_wrong_with_a_trajectory(bench: Bench) -> None:
     assert bench.result().ok
 
 
-def test_refuses_joint_states_that_lack_a_joint(ros_nodes: Any) -> None:
+def driver_of(nodes: Any, qos: QoSProfile, state: JointState) -> ControllerNode:
+    """A controller whose only feedback is one state, repeated by a driver with its own quality of service."""
     robot = Parameter('robot_model', value='kuka_kr210_r2700')
     ordinary = Parameter('realtime_priority', value=0)
-    controller = ros_nodes.add(
-        ControllerNode(context=ros_nodes.context, parameter_overrides=[robot, ordinary])
+    controller: ControllerNode = nodes.add(
+        ControllerNode(context=nodes.context, parameter_overrides=[robot, ordinary])
     )
-    node = ros_nodes.create_node('robot')
+    node = nodes.create_node('robot')
+    publisher = node.create_publisher(JointState, 'joint_states', qos)
+    node.create_timer(0.02, lambda: publisher.publish(state))
+    return controller
+
+
+@pytest.mark.parametrize(
+    ('names', 'positions', 'reason'),
+    [
+        (NAMES[:5], [0.0] * 5, 'lacks joint A6'),
+        (NAMES, [0.0, float('nan'), *[0.0] * 4], 'joint_states[1] is nan'),
+    ],
+)
+def test_refuses_joint_states_that_do_not_say_where_the_robot_is(
+    ros_nodes: Any, names: list[str], positions: list[float], reason: str
+) -> None:
+    controller = driver_of(ros_nodes, STATE, JointState(name=names, position=positions))
     messages: list[str] = []
-    node.create_subscription(
+    ros_nodes.create_node('observer').create_subscription(
         DiagnosticArray, '/diagnostics', lambda m: messages.extend(s.message for s in m.status), MANY
     )
-    publisher = node.create_publisher(JointState, 'joint_states', STATE)
-    publisher.publish(JointState(name=NAMES[:5], position=[0.0] * 5))
-    ros_nodes.wait_for(lambda: any('lacks joint A6' in message for message in messages))
+    ros_nodes.wait_for(lambda: any(reason in message for message in messages))
     assert controller._controller.reference is None
+
+
+@pytest.mark.parametrize('qos', [STATE, SENSOR, QoSProfile(depth=10)], ids=['state', 'sensor', 'default'])
+def test_hears_drivers_of_every_quality_of_service(ros_nodes: Any, qos: QoSProfile) -> None:
+    controller = driver_of(ros_nodes, qos, JointState(name=NAMES, position=AWAY.tolist()))
+    ros_nodes.wait_for(lambda: controller._controller.reference is not None)
+    np.testing.assert_array_equal(controller._controller.reference[0], AWAY)
 
 
 def test_drives_with_motors_and_masses_come_to_the_target(ros_nodes: Any) -> None:

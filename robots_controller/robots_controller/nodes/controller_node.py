@@ -25,19 +25,22 @@ from robots_controller.streamed_reference import StreamPoint
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.messages import MotionResult, joint_values, stamp_id
 from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STATE, STREAM, subscribe_state
+from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE, subscribe_state
 from robots_core.nodes.reference_stream import ReferenceStream
-from robots_core.nodes.robot_node import RobotNode
+from robots_core.nodes.robot_node import HEALTH_PERIOD, RobotNode
 from robots_core.nodes.run import run
 from robots_core.periodic_thread import PeriodicThread, ask_for_realtime
-from robots_core.validation import Array, fraction
+from robots_core.validation import Array, finite_vector, fraction
 from robots_planning.nodes.trajectory_messages import join_time, trajectory_from_message
 from robots_planning.trajectory import Trajectory
 from robots_planning.verification import verify
 
 PROGRESS_RATE = 25.0  # Hz
-# Feedback tells where the robot stands and that it is alive; faster than this it only costs time.
-FEEDBACK_RATE = 125.0  # Hz
+# Feedback tells that the robot is alive and follows; looking more often only costs time, but at the end of a
+# motion, which waits until the robot stands.
+FEEDBACK_RATE = 50.0  # Hz
+SETTLING_RATE = 250.0  # Hz
+HEALTH_RATE = 10.0  # Hz
 # A callback may hold the interpreter for this long before the loop gets its turn.
 SWITCH_INTERVAL = 1e-4  # s
 REFUSAL_PERIOD = 1.0  # s
@@ -82,14 +85,18 @@ class ControllerNode(RobotNode):
         self._refusal_time = -math.inf
         self._progress_every = max(1, round(rate / PROGRESS_RATE))
         self._feedback_every = max(1, round(rate / FEEDBACK_RATE))
+        self._settling_every = max(1, round(rate / SETTLING_RATE))
+        self._health_every = max(1, round(rate / HEALTH_RATE))
+        self._refresh_every = max(1, round(rate * HEALTH_PERIOD))
         self._cycle = 0
         self._last_progress = -1.0
+        self._last_condition: tuple[bytes, str] | None = None
 
         self._references = ReferenceStream(self, 'joint_reference', self._names, time_from_start=1.0 / rate)
         self._progress_publisher = self.create_publisher(Float64, 'motion_progress', STATE)
         self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
         self._feedback: PolledSubscription[JointState] = PolledSubscription(
-            self, JointState, 'joint_states', STREAM
+            self, JointState, 'joint_states', SENSOR
         )
         self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND)
         subscribe_state(self, Float64, 'override', self._on_override)
@@ -102,7 +109,7 @@ class ControllerNode(RobotNode):
         )
         for name, handler in (('pause', self._pause), ('resume', self._resume), ('stop', self._stop)):
             self.create_service(Trigger, f'~/{name}', handler)
-        self.create_timer(0.1, self._report)
+        self._report_due = self.create_guard_condition(self._report)
         self._executor_priority = priority - 1
 
         sys.setswitchinterval(SWITCH_INTERVAL)
@@ -123,20 +130,25 @@ class ControllerNode(RobotNode):
         while mailbox:
             mailbox.popleft()(now)
         self._cycle += 1
-        feedback = self._take_feedback() if self._cycle % self._feedback_every == 0 else None
+        settling = controller.state is ControllerState.SETTLING
+        feedback_due = self._cycle % (self._settling_every if settling else self._feedback_every) == 0
+        feedback = self._take_feedback() if feedback_due else None
         reference = controller.step(now, feedback)
         if reference is not None:
             self._references.publish(reference, now)
         while controller.outcomes:
             self._publish_result(controller.outcomes.popleft())
         self._publish_progress()
+        if self._cycle % self._health_every == 0:
+            self._watch_health()
 
     def _take_feedback(self) -> Array | None:
         message = self._feedback.take()
         if message is None:
             return None
         try:
-            return joint_values(message.name, message.position, self._names, 'joint_states')
+            position = joint_values(message.name, message.position, self._names, 'joint_states')
+            return finite_vector(position, len(self._names), 'joint_states')
         except InvalidInputError as error:
             self.refuse('joint_states', error, stream=True)
             return None
@@ -156,6 +168,22 @@ class ControllerNode(RobotNode):
         if progress != self._last_progress and (ends or self._cycle % self._progress_every == 0):
             self._last_progress = progress
             self._progress_publisher.publish(Float64(data=progress))
+
+    def _watch_health(self) -> None:
+        """Have a change of health reported, and its values now and then: to wake the executor is dear."""
+        condition = self._condition()
+        if condition != self._last_condition or self._cycle % self._refresh_every == 0:
+            self._last_condition = condition
+            self._report_due.trigger()
+
+    def _condition(self) -> tuple[bytes, str]:
+        if self._controller.state is ControllerState.WAITING:
+            return DiagnosticStatus.WARN, 'waiting for joint_states'
+        if self._controller.feedback_lost:
+            return DiagnosticStatus.ERROR, 'joint_states are lost'
+        if time.monotonic() - self._refusal_time < REFUSAL_PERIOD:
+            return DiagnosticStatus.WARN, f'joint_trajectory: {self._refusal}'
+        return DiagnosticStatus.OK, 'ready'
 
     def _follow(self, trajectory: Trajectory, id_: str, join: float, now: float) -> None:
         try:
@@ -256,21 +284,12 @@ class ControllerNode(RobotNode):
             # up the loop too.
             ask_for_realtime(self._executor_priority)
             self._executor_priority = 0
-        controller = self._controller
-        values: dict[str, Any] = {
-            'state': controller.state.value,
-            'missed_deadlines': self._thread.missed,
-            'realtime': self._thread.realtime,
-        }
-        refused_lately = time.monotonic() - self._refusal_time < REFUSAL_PERIOD
-        if controller.state is ControllerState.WAITING:
-            self.report_health(DiagnosticStatus.WARN, 'waiting for joint_states', **values)
-        elif controller.feedback_lost:
-            self.report_health(DiagnosticStatus.ERROR, 'joint_states are lost', **values)
-        elif refused_lately:
-            self.report_health(DiagnosticStatus.WARN, f'joint_trajectory: {self._refusal}', **values)
-        else:
-            self.ready(**values)
+        self.report_health(
+            *self._condition(),
+            state=self._controller.state.value,
+            missed_deadlines=self._thread.missed,
+            realtime=self._thread.realtime,
+        )
 
     def destroy_node(self) -> None:
         """End the loop before what it uses."""

@@ -23,6 +23,14 @@ STREAM: Final = QoSProfile(
 )
 """Subscribers that only want the newest sample: fits publishers of state and any robot driver's."""
 
+SENSOR: Final = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1,
+    reliability=ReliabilityPolicy.BEST_EFFORT,
+    durability=DurabilityPolicy.VOLATILE,
+)
+"""Subscribers of a robot's sensors: fits every driver, those that send sensor data unacknowledged too."""
+
 COMMAND: Final = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
     depth=100,
