@@ -233,8 +233,9 @@ def quadratic_programs(repetitions: int, count: int) -> None:  # noqa: C901  # o
     def ours() -> object:
         found = []
         for H, f, lower, upper, C, c in programs:
-            x, multipliers = np.empty(n), np.empty(4 * n)
-            solve_quadratic_program(H, f, lower, upper, C, c, x, multipliers)
+            x, multipliers = np.empty(n), np.empty(2 * n)
+            low, high = np.concatenate([lower, -c[n:]]), np.concatenate([upper, c[:n]])
+            solve_quadratic_program(H, f, low, high, C[:n], x, multipliers)
             found.append(x)
         return found
 

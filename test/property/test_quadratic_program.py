@@ -22,23 +22,29 @@ def test_solution_fulfils_the_optimality_conditions(seed: int, n: int, rows: int
     centre, width = rng.normal(size=n), rng.uniform(0.0, 1.0, n)
     low, high = centre - width, centre + width
     C = rng.normal(size=(rows, n))
-    c = C @ (centre + rng.uniform(-0.5, 0.5, n) * width) + 0.3 * rng.normal(size=rows)
-    x, multipliers = np.empty(n), np.empty(2 * n + rows)
-    status = solve_quadratic_program(H, f, low, high, C, c, x, multipliers)
+    top = C @ (centre + rng.uniform(-0.5, 0.5, n) * width) + 0.3 * rng.normal(size=rows)
+    # Narrow rows, wide ones and such with one side alone.
+    bottom = top - rng.choice([0.0, 0.1, 3.0, np.inf], rows, p=[0.05, 0.1, 0.35, 0.5])
+    x, multipliers = np.empty(n), np.empty(n + rows)
+    status = solve_quadratic_program(
+        H, f, np.concatenate([low, bottom]), np.concatenate([high, top]), C, x, multipliers
+    )
     if status == INFEASIBLE:
+        finite = np.isfinite(bottom)
         proof = linprog(
             np.zeros(n),
-            A_ub=C if rows else None,
-            b_ub=c if rows else None,
+            A_ub=np.vstack([C, -C[finite]]),
+            b_ub=np.concatenate([top, -bottom[finite]]),
             bounds=np.stack([low, high], axis=1),
         )
         assert proof.status == 2
         return
     assert status == SOLVED
-    constraints = np.vstack([-np.eye(n), np.eye(n), C])
-    gap = np.concatenate([-low, high, c]) - constraints @ x
-    assert gap.min() >= -1e-9  # rounding of sums of terms of order one
-    assert multipliers.min() >= 0.0
-    # Stationary, and a multiplier only where the gap is closed; the multipliers reach 1e3 here.
+    constraints = np.vstack([np.eye(n), C])
+    values = constraints @ x
+    over, under = np.concatenate([high, top]) - values, values - np.concatenate([low, bottom])
+    assert min(over.min(), under.min()) >= -1e-9  # rounding of sums of terms of order one
+    # Stationary, and a multiplier only where the gap of its side is closed; the multipliers reach 1e3 here.
     np.testing.assert_allclose(H @ x + f + constraints.T @ multipliers, 0.0, atol=1e-7)
+    gap = np.where(multipliers > 0.0, over, np.where(multipliers < 0.0, under, 0.0))
     np.testing.assert_allclose(gap * multipliers, 0.0, atol=1e-7)

@@ -31,6 +31,7 @@ def test_braking_distance_is_that_of_a_simulation(speed: float, deceleration: fl
     np.testing.assert_allclose(braking_distance(speed, deceleration, dt), simulated, rtol=1e-9, atol=1e-12)
 
 
+@settings(deadline=None)
 @given(distance=st.floats(0.0, 10.0), deceleration=decelerations, dt=periods)
 def test_fastest_stoppable_uses_the_whole_distance(distance: float, deceleration: float, dt: float) -> None:
     speed = fastest_stoppable(distance, deceleration, dt)

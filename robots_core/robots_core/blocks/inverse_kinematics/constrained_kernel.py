@@ -91,17 +91,17 @@ def constrained_step(
     f = _towards_reference(L, gradients, limits, options)
     if redundancy[0] != NO_CRITERION:
         _add_posture(redundancy, q, J, options, limits, f)
-    low, high = np.empty(n), np.empty(n)
+    low, high, C = np.empty(2 * n), np.empty(2 * n), np.empty((n, n))
     velocity_interval(q, q_dot, limits[0], limits[1], limits[2], limits[3], limits[4], dt, low, high)
-    C, c = np.empty((2 * n, n)), np.empty(2 * n)
-    _torque_rows(q_dot, M, tau_aux, limits[5], dt, C, c)
-    w, multipliers = np.empty(n), np.empty(4 * n)
-    status = solve_factorised(L, f, low, high, C, c, w, multipliers)
+    _torque_rows(q_dot, M, tau_aux, limits[5], dt, C, low, high)
+    w, multipliers = np.empty(n), np.empty(2 * n)
+    status = solve_factorised(L, f, low, high, C, w, multipliers)
     if status == INFEASIBLE:
-        overload = _smallest_overload(low, high, C, c)
-        for row in range(2 * n):
-            c[row] += overload
-        status = solve_factorised(L, f, low, high, C, c, w, multipliers)
+        overload = _smallest_overload(low, high, C)
+        for row in range(n, 2 * n):
+            low[row] -= overload
+            high[row] += overload
+        status = solve_factorised(L, f, low, high, C, w, multipliers)
     if status != SOLVED:
         multipliers[:] = 0.0
         w[:] = 0.0
@@ -213,18 +213,18 @@ def _towards_reference(L: Array, gradients: Array, limits: Array, options: Array
 
 @compiled()
 def _torque_rows(
-    q_dot: Array, M: Array, tau_aux: Array, effort: Array, dt: float, C: Array, c: Array
+    q_dot: Array, M: Array, tau_aux: Array, effort: Array, dt: float, C: Array, low: Array, high: Array
 ) -> None:
-    """Fill C w <= c, (2 n, n) and (2 n,): torques M (w - q_dot) / dt + tau_aux relative to their limits."""
+    """Fill C (n, n) and its bounds, from n on: torques M (w - q_dot) / dt + tau_aux over their limits."""
     n = q_dot.size
     for i in range(n):
-        standing = tau_aux[i]
+        scale = 1.0 / (dt * effort[i])
+        standing = tau_aux[i] / effort[i]
         for j in range(n):
-            C[i, j] = M[i, j] / (dt * effort[i])
-            C[n + i, j] = -C[i, j]
-            standing -= M[i, j] * q_dot[j] / dt
-        c[i] = 1.0 - standing / effort[i]
-        c[n + i] = 1.0 + standing / effort[i]
+            C[i, j] = M[i, j] * scale
+            standing -= C[i, j] * q_dot[j]
+        low[n + i] = -1.0 - standing
+        high[n + i] = 1.0 - standing
 
 
 @compiled()
@@ -246,23 +246,24 @@ def _add_posture(
 
 
 @compiled()
-def _smallest_overload(low: Array, high: Array, C: Array, c: Array) -> float:
+def _smallest_overload(low: Array, high: Array, C: Array) -> float:
     """By how much all torque limits must be raised, relative to each, so that a motion exists."""
-    n, m = low.size, c.size
+    n = C.shape[0]
+    # Variables are w and the overload s >= 0, rows C w - s <= high and C w + s >= low.
     H, f = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
-    wide_low, wide_high = np.zeros(n + 1), np.empty(n + 1)
-    wide, x, multipliers = np.empty((m, n + 1)), np.empty(n + 1), np.empty(2 * n + 2 + m)
+    wide, x, multipliers = np.empty((2 * n, n + 1)), np.empty(n + 1), np.empty(3 * n + 1)
+    wide_low, wide_high = np.full(3 * n + 1, -np.inf), np.full(3 * n + 1, np.inf)
     for i in range(n):
         H[i, i] = MOTION_WEIGHT
         wide_low[i], wide_high[i] = low[i], high[i]
-    H[n, n] = 1.0
-    wide_high[n] = np.inf
-    for row in range(m):
-        for i in range(n):
-            wide[row, i] = C[row, i]
-        wide[row, n] = -1.0
-    solve_quadratic_program(H, f, wide_low, wide_high, wide, c, x, multipliers)
-    return float(max(x[n], 0.0) * (1.0 + OVERLOAD_MARGIN) + OVERLOAD_MARGIN)
+        wide_high[n + 1 + i], wide_low[2 * n + 1 + i] = high[n + i], low[n + i]
+        for j in range(n):
+            wide[i, j] = wide[n + i, j] = C[i, j]
+        wide[i, n], wide[n + i, n] = -1.0, 1.0
+    H[n, n], wide_low[n] = 1.0, 0.0
+    solve_quadratic_program(H, f, wide_low, wide_high, wide, x, multipliers)
+    overload: float = x[n]
+    return max(overload, 0.0) * (1.0 + OVERLOAD_MARGIN) + OVERLOAD_MARGIN
 
 
 @compiled()
@@ -313,8 +314,8 @@ def _fill_active(
 ) -> None:
     n = q_dot.size
     for i in range(n):
-        active[0, i] = active[1, i] = 0
-        sign = -1 if multipliers[i] > 0.0 else 1 if multipliers[n + i] > 0.0 else 0
+        active[0, i] = 0
+        sign = _sign(multipliers[i])
         if sign != 0:
             speed, rounding = sign * motion[1, i], SAME * limits[2, i]
             if speed >= sign * q_dot[i] + dt * limits[3, i] - rounding:
@@ -323,7 +324,9 @@ def _fill_active(
                 active[0, i] = sign * VELOCITY
             else:
                 active[0, i] = sign * POSITION
-        if multipliers[2 * n + i] > 0.0:
-            active[1, i] = 1
-        elif multipliers[3 * n + i] > 0.0:
-            active[1, i] = -1
+        active[1, i] = _sign(multipliers[n + i])
+
+
+@compiled()
+def _sign(value: float) -> int:
+    return 1 if value > 0.0 else -1 if value < 0.0 else 0

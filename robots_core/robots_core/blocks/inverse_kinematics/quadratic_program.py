@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,29 +28,29 @@ DEPENDENT = 1e-12
 
 @compiled()
 def solve_quadratic_program(
-    H: Array, f: Array, low: Array, high: Array, C: Array, c: Array, x: Array, multipliers: Array
+    H: Array, f: Array, low: Array, high: Array, C: Array, x: Array, multipliers: Array
 ) -> int:
-    """Minimise x^T H x / 2 + f^T x subject to low <= x <= high and C x <= c.
+    """Minimise x^T H x / 2 + f^T x subject to low <= (x, C x) <= high.
 
-    Dual active-set method of Goldfarb and Idnani (1983), with Givens rotations: it starts at the minimum
-    without constraints and adds the one broken most, so that few active limits take few steps.
+    Dual active-set method of Goldfarb and Idnani (1983): it starts at the minimum without constraints and
+    adds the one broken most, so that few active limits take few steps. Bounds of x come first, which cost
+    next to nothing; rows are looked at when x keeps its bounds.
 
     Args:
         H: Symmetric, positive definite, (n, n).
         f: (n,).
-        low: (n,).
-        high: (n,), not below `low`; both may be infinite.
+        low: Of x, then of the rows, (n + m,).
+        high: (n + m,), not below `low`; both may be infinite.
         C: (m, n).
-        c: (m,).
         x: Filled: the solution, (n,).
-        multipliers: Filled: of low, high and rows, (2 n + m,); above zero where active.
+        multipliers: Filled: (n + m,), above zero where `high` is active, below zero where `low` is.
 
     Returns:
         SOLVED, INFEASIBLE or EXHAUSTED.
     """
     L = np.empty(H.shape)
     factorise(H, L)
-    return solve_factorised(L, f, low, high, C, c, x, multipliers)
+    return solve_factorised(L, f, low, high, C, x, multipliers)
 
 
 @compiled()
@@ -66,79 +66,60 @@ def factorise(H: Array, L: Array) -> None:
 
 @compiled()
 def solve_factorised(
-    L: Array, f: Array, low: Array, high: Array, C: Array, c: Array, x: Array, multipliers: Array
+    L: Array, f: Array, low: Array, high: Array, C: Array, x: Array, multipliers: Array
 ) -> int:
-    """`solve_quadratic_program` for H = L L^T."""
-    n, m = f.size, c.size
-    total = 2 * n + m
-    # J = L^-T, columns; d = J^T normal.
-    J = np.zeros((n, n))
+    """`solve_quadratic_program` for H = L L^T.
+
+    Constraint p is bound p of x, or row p - n, on the side +1 (high) or -1 (low); with N the matrix of active
+    normals, K = Q^T L^-1 is kept such that K N = (R, 0), R upper triangular.
+    """
+    n = f.size
+    K, R = np.zeros((n, n)), np.empty((n, n))
+    active, sides = np.empty(n, np.int64), np.zeros(low.size)
+    u, d, z, r, normal = np.empty(n + 1), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    _invert(L, K)
+    x[:] = 0.0
     for j in range(n):
-        J[j, j] = 1.0 / L[j, j]
-        for i in range(j + 1, n):
-            total_ij = 0.0
-            for k in range(j, i):
-                total_ij += L[i, k] * J[j, k]
-            J[j, i] = -total_ij / L[i, i]
-    y = np.zeros(n)
-    for j in range(n):
-        for i in range(n):
-            y[j] += J[i, j] * f[i]
-    for i in range(n):
         value = 0.0
-        for j in range(n):
-            value -= J[i, j] * y[j]
-        x[i] = value
-    scale = np.ones(total)
-    for row in range(m):
-        norm = 0.0
-        for i in range(n):
-            norm += C[row, i] * C[row, i]
-        scale[2 * n + row] = sqrt(norm) if norm > 0.0 else 1.0
+        for i in range(j + 1):
+            value += K[j, i] * f[i]
+        for i in range(j + 1):
+            x[i] -= value * K[j, i]
     multipliers[:] = 0.0
-    R = np.zeros((n, n))
-    active = np.zeros(n, np.int64)
-    is_active = np.zeros(total, np.bool_)
-    u = np.zeros(n + 1)
-    d, z, r, normal = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
-    count = 0
-    iterations = 0
-    fresh = False
+    count, iterations, fresh = 0, 0, False
     while True:
-        worst, chosen = -TOLERANCE, -1
-        for p in range(total):
-            if is_active[p]:
-                continue
-            gap = _gap(p, n, low, high, C, c, x) / scale[p]
-            if gap < worst:
-                worst, chosen = gap, p
+        chosen, side = _most_broken(low, high, C, x, sides)
         if chosen < 0:
             if fresh or count == 0:
                 for k in range(count):
-                    multipliers[active[k]] = max(u[k], 0.0)
+                    multipliers[active[k]] = sides[active[k]] * max(u[k], 0.0)
                 return SOLVED
             # Multipliers may have been huge on the way, and left their rounding behind.
-            _recompute(J, R, f, low, high, c, active, count, x, u)
+            _recompute(K, R, f, low, high, sides, active, count, x, u)
             fresh = True
-            leaving = int(np.argmin(u[:count]))
-            if u[leaving] < -ROUNDING * (1.0 + np.abs(u[:count]).max()):
-                _drop(J, R, active, is_active, u, leaving, count)
+            leaving, largest = 0, 0.0
+            for k in range(count):
+                largest = max(largest, abs(u[k]))
+                if u[k] < u[leaving]:
+                    leaving = k
+            if u[leaving] < -ROUNDING * (1.0 + largest):
+                _drop(K, R, active, sides, u, leaving, count)
                 count -= 1
-                _recompute(J, R, f, low, high, c, active, count, x, u)
+                _recompute(K, R, f, low, high, sides, active, count, x, u)
                 fresh = False
             iterations += 1
             if iterations > MAX_ITERATIONS:
                 return EXHAUSTED
             continue
         fresh = False
-        normal[:] = 0.0
+        # The normal points inside.
         if chosen < n:
-            normal[chosen] = 1.0
-        elif chosen < 2 * n:
-            normal[chosen - n] = -1.0
+            normal[:] = 0.0
+            normal[chosen] = -side
         else:
             for i in range(n):
-                normal[i] = -C[chosen - 2 * n, i]
+                normal[i] = -side * C[chosen - n, i]
+        bound = high[chosen] if side > 0.0 else -low[chosen]
         u[count] = 0.0
         while True:
             iterations += 1
@@ -147,98 +128,137 @@ def solve_factorised(
             length, rest = 0.0, 0.0
             for j in range(n):
                 value = 0.0
-                for i in range(n):
-                    value += J[i, j] * normal[i]
+                if chosen < n:
+                    value = -side * K[j, chosen]
+                else:
+                    for i in range(n):
+                        value += K[j, i] * normal[i]
                 d[j] = value
                 length += value * value
                 if j >= count:
                     rest += value * value
-            for i in range(n):
-                value = 0.0
-                for j in range(count, n):
-                    value += J[i, j] * d[j]
-                z[i] = value
+            z[:] = 0.0
+            for j in range(count, n):
+                for i in range(n):
+                    z[i] += d[j] * K[j, i]
             for i in range(count - 1, -1, -1):
                 value = d[i]
                 for j in range(i + 1, count):
                     value -= R[i, j] * r[j]
                 r[i] = value / R[i, i]
-            partial, leaving = np.inf, -1
+            partial, leaving = inf, -1
             for k in range(count):
                 if r[k] > 0.0 and u[k] < partial * r[k]:
                     partial, leaving = u[k] / r[k], k
-            full = np.inf
+            full = inf
             if count < n and rest > DEPENDENT * length:
-                full = -_gap(chosen, n, low, high, C, c, x) / rest
+                gap = bound
+                for i in range(n):
+                    gap += normal[i] * x[i]
+                full = -gap / rest
             step = min(partial, full)
-            if step == np.inf:
+            if step == inf:
                 return INFEASIBLE
             for k in range(count):
                 u[k] -= step * r[k]
             u[count] += step
-            if full < np.inf:
+            if full < inf:
                 for i in range(n):
                     x[i] += step * z[i]
             if full <= partial:
-                _add(J, R, d, count)
+                _add(K, R, d, z, rest, count)
                 active[count] = chosen
-                is_active[chosen] = True
+                sides[chosen] = side
                 count += 1
                 break
-            _drop(J, R, active, is_active, u, leaving, count)
+            _drop(K, R, active, sides, u, leaving, count)
             count -= 1
 
 
 @compiled()
+def _invert(L: Array, K: Array) -> None:
+    """Fill the lower triangle of K with the inverse of that of L, (n, n)."""
+    for i in range(L.shape[0]):
+        inverse = 1.0 / L[i, i]
+        for k in range(i):
+            for j in range(k + 1):
+                K[i, j] -= L[i, k] * K[k, j]
+        for j in range(i):
+            K[i, j] *= inverse
+        K[i, i] = inverse
+
+
+@compiled()
+def _most_broken(low: Array, high: Array, C: Array, x: Array, sides: Array) -> tuple[int, float]:
+    """The constraint that x breaks most, bounds first, and its side; -1 if it keeps all."""
+    n = x.size
+    worst, chosen, side = TOLERANCE, -1, 0.0
+    for p in range(n):
+        if sides[p] == 0.0:
+            if x[p] - high[p] > worst:
+                worst, chosen, side = x[p] - high[p], p, 1.0
+            if low[p] - x[p] > worst:
+                worst, chosen, side = low[p] - x[p], p, -1.0
+    if chosen >= 0:
+        return chosen, side
+    for p in range(n, low.size):
+        if sides[p] == 0.0:
+            value, square = 0.0, 0.0
+            for i in range(n):
+                value += C[p - n, i] * x[i]
+                square += C[p - n, i] * C[p - n, i]
+            over = max(value - high[p], low[p] - value)
+            if over > 0.0 and over > worst * sqrt(square):
+                worst, chosen = over / sqrt(square), p
+                side = 1.0 if value > high[p] else -1.0
+    return chosen, side
+
+
+@compiled()
 def _drop(
-    J: Array,
-    R: Array,
-    active: NDArray[np.int64],
-    is_active: NDArray[np.bool_],
-    u: Array,
-    leaving: int,
-    count: int,
+    K: Array, R: Array, active: NDArray[np.int64], sides: Array, u: Array, leaving: int, count: int
 ) -> None:
     """Forget an active constraint; multipliers behind it, that of a coming one too, move up."""
-    is_active[active[leaving]] = False
+    sides[active[leaving]] = 0.0
     for k in range(leaving, count - 1):
         active[k] = active[k + 1]
         u[k] = u[k + 1]
     u[count - 1] = u[count]
-    _remove(J, R, leaving, count)
+    _remove(K, R, leaving, count)
 
 
 @compiled()
 def _recompute(
-    J: Array,
+    K: Array,
     R: Array,
     f: Array,
     low: Array,
     high: Array,
-    c: Array,
+    sides: Array,
     active: NDArray[np.int64],
     count: int,
     x: Array,
     u: Array,
 ) -> None:
-    """Fill x and u from the active constraints: x = J y, R^T y_1 = b, y_2 = -J_2^T f, R u = y_1 + J_1^T f."""
+    """Fill x and u from the active constraints: x = K^T y, R^T y_1 = b, y_2 = -K_2 f, R u = y_1 + K_1 f."""
     n = f.size
-    y, slope = np.zeros(n), np.zeros(n)
+    y, slope = np.empty(n), np.empty(n)
     for j in range(n):
+        slope[j] = 0.0
         for i in range(n):
-            slope[j] += J[i, j] * f[i]
+            slope[j] += K[j, i] * f[i]
     for k in range(count):
         p = active[k]
-        bound = low[p] if p < n else -high[p - n] if p < 2 * n else -c[p - 2 * n]
+        bound = -high[p] if sides[p] > 0.0 else low[p]
         for i in range(k):
             bound -= R[i, k] * y[i]
         y[k] = bound / R[k, k]
     for j in range(count, n):
         y[j] = -slope[j]
-    for i in range(n):
-        x[i] = 0.0
-        for j in range(n):
-            x[i] += J[i, j] * y[j]
+    x[:] = 0.0
+    for j in range(n):
+        for i in range(n):
+            x[i] += y[j] * K[j, i]
     for k in range(count - 1, -1, -1):
         value = y[k] + slope[k]
         for j in range(k + 1, count):
@@ -247,41 +267,32 @@ def _recompute(
 
 
 @compiled()
-def _gap(p: int, n: int, low: Array, high: Array, C: Array, c: Array, x: Array) -> float:
-    """How far x is inside constraint p; negative outside."""
-    if p < n:
-        return x[p] - low[p]  # type: ignore[no-any-return]
-    if p < 2 * n:
-        return high[p - n] - x[p - n]  # type: ignore[no-any-return]
-    value = c[p - 2 * n]
-    for i in range(n):
-        value -= C[p - 2 * n, i] * x[i]
-    return value  # type: ignore[no-any-return]
+def _add(K: Array, R: Array, d: Array, z: Array, rest: float, count: int) -> None:
+    """Reflect the rows of K behind `count` so that the new constraint meets only the first of them.
 
-
-@compiled()
-def _add(J: Array, R: Array, d: Array, count: int) -> None:
-    """Rotate the columns of J behind `count` so that the new constraint meets only the first of them."""
+    Householder's reflection I - 2 v v^T / v^T v with v = d_2 -+ |d_2| e_1; K_2^T v is z -+ |d_2| K_2[0].
+    """
     n = d.size
-    for j in range(n - 1, count, -1):
-        a, b = d[j - 1], d[j]
-        if b == 0.0:
-            continue
-        h = sqrt(a * a + b * b)
-        cosine, sine = a / h, b / h
-        d[j - 1], d[j] = h, 0.0
-        for i in range(n):
-            first, second = J[i, j - 1], J[i, j]
-            J[i, j - 1] = cosine * first + sine * second
-            J[i, j] = cosine * second - sine * first
-    for i in range(count + 1):
+    norm = sqrt(rest) if d[count] < 0.0 else -sqrt(rest)
+    for i in range(count):
         R[i, count] = d[i]
+    R[count, count] = norm
+    first = d[count] - norm
+    # v^T v / 2 = |d_2|^2 -+ |d_2| d_2[0]
+    factor = 1.0 / (rest - norm * d[count])
+    for i in range(n):
+        z[i] = factor * (z[i] - norm * K[count, i])
+    for i in range(n):
+        K[count, i] -= first * z[i]
+    for j in range(count + 1, n):
+        for i in range(n):
+            K[j, i] -= d[j] * z[i]
 
 
 @compiled()
-def _remove(J: Array, R: Array, leaving: int, count: int) -> None:
+def _remove(K: Array, R: Array, leaving: int, count: int) -> None:
     """Drop column `leaving` of R and rotate the rest upper triangular again."""
-    n = J.shape[0]
+    n = K.shape[0]
     for k in range(leaving, count - 1):
         for i in range(k + 2):
             R[i, k] = R[i, k + 1]
@@ -297,6 +308,6 @@ def _remove(J: Array, R: Array, leaving: int, count: int) -> None:
             R[k, j] = cosine * first + sine * second
             R[k + 1, j] = cosine * second - sine * first
         for i in range(n):
-            first, second = J[i, k], J[i, k + 1]
-            J[i, k] = cosine * first + sine * second
-            J[i, k + 1] = cosine * second - sine * first
+            first, second = K[k, i], K[k + 1, i]
+            K[k, i] = cosine * first + sine * second
+            K[k + 1, i] = cosine * second - sine * first
