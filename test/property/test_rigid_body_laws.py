@@ -89,14 +89,14 @@ def test_without_friction_energy_stays(name: str, seed: int):
 
 
 @settings(max_examples=15, deadline=None)
-@given(st.sampled_from(NAMES), st.integers(0, 2**32 - 1))
-def test_torques_stay_inside_their_limits_and_states_finite(name: str, seed: int):
+@given(st.sampled_from(NAMES), st.integers(0, 2**32 - 1), st.booleans())
+def test_torques_stay_inside_their_limits_and_states_finite(name: str, seed: int, known: bool):  # noqa: FBT001
     """References that jump anywhere; the current control overshoots what is wanted, so it is ideal here."""
     robot = load_robot_model(name)
     axes, rng = robot.axes_data, np.random.default_rng(seed)
     n = robot.num_axes
     drives = replace(robot.drive_data, current_frequency=np.full(n, np.inf))
-    drive = RigidBodyDrive(robot, robot.home, period=0.004, drives=drives)
+    drive = RigidBodyDrive(robot, robot.home, period=0.004, drives=drives, feed_forward=known)
     for _ in range(5):
         q_ref = rng.uniform(np.maximum(axes.lower, -3.0), np.minimum(axes.upper, 3.0))
         for _ in range(20):

@@ -167,6 +167,51 @@ def test_every_robot_stands_and_comes_to_its_target(name: str):
     np.testing.assert_allclose(drive.position, target, atol=2e-3)
 
 
+def swing(drive: RigidBodyDrive, target: np.ndarray) -> float:
+    """Move from rest to rest, smoothly; returns the largest error on the way."""
+    start, period, worst = drive.position, 0.004, 0.0
+    axes, way = drive.robot.axes_data, np.abs(target - drive.position)
+    # A polynomial of fifth order, at half of each limit.
+    time = max(
+        2.0 * 1.875 * (way / axes.velocity).max(), np.sqrt(2.0 * 5.78 * (way / axes.acceleration).max())
+    )
+    steps = round(time / period)
+    for s in np.arange(1, steps + 1) / steps:
+        q = start + (10 - 15 * s + 6 * s**2) * s**3 * (target - start)
+        q_dot = 30.0 * s**2 * (1.0 - s) ** 2 * (target - start) / time
+        drive.step(q, q_dot)
+        worst = max(worst, float(np.abs(drive.position - q).max()))
+    return worst
+
+
+@pytest.mark.parametrize('name', available_robot_models())
+def test_controllers_that_know_the_model_settle_on_the_target(name: str):
+    robot = load_robot_model(name)
+    load = Payload(2.0, np.array([0.0, 0.0, 0.1]))
+    drive = RigidBodyDrive(robot, robot.home, period=0.004, payload=load, feed_forward=True)
+    for _ in range(50):
+        drive.step(robot.home)
+    np.testing.assert_allclose(drive.position, robot.home, atol=1e-9)
+    axes = robot.axes_data
+    for sign in (-1.0, 1.0, -0.3):
+        target = np.clip(robot.home + 0.2 * sign, axes.lower, axes.upper)
+        swing(drive, target)
+        for _ in range(750):
+            drive.step(target)
+        # What a controller asks for before it says "reached", in the time that it allows: 1e-5 rad, 3 s.
+        np.testing.assert_allclose(drive.position, target, atol=1e-5)
+
+
+def test_feed_forward_takes_over_what_the_cascade_leaves():
+    robot = ManutecR3()
+    target = robot.home + 0.3
+    errors = []
+    for known in (False, True):
+        drive = RigidBodyDrive(robot, robot.home, period=0.004, feed_forward=known)
+        errors.append(swing(drive, target))
+    assert errors[1] < 0.1 * errors[0]
+
+
 def test_motors_keep_their_torque_limit_and_recover():
     robot = load_robot_model('kuka_kr210_r2700')
     drive = RigidBodyDrive(robot, robot.home, period=0.004)

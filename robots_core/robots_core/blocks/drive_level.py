@@ -26,6 +26,7 @@ def drive_train(
     bandwidth: ArrayLike = 15.0,
     damping: ArrayLike = 1.0,
     payload: Payload = NOTHING,
+    feed_forward: bool = True,
 ) -> DriveTrain:
     """Drives of a robot.
 
@@ -38,6 +39,7 @@ def drive_train(
         bandwidth: Natural frequency of `second_order`, Hz, one number or (n,).
         damping: Damping ratio of `second_order`, one number or (n,).
         payload: What hangs on tool0, for `rigid_body`.
+        feed_forward: The controllers of `rigid_body` know robot and payload (see `RigidBodyDrive`).
 
     Raises:
         InvalidInputError: no such level, or values out of range.
@@ -47,7 +49,7 @@ def drive_train(
         return IdealDrive(q, period=period)
     if level == 'second_order':
         return SecondOrderDrive(q, period=period, bandwidth=bandwidth, damping=damping)
-    return RigidBodyDrive(robot, q, period=period, payload=payload)
+    return RigidBodyDrive(robot, q, period=period, payload=payload, feed_forward=feed_forward)
 
 
 def check_level(level: str) -> None:

@@ -7,8 +7,8 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from robots_core.blocks.base_motion import BaseMotion
+from robots_core.blocks.friction_kernel import accelerations
 from robots_core.blocks.payload import Payload
-from robots_core.blocks.rigid_body_kernel import accelerations
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_motion, finite_state, finite_vector
 
@@ -41,7 +41,6 @@ class Dynamics(ABC):
     ) -> None:
         self.robot = robot
         self.payload = payload
-        self._base = BaseMotion() if base is None else base
         self._n = robot.num_axes
         axes = robot.axes_data
         # Rows: reflected inertia, Coulomb and viscous friction, as compiled code takes them.
@@ -54,6 +53,8 @@ class Dynamics(ABC):
         self._no_motion = np.zeros(self._n)
         # Compiled code is made for one layout of memory; another would be compiled anew, for many seconds.
         self._q_dot, self._tau = np.zeros((2, self._n))
+        self._prepare()
+        self.base = BaseMotion() if base is None else base
 
     @property
     def base(self) -> BaseMotion:
@@ -62,7 +63,16 @@ class Dynamics(ABC):
 
     @base.setter
     def base(self, base: BaseMotion) -> None:
+        self._use_base(base)
         self._base = base
+
+    @abstractmethod
+    def _prepare(self) -> None:
+        """Make what the sums of this robot with its payload need, for any base."""
+
+    @abstractmethod
+    def _use_base(self, base: BaseMotion) -> None:
+        """Take a base for what is computed from now on."""
 
     @abstractmethod
     def _loaded(self, q: Array, q_dot: Array) -> tuple[Array, Array]:

@@ -8,13 +8,11 @@ import numpy as np
 
 from robots_core.blocks.base_motion import BaseMotion
 from robots_core.blocks.direct_kinematics import DirectKinematics
-from robots_core.blocks.dynamics import NOTHING, Dynamics
+from robots_core.blocks.dynamics import Dynamics
+from robots_core.blocks.friction_kernel import add_losses
 from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics, chain_dynamics_of
-from robots_core.blocks.payload import Payload
-from robots_core.blocks.rigid_body_kernel import add_losses
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
-from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 
 
@@ -23,45 +21,17 @@ class FunctionDynamics(Dynamics):
 
     Payload by the projection of its Newton-Euler equations through the Jacobian at its centre of mass
     (Kane); an inclined or accelerated base by the difference in gravity. A base that turns takes
-    `NumericalDynamics`.
-
-    Args:
-        robot: The robot.
-        payload: What hangs on tool0.
-        base: Orientation and linear acceleration of the base.
-        friction: With the friction of the robot's `axes_data`.
-        rotors: With the rotor inertias of the robot's `axes_data`.
+    `NumericalDynamics`. Arguments are those of `Dynamics`.
 
     Raises:
         InvalidInputError: a base that turns; or a payload or an inclined or accelerated base with a robot
             whose own dynamics are not those of its bodies, so that its gravity is not known.
     """
 
-    def __init__(
-        self,
-        robot: BaseRobotModel,
-        *,
-        payload: Payload = NOTHING,
-        base: BaseMotion | None = None,
-        friction: bool = True,
-        rotors: bool = True,
-    ) -> None:
-        super().__init__(robot, payload=payload, base=base, friction=friction, rotors=rotors)
+    def _prepare(self) -> None:
         self._loses = bool(self._losses.any())
-        self._loads = payload.mass > 0.0 or bool(payload.inertia.any())
-        self._tool = DirectKinematics(robot, tool=Pose(payload.center, np.eye(3)))
-        self._inclined = False
-        self._use_base(self._base)
-
-    @property
-    def base(self) -> BaseMotion:
-        """Orientation and linear acceleration of the base; may be set between two calls."""
-        return self._base
-
-    @base.setter
-    def base(self, base: BaseMotion) -> None:
-        self._use_base(base)
-        self._base = base
+        self._loads = self.payload.mass > 0.0 or bool(self.payload.inertia.any())
+        self._tool = DirectKinematics(self.robot, tool=Pose(self.payload.center, np.eye(3)))
 
     def _use_base(self, base: BaseMotion) -> None:
         if base.turns:

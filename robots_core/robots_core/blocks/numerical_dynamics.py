@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from robots_core.blocks.base_motion import BaseMotion
-from robots_core.blocks.dynamics import NOTHING, Dynamics
+from robots_core.blocks.dynamics import Dynamics
 from robots_core.blocks.inverse_kinematics.chain import SerialChain
 from robots_core.blocks.inverse_kinematics.chain_dynamics import chain_dynamics_of
 from robots_core.blocks.payload import Payload
@@ -22,29 +22,15 @@ class NumericalDynamics(Dynamics):
 
     Also computes the wrench in the mount. Recursive Newton-Euler, composite rigid body and articulated body
     algorithms by Pinocchio (Featherstone 2008), on a floating base where it turns or the mount is asked for.
-    A base that accelerates is one that gravity pulls the other way.
-
-    Args:
-        robot: The robot.
-        payload: What hangs on tool0.
-        base: How the base stands and moves.
-        friction: With the friction of the robot's `axes_data`.
-        rotors: With the rotor inertias of the robot's `axes_data`.
+    A base that accelerates is one that gravity pulls the other way. Arguments
+    are those of `Dynamics`.
 
     Raises:
         InvalidInputError: a robot whose own dynamics are not those of its bodies; use `FunctionDynamics`.
     """
 
-    def __init__(
-        self,
-        robot: BaseRobotModel,
-        *,
-        payload: Payload = NOTHING,
-        base: BaseMotion | None = None,
-        friction: bool = True,
-        rotors: bool = True,
-    ) -> None:
-        super().__init__(robot, payload=payload, base=base, friction=friction, rotors=rotors)
+    def _prepare(self) -> None:
+        robot, payload = self.robot, self.payload
         dynamics = chain_dynamics_of(robot)
         self.gravity = dynamics.gravity
         """Acceleration of free fall of an upright base at rest, (3,), m/s^2."""
@@ -58,17 +44,6 @@ class NumericalDynamics(Dynamics):
         self._fixed = body_model(robot, dynamics.chain, payload, floating=False)
         self._fixed.armature = np.array(self._losses[0])
         self._fixed_data = self._fixed.createData()
-        self._use_base(self._base)
-
-    @property
-    def base(self) -> BaseMotion:
-        """How the base stands and moves; may be set between two calls."""
-        return self._base
-
-    @base.setter
-    def base(self, base: BaseMotion) -> None:
-        self._base = base
-        self._use_base(base)
 
     def _use_base(self, base: BaseMotion) -> None:
         self._turns = base.turns

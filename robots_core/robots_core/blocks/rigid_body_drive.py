@@ -12,6 +12,7 @@ from robots_core.blocks import rigid_body_kernel as kernel
 from robots_core.blocks.base_motion import BaseMotion
 from robots_core.blocks.drive_train import DriveTrain
 from robots_core.blocks.dynamics import NOTHING
+from robots_core.blocks.feed_forward import FeedForward
 from robots_core.blocks.inverse_kinematics.chain_dynamics import mass_matrix_and_bias
 from robots_core.blocks.loaded_chain import loaded_chain
 from robots_core.blocks.payload import Payload
@@ -33,6 +34,10 @@ class RigidBodyDrive(DriveTrain):
     faster. The step is stable for any gains; axes that stand are held by friction, exactly. See
     `rigid_body_kernel`.
 
+    The cascade alone follows late, hangs by the twist of elastic gears, and hunts about its target where
+    stiction is higher than friction. Controllers that know the robot's model, as those that are sold do,
+    feed forward what it asks of the motors; then the joints settle where they should.
+
     Args:
         robot: The robot.
         q: Joint positions at the start, (n,), rad (m), at rest and held by the motors.
@@ -40,6 +45,8 @@ class RigidBodyDrive(DriveTrain):
         payload: What hangs on tool0.
         base: Orientation and linear acceleration of the base.
         drives: Controllers, motors and gears; the robot's by default.
+        feed_forward: Add what the reference asks of the motors by the robot's model, its payload and friction
+            (see `FeedForward`); without, the cascade is that of RobotR3.
         longest_step: Of the integration, s, at most 1 ms; a period is divided into equal ones.
 
     Raises:
@@ -56,6 +63,7 @@ class RigidBodyDrive(DriveTrain):
         payload: Payload = NOTHING,
         base: BaseMotion | None = None,
         drives: DriveData | None = None,
+        feed_forward: bool = False,
         longest_step: float = DEFAULT_STEP,
     ) -> None:
         n = robot.num_axes
@@ -74,12 +82,15 @@ class RigidBodyDrive(DriveTrain):
         self._dynamics = loaded_chain(robot, payload, base).arrays
         elastic = np.isfinite(self.drives.stiffness)
         self._motors = np.where(elastic, n - 1 + np.cumsum(elastic), np.arange(n)).astype(np.int64)
-        self._start, self._end = np.zeros((2, 2, n))
+        self._start, self._end, self._feed = np.zeros((3, 2, n))
         self._state = np.zeros((kernel.STATE_ROWS, n))
-        self._rest(finite_vector(q, n, 'q'))
+        q = finite_vector(q, n, 'q')
+        self._model = FeedForward(self._dynamics, self.drives, q) if feed_forward else None
+        self._reference = np.array(q)
+        self._rest(q)
         # Compiled code is loaded here and not in the first step of a real-time loop.
         self._fixed = (self._dynamics, self._drive, self._motors)
-        kernel.advance(*self._fixed, self._state.copy(), self._end, self._end, self._period, 1)
+        kernel.advance(*self._fixed, self._state.copy(), self._end, self._end, self._feed, self._period, 1)
 
     def _rest(self, q: Array) -> None:
         """Stand at `q`, every torque in balance with the weight; no friction is needed."""
@@ -91,10 +102,14 @@ class RigidBodyDrive(DriveTrain):
         state[kernel.TORQUE] = state[kernel.JOINT_TORQUE] = weight
         lag = np.where(np.isfinite(drives.current_frequency), drives.current_frequency, 0.0)
         state[kernel.TORQUE_RATE] = 2.0 * drives.current_damping * lag * weight
+        if self._model is not None:
+            self._feed[1] = drives.coulomb_friction
+            self._end[0] = state[kernel.MOTOR]
+            return
         # The speed control's integrator carries the weight and what the position control makes of the twist.
         held = np.divide(weight, drives.velocity_gain, out=np.zeros(n), where=drives.velocity_gain > 0.0)
         state[kernel.INTEGRAL] = held + drives.position_gain * (state[kernel.MOTOR] - q)
-        self._start[0] = self._end[0] = q
+        self._end[0] = q
 
     @property
     def position(self) -> Array:
@@ -130,14 +145,18 @@ class RigidBodyDrive(DriveTrain):
         """
         n = self._end.shape[1]
         q_ref = finite_vector(q_ref, n, 'q_ref')
-        self._start[:] = self._end
-        self._end[0] = q_ref
-        self._end[1] = (
-            (q_ref - self._start[0]) / self._period
-            if q_dot_ref is None
-            else finite_vector(q_dot_ref, n, 'q_dot_ref')
+        before, self._reference = self._reference, np.array(q_ref)
+        velocity = (
+            (q_ref - before) / self._period if q_dot_ref is None else finite_vector(q_dot_ref, n, 'q_dot_ref')
         )
-        finite = kernel.advance(*self._fixed, self._state, self._start, self._end, self._period, self._steps)
+        self._start[:] = self._end
+        if self._model is None:
+            self._end[0], self._end[1] = q_ref, velocity
+        else:
+            self._end[0], self._end[1], self._feed[0] = self._model.advance(q_ref, velocity, self._period)
+        finite = kernel.advance(
+            *self._fixed, self._state, self._start, self._end, self._feed, self._period, self._steps
+        )
         if not finite:
             raise RobotsError(
                 f'the drives of robot {self.robot.name!r} lost their state: not finite any more'

@@ -2,10 +2,8 @@
 """Compiled time step of drives and bodies together, stable for any gains and friction.
 
 Implicit midpoint rule for gears, motors and controllers; the mass matrix and the velocity-dependent torques
-are taken at a predicted midpoint. Friction is implicit: with A symmetric and positive definite, the
-velocities at the end of a step minimise w^T A w / 2 - b^T w + h sum_j coulomb_j |w_j|, which has one
-solution; an axis either slides or stands still exactly (time stepping after Moreau 1988). All quantities
-are those at the joint: a motor with gear ratio i turns i times as fast, with 1/i of the torque.
+are taken at a predicted midpoint. Friction is implicit, see `friction_kernel`. All quantities are those at
+the joint: a motor with gear ratio i turns i times as fast, with 1/i of the torque.
 """
 
 from __future__ import annotations
@@ -15,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from robots_core.blocks.friction_kernel import solve_free, sweep
 from robots_core.blocks.inverse_kinematics.chain_dynamics import DynamicsArrays, mass_matrix_and_bias
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
@@ -46,10 +45,9 @@ Q_DDOT: Final = 7  # mean of the last step
 JOINT_TORQUE: Final = 8  # mean of the last step, behind gear and friction
 STATE_ROWS: Final = 9
 
-# Sweeps end when no velocity changes by more than rounding of the largest; as many as these suffice for axes
-# that push each other hard, and what is left after them is removed in the next step.
-SWEEP_TOLERANCE: Final = 1e-13
-MAX_SWEEPS: Final = 200
+# Friction known beforehand is fed forward in full from this wanted speed on: with a position gain of 5/s, an
+# axis comes loose while it is more than 2e-6 rad from its reference.
+CREEP: Final = 1e-5  # rad/s (m/s)
 
 
 @compiled()
@@ -60,14 +58,16 @@ def advance(
     state: Array,
     start: Array,
     end: Array,
+    feed: Array,
     period: float,
     steps: int,
 ) -> bool:
     """Advance state (9, n) by a period, in steps.
 
-    The reference (2, n), position and velocity, leads from `start` to `end` on a cubic. `motors` (n,) says
-    where the motor's speed stands among the unknowns: with the joint's where the gear is rigid, else behind
-    all joints.
+    The reference (2, n) of the motors, position and velocity, leads from `start` to `end` on a cubic.
+    `feed` (2, n) is what the controllers know beforehand: torques wanted in this period, and friction of
+    moving axes. `motors` (n,) says where the motor's speed stands among the unknowns: with the joint's where
+    the gear is rigid, else behind all joints.
 
     Returns:
         False if a value is not finite any more.
@@ -79,21 +79,22 @@ def advance(
     M, bias = np.empty((n, n)), np.empty(n)
     A, b, speed = np.empty((size, size)), np.empty(size), np.empty(size)
     q_ref, v_ref = np.empty(n), np.empty(n)
-    current, saturated = np.empty((2, n)), np.zeros(n)
+    current, saturated, ahead = np.empty((2, n)), np.zeros(n), np.empty(n)
     h = period / steps
     for step in range(steps):
         _reference(start, end, period, (step + 0.5) / steps, q_ref, v_ref)
+        _ahead(drive, state, q_ref, v_ref, feed, ahead)
         q_mid = state[Q] + 0.5 * h * (state[Q_DOT] + 0.25 * h * state[Q_DDOT])
         v_mid = state[Q_DOT] + 0.5 * h * state[Q_DDOT]
         mass_matrix_and_bias(dynamics, q_mid, v_mid, M, bias)
         saturated[:] = 0.0
         for _ in range(n + 1):
-            _motor_torques(drive, state, q_ref, v_ref, saturated, h, current)
+            _motor_torques(drive, state, q_ref, v_ref, ahead, saturated, h, current)
             _assemble(drive, motors, state, M, bias, current, h, A, b)
             _solve_with_friction(drive, motors, state, h, A, b, speed)
-            if not _saturate(drive, motors, state, q_ref, v_ref, h, speed, saturated):
+            if not _saturate(drive, motors, state, q_ref, v_ref, ahead, h, speed, saturated):
                 break
-        _move(drive, motors, state, q_ref, v_ref, saturated, M, bias, current, h, speed)
+        _move(drive, motors, state, q_ref, v_ref, ahead, saturated, M, bias, current, h, speed)
     total = 0.0
     for j in range(n):
         total += abs(state[Q, j]) + abs(state[Q_DOT, j]) + abs(state[TORQUE, j])
@@ -113,13 +114,35 @@ def _reference(start: Array, end: Array, period: float, part: float, q_ref: Arra
 
 
 @compiled()
+def _ahead(drive: Array, state: Array, q_ref: Array, v_ref: Array, feed: Array, ahead: Array) -> None:
+    """Fill ahead (n,): torques known beforehand; friction in the direction that the position control wants.
+
+    An axis that should creep while it stands is given its stiction, so that it comes loose and does not wait
+    for the integrator, which would then carry it past its target, again and again.
+    """
+    for j in range(ahead.size):
+        wanted = v_ref[j] + drive[POSITION_GAIN, j] * (q_ref[j] - state[MOTOR, j])
+        friction = feed[1, j]
+        if state[MOTOR_DOT, j] == 0.0:
+            friction *= drive[STICTION, j]
+        ahead[j] = feed[0, j] + friction * min(max(wanted / CREEP, -1.0), 1.0)
+
+
+@compiled()
 def _motor_torques(
-    drive: Array, state: Array, q_ref: Array, v_ref: Array, saturated: Array, h: float, current: Array
+    drive: Array,
+    state: Array,
+    q_ref: Array,
+    v_ref: Array,
+    ahead: Array,
+    saturated: Array,
+    h: float,
+    current: Array,
 ) -> None:
     """Fill current (2, n): mean torque of the step = row 0 - row 1 * mean motor speed.
 
     Cascade: speed error e = v_ref + position_gain (q_ref - motor) - motor_dot; torque
-    velocity_gain (e + integral / integral_time); then the current control, a second-order lag.
+    velocity_gain (e + integral / integral_time) + ahead; then the current control, a second-order lag.
     """
     for j in range(state.shape[1]):
         if saturated[j] != 0.0:
@@ -129,6 +152,7 @@ def _motor_torques(
             growth = 1.0 + 0.5 * h / drive[INTEGRAL_TIME, j]
             kp = drive[POSITION_GAIN, j]
             a = gain * (growth * (v_ref[j] + kp * (q_ref[j] - state[MOTOR, j])) + state[INTEGRAL, j])
+            a += ahead[j]
             slope = gain * growth * (1.0 + 0.5 * h * kp)
         w = drive[CURRENT_FREQUENCY, j]
         if np.isfinite(w):
@@ -204,13 +228,13 @@ def _solve_with_friction(
             hold[m] *= drive[STICTION, j]
         else:
             sign[m] = np.sign(state[MOTOR_DOT, j])
-    _solve_free(A, b, sign * slide, stands, w)
+    solve_free(A, b, sign * slide, stands, w)
     for j in range(n):
         m = motors[j]
         if slide[m] > 0.0 and w[m] * sign[m] <= 0.0:
             w[m] = 0.0
     for _ in range(size + 1):
-        _sweep(A, b, hold, w)
+        sweep(A, b, hold, w)
         slipped = False
         for i in range(size):
             if hold[i] > slide[i] and w[i] != 0.0:
@@ -221,90 +245,13 @@ def _solve_with_friction(
 
 
 @compiled()
-def add_losses(losses: Array, q_dot: Array, M: Array, tau_aux: Array) -> None:
-    """Add losses (3, n), rows reflected inertia, Coulomb and viscous friction, to M and tau_aux."""
-    for j in range(q_dot.size):
-        M[j, j] += losses[0, j]
-        tau_aux[j] += losses[1, j] * np.sign(q_dot[j]) + losses[2, j] * q_dot[j]
-
-
-@compiled()
-def accelerations(losses: Array, q_dot: Array, M: Array, tau: Array) -> Array:
-    """q_ddot (n,) of M q_ddot = tau - friction of axes at rest, which stand until it is overcome.
-
-    They minimise q_ddot^T M q_ddot / 2 - tau^T q_ddot + sum_j coulomb_j |q_ddot_j|.
-    """
-    n = tau.size
-    q_ddot, hold = np.zeros(n), np.zeros(n)
-    stands = np.zeros(n, dtype=np.bool_)
-    _solve_free(M, tau, hold, stands, q_ddot)
-    for j in range(n):
-        if q_dot[j] == 0.0 and losses[1, j] > 0.0:
-            hold[j] = losses[1, j]
-    if hold.any():
-        _sweep(M, tau, hold, q_ddot)
-    return q_ddot
-
-
-@compiled()
-def _sweep(A: Array, b: Array, hold: Array, w: Array) -> None:
-    size = b.size
-    for _ in range(MAX_SWEEPS):
-        change, largest = 0.0, 1e-9
-        for i in range(size):
-            rest = b[i]
-            for j in range(size):
-                if j != i:
-                    rest -= A[i, j] * w[j]
-            if rest > hold[i]:
-                value = (rest - hold[i]) / A[i, i]
-            elif rest < -hold[i]:
-                value = (rest + hold[i]) / A[i, i]
-            else:
-                value = 0.0
-            change = max(change, abs(value - w[i]))
-            largest = max(largest, abs(value))
-            w[i] = value
-        if change <= SWEEP_TOLERANCE * largest:
-            return
-
-
-@compiled()
-def _solve_free(A: Array, b: Array, friction: Array, stands: NDArray[np.bool_], w: Array) -> None:
-    """Fill w by Cholesky's method: A w = b - friction, those that stand left out at zero."""
-    size = b.size
-    L = np.zeros((size, size))
-    for i in range(size):
-        if stands[i]:
-            w[i] = 0.0
-            continue
-        total = b[i] - friction[i]
-        for j in range(i + 1):
-            if stands[j]:
-                continue
-            value = A[i, j]
-            for k in range(j):
-                value -= L[i, k] * L[j, k]
-            L[i, j] = np.sqrt(value) if i == j else value / L[j, j]
-        for j in range(i):
-            total -= L[i, j] * w[j]
-        w[i] = total / L[i, i]
-    for i in range(size - 1, -1, -1):
-        if stands[i]:
-            continue
-        total = w[i]
-        for j in range(i + 1, size):
-            total -= L[j, i] * w[j]
-        w[i] = total / L[i, i]
-
-
-@compiled()
 def _saturate(
     drive: Array,
     motors: NDArray[np.int64],
     state: Array,
     q_ref: Array,
     v_ref: Array,
+    ahead: Array,
     h: float,
     w: Array,
     saturated: Array,
@@ -313,7 +260,8 @@ def _saturate(
     found = False
     for j in range(state.shape[1]):
         if saturated[j] == 0.0:
-            torque = _wanted(drive, state, q_ref, v_ref, h, 0.5 * (state[MOTOR_DOT, j] + w[motors[j]]), j)
+            mean = 0.5 * (state[MOTOR_DOT, j] + w[motors[j]])
+            torque = _wanted(drive, state, q_ref, v_ref, h, mean, j) + ahead[j]
             if abs(torque) > drive[TORQUE_LIMIT, j]:
                 saturated[j] = np.sign(torque)
                 found = True
@@ -342,6 +290,7 @@ def _move(
     state: Array,
     q_ref: Array,
     v_ref: Array,
+    ahead: Array,
     saturated: Array,
     M: Array,
     bias: Array,
@@ -356,7 +305,7 @@ def _move(
     for j in range(n):
         mean = 0.5 * (state[MOTOR_DOT, j] + w[motors[j]])
         torque = current[0, j] - current[1, j] * mean
-        wanted = _wanted(drive, state, q_ref, v_ref, h, mean, j)
+        wanted = _wanted(drive, state, q_ref, v_ref, h, mean, j) + ahead[j]
         if saturated[j] != 0.0:
             wanted = saturated[j] * drive[TORQUE_LIMIT, j]
         error = _speed_error(drive, state, q_ref, v_ref, h, mean, j)

@@ -57,6 +57,12 @@ class DriveNode(RobotNode):
             'damping', [1.0], 'second_order: damping ratio; one number or one per axis', read_only=True
         )
         payload: Payload = payload_from_parameters(self, read_only=True)
+        feed_forward = self.parameter(
+            'feed_forward',
+            True,
+            'rigid_body: the controllers know robot and payload and feed forward what a reference takes',
+            read_only=True,
+        )
         start = self.parameter(
             'initial_position',
             [float('nan')],
@@ -67,7 +73,14 @@ class DriveNode(RobotNode):
         q = self.robot.home if np.isnan(start).all() else axes.check_position(start, 'initial_position')
         self._period = 1.0 / rate
         self._drives = drive_train(
-            level, self.robot, q, period=self._period, bandwidth=bandwidth, damping=damping, payload=payload
+            level,
+            self.robot,
+            q,
+            period=self._period,
+            bandwidth=bandwidth,
+            damping=damping,
+            payload=payload,
+            feed_forward=feed_forward,
         )
         self._injection = FaultInjection(axes.names)
         self._declare_faults()

@@ -1,0 +1,47 @@
+"""FeedForward: what a reference asks of the motors, by the model of the robot."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robots_core.blocks.inverse_kinematics.chain_dynamics import DynamicsArrays, mass_matrix_and_bias
+from robots_core.robot_model.drive_data import DriveData
+from robots_core.validation import Array
+
+
+class FeedForward:
+    """Torques and leads of the motors for a reference of the joints, period by period.
+
+    The torque is (M + rotors) q_ddot + tau_aux + viscous q_dot. The motor of an elastic gear leads its joint
+    by the twist that moves it, (M q_ddot + tau_aux) / stiffness (Spong 1987, first order in the twist).
+
+    Args:
+        dynamics: The bodies.
+        drives: Motors and gears.
+        q: Reference at the start, (n,), rad (m), at rest.
+    """
+
+    def __init__(self, dynamics: DynamicsArrays, drives: DriveData, q: Array) -> None:
+        self._dynamics, self._drives = dynamics, drives
+        n = q.size
+        self._M, self._bias = np.empty((n, n)), np.empty(n)
+        self._q, self._q_dot = np.array(q), np.zeros(n)
+        mass_matrix_and_bias(dynamics, self._q, self._q_dot, self._M, self._bias)
+        self._twist = self._bias / drives.stiffness
+
+    def advance(self, q: Array, q_dot: Array, period: float) -> tuple[Array, Array, Array]:
+        """Go on to the reference (n,) at the end of a period, s.
+
+        Returns:
+            Position and velocity of the motors there, (n,), through their gears, and the mean torque of the
+            period, (n,), N m (N).
+        """
+        q_ddot = (q_dot - self._q_dot) / period
+        speed = 0.5 * (self._q_dot + q_dot)
+        start = self._M @ q_ddot + self._bias
+        self._q[:], self._q_dot[:] = q, q_dot
+        mass_matrix_and_bias(self._dynamics, self._q, self._q_dot, self._M, self._bias)
+        end = self._M @ q_ddot + self._bias
+        torque = 0.5 * (start + end) + self._drives.inertia * q_ddot + self._drives.viscous_friction * speed
+        before, self._twist = self._twist, end / self._drives.stiffness
+        return q + self._twist, q_dot + (self._twist - before) / period, torque
