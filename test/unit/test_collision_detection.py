@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,8 @@ from robots_core.blocks import (
     CollisionDetection,
     CollisionError,
     JointPath,
+    PathProximity,
+    Proximity,
     Scene,
     SceneObject,
 )
@@ -103,7 +107,7 @@ def test_a_colliding_motion_is_refused_with_bodies_and_place(robot: BaseRobotMod
     collision = CollisionDetection(robot, scene=Scene((ball(robot, turned(robot, 0.6)),)))
     planning = PathPlanning(robot, collision=collision, collision_margin=0.01)
     target = turned(robot, 1.2)
-    with pytest.raises(CollisionError, match=r'ball after .* % of the path') as info:
+    with pytest.raises(CollisionError, match=r'ball after .* % of the path .*; the margin is 10 mm') as info:
         planning.plan(RobotCommandState.PTPJOINT_JOINT, robot.home, target)
     assert isinstance(info.value, PlanningError)
     details = info.value.details
@@ -181,3 +185,14 @@ def test_bad_input_is_refused(robot: BaseRobotModel, value: float):
         detection.set_scene(Scene((SceneObject('link_3', Sphere(0.1), Pose.identity()),)))
     with pytest.raises(InvalidInputError, match='two objects'):
         Scene((ball(robot, robot.home), ball(robot, robot.home)))
+
+
+def test_a_distance_that_is_only_maybe_below_the_margin_says_so():
+    point = np.zeros(3)
+    near = Proximity('hand/flange', 'post', 0.00506, point, point)
+    place = PathProximity(1.0, 0.5, point, Pose.identity(), near)
+    assert 'hand/flange comes to 5.1 mm from post' in str(CollisionError(place, 0.005))
+    assert str(CollisionError(place, 0.005)).endswith('the margin is 5 mm, told along a path to 0.1 mm')
+    assert str(CollisionError(place, 0.006)).endswith('the margin is 6 mm')
+    contact = replace(place, proximity=replace(near, distance=0.0))
+    assert 'margin' not in str(CollisionError(contact, 0.005))

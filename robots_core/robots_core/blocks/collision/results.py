@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from robots_core.blocks.collision.path_search import RESOLUTION
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.validation import Array
@@ -77,9 +78,13 @@ class CollisionError(PlanningError):
 
     def __init__(self, place: PathProximity, margin: float) -> None:
         x, y, z = (float(value) for value in place.tool0.r)
-        kept = '' if place.proximity.in_contact else f'; kept free must be {1e3 * margin:g} mm'
+        message = f'the motion collides: {place.describe()}'
+        if not place.proximity.in_contact:
+            message += f'; the margin is {1e3 * margin:g} mm'
+            if place.proximity.distance >= margin:
+                message += f', told along a path to {1e3 * RESOLUTION:g} mm'
         super().__init__(
-            f'the motion collides: {place.describe()}{kept}',
+            message,
             link=place.proximity.first,
             obstacle=place.proximity.second,
             distance=place.proximity.distance,
