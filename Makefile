@@ -1,13 +1,13 @@
 # Everything on a fresh machine: `make demo` or `make test`. Needs Python 3.11-3.13 with venv, make and git.
 
-ROBOT ?= kuka_kr210_r2700
 PROGRAM ?= programs/welding.lua
-# The scripted PLC that a program works with, if it has one.
-IO ?= $(wildcard $(dir $(PROGRAM))io/$(basename $(notdir $(PROGRAM))).yaml)
+# In the place of those that the program names at its top.
+ROBOT ?=
+IO ?=
+SCENE ?=
 VIEW ?= 0
 # Of simulations.
 DRIVE ?= second_order
-SCENE ?=
 ROS_DISTRO_SETUP := /opt/ros/jazzy/setup.bash
 
 SHELL := /bin/bash
@@ -60,13 +60,14 @@ $(BUILD_STAMP): $(VENV_STAMP) $(SOURCES)
 build: $(BUILD_STAMP)  ## Set up .venv and build the workspace
 
 .PHONY: demo
-demo: build  ## Run a robot program: ROBOT=..., PROGRAM=..., VIEW=1 keeps the browser page open
+demo: build  ## Run a robot program: PROGRAM=..., ROBOT=..., SCENE=..., VIEW=1 keeps the browser page open
 	@$(RUN) cell_options=$$([ "$(VIEW)" = 1 ] && echo --view || true); \
-	  exec install/robots_controller/lib/robots_controller/cell --robot "$(ROBOT)" --program "$(PROGRAM)" --io "$(IO)" --record out --once $$cell_options
+	  exec install/robots_controller/lib/robots_controller/cell --program "$(PROGRAM)" --robot "$(ROBOT)" --io "$(IO)" --scene "$(SCENE)" \
+	  --record out --once $$cell_options
 
 .PHONY: simulate
-simulate: build  ## Simulate a robot program without ROS: ROBOT=..., PROGRAM=..., DRIVE=..., SCENE=...
-	@$(RUN) folder="out/simulated_$(basename $(notdir $(PROGRAM)))_$(ROBOT)_$$(date +%Y%m%d-%H%M%S)"; \
+simulate: build  ## Simulate a robot program without ROS: PROGRAM=..., ROBOT=..., DRIVE=..., SCENE=...
+	@$(RUN) folder="out/simulated_$(basename $(notdir $(PROGRAM)))$(if $(ROBOT),_$(ROBOT))_$$(date +%Y%m%d-%H%M%S)"; \
 	  exec install/robots_controller/lib/robots_controller/simulate "$(PROGRAM)" --robot "$(ROBOT)" --drive "$(DRIVE)" \
 	  --io "$(IO)" --scene "$(SCENE)" --bag "$$folder/bag" --report "$$folder/report.html"
 

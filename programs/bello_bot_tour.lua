@@ -1,5 +1,5 @@
--- Bello Bot carries a part from the left of its table to the right: seven axes, gripper on digital
--- output 1, gripping force (newtons) on analog output 1, part sensor on digital input 1.
+-- Robot: bello_bot
+-- Carries a part across its table. Gripper: output 1, its force (N): analog output 1, part sensor: input 1.
 local CLOSED, OPEN = 1, 0
 local ABOVE, AT_PART = 0.42, 0.32 -- m, height of the flange
 

@@ -1,5 +1,5 @@
--- A KUKA KR 210 tends a press. The signals come from a PLC; programs/io/press_tending.yaml is a scripted
--- one that plays it, and says which signal means what.
+-- Robot: kuka_kr210_r2700  IO: io/press_tending.yaml
+-- Tends a press whose signals come from a PLC; the file above plays it and says which signal means what.
 local PRESS_READY, PRESS_CLOSED, PART_PRESENT, PART_PRESSED = 1, 2, 3, 4 -- digital inputs
 local START_PRESS, GRIPPER, PART_PLACED = 1, 2, 3 -- digital outputs
 local PARTS, PATIENCE = 2, 10 -- parts, s

@@ -1,6 +1,6 @@
--- Rover mission after the paper's section 5.4: a Jaco arm on a rover takes a sensor package from its rack
--- and places it on the ground. Robot: kinova_j2n6s300. Hand on digital output 1.
--- All lines are relative: the way is what counts, whichever way the arm stands on its rover.
+-- Robot: kinova_j2n6s300
+-- Rover mission after the paper's section 5.4: takes a sensor package from a rack and puts it on the ground.
+-- Hand on digital output 1. All lines are relative: the way counts, however the arm stands on its rover.
 local LIFT = 0.10 -- m
 
 local function hand(closed)

@@ -1,6 +1,6 @@
--- Active debris removal after the paper's section 5.3: a three-axis arm on a satellite grasps the docking
--- ring of a target that still drifts. Robot: debris_arm, in orbit debris_arm?gravity=0,0,0.
--- Gripper on digital output 1; digital input 1 tells contact, where somebody measures it.
+-- Robot: debris_arm?gravity=0,0,0
+-- Active debris removal after the paper's section 5.3: an arm on a satellite grasps the docking ring of a
+-- target that still drifts. Gripper on digital output 1; digital input 1 tells contact, if somebody does.
 local SHOULDER, UPPER_ARM, FOREARM = 1.15, 1.70, 1.60 -- m
 
 -- Three axes reach a position, not a pose: joint angles in degrees from the geometry of two links.

@@ -1,5 +1,5 @@
--- Positioning during a welding process: six axes, welding gun on digital output 1.
--- The program example of the DLR Robots library's paper, section 4.4, as far as it is printed.
+-- Robot: kuka_kr210_r2700
+-- Welding, the example of the paper's section 4.4 as far as it is printed. Welding gun on digital output 1.
 print("Welding Program 1")
 setDigitalOutput(1, 0) -- deactivate welding gun
 wait(1)

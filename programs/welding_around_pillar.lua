@@ -1,5 +1,5 @@
--- Spots on both sides of a car's B pillar, welded through its doors, in the cell programs/scenes/car_frame.yaml.
--- The corrected twin of welding_collision.lua: the gun leaves the front door before it goes to the rear one.
+-- Robot: kuka_kr210_r2700  Scene: scenes/car_frame.yaml
+-- Spots on both sides of a car's B pillar; out of the front door first, unlike welding_collision.lua.
 print("Welding a car frame")
 ptpJointSpacePosition(1.30, -0.55, 1.70, 0, 115, 0) -- away from the roof
 ptpJointSpacePosition(1.60, -0.55, 1.30, 0, 115, 0) -- before the front door

@@ -1,5 +1,5 @@
--- Wheel test after the paper's section 5.2: a KUKA KR 210 R3100 follows a rolling rover wheel over the soil
--- at constant speed. The wheel's drive is on analog output 1 (rad/s), the measurement on digital output 1.
+-- Robot: kuka_kr210_r3100
+-- Wheel test (paper, 5.2): at constant speed; wheel drive on analog output 1 (rad/s), measuring on digital 1.
 local RADIUS, SPEED = 0.125, 0.05 -- m, m/s
 local TRACK, RAMP = 0.80, 0.05 -- m: measured way, and the way before and after it to gain and lose speed
 local X, HEIGHT, LIFT = 1.80, 0.70, 0.15 -- m: where the track is

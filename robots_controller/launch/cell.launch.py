@@ -1,11 +1,12 @@
-"""ros2 launch robots_controller cell.launch.py robot:=... program:=... scene:=... io:=... io_map:=..."""
+"""ros2 launch robots_controller cell.launch.py program:=... robot:=... scene:=... io:=... io_map:=..."""
 
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
 from launch.substitutions import EnvironmentVariable, LaunchConfiguration
 from launch_ros.actions import Node
 
 from launch import LaunchContext, LaunchDescription
-from robots_controller.cell_graph import cell_graph
+from robots_controller.cell_graph import DEFAULT_ROBOT, cell_graph
+from robots_controller.program_header import ProgramHeader, read_program_header
 
 
 def nodes(context: LaunchContext) -> list[Node]:
@@ -14,14 +15,16 @@ def nodes(context: LaunchContext) -> list[Node]:
         name: LaunchConfiguration(name).perform(context)
         for name in ('robot', 'program', 'namespace', 'io', 'io_map', 'scene', 'drive', 'guided')
     }
+    header = read_program_header(value['program']) if value['program'] else ProgramHeader()
+    cell = header.replaced_by(robot=value['robot'], scene=value['scene'], io=value['io'])
     graph = cell_graph(
-        robot=value['robot'],
+        robot=cell.robot or DEFAULT_ROBOT,
         program=value['program'],
         autostart=bool(value['program']),
         drive=value['drive'],
-        io=value['io'],
+        io=cell.io,
         io_map=value['io_map'],
-        scene=value['scene'],
+        scene=cell.scene,
         guided=value['guided'],
     )
     return [
@@ -45,7 +48,7 @@ def generate_launch_description() -> LaunchDescription:
                 'ROS_AUTOMATIC_DISCOVERY_RANGE',
                 EnvironmentVariable('ROS_AUTOMATIC_DISCOVERY_RANGE', default_value='LOCALHOST'),
             ),
-            DeclareLaunchArgument('robot', default_value='bello_bot', description="the robot's name"),
+            DeclareLaunchArgument('robot', default_value='', description="the robot's name"),
             DeclareLaunchArgument('program', default_value='', description='Lua robot program to run'),
             DeclareLaunchArgument('scene', default_value='', description='scene to keep clear of (YAML)'),
             DeclareLaunchArgument(

@@ -21,13 +21,14 @@ from rich.console import Console
 from rich.markup import escape
 
 from robots_controller.cell_events import Event, MotionEnded, MotionPlanned, NodeHealth, ProgramStatus
-from robots_controller.cell_graph import cell_graph
+from robots_controller.cell_graph import DEFAULT_ROBOT, cell_graph
 from robots_controller.cell_view import CellView
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.motion_report import motion_report
 from robots_controller.node_processes import NodeProcesses
 from robots_controller.nodes.bag_recorder import BagRecorder
 from robots_controller.nodes.cell_monitor import CellMonitor
+from robots_controller.program_header import ProgramHeader, read_program_header
 from robots_core.blocks.drive_level import DRIVE_LEVELS
 from robots_core.blocks.pose_following import METHODS
 from robots_core.errors import RobotsError
@@ -65,6 +66,7 @@ class CellOptions:
     """What `cell` is asked to do; see its command line for the meaning."""
 
     robot: str
+    note: str
     program: str
     namespace: str
     record: Path | None
@@ -106,8 +108,10 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         RobotsError: a program that does not exist.
     """
     parser = argparse.ArgumentParser(prog='cell', description=__doc__)
-    parser.add_argument('--robot', default='bello_bot', help="the robot's name, or urdf:/path/to/robot.urdf")
-    parser.add_argument('--program', default='', help='Lua robot program to run')
+    parser.add_argument('--robot', default='', help="the robot's name, or urdf:/path/to/robot.urdf")
+    parser.add_argument(
+        '--program', default='', help='Lua robot program to run; its header names robot, scene and io'
+    )
     parser.add_argument('--namespace', default='/', help='ROS namespace of all nodes')
     parser.add_argument('--record', type=Path, metavar='FOLDER', help='record a bag below this folder')
     parser.add_argument('--once', action='store_true', help='end when the program has ended')
@@ -131,8 +135,12 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         raise RobotsError(f'program {options.program!r} not found; programs are Lua files, see programs/')
     if options.once and not options.program:
         raise RobotsError('--once needs a --program to run')
+    header = read_program_header(options.program) if options.program else ProgramHeader()
+    chosen = header.replaced_by(robot=options.robot, scene=options.scene, io=options.io)
+    robot = chosen.robot or DEFAULT_ROBOT
     return CellOptions(
-        robot=options.robot,
+        robot=robot,
+        note=header.note(options.program, robot),
         program=str(Path(options.program).resolve()) if options.program else '',
         namespace='/' + options.namespace.strip('/'),
         record=options.record,
@@ -142,9 +150,9 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         drive=options.drive,
         goal_tolerance=options.goal_tolerance,
         port=options.port,
-        io=str(Path(options.io).resolve()) if options.io else '',
+        io=str(Path(chosen.io).resolve()) if chosen.io else '',
         io_map=str(Path(options.io_map).resolve()) if options.io_map else '',
-        scene=str(Path(options.scene).resolve()) if options.scene else '',
+        scene=str(Path(chosen.scene).resolve()) if chosen.scene else '',
         guided=options.guided,
     )
 
@@ -179,6 +187,8 @@ def run_cell(options: CellOptions, console: Console) -> int:
     processes = NodeProcesses(graph, namespace=options.namespace, log_folder=folder / 'log')
     job = f' runs [bold]{Path(options.program).name}[/]' if options.program else ''
     console.print(f'[bold]{options.robot}[/]{job}')
+    if options.note:
+        console.print(f'[yellow]{options.note}[/]')
     with _listen(options, folder / 'bag' if options.record else None) as (monitor, recorder):
         view = CellView(console, processes.names)
         cell = _Cell(options, processes, monitor, recorder, view)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Final
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
@@ -17,6 +17,9 @@ from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drive_level import check_level
 from robots_core.blocks.pose_following import METHODS
 from robots_core.errors import RobotsError
+
+DEFAULT_ROBOT: Final = 'bello_bot'
+"""Of a cell without a program that names its robot."""
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,13 @@ from collections.abc import Sequence
 from robots_controller.interpreter.lua_arguments import Sizes
 from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.interpreter.program_check import check_program
+from robots_controller.program_header import ProgramHeader, read_program_header
 from robots_controller.program_walk import walk_program
 from robots_controller.program_walk.walk import LONGEST_TIME, MOST_COMBINATIONS
-from robots_core.errors import RobotsError
+from robots_core.errors import ProgramError, RobotsError
 from robots_core.robot_choice import load_robot_model
+
+DEFAULT_ROBOT = 'kuka_kr210_r2700'
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -26,24 +29,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     options = _options(arguments)
     try:
-        axes = load_robot_model(options.robot).axes_data
-        sizes = Sizes(axes.num_axes, options.digital, options.analog)
-        found = [_check(program, sizes, options) for program in options.programs]
+        found = [_check(program, options) for program in options.programs]
     except RobotsError as error:
         print(f'error: {error}', file=sys.stderr)
         return 2
     return 1 if any(found) else 0
 
 
-def _check(program: str, sizes: Sizes, options: argparse.Namespace) -> bool:
+def _check(program: str, options: argparse.Namespace) -> bool:
     """Print the problems of a program; true if there are any."""
-    problems = check_program(program, sizes)
+    given = {'robot': options.robot, 'scene': options.scene, 'io': options.io}
+    try:
+        cell = read_program_header(program).replaced_by(**given)
+    except ProgramError:  # the check says what is wrong with the file
+        cell = ProgramHeader(**given)
+    robot = cell.robot or DEFAULT_ROBOT
+    axes = load_robot_model(robot).axes_data
+    problems = check_program(program, Sizes(axes.num_axes, options.digital, options.analog))
     if not problems and (options.walk or options.scene or options.io):
         result = walk_program(
             program,
-            robot=options.robot,
-            scene=options.scene,
-            io=options.io,
+            robot=robot,
+            scene=cell.scene,
+            io=cell.io,
             most=options.combinations,
             longest=options.longest,
             workers=os.cpu_count() or 1,
@@ -63,7 +71,7 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
         prog='check_program', description='Check robot programs before anything moves.'
     )
     parser.add_argument('programs', nargs='+', metavar='PROGRAM', help='Lua files')
-    parser.add_argument('--robot', default='kuka_kr210_r2700', help='robot that shall run them')
+    parser.add_argument('--robot', default='', help='robot that shall run them, if not their own')
     parser.add_argument(
         '--digital', type=int, default=DIGITAL_SIZE, help='number of digital inputs and outputs'
     )

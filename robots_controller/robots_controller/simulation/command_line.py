@@ -18,6 +18,7 @@ from rich.markup import escape
 from rich.progress import Progress, SpinnerColumn, TextColumn
 
 from robots_controller.motion_report import motion_report
+from robots_controller.program_header import read_program_header
 from robots_controller.report import write_report
 from robots_controller.simulate import LONGEST_TIME, simulate
 from robots_controller.simulation.simulation_run import SimulationRun
@@ -54,11 +55,11 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     """Options from a command line.
 
     Raises:
-        RobotsError: a program that does not exist.
+        RobotsError: a program that does not exist, or no robot.
     """
     parser = argparse.ArgumentParser(prog='simulate', description=__doc__)
     parser.add_argument('program', help='Lua robot program to run')
-    parser.add_argument('--robot', required=True, help="the robot's name, or urdf:/path/to/robot.urdf")
+    parser.add_argument('--robot', default='', help="the robot's name, or urdf:/path/to/robot.urdf")
     parser.add_argument(
         '--drive', default='second_order', choices=DRIVE_LEVELS, help='how much of a machine the drives are'
     )
@@ -77,6 +78,12 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     options = parser.parse_args(arguments)
     if not Path(options.program).is_file():
         raise RobotsError(f'program {options.program!r} not found; programs are Lua files, see programs/')
+    header = read_program_header(options.program)
+    chosen = header.replaced_by(robot=options.robot, scene=options.scene, io=options.io)
+    if not chosen.robot:
+        raise RobotsError(f'{options.program} does not say which robot it is for; --robot does')
+    options.robot, options.scene, options.io = chosen.robot, chosen.scene, chosen.io
+    options.note = header.note(options.program, chosen.robot)
     return options
 
 
@@ -91,6 +98,8 @@ def run(options: argparse.Namespace, console: Console) -> int:
         RobotsError: input that is not valid.
     """
     console.print(f'[bold]{options.robot}[/] simulates [bold]{Path(options.program).name}[/]')
+    if options.note:
+        console.print(f'[yellow]{options.note}[/]')
     with _bag_folder(options) as bag, _bar(console) as on_progress:
         result = simulate(
             options.program,
@@ -106,7 +115,8 @@ def run(options: argparse.Namespace, console: Console) -> int:
             on_progress=on_progress,
         )
         if options.report is not None and bag is not None:
-            write_report(bag, options.report, robot=options.robot, scene=options.scene or None)
+            source = '' if options.bag is not None else f'simulated with {options.drive} drives'
+            write_report(bag, options.report, robot=options.robot, scene=options.scene or None, source=source)
     code = show(dataclasses.replace(result, bag=options.bag), console)
     if options.report is not None:
         console.print(f'report: {options.report}')

@@ -1,0 +1,59 @@
+"""ProgramHeader: what a robot program says at its top about the cell that it is for."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from robots_controller.interpreter.lua_source import read_source
+
+_ENTRY: Final = re.compile(r'(Robot|Scene|IO): (\S+)\s*')
+_LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
+
+
+@dataclass(frozen=True)
+class ProgramHeader:
+    """The cell of a program, from a line of its first comment: `-- Robot: NAME  Scene: FILE  IO: FILE`.
+
+    Attributes:
+        robot: The robot's name; '' where nothing is said.
+        scene: What the robot keeps clear of (YAML); '' for nothing.
+        io: Script of the PLC that the program works with (YAML); '' for none.
+    """
+
+    robot: str = ''
+    scene: str = ''
+    io: str = ''
+
+    def replaced_by(self, *, robot: str = '', scene: str = '', io: str = '') -> ProgramHeader:
+        """The same with all that is given in the place of its own."""
+        return ProgramHeader(robot or self.robot, scene or self.scene, io or self.io)
+
+    def note(self, program: Path | str, robot: str) -> str:
+        """What a person should know who runs the program on a robot; '' if it is the program's own."""
+        if not self.robot or robot.partition('?')[0] == self.robot.partition('?')[0]:
+            return ''
+        return f'{Path(program).name} is written for {self.robot}'
+
+
+def read_program_header(program: Path | str) -> ProgramHeader:
+    """Read what a program says about its cell.
+
+    Args:
+        program: Lua robot program; its header names files as seen from its folder.
+
+    Raises:
+        ProgramError: the program cannot be read.
+    """
+    source = read_source(program)
+    found: dict[str, str] = {}
+    for line in source.text.splitlines():
+        if not line.startswith('--'):
+            break
+        if _LINE.fullmatch(line):
+            found |= {key.lower(): value for key, value in _ENTRY.findall(line)}
+    folder = source.path.resolve().parent
+    scene, io = (str(folder / found[key]) if key in found else '' for key in ('scene', 'io'))
+    return ProgramHeader(found.get('robot', ''), scene, io)

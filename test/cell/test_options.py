@@ -1,0 +1,54 @@
+"""What a cell is made of: the command line first, then what the program says, then a default."""
+
+from __future__ import annotations
+
+import subprocess
+
+import pytest
+
+from robots_controller.cell import parse_options
+
+from .conftest import PROGRAMS
+
+PRESS = str(PROGRAMS / 'press_tending.lua')
+PILLAR = str(PROGRAMS / 'welding_around_pillar.lua')
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'robot', 'scene', 'io'),
+    [
+        ([], 'bello_bot', '', ''),
+        (['--robot', 'ur5e'], 'ur5e', '', ''),
+        (['--program', PRESS], 'kuka_kr210_r2700', '', 'io/press_tending.yaml'),
+        (['--program', PILLAR], 'kuka_kr210_r2700', 'scenes/car_frame.yaml', ''),
+        (['--program', PILLAR, '--robot', '', '--io', ''], 'kuka_kr210_r2700', 'scenes/car_frame.yaml', ''),
+        (
+            ['--program', PILLAR, '--robot', 'ur5e', '--scene', PRESS, '--io', PILLAR],
+            'ur5e',
+            'press_tending.lua',
+            'welding_around_pillar.lua',
+        ),
+    ],
+)
+def test_cell(arguments: list[str], robot: str, scene: str, io: str) -> None:
+    options = parse_options(arguments)
+    assert options.robot == robot
+    assert options.scene == (str(PROGRAMS / scene) if scene else '')
+    assert options.io == (str(PROGRAMS / io) if io else '')
+
+
+def test_a_program_on_another_robot_is_noted() -> None:
+    assert not parse_options(['--program', PRESS]).note
+    options = parse_options(['--program', PRESS, '--robot', 'kuka_kr210_r3100'])
+    assert options.note == 'press_tending.lua is written for kuka_kr210_r2700'
+
+
+@pytest.mark.parametrize('target', ['demo', 'simulate'])
+def test_make_leaves_the_cell_to_the_program_unless_told(target: str) -> None:
+    def shown(*words: str) -> str:
+        command = ['make', '-n', target, 'PROGRAM=programs/press_tending.lua', *words]
+        return subprocess.run(command, cwd=PROGRAMS.parent, capture_output=True, text=True, check=True).stdout
+
+    assert all(option in shown() for option in ('programs/press_tending.lua', '--robot ""', '--io ""'))
+    told = shown('ROBOT=ur5e', 'IO=plc.yaml', 'SCENE=table.yaml')
+    assert all(option in told for option in ('--robot "ur5e"', '--io "plc.yaml"', '--scene "table.yaml"'))
