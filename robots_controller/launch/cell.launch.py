@@ -13,7 +13,17 @@ def nodes(context: LaunchContext) -> list[Node]:
     """The nodes of the cell, from the same description that `cell` uses."""
     value = {
         name: LaunchConfiguration(name).perform(context)
-        for name in ('robot', 'program', 'namespace', 'io', 'io_map', 'scene', 'drive', 'guided')
+        for name in (
+            'robot',
+            'program',
+            'namespace',
+            'io',
+            'io_map',
+            'scene',
+            'drive',
+            'guided',
+            'debug_port',
+        )
     }
     header = read_program_header(value['program']) if value['program'] else ProgramHeader()
     cell = header.replaced_by(robot=value['robot'], scene=value['scene'], io=value['io'])
@@ -26,6 +36,7 @@ def nodes(context: LaunchContext) -> list[Node]:
         io_map=value['io_map'],
         scene=cell.scene,
         guided=value['guided'],
+        debug_port=int(value['debug_port']),
     )
     return [
         Node(
@@ -58,6 +69,9 @@ def generate_launch_description() -> LaunchDescription:
                 'guided', default_value='', description='inverse kinematics that follows reference_pose'
             ),
             DeclareLaunchArgument('namespace', default_value='', description='namespace of all nodes'),
+            DeclareLaunchArgument(
+                'debug_port', default_value='0', description='port for editors; 0 for none'
+            ),
             DeclareLaunchArgument('io', default_value='', description='YAML script of a PLC that is played'),
             DeclareLaunchArgument('io_map', default_value='', description='YAML map to topics of a PLC'),
             OpaqueFunction(function=nodes),

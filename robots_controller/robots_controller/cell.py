@@ -80,6 +80,7 @@ class CellOptions:
     io_map: str
     scene: str
     guided: str
+    debug_port: int
 
 
 def main() -> None:
@@ -129,6 +130,7 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         '--guided', default='', choices=METHODS, help='follow reference_pose by this inverse kinematics'
     )
     parser.add_argument('--io', default='', metavar='FILE', help='play a PLC: YAML script of its inputs')
+    parser.add_argument('--debug-port', type=int, default=0, help='port for editors; 0 for none')
     parser.add_argument('--io-map', default='', metavar='FILE', help='connect a PLC: YAML map to its topics')
     options = parser.parse_args(arguments)
     if options.program and not Path(options.program).is_file():
@@ -154,6 +156,7 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         io_map=str(Path(options.io_map).resolve()) if options.io_map else '',
         scene=str(Path(chosen.scene).resolve()) if chosen.scene else '',
         guided=options.guided,
+        debug_port=options.debug_port,
     )
 
 
@@ -182,6 +185,7 @@ def run_cell(options: CellOptions, console: Console) -> int:
         io_map=options.io_map,
         scene=options.scene,
         guided=options.guided,
+        debug_port=options.debug_port,
     )
     folder = _run_folder(options.record or Path('out'), options)
     processes = NodeProcesses(graph, namespace=options.namespace, log_folder=folder / 'log')

@@ -78,6 +78,7 @@ def cell_graph(
     io_map: str = '',
     scene: str = '',
     guided: str = '',
+    debug_port: int = 0,
 ) -> tuple[NodeDescription, ...]:
     """All nodes of a cell with one simulated robot.
 
@@ -95,6 +96,7 @@ def cell_graph(
         scene: Scene that the robot keeps clear of (see `read_scene`); with one, the robot is watched too.
         guided: Inverse kinematics that follows `reference_pose` in command state TRAJECTORY, one of
             `METHODS`; none by default.
+        debug_port: Port on this machine where editors debug the program; 0 for none.
 
     Raises:
         RobotsError: no such level or method, a file that is not valid, or both set inputs of the same kind.
@@ -114,7 +116,14 @@ def cell_graph(
         node('robots_core', 'drive_node', rate=rate, level=drive),
         node('robots_controller', 'controller_node', rate=rate, **tolerance),
         node('robots_planning', 'planning_node', scene=scene),
-        node('robots_controller', 'lua_program_node', program=program, autostart=autostart, **names),
+        node(
+            'robots_controller',
+            'lua_program_node',
+            program=program,
+            autostart=autostart,
+            debug_port=debug_port,
+            **names,
+        ),
         node('robots_core', 'direct_kinematics_node'),
         node('robots_core', 'visualizer_node', port=port, scene=scene),
         *([node('robots_core', 'inverse_kinematics_node', method=guided)] if guided else []),

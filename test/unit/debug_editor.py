@@ -1,0 +1,70 @@
+"""An editor that debugs a robot program."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import socket
+from typing import Any
+
+from robots_controller.interpreter.debug_adapter_server import HOST
+
+DEADLINE = 20.0  # s
+
+
+class Editor:
+    """Speaks the protocol with nothing but a socket and JSON."""
+
+    def __init__(self, port: int) -> None:
+        self.socket = socket.create_connection((HOST, port), timeout=DEADLINE)
+        self.stream = self.socket.makefile('rb')
+        self.events: list[dict[str, Any]] = []
+        self.numbers = itertools.count(1)
+
+    def send(self, command: str, **arguments: object) -> int:
+        number = next(self.numbers)
+        self.send_raw(
+            json.dumps(
+                {'seq': number, 'type': 'request', 'command': command, 'arguments': arguments}
+            ).encode()
+        )
+        return number
+
+    def send_raw(self, data: bytes) -> None:
+        self.socket.sendall(b'Content-Length: %d\r\n\r\n%b' % (len(data), data))
+
+    def receive(self) -> dict[str, Any]:
+        header = self.stream.readline()
+        assert header.startswith(b'Content-Length: '), header
+        assert self.stream.readline() == b'\r\n'
+        return json.loads(self.stream.read(int(header.split()[1])))
+
+    def ask(self, command: str, **arguments: object) -> dict[str, Any]:
+        """The response; events that come before it are kept."""
+        number = self.send(command, **arguments)
+        while True:
+            message = self.receive()
+            if message['type'] == 'response':
+                assert message['request_seq'] == number
+                assert message['command'] == command
+                return message
+            self.events.append(message)
+
+    def do(self, command: str, **arguments: object) -> dict[str, Any]:
+        response = self.ask(command, **arguments)
+        assert response['success'], response
+        return response.get('body', {})
+
+    def wait_for(self, event: str) -> dict[str, Any]:
+        while True:
+            for index, message in enumerate(self.events):
+                if message['event'] == event:
+                    del self.events[index]
+                    return message.get('body', {})
+            message = self.receive()
+            assert message['type'] == 'event', message
+            self.events.append(message)
+
+    def close(self) -> None:
+        self.stream.close()
+        self.socket.close()
