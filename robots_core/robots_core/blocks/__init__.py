@@ -11,6 +11,7 @@ from robots_core.blocks.drive_faults import DriveFaults
 from robots_core.blocks.drive_level import drive_train
 from robots_core.blocks.drive_train import DriveTrain, IdealDrive, SecondOrderDrive
 from robots_core.blocks.free_floating import FreeFloatingRobot
+from robots_core.blocks.free_floating_dynamics import FreeFloatingDynamics
 from robots_core.blocks.function_dynamics import FunctionDynamics
 from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKinematic
 from robots_core.blocks.inverse_kinematics.constrained import ConstrainedInverseKinematics
@@ -37,6 +38,7 @@ __all__ = [
     'DirectKinematics',
     'DriveFaults',
     'DriveTrain',
+    'FreeFloatingDynamics',
     'FreeFloatingRobot',
     'FunctionDynamics',
     'IdealDrive',

@@ -154,7 +154,11 @@ class Dynamics(ABC):
             InvalidInputError: an argument of another shape or not finite.
         """
         rest = self.torques(q, q_dot, q_ddot) - finite_vector(tau, self._n, 'tau')
-        return np.asarray(np.linalg.lstsq(self.robot.jacobian(q).T, rest, rcond=WRENCH_CUTOFF)[0])
+        return np.asarray(np.linalg.lstsq(self._tool_jacobian(q).T, rest, rcond=WRENCH_CUTOFF)[0])
+
+    def _tool_jacobian(self, q: Array) -> Array:
+        """How tool0 moves with the joints, (6, n), base frame."""
+        return self.robot.jacobian(q)
 
 
 # A direction in which a metre of motion takes a hundred times the joint angles of the best one tells nothing.

@@ -10,9 +10,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.dynamics import NOTHING
+from robots_core.blocks.free_floating_dynamics import check_base_body
 from robots_core.blocks.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.payload import Payload
-from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, positive, read_only
@@ -52,11 +52,7 @@ class FreeFloatingRobot:
         payload: Payload = NOTHING,
     ) -> None:
         n = robot.num_axes
-        bodies = robot.rigid_dynamics_model
-        if not (bodies.masses[0] > 0.0 and np.linalg.eigvalsh(bodies.inertias[0])[0] > 0.0):
-            raise InvalidInputError(
-                f'the base of robot {robot.name!r} has no mass or no inertia; a free-floating base needs both'
-            )
+        check_base_body(robot)
         self.robot = robot
         self._n = n
         numerical = NumericalDynamics(robot, payload=payload, rotors=False)

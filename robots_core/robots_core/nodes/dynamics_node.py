@@ -12,15 +12,18 @@ from geometry_msgs.msg import WrenchStamped
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension
-from trajectory_msgs.msg import JointTrajectory
+from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 
 from robots_core.blocks.base_motion import BaseMotion
+from robots_core.blocks.free_floating_dynamics import FreeFloatingDynamics
 from robots_core.blocks.numerical_dynamics import NumericalDynamics
+from robots_core.blocks.payload import Payload
 from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.nodes.base_motion_message import base_motion_from_message
 from robots_core.nodes.messages import doubles, joint_indices
 from robots_core.nodes.payload_parameter import payload_from_parameters, payload_from_values
 from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import STATE, STREAM
+from robots_core.nodes.qos import STATE, STREAM, subscribe_state
 from robots_core.nodes.robot_node import RobotNode, bounded
 from robots_core.nodes.run import run
 from robots_core.pose import Pose
@@ -40,6 +43,10 @@ class DynamicsNode(RobotNode):
     low-pass filter) or of `joint_reference` (accelerations as given), by parameter `source`. Where
     joint_states has efforts, the torques of the drives, `tcp_wrench` is what the surroundings push the tool
     with. The node's health is WARN while a torque is past its limit.
+
+    The base stands as parameter `base_orientation` says, until `base_motion` tells how it moves; with
+    `free_floating` nothing holds it. `base_wrench` is what the robot pushes its mount with, or the arm of a
+    free-floating robot its base body.
     """
 
     def __init__(self, **options: Any) -> None:
@@ -59,10 +66,16 @@ class DynamicsNode(RobotNode):
         orientation = self.parameter(
             'base_orientation', UPRIGHT, 'of the base in the world, quaternion x y z w', check=_orientation
         )
-        payload = payload_from_parameters(self)
-        self._dynamics = NumericalDynamics(
-            self.robot, payload=payload, base=BaseMotion(_orientation(orientation))
+        self._floats: bool = self.parameter(
+            'free_floating',
+            False,
+            'nothing holds the base, as of a satellite: it moves as the arm pushes it',
+            read_only=True,
         )
+        self._base = BaseMotion(_orientation(orientation))
+        self._load(payload_from_parameters(self))
+        if not self._floats:
+            subscribe_state(self, MultiDOFJointTrajectory, 'base_motion', self._on_base_motion)
         n = self.robot.num_axes
         self._acceleration: Array = np.zeros(n)
         self._last: tuple[float, Array] | None = None
@@ -77,6 +90,24 @@ class DynamicsNode(RobotNode):
         self.create_timer(1.0 / rate, self._publish)
         self.add_post_set_parameters_callback(self._use_parameters)
         self.ready()
+
+    def _load(self, payload: Payload) -> None:
+        self._dynamics: NumericalDynamics | FreeFloatingDynamics = (
+            FreeFloatingDynamics(self.robot, payload=payload)
+            if self._floats
+            else NumericalDynamics(self.robot, payload=payload, base=self._base)
+        )
+
+    def _move_base(self, base: BaseMotion) -> None:
+        self._base = base
+        if not self._floats:
+            self._dynamics.base = base
+
+    def _on_base_motion(self, message: MultiDOFJointTrajectory) -> None:
+        try:
+            self._move_base(base_motion_from_message(message))
+        except RobotsError as error:
+            self.refuse('base_motion', error, stream=True)
 
     def _publish(self) -> None:
         newest = None
@@ -171,10 +202,9 @@ class DynamicsNode(RobotNode):
             if parameter.name == 'filter_time':
                 self._filter_time = parameter.value
             elif parameter.name == 'payload':
-                payload = payload_from_values(parameter.value)
-                self._dynamics = NumericalDynamics(self.robot, payload=payload, base=self._dynamics.base)
+                self._load(payload_from_values(parameter.value))
             elif parameter.name == 'base_orientation':
-                self._dynamics.base = BaseMotion(_orientation(parameter.value))
+                self._move_base(BaseMotion(_orientation(parameter.value)))
 
 
 def matrix_message(M: Array) -> Float64MultiArray:
