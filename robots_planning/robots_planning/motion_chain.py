@@ -17,14 +17,13 @@ from robots_planning.chain_limits import SectionLimits, chain_limits
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.order_book import MotionOrder
 from robots_planning.pathplanning import JOINT_STATES, PathPlanning, PlannedMotion, in_base
-from robots_planning.trajectory import Trajectory
+from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 from robots_planning.trajectory_generators.cartesian_line import CartesianLine
 from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.joint_space import SHORTEST_MOVE, JointSpaceGenerator
 from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming import (
     LinearCartesianDynamicProgramming,
-    one_after_another,
 )
 from robots_planning.trajectory_generators.linear_cartesian_limited import LinearCartesianLimited
 from robots_planning.trajectory_generators.poses_generator import PosesGenerator

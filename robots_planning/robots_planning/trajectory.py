@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
@@ -161,6 +162,18 @@ class Trajectory:
         times = self.time[:-1, None] + x
         n = self.num_axes
         return times.reshape(-1, n), acceleration.reshape(-1, n), jerk.reshape(-1, n)
+
+
+def one_after_another(trajectories: Sequence[Trajectory]) -> Trajectory:
+    """Motions that each begin where the one before ends, as one."""
+    first = trajectories[0]
+    if len(trajectories) == 1:
+        return first
+    time, rows = [first.time], [(first.position, first.velocity, first.acceleration)]
+    for following in trajectories[1:]:
+        time.append(Trajectory.message_times(time[-1][-1] + following.time[1:]))
+        rows.append((following.position[1:], following.velocity[1:], following.acceleration[1:]))
+    return Trajectory(np.concatenate(time), *(np.concatenate(parts) for parts in zip(*rows, strict=True)))
 
 
 def _frozen(values: object) -> bool:

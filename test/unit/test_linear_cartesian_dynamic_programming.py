@@ -176,7 +176,7 @@ def test_routes_are_continuous(kuka: BaseRobotModel) -> None:
         np.testing.assert_array_equal(route[0].joints.q[0], kuka.home)
         for before, after in pairwise(route):
             np.testing.assert_array_equal(before.joints.q[-1], after.joints.q[0])
-        assert [piece.line is None for piece in route] == [True, False]
+        assert [piece.begin == piece.end for piece in route] == [True, False]
 
 
 def test_bad_input_is_refused(kuka: BaseRobotModel) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 
 from robots_core.pose import Pose, rotation_vector
@@ -19,7 +17,7 @@ class CartesianLine(CartesianPath):
         end: Pose at s = 1; of the two ways to turn, the shorter one is taken.
     """
 
-    kind: ClassVar[str] = 'line'
+    kind = 'line'
 
     def __init__(self, start: Pose, end: Pose) -> None:
         self.translation = read_only(end.r - start.r)

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import ClassVar
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import comb
 
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.validation import Array, read_only
 from robots_planning.trajectory_generators.cartesian_path_kernel import PathArrays, poses_on_path
+from robots_planning.trajectory_generators.quintic import interval_at
 
 # Poses closer than this are the same: less is rounding of what users and messages state.
 COINCIDENT_DISTANCE = 1e-8  # m
 COINCIDENT_ANGLE = 1e-8  # rad
 SAMPLES_PER_PIECE = 64  # for the length of curves without a closed form
+_ROWS, _COLUMNS = np.indices((6, 6))
+_BINOMIALS = comb(_COLUMNS, _ROWS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +49,7 @@ class CartesianPath:
         angle: Way of the orientation, rad; measured if not given.
     """
 
-    kind: ClassVar[str] = 'path'
+    kind: str = 'path'
     """The word for it in messages to users."""
 
     def __init__(
@@ -94,6 +97,33 @@ class CartesianPath:
         poses_on_path(self.arrays, values, samples.r, samples.T, samples.x_s, samples.x_ss)
         return samples
 
+    def part(self, begin: float, end: float) -> CartesianPath:
+        """The path from s = `begin` to s = `end`, backwards if that is less, over an s of its own.
+
+        With `end` = `begin` the tool stands still.
+        """
+        breaks, position, arc, rate, turn, T = self.arrays
+        way = end - begin
+        inner = breaks[(breaks > min(begin, end)) & (breaks < max(begin, end))]
+        edges = np.array([begin, *(inner if way > 0.0 else inner[::-1]), end])
+        pieces = no_pieces(len(edges) - 1)
+        pieces[0][1:-1] = (edges[1:-1] - begin) / (way or 1.0)
+        for k, middle in enumerate(0.5 * (edges[:-1] + edges[1:])):
+            i = interval_at(breaks, middle)
+            # In a piece x of the whole is x0 + way x.
+            x0 = edges[k] - breaks[i]
+            powers = _BINOMIALS * x0 ** np.maximum(_COLUMNS - _ROWS, 0) * way**_ROWS
+            pieces[1][k], pieces[4][k] = powers @ position[i], powers[:4, :4] @ turn[i]
+            cosine, sine = np.cos(rate[i] * x0), np.sin(rate[i] * x0)
+            pieces[2][k] = [
+                cosine * arc[i, 0] + sine * arc[i, 1],
+                cosine * arc[i, 1] - sine * arc[i, 0],
+            ]
+            pieces[3][k], pieces[5][k] = rate[i] * way, T[i]
+        path = CartesianPath(pieces)
+        path.kind = self.kind
+        return path
+
     def describe_length(self) -> str:
         """'0.300 m', '0.500 rad' or both."""
         parts = [f'{self.length:.3f} m'] if self.length > 0.0 else []
@@ -103,7 +133,7 @@ class CartesianPath:
     @cached_property
     def _measured(self) -> tuple[float, float]:
         """Length and angle by Gauss-Legendre quadrature in every piece."""
-        x, weights = np.polynomial.legendre.leggauss(SAMPLES_PER_PIECE)
+        x, weights = _gauss_legendre()
         half = 0.5 * np.diff(self.breaks)[:, None]
         s = (self.breaks[:-1, None] + half * (1.0 + x)).ravel()
         x_s, scale = self.sample(s).x_s, (half * weights).ravel()
@@ -111,6 +141,11 @@ class CartesianPath:
             float(np.linalg.norm(x_s[:, :3], axis=1) @ scale),
             float(np.linalg.norm(x_s[:, 3:], axis=1) @ scale),
         )
+
+
+@cache
+def _gauss_legendre() -> tuple[Array, Array]:
+    return np.polynomial.legendre.leggauss(SAMPLES_PER_PIECE)
 
 
 def no_pieces(count: int) -> PathArrays:

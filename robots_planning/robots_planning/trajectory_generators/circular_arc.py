@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -40,7 +40,7 @@ class CircularArc(CartesianPath):
             full circle without one, or an unknown orientation; names the points.
     """
 
-    kind: ClassVar[str] = 'arc'
+    kind = 'arc'
 
     def __init__(
         self,

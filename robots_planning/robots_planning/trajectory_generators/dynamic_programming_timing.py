@@ -7,10 +7,9 @@ import numpy as np
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators import time_optimal
 from robots_planning.trajectory_generators.cartesian_path import CartesianPath
 from robots_planning.trajectory_generators.joint_path import JointPath
-from robots_planning.trajectory_generators.path_timing import ToolLimits
+from robots_planning.trajectory_generators.time_optimal import TimeOptimalTiming, ToolLimits
 
 STANDSTILL = 1e-12  # m and rad per unit of s; a path that stands still has no direction
 
@@ -24,8 +23,9 @@ class DynamicProgrammingTiming:
         robot: The robot.
         velocity: Of the axes, (n,), rad/s (m/s).
         acceleration: rad/s^2 (m/s^2).
-        effort: Torques, N m (N).
-        tool: Limits of the tool; its jerk is not limited.
+        effort: Torques, N m (N); None for no limits.
+        tool_velocity: Of the tool, (2,), m/s and rad/s; infinite for no limit.
+        tool_acceleration: (2,), m/s^2 and rad/s^2; infinite for no limit.
         jerk: Of the axes, rad/s^3 (m/s^3); None for no limits.
     """
 
@@ -34,13 +34,15 @@ class DynamicProgrammingTiming:
         robot: BaseRobotModel,
         velocity: Array,
         acceleration: Array,
-        effort: Array,
-        tool: ToolLimits,
+        effort: Array | None,
         *,
+        tool_velocity: Array,
+        tool_acceleration: Array,
         jerk: Array | None = None,
     ) -> None:
-        self._timing = time_optimal.TimeOptimalTiming(robot, velocity, acceleration, effort, jerk=jerk)
-        self._tool = tool
+        self._timing = TimeOptimalTiming(robot, velocity, acceleration, effort, jerk=jerk)
+        self._tool_velocity = np.concatenate([tool_velocity, [np.inf, np.inf]])
+        self._tool_acceleration = np.concatenate([tool_acceleration, tool_acceleration])
 
     def trajectory(self, joint_path: JointPath, tool_path: CartesianPath) -> Trajectory:
         """The timed motion along a path.
@@ -52,12 +54,9 @@ class DynamicProgrammingTiming:
         Raises:
             PlanningError: the robot cannot hold itself against gravity somewhere on the path.
         """
-        tool = self._tool
-        limits = time_optimal.ToolLimits(
-            lambda s: travel(tool_path, s),
-            np.array([tool.speed, tool.rotation_speed, np.inf, np.inf]),
-            np.array([tool.acceleration, tool.rotation_acceleration] * 2),
-        )
+        limits = None
+        if not np.isinf([self._tool_velocity, self._tool_acceleration]).all():
+            limits = ToolLimits(lambda s: travel(tool_path, s), self._tool_velocity, self._tool_acceleration)
         return self._timing.trajectory(joint_path, limits)
 
 

@@ -20,7 +20,7 @@ from robots_core.pose import Pose
 from robots_core.robot_model.analytic.configuration import Configuration
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector
-from robots_planning.trajectory import Trajectory
+from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN, TrajectoryGenerator, rest_trajectory
 from robots_planning.trajectory_generators.braking import check_start_motion
 from robots_planning.trajectory_generators.moving_profile import MovingProfile
@@ -161,7 +161,9 @@ class JointSpaceGenerator(TrajectoryGenerator):
                 by_way_of[axis] = self._middles[axis]
                 continue
             first = Trajectory(*points)
-            return first if by_way_of is goal else _joined(first, self._plan_to_joints(by_way_of, goal))
+            if by_way_of is goal:
+                return first
+            return one_after_another([first, self._plan_to_joints(by_way_of, goal)])
         assert error is not None
         raise error
 
@@ -231,13 +233,3 @@ class JointSpaceGenerator(TrajectoryGenerator):
     @cached_property
     def _moving(self) -> MovingProfile:
         return MovingProfile(self.robot.axes_data, self.synchronization, self.shortest)
-
-
-def _joined(first: Trajectory, second: Trajectory) -> Trajectory:
-    """One after the other; the first ends at rest where the second starts."""
-    time = Trajectory.message_times(np.concatenate([first.time, first.duration + second.time[1:]]))
-    rows = (
-        np.vstack([getattr(first, name), getattr(second, name)[1:]])
-        for name in ('position', 'velocity', 'acceleration')
-    )
-    return Trajectory(time, *rows)

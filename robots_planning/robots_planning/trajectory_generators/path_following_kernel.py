@@ -26,6 +26,9 @@ CORRECTION_STEPS = 5
 LARGEST_KNOT_MOTION = 0.25  # rad (m) of one axis from knot to knot; more may hide a change of configuration
 LOST_MOTION = 1e-7  # part of the tool's motion along the path that may be missing in a singular posture
 POSITION_TOLERANCE = 1e-9  # rad (m), of the axis limits
+# While the posture turns over in a singularity the tool stays within this, m and rad.
+STANDSTILL = 1e-6
+TURN_CHECKS = 17
 # Places looked at between knots where an axis may pass its limit.
 BETWEEN = 64
 
@@ -159,6 +162,24 @@ def path_error(chain: ChainArrays, path: PathArrays, s: float, q: Array, error: 
     """Fill the pose error (6,) from posture `q` to the path at `s`; its largest entry."""
     r, T, J = np.empty(3), np.empty((3, 3)), np.empty((6, q.size))
     return _error_and_jacobian(chain, path, s, q, (r, T, J), error)
+
+
+@compiled()
+def stands_still(
+    chain: ChainArrays, limits: Array, path: PathArrays, s: float, begin: Array, end: Array
+) -> bool:
+    """Whether the tool stays where the path is at `s` while the axes turn straight from `begin` to `end`."""
+    q, error = np.empty(begin.size), np.empty(6)
+    # The middle tells most.
+    for check in range(TURN_CHECKS):
+        part = ((check + TURN_CHECKS // 2) % TURN_CHECKS) / (TURN_CHECKS - 1)
+        for k in range(begin.size):
+            q[k] = begin[k] + part * (end[k] - begin[k])
+            if not limits[0, k] - POSITION_TOLERANCE <= q[k] <= limits[1, k] + POSITION_TOLERANCE:
+                return False
+        if not path_error(chain, path, s, q, error) <= STANDSTILL:
+            return False
+    return True
 
 
 @compiled()

@@ -63,16 +63,35 @@ class PathInverseKinematics:
             PlanningError: the path leaves the axis limits or the reach, or crosses a singularity; names the
                 fraction of the path, the joint, its value and bound, and what would help.
         """
-        begin = np.array(start, dtype=np.float64)
-        result, count = follow(self._chain.arrays, self._limits, path.arrays, begin, self._knots)
-        s, q, q_s, q_ss = self._knots
+        result, count = self._fill(path, start)
+        s, q, _, _ = self._knots
         if result == FOLLOWED:
-            return JointPath(s[:count].copy(), q[:count].copy(), q_s[:count].copy(), q_ss[:count].copy())
+            return self._followed(count)
         if result == SINGULAR_START:
-            raise self._singular(path, 0.0, begin)
+            raise self._singular(path, 0.0, q[0].copy())
         if result == OUTSIDE:
             raise self._outside(path, s[count - 1 : count + 1], q[count - 1 : count + 1])
         raise self._blocked(path, float(s[count - 1]), q[count - 1].copy())
+
+    def follow_far(self, path: CartesianPath, start: Array) -> tuple[JointPath, float] | None:
+        """As `follow`, as far as it goes: the joint path of that part of the path, and s where it ends.
+
+        Returns:
+            Both; None if it goes nowhere.
+        """
+        _, count = self._fill(path, start)
+        return None if count < 2 else (self._followed(count), float(self._knots[0][count - 1]))
+
+    def _fill(self, path: CartesianPath, start: Array) -> tuple[int, int]:
+        """Fill the knots; what `follow` of the kernel returns."""
+        begin = np.array(start, dtype=np.float64)
+        return follow(self._chain.arrays, self._limits, path.arrays, begin, self._knots)
+
+    def _followed(self, count: int) -> JointPath:
+        """The joint path of the first knots, over an s of its own."""
+        s, q, q_s, q_ss = (values[:count].copy() for values in self._knots)
+        way = s[-1]
+        return JointPath(s / way, q, q_s * way, q_ss * way**2)
 
     def _outside(self, path: CartesianPath, s: Array, q: Array) -> PlanningError:
         """The limit that is passed between two knots, s (2,) and q (2, n)."""

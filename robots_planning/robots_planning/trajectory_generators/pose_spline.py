@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import ClassVar
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -40,7 +39,7 @@ class PoseSpline(CartesianPath):
         InvalidInputError: fewer than two poses, or two in succession that coincide; names them.
     """
 
-    kind: ClassVar[str] = 'spline'
+    kind = 'spline'
 
     def __init__(self, poses: Sequence[Pose]) -> None:
         if len(poses) < 2:

@@ -1,0 +1,105 @@
+"""PathGenerator: what all motions along a path of the tool have in common."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+
+from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
+from robots_core.errors import PlanningError
+from robots_core.pose import Pose
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array
+from robots_planning.trajectory import Trajectory, one_after_another
+from robots_planning.trajectory_generators.base import TrajectoryGenerator
+from robots_planning.trajectory_generators.cartesian_path import CartesianPath
+from robots_planning.trajectory_generators.joint_path import JointPath
+from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
+from robots_planning.trajectory_generators.path_timing import PathTiming
+from robots_planning.trajectory_generators.posture_graph import PostureGraph, Route, RoutePiece
+
+
+class PathGenerator(TrajectoryGenerator):
+    """The tool centre point follows a path of poses.
+
+    Children choose the timing, and whether postures are searched for or follow from the start alone.
+
+    Args:
+        robot: The robot.
+        speed_fraction: Part of the axes' velocity limits to use, in (0, 1].
+        acceleration_fraction: Part of the axes' acceleration and jerk limits to use, in (0, 1].
+        tool: Pose of the tool centre point in tool0, which follows the path; tool0 itself by default.
+
+    Raises:
+        InvalidInputError: a fraction outside (0, 1].
+    """
+
+    accepts_joints: ClassVar[bool] = False
+    timing: PathTiming
+    postures: PostureGraph | None = None
+
+    def __init__(
+        self, robot: BaseRobotModel, *, speed_fraction: float, acceleration_fraction: float, tool: Pose | None
+    ) -> None:
+        super().__init__(robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction)
+        self.tool = tool
+        self.path_kinematics = PathInverseKinematics(robot, tool)
+
+    @cached_property
+    def inverse_kinematics(self) -> DampedLeastSquares:
+        """Of the tool centre point; made when it is first needed."""
+        return DampedLeastSquares(self.robot, tool=self.tool)
+
+    def plan_path(self, path: CartesianPath, start: Array) -> Trajectory:
+        """The motion along a path that begins at joint positions `start`, (n,).
+
+        Raises:
+            PlanningError: the path leaves the axis limits or the reach, or crosses a singularity; says where.
+            UnreachablePoseError: the end of the path cannot be reached at all.
+        """
+        return self._fastest(self._routes(path, start), path)[0]
+
+    def follow(self, path: CartesianPath, start: Array) -> JointPath | None:
+        """The joint path of a path, as a motion alone would take it; raises as `plan_path`.
+
+        Returns:
+            The joint path; None where the tool stands still in a singularity on the way.
+        """
+        routes = self._routes(path, start)
+        route = routes[0] if len(routes) == 1 else self._fastest(routes, path)[1]
+        return route[0].joints if len(route) == 1 else None
+
+    def _routes(self, path: CartesianPath, start: Array) -> list[Route]:
+        # A pose that no posture reaches is told as such, before the place where the path fails.
+        try:
+            if self.postures is not None:
+                return self.postures.routes(path, start)
+            return [(RoutePiece(self.path_kinematics.follow(path, start), 0.0, 1.0),)]
+        except PlanningError:
+            self.reach(path.end, start)
+            raise
+
+    def _fastest(self, routes: list[Route], path: CartesianPath) -> tuple[Trajectory, Route]:
+        """The route that takes least time; those that cannot are not timed."""
+        plans: list[tuple[Trajectory, Route]] = []
+        for least, _, route in sorted((self._least_time(route), k, route) for k, route in enumerate(routes)):
+            if not plans or least < plans[-1][0].duration:
+                plans.append((self._timed(route, path), route))
+                plans = [min(plans, key=lambda plan: plan[0].duration)]
+        return plans[0]
+
+    def _least_time(self, route: Route) -> float:
+        """What the axes need for their ways alone, from rest to rest in every piece, s."""
+        time = 0.0
+        for piece in route:
+            way = np.abs(np.diff(piece.joints.q, axis=0)).sum(axis=0)
+            ramp = self.velocity**2 / self.acceleration  # the way of reaching full speed and stopping
+            fast = (way + ramp) / self.velocity
+            slow = 2.0 * np.sqrt(way / self.acceleration)
+            time += float(np.where(way > ramp, fast, slow).max())
+        return time
+
+    def _timed(self, route: Route, path: CartesianPath) -> Trajectory:
+        return one_after_another([self.timing.trajectory(piece.joints, piece.tool(path)) for piece in route])
