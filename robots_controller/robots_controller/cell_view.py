@@ -22,8 +22,8 @@ from robots_controller.cell_events import (
     ProgramPrint,
     ProgramStatus,
 )
-from robots_controller.motion_record import PASSED
 from robots_core.pose import Pose
+from robots_planning.order_book import PASSED
 
 MARGIN = ' ' * 8
 REPEAT_TIME = 5.0  # s

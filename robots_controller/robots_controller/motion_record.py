@@ -14,11 +14,11 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
 from robots_planning.motion_settings import MotionSettings, settings_from_text
+from robots_planning.order_book import PASSED
 from robots_planning.pathplanning import JOINT_STATES, Shape
 from robots_planning.robot_command_state import RobotCommandState
 
 OK: Final = 0  # DiagnosticStatus.OK
-PASSED: Final = 'passed'  # result of a motion that ran through to the next one
 COMMAND_TOPICS: Final[dict[str, tuple[RobotCommandState, Shape]]] = {
     'ptpjoint_joint': (RobotCommandState.PTPJOINT_JOINT, 'line'),
     'ptpjoint_cartesian': (RobotCommandState.PTPJOINT_CARTESIAN, 'line'),

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import Shape, Target
 from robots_planning.robot_command_state import RobotCommandState
 from robots_planning.trajectory import Trajectory
 
+PASSED: Final = 'passed'  # result of a motion that ran through to the next one
 LONGEST_CHAIN = 32  # motions that run through in one; the last of so many stops
 
 
@@ -53,6 +55,12 @@ class RunningMotion:
     def id(self) -> str:
         """The motion's id: that of its last command."""
         return self.ids[-1]
+
+    def passed(self, progress: float) -> Iterator[tuple[str, bool]]:
+        """For each command before the last: its id, and whether it was done with at that part of the plan."""
+        done = progress * self.trajectory.duration
+        for id_, end in zip(self.ids[:-1], self.ends[:-1], strict=True):
+            yield id_, progress == 1.0 or end <= done
 
 
 class OrderBook:

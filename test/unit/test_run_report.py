@@ -100,7 +100,7 @@ def test_distances_are_told_with_a_scene(tmp_path: Path, report: RunReport):
         f'objects:\n  - name: table\n    box: {{size: [0.1, 0.1, 0.1]}}\n'
         f'    pose: {{position: [{r[0]}, {r[1] + 0.3}, {r[2]}]}}\n'
     )
-    near = run_report(report.run.bag, scene=scene).clearance
+    near = run_report(report.run.source, scene=scene).clearance
     assert near is not None
     assert 'table' in (near.first, near.second)
     (motion,) = (item.motion for item in report.motions if item.motion.line == near.line)

@@ -23,6 +23,8 @@ from robots_controller.simulation.events import (
 )
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core import load_robot_model
+from robots_core.blocks.collision.scene_file import read_scene
+from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.errors import RobotsError
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'
@@ -323,6 +325,30 @@ def test_a_bag_tells_the_same_as_the_run(tmp_path: Path, welding: SimulationRun)
     # And writing one changes nothing of what happens.
     assert np.array_equal(run.reference, welding.reference)
     assert run.events == welding.events
+
+
+def test_a_bag_tells_how_close_the_robot_came(tmp_path: Path):
+    scene = PROGRAMS / 'scenes' / 'car_frame.yaml'
+    simulate(
+        PROGRAMS / 'welding_around_pillar.lua', robot=ROBOT, drive='ideal', scene=scene, bag=tmp_path / 'bag'
+    )
+    found = read_bag(tmp_path / 'bag').deserialized(['/min_distance', '/collision_status', '/joint_states'])
+    distances = np.array([message.data for _, message in found['/min_distance']])
+    statuses = [
+        {pair.key: pair.value for pair in message.values} for _, message in found['/collision_status']
+    ]
+    assert [float(values['distance']) for values in statuses] == distances.tolist()
+    # Planned motions keep the margin; the robot passes the pillar with not much more.
+    assert 0.005 <= distances.min() < 0.2
+    robot = load_robot_model(ROBOT)
+    detection = CollisionDetection(robot)
+    detection.set_scene(read_scene(scene))
+    states = {stamp: message.position for stamp, message in found['/joint_states']}
+    for (stamp, message), values in list(zip(found['/min_distance'], statuses, strict=True))[::20]:
+        closest = detection.distance(states[stamp])
+        assert closest is not None
+        assert message.data == closest.distance
+        assert (values['first'], values['second']) == (closest.first, closest.second)
 
 
 def test_the_table_of_the_demo_is_made_of_a_simulated_bag_too(tmp_path: Path):

@@ -10,11 +10,11 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 
 from robots_controller.interpreter.lua_program import LuaProgram
+from robots_controller.told_place import TellingPace, told_place
 from robots_core.nodes.messages import diagnostic_status
 from robots_core.nodes.qos import STATE
 
-# Lines of a loop that computes change thousands of times a second; nobody reads faster than this.
-STATUS_PERIOD: Final = 0.02  # s
+STATUS_PERIOD: Final = 0.02  # s, after which a change that could not be told at once is told
 
 
 class ProgramStatus:
@@ -31,7 +31,7 @@ class ProgramStatus:
         """Why the program could not be opened, or ''."""
         self._program, self._robot_name = program, robot_name
         self._lock = threading.Lock()
-        self._time = -STATUS_PERIOD
+        self._pace = TellingPace()
         self._due = False
         self._motion: dict[str, object] = {}
         self._publisher = node.create_publisher(DiagnosticStatus, 'program_status', STATE)
@@ -40,7 +40,7 @@ class ProgramStatus:
     def line_changed(self) -> None:
         """The program is on another line: told now, or with others that follow soon."""
         self._due = True
-        if time.monotonic() - self._time >= STATUS_PERIOD:
+        if self._pace.passes(time.monotonic()):
             self.publish_if_due()
 
     def motion_sent(self, id_: str, file: str, line: int) -> None:
@@ -60,9 +60,8 @@ class ProgramStatus:
         """Tell everything now."""
         with self._lock:
             self._due = False
-            self._time = time.monotonic()
             program = self._program
-            state, line = program.run_state, program.line
+            state = program.run_state
             error = str(program.error or self.open_error)
             held = {'hold': program.hold_reason, 'stack': program.call_stack} if program.hold_reason else {}
             self._publisher.publish(
@@ -71,11 +70,7 @@ class ProgramStatus:
                     error or f'{program.file or "no program"}: {state}',
                     level=DiagnosticStatus.ERROR if error else DiagnosticStatus.OK,
                     hardware_id=self._robot_name,
-                    state=state.value,
-                    file=program.line_file,
-                    line=line,
-                    source=program.source_line(line),
-                    error=error,
+                    **told_place(program, state, error),
                     **held,
                     **self._motion,
                 )

@@ -28,7 +28,7 @@ def comparison_page(comparison: RunComparison) -> str:
     runs = list(zip(NAMES, (comparison.before, comparison.after), strict=True))
     data = {
         'title': f'{comparison.after.title}: {comparison.describe()}',
-        'subtitle': '; '.join(f'{name}: {report.run.bag}' for name, report in runs),
+        'subtitle': '; '.join(f'{name}: {report.run.source}' for name, report in runs),
         'problems': [
             f'{name}: {text}' for name, r in runs for text in (r.run.problem, r.run.program_error) if text
         ],
@@ -51,7 +51,8 @@ def show_comparison(comparison: RunComparison, console: Console) -> None:
     """Print what changed, line by line."""
     for name, report in zip(NAMES, (comparison.before, comparison.after), strict=True):
         console.print(
-            f'[bold]{name}[/]  {escape(report.title)}, {report.run.duration:.2f} s  {report.run.bag}',
+            f'[bold]{name}[/]  {escape(report.title)}, {report.run.duration:.2f} s  '
+            f'{escape(report.run.source)}',
             highlight=False,
         )
     table = Table(box=SIMPLE_HEAD, header_style='bold', pad_edge=False)

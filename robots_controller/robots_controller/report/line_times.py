@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Final, Literal
 
 import numpy as np
@@ -107,15 +108,11 @@ def line_times(run: RecordedRun) -> tuple[LineTime, ...]:
     """Times of all lines that the run came to, in the program's order; their sum is the run's duration."""
     sources = {(point.file, point.line): point.source for point in run.program if point.line}
     spent: dict[tuple[str, int], dict[Activity, float]] = {}
-    visits: dict[tuple[str, int], int] = {}
-    last = None
+    visits = Counter(place for place, _ in groupby(_places(run)))
     for span in time_spans(run):
-        place = span.file, span.line
-        times = spent.setdefault(place, dict.fromkeys(ACTIVITIES, 0.0))
+        times = spent.setdefault((span.file, span.line), dict.fromkeys(ACTIVITIES, 0.0))
         times[span.activity] += span.duration
-        visits[place] = visits.get(place, 0) + (place != last)
-        last = place
-    for place in _places(run):  # lines that took no time to speak of
+    for place in visits:  # lines that took no time to speak of
         spent.setdefault(place, dict.fromkeys(ACTIVITIES, 0.0))
     files = list(dict.fromkeys(file for file, _ in spent))
     return tuple(
@@ -123,7 +120,7 @@ def line_times(run: RecordedRun) -> tuple[LineTime, ...]:
             file,
             line,
             sources.get((file, line), '') if line else BEFORE,
-            visits.get((file, line), 1),
+            max(1, visits[file, line]),
             **spent[file, line],
         )
         for file, line in sorted(spent, key=lambda place: (files.index(place[0]), place[1]))

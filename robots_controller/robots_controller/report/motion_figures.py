@@ -29,9 +29,9 @@ class MotionFigures:
         fastest: Highest speed of the tool by the drives, m/s.
         deciding: The limit that makes it last.
         uses: By limit, the axis with the highest use and that use.
-        path_deviation: Largest distance of tool0 to the planned path, m.
-        lag: Largest distance of tool0 to where the reference is at that time, m.
-        missed: Distance of tool0 to the planned end when the motion ended, m; NaN where it ran through.
+        path_deviation: Largest distance of the tool to the planned path, m.
+        lag: Largest distance of the tool to where the reference is at that time, m.
+        missed: Distance of the tool to the planned end when the motion ended, m; NaN where it ran through.
         energy: That the axes take up, J.
     """
 
@@ -84,8 +84,9 @@ def _worst(names: tuple[str, ...], use: Array) -> tuple[str, float]:
 
 
 def _planned_path(run: RecordedRun, motion: RecordedMotion) -> Array:
-    """Positions of tool0 on the plan, (k, 3) m."""
+    """Positions of the tool on the plan, (k, 3) m."""
     assert motion.plan is not None
     count = max(2, int(np.ceil(motion.plan.duration / PATH_PERIOD)) + 1)
     q, _, _ = motion.plan.sample(np.linspace(0.0, motion.plan.duration, count))
-    return np.array([run.robot.direct_kinematics(row)[0] for row in q])
+    tool = motion.command.settings.tool_pose.r
+    return np.array([r + T @ tool for r, T in map(run.robot.direct_kinematics, q)])

@@ -29,6 +29,7 @@ def write_report(
     robot: str = '',
     scene: Path | str | None = None,
     namespace: str = '/',
+    source: str = '',
 ) -> RunReport:
     """Write the report on a recorded run, live or simulated.
 
@@ -38,6 +39,7 @@ def write_report(
         robot: The robot's name; by default the one that the bag names.
         scene: YAML file of what stands around the robot; distances are told with it.
         namespace: Namespace of the recorded cell.
+        source: Where the run comes from, for a person; the bag's path by default.
 
     Returns:
         What was written.
@@ -46,7 +48,7 @@ def write_report(
         RobotsError: not a readable bag, an unknown robot, a scene that is not valid, or a file that cannot
             be written.
     """
-    report = run_report(bag, robot=robot, scene=scene, namespace=namespace)
+    report = run_report(bag, robot=robot, scene=scene, namespace=namespace, source=source)
     write_page(path, report_page(report))
     return report
 
@@ -59,7 +61,7 @@ def report_page(report: RunReport) -> str:
     problems += [f'line {m.line}: {m.message}' for m in run.motions if not m.ok]
     data = {
         'title': report.title,
-        'subtitle': f'{run.bag}, program {run.program_state.lower()}',
+        'subtitle': f'{run.source}, program {run.program_state.lower()}',
         'problems': list(dict.fromkeys(problems)),
         'figures': _figures(report),
         'duration': run.duration,
@@ -184,7 +186,7 @@ def _lines(report: RunReport) -> dict[str, Any]:
 
 def _motions(report: RunReport) -> dict[str, Any]:
     names = [('line', 'number'), ('motion', 'text'), ('planned s', 'number'), ('real s', 'number')]
-    names += [('way m', 'number'), ('fastest m/s', 'number'), ('decided by', 'text'), ('share', 'number')]
+    names += [('way m', 'number'), ('top m/s', 'number'), ('decided by', 'text'), ('of its time', 'number')]
     names += [(quantity, 'text') for quantity in ('velocity', 'acceleration', 'torque')]
     names += [
         ('off path mm', 'number'),
@@ -214,7 +216,7 @@ def _motion_cells(item: MotionFigures, files_: set[str]) -> list[str]:
         number(item.length, 3),
         number(item.fastest, 2),
         item.deciding.describe(),
-        '' if math.isnan(item.deciding.share) else f'{100.0 * item.deciding.share:.0f} % of the time',
+        '' if math.isnan(item.deciding.share) else f'{100.0 * item.deciding.share:.0f} %',
         *uses,
         number(1e3 * item.path_deviation, 3),
         number(1e3 * item.lag, 2),

@@ -49,7 +49,7 @@ class RecordedRun:
     """A run on one time axis, which begins with the program.
 
     Attributes:
-        bag: Where it comes from.
+        source: Where it comes from, for a person.
         robot: The robot.
         time: Instants of the references, (m,) s, increasing.
         reference: Position, velocity and acceleration of the references, (m, n) each.
@@ -65,7 +65,7 @@ class RecordedRun:
         problem: What is wrong with the bag, or ''.
     """
 
-    bag: Path
+    source: str
     robot: BaseRobotModel
     time: Array
     reference: tuple[Array, Array, Array]
@@ -91,13 +91,14 @@ class RecordedRun:
         return slice(first, max(int(np.searchsorted(self.time, end, side='right')), first + 1))
 
 
-def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/') -> RecordedRun:
+def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/', source: str = '') -> RecordedRun:
     """Read a run from a bag, live or simulated.
 
     Args:
         bag: A rosbag2 folder, or one .mcap or .db3 file; what was cut off is read up to the cut.
         robot: The robot's name; by default the one that the bag names.
         namespace: Namespace of the recorded cell.
+        source: Where it comes from, for a person; the bag's path by default.
 
     Raises:
         RobotsError: not a readable bag, no references in it, or an unknown robot.
@@ -125,7 +126,7 @@ def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/') -> Recor
     q, q_dot, effort = _feedback(messages['joint_states'], model, origin, time)
     last = _values(messages['program_status'][-1][1]) if messages['program_status'] else {}
     return RecordedRun(
-        bag=Path(bag),
+        source=source or str(bag),
         robot=model,
         time=time,
         reference=(position, velocity, acceleration),

@@ -49,11 +49,16 @@ class RunReport:
     @property
     def title(self) -> str:
         """Program and robot."""
-        return f'{self.run.program_name or self.run.bag.name} on {self.run.robot.name}'
+        return f'{self.run.program_name or self.run.source} on {self.run.robot.name}'
 
 
 def run_report(
-    bag: Path | str, *, robot: str = '', scene: Path | str | None = None, namespace: str = '/'
+    bag: Path | str,
+    *,
+    robot: str = '',
+    scene: Path | str | None = None,
+    namespace: str = '/',
+    source: str = '',
 ) -> RunReport:
     """Report on a recorded run, live or simulated.
 
@@ -62,11 +67,12 @@ def run_report(
         robot: The robot's name; by default the one that the bag names.
         scene: YAML file of what stands around the robot; distances are told with it.
         namespace: Namespace of the recorded cell.
+        source: Where the run comes from, for a person; the bag's path by default.
 
     Raises:
         RobotsError: not a readable bag, no references in it, an unknown robot, or a scene that is not valid.
     """
-    run = read_run(bag, robot=robot, namespace=namespace)
+    run = read_run(bag, robot=robot, namespace=namespace, source=source)
     signals = RunSignals.of(run)
     surroundings = read_scene(scene) if scene else None
     return RunReport(

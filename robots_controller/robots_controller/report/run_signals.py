@@ -16,14 +16,13 @@ LIMITS: Final = ('velocity', 'acceleration', 'torque')
 
 @dataclass(frozen=True, eq=False)
 class RunSignals:
-    """Signals over the run's time, (m,) rows.
+    """Signals over the run's time, (m,) rows; the tool is the one that the last motion was commanded with.
 
     Attributes:
-        tool_reference: Position of tool0 that the references ask for, (m, 3) m, base frame.
-        tool: Position of tool0 by the drives, (m, 3) m.
-        orientation: Orientation of tool0 by the drives, (m, 3, 3).
-        tool_speed: Speed of tool0 by the drives, (m,) m/s.
-        reference_speed: Speed of tool0 that the references ask for, (m,) m/s.
+        tool_reference: Position of the tool that the references ask for, (m, 3) m, base frame.
+        tool: Position of the tool by the drives, (m, 3) m.
+        tool_speed: Speed of the tool by the drives, (m,) m/s.
+        reference_speed: Speed of the tool that the references ask for, (m,) m/s.
         torque: Torques, (m, n) N m (N): those of the drives, or those that the references need.
         measured: The torques are those of the drives.
         power: Mechanical power of each axis, (m, n) W; below 0 it brakes.
@@ -33,7 +32,6 @@ class RunSignals:
 
     tool_reference: Array
     tool: Array
-    orientation: Array
     tool_speed: Array
     reference_speed: Array
     torque: Array
@@ -50,13 +48,14 @@ class RunSignals:
         model = robot.rigid_dynamics_model
         needed = np.array([model.torques(*state) for state in zip(q_ref, q_dot_ref, q_ddot_ref, strict=True)])
         torque = needed if run.effort is None else run.effort
-        tool, orientation = _tool(robot, q)
+        offset = _offset(run)
+        (r, T), (r_ref, T_ref) = _frames(robot, q), _frames(robot, q_ref)
+        lever, lever_ref = (np.einsum('mij,mj->mi', turned, offset) for turned in (T, T_ref))
         return cls(
-            tool_reference=_tool(robot, q_ref)[0],
-            tool=tool,
-            orientation=orientation,
-            tool_speed=_speed(robot, q, q_dot),
-            reference_speed=_speed(robot, q_ref, q_dot_ref),
+            tool_reference=read_only(r_ref + lever_ref),
+            tool=read_only(r + lever),
+            tool_speed=_speed(robot, q, q_dot, lever),
+            reference_speed=_speed(robot, q_ref, q_dot_ref, lever_ref),
             torque=read_only(torque),
             measured=run.effort is not None,
             power=read_only(torque * (q_dot_ref if run.effort is None else q_dot)),
@@ -80,11 +79,22 @@ def energy(time: Array, power: Array) -> Array:
     return np.asarray(np.trapezoid(np.maximum(power, 0.0), time, axis=0))
 
 
-def _tool(robot: BaseRobotModel, q: Array) -> tuple[Array, Array]:
+def _offset(run: RecordedRun) -> Array:
+    """Position of the tool in tool0, (m, 3) m."""
+    offset = np.zeros((run.time.size, 3))
+    for motion in run.motions:
+        if motion.moved:
+            offset[run.time >= motion.start] = motion.command.settings.tool_pose.r
+    return offset
+
+
+def _frames(robot: BaseRobotModel, q: Array) -> tuple[Array, Array]:
+    """Position and orientation of tool0, (m, 3) m and (m, 3, 3)."""
     poses = [robot.direct_kinematics(row) for row in q]
-    return read_only([r for r, _ in poses]), read_only([T for _, T in poses])
+    return np.array([r for r, _ in poses]), np.array([T for _, T in poses])
 
 
-def _speed(robot: BaseRobotModel, q: Array, q_dot: Array) -> Array:
-    linear = (robot.jacobian(row)[:3] @ rate for row, rate in zip(q, q_dot, strict=True))
-    return read_only([np.linalg.norm(velocity) for velocity in linear])
+def _speed(robot: BaseRobotModel, q: Array, q_dot: Array, lever: Array) -> Array:
+    """Speed of the tool, (m,) m/s, which is at `lever` from tool0, (m, 3) m, base frame."""
+    twist = np.array([robot.jacobian(row) @ rate for row, rate in zip(q, q_dot, strict=True)])
+    return read_only(np.linalg.norm(twist[:, :3] + np.cross(twist[:, 3:], lever), axis=1))

@@ -22,7 +22,7 @@ SOURCE_WIDTH = 46
 def show_report(report: RunReport, console: Console) -> None:
     """Print times by line, figures by motion and the sums."""
     run = report.run
-    console.print(f'[bold]{escape(report.title)}[/]  {run.bag}', highlight=False)
+    console.print(f'[bold]{escape(report.title)}[/]  {escape(run.source)}', highlight=False)
     if run.problem:
         console.print(f'[yellow]{escape(run.problem)}[/]', highlight=False)
     files = {line.file for line in report.lines}

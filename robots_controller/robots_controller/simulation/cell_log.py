@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from robots_controller.interpreter.lua_program import LuaProgram
@@ -10,6 +10,7 @@ from robots_controller.interpreter.motion_command import MotionCommand, OutputCh
 from robots_controller.interpreter.program_state import RunState
 from robots_controller.io_image import Channel, IoImage
 from robots_controller.simulation import ros_messages as ros
+from robots_controller.simulation.collision_watch import Clearness
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.events import (
     CommandStateChanged,
@@ -24,13 +25,12 @@ from robots_controller.simulation.recording import Recording
 from robots_controller.simulation.simulated_bag import START, SimulatedBag
 from robots_controller.simulation.simulated_clock import SimulatedClock
 from robots_controller.simulation.simulated_motions import MotionEnd, motion_settings
+from robots_controller.told_place import TellingPace, told_place
 from robots_core.errors import RobotsError
 from robots_planning.motion_settings import MotionSettings, settings_as_text
 from robots_planning.order_planner import PlannedOrders
 from robots_planning.robot_command_state import RobotCommandState
 
-# Lines of a loop that computes change thousands of times a second; as in a live cell not all are told.
-STATUS_PERIOD: Final = 20_000_000  # ns
 STATUS_TYPE: Final = 'diagnostic_msgs/msg/DiagnosticStatus'
 COMMAND_TYPES: Final = {
     'ptpjoint_joint': 'sensor_msgs/msg/JointState',
@@ -74,7 +74,7 @@ class CellLog:
         self._bag, self._clock, self._cost = bag, clock, cost
         self._robot, self._joints = robot, joints
         self._status_due = False
-        self._status_time = -STATUS_PERIOD
+        self._pace = TellingPace()
         self._progress = -1.0
         self._settings: MotionSettings | None = None
 
@@ -93,7 +93,7 @@ class CellLog:
 
     def status_in_time(self, program: LuaProgram) -> None:
         """Tell where the program is, if that has changed and was not told just now."""
-        if self._status_due and self._clock.nanoseconds - self._status_time >= STATUS_PERIOD:
+        if self._status_due and self._pace.passes(self._clock.now()):
             self._tell_status(program, program.run_state)
 
     @property
@@ -109,19 +109,13 @@ class CellLog:
     def _tell_status(
         self, program: LuaProgram, state: RunState, error: str = '', nanoseconds: int | None = None
     ) -> None:
-        self._status_due, self._status_time = False, self._clock.nanoseconds
+        self._status_due = False
         if self._bag is None:
             return
-        line = program.line
-        values = {
-            'state': state.value,
-            'file': program.line_file,
-            'line': line,
-            'source': program.source_line(line),
-            'error': error,
-        }
         words = error or f'{program.file}: {state}'
-        status = ros.diagnostic_status('program', words, self._robot, ros.ERROR if error else ros.OK, values)
+        status = ros.diagnostic_status(
+            'program', words, self._robot, ros.ERROR if error else ros.OK, told_place(program, state, error)
+        )
         self._write('program_status', STATUS_TYPE, status, nanoseconds)
 
     def printed(self, text: str, line: int) -> None:
@@ -233,6 +227,23 @@ class CellLog:
         if due or progress in (0.0, 1.0):
             self._progress = progress
             self._bag.progress(self._clock.nanoseconds, progress)
+
+    def clearness(self, seen: Clearness) -> None:
+        """Tell how close the robot is to something."""
+        if self._bag is not None:
+            level = ros.ERROR if seen.near else ros.OK
+            status = ros.diagnostic_status('collision', seen.words, self._robot, level, seen.values)
+            self._write(
+                'min_distance', 'std_msgs/msg/Float64', ros.message('std_msgs/msg/Float64', seen.distance)
+            )
+            self._write('collision_status', STATUS_TYPE, status)
+
+    def channel_names(self, labels: Mapping[str, Sequence[str]]) -> None:
+        """Tell the names of inputs and outputs, by image, as the parameters of a live cell's node."""
+        if self._bag is not None and labels:
+            names = {f'{image.removesuffix("s")}_names': names for image, names in labels.items()}
+            event = ros.string_parameters(START + self._clock.nanoseconds, '/lua_program_node', names)
+            self._write('/parameter_events', 'rcl_interfaces/msg/ParameterEvent', event)
 
     def nothing_forced(self) -> None:
         """Tell that no input is forced, which is so in every simulation."""

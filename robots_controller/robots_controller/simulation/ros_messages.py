@@ -17,6 +17,7 @@ from robots_planning.trajectory import Trajectory
 NANOSECONDS: Final = 1_000_000_000
 BASE_FRAME: Final = 'base'
 OK, ERROR = 0, 2  # levels of diagnostic_msgs/DiagnosticStatus
+STRING_ARRAY: Final = 9  # type of rcl_interfaces/ParameterValue
 INFO: Final = 20  # level of rcl_interfaces/Log
 
 
@@ -104,6 +105,22 @@ def image(kind: str, label: str, values: Array) -> Any:
     if kind == 'digital':
         return message('std_msgs/msg/UInt8MultiArray', layout, values.astype(np.uint8))
     return message('std_msgs/msg/Float64MultiArray', layout, np.array(values, np.float64))
+
+
+def string_parameters(nanoseconds: int, node: str, values: Mapping[str, Sequence[str]]) -> Any:
+    """rcl_interfaces/ParameterEvent of new parameters that are lists of strings."""
+    none = np.zeros(0, np.uint8), np.zeros(0, np.bool_), np.zeros(0, np.int64), np.zeros(0)
+    parameters = [
+        message(
+            'rcl_interfaces/msg/Parameter',
+            name,
+            message(
+                'rcl_interfaces/msg/ParameterValue', STRING_ARRAY, False, 0, 0.0, '', *none, list(strings)
+            ),
+        )
+        for name, strings in values.items()
+    ]
+    return message('rcl_interfaces/msg/ParameterEvent', stamp(nanoseconds), node, parameters, [], [])
 
 
 def log(nanoseconds: int, name: str, words: str) -> Any:

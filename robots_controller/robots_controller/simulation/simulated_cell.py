@@ -16,6 +16,7 @@ from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.interpreter.program_state import MotionCommand, OutputChange, RunState
 from robots_controller.simulation.cell_log import CellLog
 from robots_controller.simulation.cell_parts import CellParts
+from robots_controller.simulation.collision_watch import CollisionWatch
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.recording import Recording
 from robots_controller.simulation.simulated_bag import START, SimulatedBag
@@ -33,6 +34,8 @@ from robots_planning.robot_command_state import RobotCommandState
 # As in a live cell: the controller looks at the feedback, and tells its progress, so many times a second.
 FEEDBACK_RATE: Final = 125.0  # Hz
 PROGRESS_RATE: Final = 25.0  # Hz
+# As collision_node, which a live cell has where there is a scene.
+WATCH_RATE: Final = 25.0  # Hz
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
 # A robot that stands for this long in the middle of a motion, with nothing left that could change that.
 STUCK_TIME: Final = 10.0  # s
@@ -116,6 +119,10 @@ class SimulatedCell:
         self._switches = SimulatedSwitches(
             lambda q: Pose(*robot.direct_kinematics(q)), self._program.switch_output
         )
+        self._watch = None
+        if parts.scene and bag is not None and parts.planning.collision is not None:
+            self._watch = CollisionWatch(parts.planning.collision, parts.planning.collision_margin)
+        self._watch_every = max(1, round(1.0 / (WATCH_RATE * period)))
         self._feedback_every = max(1, round(1.0 / (FEEDBACK_RATE * period)))
         self._progress_every = max(1, round(1.0 / (PROGRESS_RATE * period)))
         self._cycle = -1
@@ -153,6 +160,7 @@ class SimulatedCell:
 
     def _begin(self) -> None:
         log, io = self._log, self._program.io
+        log.channel_names(self._parts.io_labels)
         log.nothing_forced()
         for image in ('digital_outputs', 'analog_outputs'):
             log.image(io, image)
@@ -289,6 +297,8 @@ class SimulatedCell:
         if self._bag is not None:
             self._log.progress(controller.progress, due=cycle % self._progress_every == 0)
             self._bag.write_samples_in_time()
+        if self._watch is not None and cycle % self._watch_every == 0:
+            self._log.clearness(self._watch.look(q))
         cost.switch('other')
         while controller.outcomes:
             self._motions.end(controller.outcomes.popleft())

@@ -20,13 +20,13 @@ from robots_core.pose import Pose
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
 from robots_planning.motion_settings import CHECKS, MotionSettings
-from robots_planning.order_book import MotionOrder, OrderBook, RunningMotion
+from robots_planning.order_book import PASSED, MotionOrder, OrderBook, RunningMotion
 from robots_planning.order_planner import OrderPlanner, PlannedOrders
 from robots_planning.pathplanning import PathPlanning, Shape, Target
 from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.standing_robot import check_standing
 from robots_planning.trajectory import Trajectory
 
-REST_SPEED: Final = 1e-5  # rad/s (m/s); a reference this slow is rounding of one that stands
 CURVES: Final[Mapping[str, Shape]] = MappingProxyType(
     {'circCartesianSpace': 'circle', 'splineCartesianSpace': 'spline'}
 )
@@ -169,10 +169,9 @@ class SimulatedMotions:
         motion = self._book.ended(outcome.id, ok=outcome.ok, at=float(next(self._order)))
         if motion is None:
             return
-        done = float(outcome.details.get('progress', 1.0)) * motion.trajectory.duration
-        for id_, end in zip(motion.ids[:-1], motion.ends[:-1], strict=True):
-            passed = outcome.ok or end <= done
-            message = 'passed' if passed else outcome.message
+        progress = 1.0 if outcome.ok else float(outcome.details.get('progress', 1.0))
+        for id_, passed in motion.passed(progress):
+            message = PASSED if passed else outcome.message
             self._end(id_, ok=passed, message=message, details=outcome.details)
         self._end(outcome.id, ok=outcome.ok, message=outcome.message, details=outcome.details)
         if outcome.ok and self.running:
@@ -212,12 +211,7 @@ class SimulatedMotions:
     def _standing(self) -> Array:
         reference = self._controller.reference
         assert reference is not None
-        fastest = int(np.argmax(np.abs(reference[1])))
-        if abs(reference[1, fastest]) > REST_SPEED:
-            raise PlanningError(
-                f'the robot is still moving: the reference of {self._axes.names[fastest]} has '
-                f'{reference[1, fastest]:.4g} {self._axes.unit(fastest)}/s; wait until it stands'
-            )
+        check_standing(reference[1], self._axes)
         return np.array(reference[0])
 
 

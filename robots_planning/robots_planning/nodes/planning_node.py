@@ -10,7 +10,6 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import Any
 
-import numpy as np
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
@@ -35,16 +34,16 @@ from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory,
 from robots_planning.nodes.jogging import Jogging
 from robots_planning.nodes.settings_publisher import SettingsPublisher
 from robots_planning.nodes.trajectory_messages import BASE_FRAME, trajectory_message
-from robots_planning.order_book import MotionOrder, OrderBook, RunningMotion
+from robots_planning.order_book import PASSED, MotionOrder, OrderBook, RunningMotion
 from robots_planning.order_planner import OrderPlanner, PlannedOrders
 from robots_planning.pathplanning import PathPlanning, Shape, Target
 from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.standing_robot import check_standing
 
 LOOK_PERIOD = 0.1  # s between looks for a first reference
 # A blended motion waits so long for the one that it runs through to; then it stops at its end. A program that
 # changes settings in between needs two questions and answers of busy processes for it.
 BLEND_PATIENCE = 0.3  # s
-REST_SPEED = 1e-5  # rad/s (m/s); a reference this slow is rounding of one that stands
 COLLISION_MARGIN = 0.005  # m
 NEW_COMMAND = ('queue', 'replace')
 
@@ -305,12 +304,7 @@ class PlanningNode(RobotNode):
                 'joint_states?'
             )
         q, q_dot = self._reference
-        fastest = int(np.argmax(np.abs(q_dot)))
-        if abs(q_dot[fastest]) > REST_SPEED:
-            raise PlanningError(
-                f'the robot is still moving: the reference of {self._names[fastest]} has '
-                f'{q_dot[fastest]:.4g} {self.robot.axes_data.unit(fastest)}/s; wait until it stands'
-            )
+        check_standing(q_dot, self.robot.axes_data)
         return q
 
     def _path_time(self) -> float:
@@ -364,10 +358,9 @@ class PlanningNode(RobotNode):
         if motion is None:
             return
         self._progress = (0.0, time.monotonic())  # of the one after it
-        done = float(result.details.get('progress', 1.0)) * motion.trajectory.duration
-        for id_, end in zip(motion.ids[:-1], motion.ends[:-1], strict=True):
-            passed = result.ok or end <= done
-            self._answer(MotionResult(id_, passed, 'passed' if passed else result.message, result.details))
+        progress = 1.0 if result.ok else float(result.details.get('progress', 1.0))
+        for id_, passed in motion.passed(progress):
+            self._answer(MotionResult(id_, passed, PASSED if passed else result.message, result.details))
         if result.ok and not self._book.running:
             self._finished_publisher.publish(Bool(data=True))
 
