@@ -8,6 +8,8 @@ SCENE ?=
 VIEW ?= 0
 # Of simulations.
 DRIVE ?= second_order
+# Of benchmark-inverse-kinematics: --markdown, --seed 1, ...
+OPTIONS ?=
 ROS_DISTRO_SETUP := /opt/ros/jazzy/setup.bash
 
 SHELL := /bin/bash
@@ -110,7 +112,7 @@ benchmark-dynamics: build  ## Dynamics, drives and collision checks side by side
 
 .PHONY: benchmark-inverse-kinematics
 benchmark-inverse-kinematics: build .venv/benchmark/.installed  ## Numerical and constrained inverse kinematics side by side with peers
-	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_inverse_kinematics.py
+	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_inverse_kinematics.py $(OPTIONS)
 
 .PHONY: benchmark-planning
 benchmark-planning: build .venv/benchmark/.installed  ## Planners side by side with toppra, Ruckig and trapezoids

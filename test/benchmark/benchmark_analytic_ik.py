@@ -25,6 +25,8 @@ from robots_core.robot_model.analytic.axis_lines import AxisLines
 
 POSES = 500
 EXACT = 1e-9  # m and rad
+# The same posture, found from the pose: close to singularities the pose hardly tells the angles.
+SAME_POSTURE = 1e-4  # rad
 
 
 @dataclass(frozen=True)
@@ -57,55 +59,115 @@ def unlimited_solver(robot: BaseRobotModel, poses: list[tuple[np.ndarray, np.nda
 
 
 def microseconds(solver: Solver) -> float:
-    """Mean time of a call over all poses, us."""
+    """Mean processor time of a call over all poses, us."""
     call = solver.call
-    start = time.perf_counter()
+    start = time.process_time()
     for arguments in solver.calls:
         call(*arguments)
-    return (time.perf_counter() - start) / len(solver.calls) * 1e6
+    return (time.process_time() - start) / len(solver.calls) * 1e6
 
 
-def exactness(
-    robot: BaseRobotModel, solver: Solver, poses: list[tuple[np.ndarray, np.ndarray]]
-) -> tuple[str, str]:
-    """Solutions per pose, and the share of them that miss the pose by more than `EXACT`."""
-    count, missed, worst = 0, 0, 0.0
-    for (r, T), arguments in zip(poses, solver.calls, strict=True):
-        for q in solver.solutions(solver.call(*arguments)):
+@dataclass(frozen=True)
+class Quality:
+    """What a solver's solutions are worth.
+
+    Attributes:
+        per_pose: Solutions per pose.
+        inexact: Share of them that miss the pose by more than `EXACT`.
+        worst: Largest error, m and rad.
+        missing: Share of the poses without the posture that they were made from.
+    """
+
+    per_pose: float
+    inexact: float
+    worst: float
+    missing: float
+
+
+def quality(
+    robot: BaseRobotModel, solver: Solver, poses: list[tuple[np.ndarray, np.ndarray]], postures: np.ndarray
+) -> Quality:
+    count, inexact, worst, missing = 0, 0, 0.0, 0
+    for (r, T), arguments, posture in zip(poses, solver.calls, postures, strict=True):
+        found = solver.solutions(solver.call(*arguments))
+        for q in found:
             its_r, its_T = robot.direct_kinematics(q)
             error = max(np.linalg.norm(its_r - r), np.linalg.norm(its_T - T) / np.sqrt(2.0))
             count += 1
-            missed += error > EXACT
+            inexact += error > EXACT
             worst = max(worst, float(error))
-    return f'{count / len(poses):.2f}', f'{missed / max(count, 1):.2%} (worst {worst:.1e})'
+        turns = (found - posture) / (2.0 * np.pi)
+        away = 2.0 * np.pi * np.abs(turns - np.round(turns)).max(axis=1, initial=0.0)
+        missing += away.min(initial=np.inf) > SAME_POSTURE
+    return Quality(count / len(poses), inexact / max(count, 1), worst, missing / len(poses))
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Times (us) and solutions on one robot."""
+
+    ours: float
+    unlimited: float
+    peer: float
+    our_quality: Quality
+    peer_quality: Quality
+
+
+def compare(robot: BaseRobotModel, rounds: int, seed: int) -> Comparison:
+    """Medians over rounds of random poses."""
+    axes = robot.axes_data
+    lower = np.where(axes.continuous, -np.pi, axes.lower)
+    upper = np.where(axes.continuous, np.pi, axes.upper)
+    postures = np.random.default_rng(seed).uniform(lower, upper, (POSES, 6))
+    poses = [robot.direct_kinematics(q) for q in postures]
+    solvers = our_solver(robot, poses), unlimited_solver(robot, poses), eaik_solver(robot, poses)
+    times = [[microseconds(solver) for solver in solvers] for _ in range(rounds)]
+    ours, unlimited, peer = np.median(times, axis=0)
+    qualities = (quality(robot, solver, poses, postures) for solver in (solvers[0], solvers[2]))
+    return Comparison(float(ours), float(unlimited), float(peer), *qualities)
+
+
+def has_closed_form(robot: BaseRobotModel) -> bool:
+    try:
+        robot.inverse_kinematics_analytic(*robot.direct_kinematics(robot.home))
+    except NoAnalyticInverseKinematicsError:
+        return False
+    return True
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--rounds', type=int, default=41, help='turns that each solver takes')
-    rounds = parser.parse_args().rounds
-    table = Table('robot', title=f'Analytic inverse kinematics, medians of {rounds} turns of {POSES} poses')
+    parser.add_argument('--seed', type=int, default=12, help='of the poses')
+    options = parser.parse_args()
+    table = Table(
+        'robot', title=f'Analytic inverse kinematics, medians of {options.rounds} turns of {POSES} poses'
+    )
     columns = ('ours us', 'no limits us', 'EAIK us', 'ratio', 'ratio no limits')
-    for column in (*columns, 'ours per pose', 'EAIK per pose', 'ours inexact', 'EAIK inexact'):
+    for column in (
+        *columns,
+        'ours per pose',
+        'EAIK per pose',
+        'ours inexact',
+        'EAIK inexact',
+        'ours missing',
+    ):
         table.add_column(column, justify='right')
     for name in available_robot_models():
         robot = load_robot_model(name)
-        try:
-            robot.inverse_kinematics_analytic(*robot.direct_kinematics(robot.home))
-        except NoAnalyticInverseKinematicsError:
+        if not has_closed_form(robot):
             continue
-        axes = robot.axes_data
-        lower = np.where(axes.continuous, -np.pi, axes.lower)
-        upper = np.where(axes.continuous, np.pi, axes.upper)
-        postures = np.random.default_rng(12).uniform(lower, upper, (POSES, 6))
-        poses = [robot.direct_kinematics(q) for q in postures]
-        solvers = our_solver(robot, poses), unlimited_solver(robot, poses), eaik_solver(robot, poses)
-        times = [[microseconds(solver) for solver in solvers] for _ in range(rounds)]
-        ours, unlimited, peer = np.median(times, axis=0)
-        (count, inexact), _, (its_count, its_inexact) = (exactness(robot, s, poses) for s in solvers)
-        figures = [f'{value:.2f}' for value in (ours, unlimited, peer, ours / peer, unlimited / peer)]
-        table.add_row(name, *figures, count, its_count, inexact, its_inexact)
-    Console(width=170).print(table)
+        c = compare(robot, options.rounds, options.seed)
+        figures = (c.ours, c.unlimited, c.peer, c.ours / c.peer, c.unlimited / c.peer)
+        both = (c.our_quality, c.peer_quality)
+        table.add_row(
+            name,
+            *(f'{value:.2f}' for value in figures),
+            *(f'{each.per_pose:.2f}' for each in both),
+            *(f'{each.inexact:.2%} (worst {each.worst:.1e})' for each in both),
+            f'{c.our_quality.missing:.2%}',
+        )
+    Console(width=180).print(table)
 
 
 if __name__ == '__main__':

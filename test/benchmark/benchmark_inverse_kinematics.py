@@ -1,66 +1,44 @@
-"""Numerical and constrained inverse kinematics next to their peers, in one process, turn by turn.
+"""Inverse kinematics next to its peers, in one process, turn by turn, as one table.
 
-Run by `make benchmark-inverse-kinematics`. Every solution is checked with the robot's own kinematics
-(Pinocchio), not with that of the solver. Medians over repetitions in which all solvers take turns, so that a
-busy machine hits all of them.
+Run by `make benchmark-inverse-kinematics`; OPTIONS=--markdown prints the table as it stands in the README.
+Every solution is checked with the robot's own kinematics (Pinocchio), not with that of the solver. Times are
+medians over repetitions of the mean over all problems: processor time, in which other work on the machine
+does not count; by the clock for `solve_many`, which has all cores, and for the first results of a process.
+Poses are others in every run unless `--seed` repeats one.
 """
 
 from __future__ import annotations
 
 import argparse
 import datetime as dt
+import os
+import secrets
 import subprocess
 import sys
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
 
-import daqp
 import numpy as np
 import pink
 import pinocchio as pin
-import piqp
-import quadprog
+from benchmark_analytic_ik import compare, has_closed_form
+from benchmark_quadratic_program import quadratic_program_rows
+from contest import Contest, Row, show
 from pink.limits import AccelerationLimit, ConfigurationLimit, VelocityLimit
-from proxsuite import proxqp
-from rich.console import Console
-from rich.table import Table
 from roboticstoolbox.ets import ET, ETS
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks import ConstrainedInverseKinematics, DampedLeastSquares
 from robots_core.blocks.inverse_kinematics.chain import SerialChain
-from robots_core.blocks.inverse_kinematics.quadratic_program import solve_quadratic_program
 
 ROBOTS = ('ur5e', 'franka_fr3', 'kuka_lbr_iiwa14', 'kinova_j2n6s300', 'kuka_kr210_r2700')
+# The paper's motion simulator follows references by constrained steps.
+CONSTRAINED_ROBOTS = (*ROBOTS, 'kuka_kr500_r2830')
 TOLERANCE = 1e-6  # m and rad
 # The peers' residual is half the squared error; searched a little more exactly, so that rounding of the check
 # costs nobody a solution.
 LM_TOLERANCE = 0.5 * (0.9 * TOLERANCE) ** 2
 DT = 0.004
-console = Console(width=130)
-
-
-@dataclass
-class Contest:
-    """Times per call (us) of solvers that take turns."""
-
-    calls: dict[str, Callable[[], object]]
-    times: dict[str, list[float]] = field(default_factory=dict)
-    results: dict[str, object] = field(default_factory=dict)
-
-    def run(self, repetitions: int, count: int) -> None:
-        """Each call works on `count` problems."""
-        for name, call in self.calls.items():
-            self.results[name] = call()  # warm
-        for _ in range(repetitions):
-            for name, call in self.calls.items():
-                start = time.perf_counter()
-                call()
-                self.times.setdefault(name, []).append(1e6 * (time.perf_counter() - start) / count)
-
-    def median(self, name: str) -> float:
-        return float(np.median(self.times[name]))
+STEPS = 500
 
 
 def ranges(robot: BaseRobotModel) -> tuple[np.ndarray, np.ndarray]:
@@ -98,205 +76,111 @@ def solved_share(robot: BaseRobotModel, poses: list[Pose], solutions: list[np.nd
     return 100.0 * solved / len(poses)
 
 
-def numerical(repetitions: int, count: int) -> None:
-    table = Table(
-        title=f'DampedLeastSquares, {count} random reachable poses from random starts, 1e-6 m and rad'
-    )
-    for column in ('robot', 'ours us', 'ours %', 'ik_LM us', 'ik_LM %', 'ratio', 'solve_many us', 'poses/s'):
-        table.add_column(column, justify='right')
-    for name in ROBOTS:
-        robot = load_robot_model(name)
-        low, high = ranges(robot)
-        rng = np.random.default_rng(7)
-        poses = [Pose(*robot.direct_kinematics(q)) for q in rng.uniform(low, high, (count, low.size))]
-        starts = rng.uniform(low, high, (count, low.size))
-        ours, peer = (
-            DampedLeastSquares(robot, tolerances=(TOLERANCE, TOLERANCE)),
-            elementary_transforms(robot),
-        )
-        matrices = []
-        for pose in poses:
-            matrix = np.eye(4)
-            matrix[:3, :3], matrix[:3, 3] = pose.T, pose.r
-            matrices.append(matrix)
-        r, T = np.array([pose.r for pose in poses]), np.array([pose.T for pose in poses])
-        our_work = list(zip(poses, starts, strict=True))
-        peer_work = list(zip(matrices, starts, strict=True))
-
-        def solve_ours(ours: DampedLeastSquares = ours, work: list = our_work) -> object:
-            return [ours.solve(pose, start).q for pose, start in work]
-
-        def solve_peer(peer: ETS = peer, work: list = peer_work) -> object:
-            return [
-                np.asarray(peer.ik_LM(matrix, q0=start, tol=LM_TOLERANCE, joint_limits=True)[0])
-                for matrix, start in work
-            ]
-
-        def solve_many(
-            ours: DampedLeastSquares = ours, r: np.ndarray = r, T: np.ndarray = T, s: np.ndarray = starts
-        ) -> object:
-            return list(ours.solve_many(r, T, s).q)
-
-        contest = Contest({'ours': solve_ours, 'peer': solve_peer, 'many': solve_many})
-        contest.run(repetitions, count)
-        shares = {key: solved_share(robot, poses, found) for key, found in contest.results.items()}
-        mine, other, many = (contest.median(key) for key in ('ours', 'peer', 'many'))
-        table.add_row(
-            name,
-            f'{mine:.1f}',
-            f'{shares["ours"]:.2f}',
-            f'{other:.1f}',
-            f'{shares["peer"]:.2f}',
-            f'{mine / other:.2f}',
-            f'{many:.1f}',
-            f'{1e6 / many:.0f}',
-        )
-    console.print(table)
-    console.print('targets: at least 99.95 %, ratio at most 0.7 on every robot')
-
-
-def constrained(repetitions: int, count: int) -> None:
-    table = Table(title='ConstrainedInverseKinematics.step (with torque limits) and a step of pink (without)')
-    for column in ('robot', 'ours us', 'pink us', 'ratio'):
-        table.add_column(column, justify='right')
-    for name in ('kuka_kr210_r2700', 'franka_fr3', 'kuka_kr500_r2830'):
-        robot = load_robot_model(name)
-        axes = robot.axes_data
-        low, high = ranges(robot)
-        rng = np.random.default_rng(3)
-        states = 0.7 * robot.home + 0.3 * rng.uniform(low, high, (count, low.size))
-        targets = [Pose(*robot.direct_kinematics(np.clip(q + 0.02, low, high))) for q in states]
-        still = np.zeros(low.size)
-        ours = ConstrainedInverseKinematics(robot, DT)
-        model = pin.buildModelFromXML(robot.description)
-        model.lowerPositionLimit, model.upperPositionLimit = np.array(low), np.array(high)
-        model.velocityLimit = np.array(axes.velocity)
-        limits = [
-            ConfigurationLimit(model),
-            VelocityLimit(model),
-            AccelerationLimit(model, np.array(axes.acceleration)),
-        ]
-        task = pink.FrameTask('tool0', position_cost=1.0, orientation_cost=0.5)
-        configuration = pink.Configuration(model, model.createData(), states[0])
-        placements = [pin.SE3(np.array(pose.T), np.array(pose.r)) for pose in targets]
-
-        def step_ours(
-            ours: ConstrainedInverseKinematics = ours,
-            states: np.ndarray = states,
-            targets: list = targets,
-            still: np.ndarray = still,
-        ) -> object:
-            for q, pose in zip(states, targets, strict=True):
-                step = ours.step(pose, q, still)
-            return step
-
-        def step_pink(
-            configuration: pink.Configuration = configuration,
-            task: pink.FrameTask = task,
-            placements: list = placements,
-            states: np.ndarray = states,
-            limits: list = limits,
-        ) -> object:
-            for q, placement in zip(states, placements, strict=True):
-                task.set_target(placement)
-                configuration.update(q)
-                velocity = pink.solve_ik(
-                    configuration, [task], DT, solver='daqp', damping=1e-6, limits=limits
-                )
-            return velocity
-
-        contest = Contest({'ours': step_ours, 'pink': step_pink})
-        contest.run(repetitions, count)
-        mine, other = contest.median('ours'), contest.median('pink')
-        table.add_row(name, f'{mine:.1f}', f'{other:.1f}', f'{mine / other:.2f}')
-    console.print(table)
-    console.print('target: ratio at most 0.3')
-
-
-def quadratic_programs(repetitions: int, count: int) -> None:  # noqa: C901  # one small function per solver
-    """The same programs, of the shape of the constrained block, through every solver's own interface."""
-    robot = load_robot_model('franka_fr3')
+def numerical_rows(robot: BaseRobotModel, repetitions: int, count: int, seed: int) -> list[Row]:
     low, high = ranges(robot)
-    n = robot.num_axes
-    rng = np.random.default_rng(5)
-    programs = []
-    for q in rng.uniform(low, high, (count, n)):
-        J = robot.jacobian(q)
-        H = J.T @ J + 1e-6 * np.eye(n)
-        f = -J.T @ rng.normal(size=6)
-        _, M, tau_aux = robot.rigid_dynamics(q, np.zeros(n), np.zeros(n))
-        rows = M / (DT * robot.axes_data.effort[:, None])
-        c = np.concatenate([1.0 - tau_aux / robot.axes_data.effort, 1.0 + tau_aux / robot.axes_data.effort])
-        width = DT * robot.axes_data.acceleration
-        programs.append((H, f, -width, width, np.vstack([rows, -rows]), c))
+    rng = np.random.default_rng(seed)
+    poses = [Pose(*robot.direct_kinematics(q)) for q in rng.uniform(low, high, (count, low.size))]
+    starts = rng.uniform(low, high, (count, low.size))
+    ours, peer = DampedLeastSquares(robot, tolerances=(TOLERANCE, TOLERANCE)), elementary_transforms(robot)
+    r, T = np.array([pose.r for pose in poses]), np.array([pose.T for pose in poses])
+    matrices = np.tile(np.eye(4), (count, 1, 1))
+    matrices[:, :3, :3], matrices[:, :3, 3] = T, r
 
-    def ours() -> object:
-        found = []
-        for H, f, lower, upper, C, c in programs:
-            x, multipliers = np.empty(n), np.empty(2 * n)
-            low, high = np.concatenate([lower, -c[n:]]), np.concatenate([upper, c[:n]])
-            solve_quadratic_program(H, f, low, high, C[:n], x, multipliers)
-            found.append(x)
-        return found
+    def solve_ours() -> list[np.ndarray]:
+        return [ours.solve(pose, start).q for pose, start in zip(poses, starts, strict=True)]
 
-    def by_quadprog() -> object:
-        eye = np.eye(n)
+    def solve_peer() -> list[np.ndarray]:
         return [
-            quadprog.solve_qp(H, -f, np.vstack([eye, -eye, -C]).T, np.concatenate([lower, -upper, -c]))[0]
-            for H, f, lower, upper, C, c in programs
+            np.asarray(peer.ik_LM(matrix, q0=start, tol=LM_TOLERANCE, joint_limits=True)[0])
+            for matrix, start in zip(matrices, starts, strict=True)
         ]
 
-    def by_daqp() -> object:
-        free, sense = np.full(2 * n, -1e30), np.zeros(3 * n, dtype=np.int32)
-        return [
-            daqp.solve(H, f, C, np.concatenate([upper, c]), np.concatenate([lower, free]), sense)[0]
-            for H, f, lower, upper, C, c in programs
-        ]
-
-    def by_piqp() -> object:
-        found = []
-        solver = piqp.DenseSolver()
-        for k, (H, f, lower, upper, C, c) in enumerate(programs):
-            if k == 0:
-                solver.setup(P=H, c=f, G=C, h_u=c, x_l=lower, x_u=upper)
-            else:
-                solver.update(P=H, c=f, G=C, h_u=c, x_l=lower, x_u=upper)
-            solver.solve()
-            found.append(solver.result.x.copy())
-        return found
-
-    def by_proxsuite() -> object:
-        found = []
-        solver = proxqp.dense.QP(n, 0, 2 * n, True)
-        free = np.full(2 * n, -1e30)
-        for k, (H, f, lower, upper, C, c) in enumerate(programs):
-            if k == 0:
-                solver.init(H, f, None, None, C, free, c, lower, upper)
-            else:
-                solver.update(H=H, g=f, C=C, l=free, u=c, l_box=lower, u_box=upper)
-            solver.solve()
-            found.append(solver.results.x.copy())
-        return found
-
-    contest = Contest(
-        {'ours': ours, 'daqp': by_daqp, 'quadprog': by_quadprog, 'piqp': by_piqp, 'proxsuite': by_proxsuite}
+    single = Contest({'ours': solve_ours, 'peer': solve_peer})
+    single.run(repetitions, count)
+    batch = Contest({'many': lambda: list(ours.solve_many(r, T, starts).q)}, clock=time.perf_counter)
+    batch.run(repetitions, count)
+    our_share, peer_share, batch_share = (
+        solved_share(robot, poses, found) for found in (*single.results.values(), *batch.results.values())
     )
+    many, cores = batch.median('many'), len(os.sched_getaffinity(0))
+    return [
+        Row(
+            '`DampedLeastSquares.solve`',
+            robot.name,
+            single.median('ours'),
+            '`ik_LM`',
+            single.median('peer'),
+            0.7,
+            f'{our_share:.2f} % solved, peer {peer_share:.2f} %',
+        ),
+        Row(
+            f'`solve_many`, {cores} cores',
+            robot.name,
+            many,
+            quality=f'{1e6 / many:.0f} poses a second, {batch_share:.2f} % solved',
+        ),
+    ]
+
+
+def analytic_row(robot: BaseRobotModel, repetitions: int, seed: int) -> Row:
+    found = compare(robot, repetitions, seed)
+    ours, peer = found.our_quality, found.peer_quality
+    return Row(
+        'closed form, all branches',
+        robot.name,
+        found.ours,
+        'EAIK',
+        found.peer,
+        1.0,
+        f'{found.unlimited:.3g} µs without limits; {ours.per_pose:.1f} a pose inside them, '
+        f'worst error {ours.worst:.0e}, {100.0 * ours.missing:.0f} % missing; '
+        f'peer {peer.per_pose:.1f}, {100.0 * peer.inexact:.0f} % wrong',
+    )
+
+
+def constrained_row(robot: BaseRobotModel, repetitions: int, count: int, seed: int) -> Row:
+    """A step of ours holds torque limits too; pink's has those of position, velocity and acceleration."""
+    axes = robot.axes_data
+    low, high = ranges(robot)
+    rng = np.random.default_rng(seed)
+    states = 0.7 * robot.home + 0.3 * rng.uniform(low, high, (count, low.size))
+    targets = [Pose(*robot.direct_kinematics(np.clip(q + 0.02, low, high))) for q in states]
+    still = np.zeros(low.size)
+    ours = ConstrainedInverseKinematics(robot, DT)
+    # Joints that turn without end are two numbers in Pinocchio: pink gets them with limits.
+    model = pin.buildModelFromXML(robot.description.replace('type="continuous"', 'type="revolute"'))
+    model.lowerPositionLimit, model.upperPositionLimit = np.array(low), np.array(high)
+    model.velocityLimit = np.array(axes.velocity)
+    limits = [
+        ConfigurationLimit(model),
+        VelocityLimit(model),
+        AccelerationLimit(model, np.array(axes.acceleration)),
+    ]
+    task = pink.FrameTask('tool0', position_cost=1.0, orientation_cost=0.5)
+    configuration = pink.Configuration(model, model.createData(), states[0])
+    placements = [pin.SE3(np.array(pose.T), np.array(pose.r)) for pose in targets]
+
+    def step_ours() -> list[float]:
+        return [ours.step(pose, q, still).slack for q, pose in zip(states, targets, strict=True)]
+
+    def step_pink() -> None:
+        for q, placement in zip(states, placements, strict=True):
+            task.set_target(placement)
+            configuration.update(q)
+            pink.solve_ik(configuration, [task], DT, solver='daqp', damping=1e-6, limits=limits)
+
+    contest = Contest({'ours': step_ours, 'pink': step_pink})
     contest.run(repetitions, count)
-    table = Table(title=f'{count} quadratic programs of {n} variables, {n} bounds, {2 * n} rows')
-    for column in ('solver', 'us', 'largest excess of the objective'):
-        table.add_column(column, justify='right')
-    best = contest.results['ours']
-    for name, found in contest.results.items():
-        excess = max(
-            abs(_objective(program, x) - _objective(program, y))
-            for program, x, y in zip(programs, found, best, strict=True)
-        )
-        table.add_row(name, f'{contest.median(name):.1f}', f'{excess:.1e}')
-    console.print(table)
-
-
-def _objective(program: tuple[np.ndarray, ...], x: np.ndarray) -> float:
-    return float(0.5 * x @ program[0] @ x + program[1] @ x)
+    inside = np.mean(np.array(contest.results['ours']) == 0.0)
+    return Row(
+        '`ConstrainedInverseKinematics.step`',
+        robot.name,
+        contest.median('ours'),
+        'pink',
+        contest.median('pink'),
+        0.3,
+        f'{100.0 * inside:.1f} % of the steps inside all limits, those of torques too',
+    )
 
 
 FIRST_RESULT = """
@@ -310,6 +194,7 @@ pose = Pose(*robot.direct_kinematics(robot.home + 0.1))
 print(time.perf_counter() - start)
 """
 CALLS = {
+    'AnalyticalInverseKinematic': 'AnalyticalInverseKinematic(robot).solve(pose, robot.home)',
     'DampedLeastSquares': 'DampedLeastSquares(robot).solve(pose, robot.home)',
     'ConstrainedInverseKinematics': (
         'ConstrainedInverseKinematics(robot, 0.004).step(pose, robot.home, np.zeros(robot.num_axes))'
@@ -317,32 +202,46 @@ CALLS = {
 }
 
 
-def first_results(repetitions: int) -> None:
-    table = Table(
-        title='Time to the first result of a fresh process (imports and robot included), code cached'
-    )
-    for column in ('block', 's'):
-        table.add_column(column, justify='right')
+def first_result_rows(repetitions: int) -> list[Row]:
+    """Imports and loading of the robot included, compiled code from its cache."""
+    rows = []
     for block, call in CALLS.items():
         code = FIRST_RESULT.format(block=block, call=call)
+        command = [sys.executable, '-P', '-c', code]
         times = [
-            float(subprocess.run([sys.executable, '-P', '-c', code], check=True, capture_output=True).stdout)
-            for _ in range(repetitions)
+            float(subprocess.run(command, check=True, capture_output=True).stdout) for _ in range(repetitions)
         ]
-        table.add_row(block, f'{np.median(times):.2f}')
-    console.print(table)
+        rows.append(Row(f'first result of `{block}`', 'kuka_kr210_r2700', 1e6 * float(np.median(times))))
+    return rows
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--poses', type=int, default=2000)
     parser.add_argument('--repetitions', type=int, default=5)
+    parser.add_argument(
+        '--seed', type=int, default=None, help='of poses and starts; another one in every run'
+    )
+    parser.add_argument('--markdown', action='store_true', help='print the table as the README has it')
     options = parser.parse_args()
-    console.print(f'{dt.datetime.now(tz=dt.UTC):%Y-%m-%d}')
-    numerical(options.repetitions, options.poses)
-    constrained(options.repetitions, 500)
-    quadratic_programs(options.repetitions, 500)
-    first_results(options.repetitions)
+    repetitions = options.repetitions
+    seed = secrets.randbits(32) if options.seed is None else options.seed
+    robots = {name: load_robot_model(name) for name in CONSTRAINED_ROBOTS}
+    rows = [row for name in ROBOTS for row in numerical_rows(robots[name], repetitions, options.poses, seed)]
+    rows.sort(key=lambda row: row.what)  # stable: the order of the robots stays
+    rows += [
+        analytic_row(robot, 4 * repetitions, seed) for robot in robots.values() if has_closed_form(robot)
+    ]
+    rows += [constrained_row(robot, repetitions, STEPS, seed) for robot in robots.values()]
+    rng = np.random.default_rng(seed)
+    rows += quadratic_program_rows(robots['franka_fr3'], DT, repetitions, STEPS, rng)
+    rows += first_result_rows(repetitions)
+    today = f'{dt.datetime.now(tz=dt.UTC):%-d %B %Y}'
+    title = (
+        f'`make benchmark-inverse-kinematics` on {today}: {options.poses} random reachable poses from random '
+        f'starts, 1e-6 m and rad, medians of {repetitions}, seed {seed}'
+    )
+    show(rows, title, markdown=options.markdown)
 
 
 if __name__ == '__main__':

@@ -47,9 +47,9 @@ class ConstrainedInverseKinematics:
 
     The quadratic program is solved by a dual active-set method of our own (`quadratic_program`), compiled
     together with all that surrounds it. `make benchmark-inverse-kinematics` times it against others on the
-    same programs of 7 variables, each called from Python (2026-11-21, two shared cores): ours 14 us, daqp 12,
-    quadprog 19, piqp 34, proxsuite 143. daqp would be as fast, but every solver that is called from outside
-    splits the step in two compiled halves with Python between them; ours needs no further package.
+    same programs of 7 variables, each called from Python (2026-11-22, two shared cores): ours 7 us, daqp 13,
+    quadprog 19, piqp 29, proxsuite 95. A solver that is called from outside would split the step in two
+    compiled halves with Python between them; ours needs no further package.
 
     A step is a function of its arguments alone. An instance keeps scratch memory: use one per thread.
 

@@ -262,7 +262,7 @@ def _smallest_overload(low: Array, high: Array, C: Array) -> float:
         wide[i, n], wide[n + i, n] = -1.0, 1.0
     H[n, n], wide_low[n] = 1.0, 0.0
     solve_quadratic_program(H, f, wide_low, wide_high, wide, x, multipliers)
-    overload: float = x[n]
+    overload = float(x[n])
     return max(overload, 0.0) * (1.0 + OVERLOAD_MARGIN) + OVERLOAD_MARGIN
 
 
