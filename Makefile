@@ -35,7 +35,9 @@ REQUIREMENTS := requirements.txt requirements-ros.txt
 ENVIRONMENT := set +u; source install/setup.bash; set -u; export PATH="$$PWD/.venv/bin:$$PATH";
 BUILD_ENVIRONMENT := export PATH="$$PWD/.venv/bin:$$PATH";
 endif
-RUN = $(ENVIRONMENT) export ROS_AUTOMATIC_DISCOVERY_RANGE=$${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST};
+# The setup of a ROS 2 installation sets it too, to the whole subnet.
+ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
+RUN = $(ENVIRONMENT) export ROS_AUTOMATIC_DISCOVERY_RANGE=$(ROS_AUTOMATIC_DISCOVERY_RANGE);
 
 .PHONY: help
 help:  ## Show this list
@@ -50,8 +52,8 @@ $(VENV_STAMP): $(REQUIREMENTS)
 
 $(BUILD_STAMP): $(VENV_STAMP) $(SOURCES)
 	@echo "Building the workspace ..."
-	@$(BUILD_ENVIRONMENT) colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
-	@.venv/bin/python -m compileall -q install
+	@# Whoever keeps their own sources free of bytecode still wants the installed packages to start fast.
+	@$(BUILD_ENVIRONMENT) unset PYTHONDONTWRITEBYTECODE; colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
 	@# Numba looks for changes in a function's own file only, not in those of the functions that it calls.
 	@find install \( -name '*.nbi' -o -name '*.nbc' \) -delete
 	@$(RUN) python -m robots_core.warm_up
