@@ -39,7 +39,7 @@ class CartesianGenerator(PathGenerator):
         jerk_limited: Keep the axes' jerk limits too.
         cartesian_jerk: Highest jerk of the tool, m/s^3, kept if `jerk_limited`; none by default. For planner
             'limited' only.
-        smoothing: Longest smoothing of acceleration without jerk limits, s; at most a hundredth of the
+        smoothing: Longest smoothing of acceleration without jerk limits, s; at most a two-hundredth of the
             duration is used, and the motion is longer by that much.
         tool: Pose of the tool centre point in tool0; poses commanded are its poses. tool0 itself by default.
         planner: 'limited' for the two passes, 'dynamic_programming' for the fastest motion, which keeps the

@@ -19,7 +19,7 @@ from robots_planning.trajectory_generators.quintic import (
 from robots_planning.trajectory_generators.time_law import TimeLaw, smooth_law_at, time_law
 from robots_planning.trajectory_generators.two_pass import Grid, MotionLimits, two_pass
 
-GRID = 200  # points of the speed profile over the path, at least
+GRID = 240  # points of the speed profile over the path, at least
 POINTS_PER_KNOT = 4  # so that the trajectory's quintics follow those of the joint path
 # Points closer than this are one: the quintic between them would divide rounding by its fifth power.
 CLOSEST_POINTS = 2e-4  # s

@@ -17,7 +17,7 @@ from robots_planning.trajectory_generators.two_pass_kernel import (
     timed_points,
 )
 
-SMOOTHING_SHARE = 0.01  # of the duration: what smoothing may cost
+SMOOTHING_SHARE = 0.005  # of the duration: what smoothing may cost
 # Windows tried with jerk limits, as parts of the one that suits the largest jump of acceleration: a shorter
 # one costs less everywhere and slows down more around that jump.
 JERK_WINDOWS = (1.0, 0.7, 0.5, 0.35, 0.2)
