@@ -78,13 +78,14 @@ class Bench:
     def wait(self, condition: Any, what: str) -> None:
         self.runner.wait_for(condition, what=what)
 
-    def stand(self, q: np.ndarray) -> None:
+    def stand(self, q: np.ndarray, q_dot: np.ndarray | None = None) -> None:
         """Publish feedback, and wait for the answer."""
         count = len(self.statuses)
         names = list(self.robot.axes_data.names)
-        self.publishers['joint_states'].publish(
-            JointState(name=['gripper', *reversed(names)], position=[0.0, *map(float, reversed(q))])
-        )
+        message = JointState(name=['gripper', *reversed(names)], position=[0.0, *map(float, reversed(q))])
+        if q_dot is not None:
+            message.velocity = [0.0, *map(float, reversed(q_dot))]
+        self.publishers['joint_states'].publish(message)
         self.wait(lambda: len(self.statuses) > count, 'a status')
 
     def move(self, start: np.ndarray, end: np.ndarray, duration: float, stamp: int) -> None:
@@ -200,6 +201,26 @@ def test_a_robot_that_leaves_its_path_is_stopped(bench: Bench):
     assert bench.node._motions['5.000000000'].danger is None
     bench.stand(turned(bench.robot, 1.0))
     bench.wait(lambda: bench.stops == 1, 'the controller is stopped')
+
+
+def test_a_robot_that_is_jogged_is_stopped_while_it_can_brake(bench: Bench):
+    bench.place(ball(bench.robot, turned(bench.robot, 1.0)))
+    jogging = np.array([0.3, 0.0, 0.0, 0.0, 0.0, 0.0])
+    bench.stand(turned(bench.robot, 0.3), jogging)
+    near = next(
+        turned(bench.robot, angle)
+        for angle in np.arange(0.3, 1.0, 0.01)
+        if bench.node._detection.distance(turned(bench.robot, angle)).distance < 0.03  # type: ignore[union-attr]
+    )
+    bench.stand(near, -jogging)
+    bench.stand(near, 0.0 * jogging)
+    assert bench.stops == 0  # far away, leaving, or at rest
+    bench.stand(near, jogging)
+    bench.wait(lambda: bench.stops == 1, 'the controller is stopped')
+    bench.wait(lambda: any('stopped the controller' in item.message for item in bench.health), 'health')
+    bench.health.clear()
+    bench.stand(near, -jogging)
+    bench.wait(lambda: any(item.level == DiagnosticStatus.OK for item in bench.health), 'all is well again')
 
 
 def test_bad_objects_are_refused_and_change_nothing(bench: Bench):

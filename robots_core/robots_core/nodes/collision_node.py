@@ -36,6 +36,8 @@ from robots_core.validation import Array
 MAX_RATE = 250.0  # Hz
 # Less than what the planner keeps: a robot that lags behind its reference by a millimetre needs no stop.
 DEFAULT_MARGIN = 0.002  # m
+# A look, a call of the service and a period of the controller may pass before a guided robot brakes.
+REACTION_TIME = 0.1  # s
 SERVICE_PERIOD = 5.0  # s between complaints that nobody can stop the robot
 
 
@@ -53,7 +55,8 @@ class CollisionNode(RobotNode):
 
     The path of every `joint_trajectory` is looked at when it comes and when the scene changes, so that
     nothing between two looks at the robot is missed; the controller is stopped on its path as soon as a place
-    that is too close lies within `lookahead`. The robot itself is looked at `rate` times a second.
+    that is too close lies within `lookahead`. The robot itself is looked at `rate` times a second. Where a
+    stream guides it there is no path: it is stopped as soon as the way that it needs to brake is not free.
 
     Parameters:
         scene: Scene file; further objects come on `collision_objects`.
@@ -93,6 +96,7 @@ class CollisionNode(RobotNode):
         self._progress = 0.0
         self._floor = self._margin
         self._stopping: Any = None
+        self._guided_into = False
 
         self._status = self.create_publisher(DiagnosticStatus, 'collision_status', STATE)
         self._distance = self.create_publisher(Float64, 'min_distance', STATE)
@@ -170,6 +174,8 @@ class CollisionNode(RobotNode):
         try:
             q = joint_values(message.name, message.position, self._names, 'joint_states')
             closest = self._detection.distance(q)
+            if not self._motions:
+                self._watch_guided(message, q)
         except RobotsError as error:
             self.refuse('joint_states', error, stream=True)
             return
@@ -179,6 +185,20 @@ class CollisionNode(RobotNode):
             for motion in self._motions.values():
                 self._stop_motion(motion, closest.describe())
         self._publish_status(q, closest)
+
+    def _watch_guided(self, message: JointState, q: Array) -> None:
+        """Stop a robot that moves without a path before it comes too close to something."""
+        if not message.velocity:
+            return
+        q_dot = joint_values(message.name, message.velocity, self._names, 'joint_states velocities')
+        time = REACTION_TIME + float((np.abs(q_dot) / self.robot.axes_data.acceleration).max())
+        danger = self._detection.first_approach(JointPath.straight(q, q + time * q_dot), margin=self._margin)
+        if danger is None:
+            if self._guided_into:
+                self.ready(objects=len(self._detection.scene.objects))
+            self._guided_into = False
+        elif self._stopping is None or self._stopping.done():
+            self._guided_into = self._call_stop(danger.proximity.describe())
 
     def _publish_status(self, q: Array, closest: Proximity | None) -> None:
         level, text, values = DiagnosticStatus.OK, 'nothing to collide with', {}
@@ -224,19 +244,24 @@ class CollisionNode(RobotNode):
                 self._stop_motion(motion, place.describe())
 
     def _stop_motion(self, motion: _Motion, reason: str) -> None:
-        if motion.stopped:
-            return
+        if not motion.stopped:
+            motion.stopped = self._call_stop(reason)
+
+    def _call_stop(self, reason: str) -> bool:
+        """Ask the controller to stop; False if nobody is there to be asked."""
         if not self._stop.service_is_ready():
             self.report_health(DiagnosticStatus.ERROR, f'nobody serves {self._stop.srv_name}: {reason}')
             self.get_logger().error(  # type: ignore[no-untyped-call]
                 f'nobody serves {self._stop.srv_name} to stop the robot: {reason}',
                 throttle_duration_sec=SERVICE_PERIOD,
             )
-            return
-        motion.stopped = True
-        self.get_logger().error(f'stopping the controller: {reason}')  # type: ignore[no-untyped-call]
+            return False
+        self.get_logger().error(  # type: ignore[no-untyped-call]
+            f'stopping the controller: {reason}', throttle_duration_sec=SERVICE_PERIOD
+        )
         self.report_health(DiagnosticStatus.ERROR, f'stopped the controller: {reason}')
         self._stopping = self._stop.call_async(Trigger.Request())
+        return True
 
 
 def _triple(point: Array) -> str:
