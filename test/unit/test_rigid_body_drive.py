@@ -33,6 +33,17 @@ PUBLISHED_STOP = 1.8560450019
 PUBLISHED_HOLDING = [0.0, -1.8880913, -3.6788347, -0.6004244, -0.7242793, 0.0]
 # And the highest currents on the way, A, larger than the motors' 9 A, which the example does not enforce.
 PUBLISHED_PEAK = [15.7968, 13.4130, 17.5251, 8.2288, 7.9719, 9.5320]
+# Joint angles, rad, and currents, A, in the middle of the motion and where the example ends.
+PUBLISHED = {
+    0.61: (
+        [-0.115083170, -0.351238896, 0.596266285, 0.349805286, -0.211557161, 0.349968767],
+        [-0.144363436, -0.100879943, -0.889880114, -1.571054299, 0.000431398, -1.795862645],
+    ),
+    PUBLISHED_STOP: (
+        [1.046822409, -1.223647247, -0.610908070, 0.784784108, 1.920234599, 0.785339123],
+        [-0.340716510, 2.648168408, 2.115810311, 1.411835582, -1.424632077, -1.278482034],
+    ),
+}
 
 
 def unlimited(drives: DriveData) -> DriveData:
@@ -55,17 +66,23 @@ def test_linear_joint_with_the_example_s_limits_takes_as_long():
     np.testing.assert_array_equal(trajectory.position[-1], END)
 
 
-def test_currents_are_those_published():
+def test_angles_and_currents_are_those_published():
     robot = ManutecR3()
     drive = RigidBodyDrive(
         robot, robot.home, period=0.25e-3, payload=LOAD, drives=unlimited(robot.drive_data)
     )
     per_ampere = robot.axes_data.gear_ratio * np.array(robot.DATA.torque_constant)
     np.testing.assert_allclose(drive.torque / per_ampere, PUBLISHED_HOLDING, atol=1e-6)
-    _, _, tau = simulate(drive, 0.25e-3, 1.85)
+    time, q, tau = simulate(drive, 0.25e-3, PUBLISHED_STOP + 0.25e-3)
     # The library's solver kept a relative tolerance of 1e-6 of its states; the step of 0.25 ms misses the
     # peaks' instants by up to half of it while currents change by some 100 A/s.
     np.testing.assert_allclose(np.abs(tau / per_ampere).max(axis=0), PUBLISHED_PEAK, atol=0.03)
+    for instant, (angles, currents) in PUBLISHED.items():
+        for axis in range(6):
+            # The error of the step of 0.25 ms, an order above the library's tolerance.
+            assert np.interp(instant, time, q[:, axis]) == pytest.approx(angles[axis], abs=5e-6)
+            ours = np.interp(instant, time, tau[:, axis]) / per_ampere[axis]
+            assert ours == pytest.approx(currents[axis], abs=5e-3)
 
 
 def test_the_step_converges_with_second_order_where_nothing_switches():
