@@ -97,7 +97,7 @@ class LinkTree:
                 ]
                 raise UnknownRobotError(
                     f'behind link {link!r} the URDF branches into {len(equal)} equally long chains, '
-                    f'beginning with {", ".join(equal)}: choose a tip'
+                    f'beginning with {", ".join(equal)}: choose a tip, as in urdf:/path/robot.urdf?tip=LINK'
                 )
             branch = branches[counts.index(max(counts))]
             axes += _moves(branch)
