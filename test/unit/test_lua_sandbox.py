@@ -283,3 +283,13 @@ def test_coroutines_work_as_in_lua(tmp_path: Path):
         '3',
         'true',
     ]
+
+
+def test_long_texts_are_cut_before_they_leave(tmp_path: Path):
+    host = LuaHost(tmp_path)
+    assert host.run("print(('x'):rep(9900)) print(('x'):rep(20000))") is None
+    assert host.printed == ['x' * 9900, 'x' * 9900 + '... (20000 bytes)']
+    assert host.fails("error(('x'):rep(2000), 0)").reason == 'x' * 1000 + '...'
+    assert host.fails("call(('x'):rep(20000))").reason == (
+        'call: a string of 20000 bytes; valid are at most 10000'
+    )

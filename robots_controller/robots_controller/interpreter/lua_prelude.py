@@ -126,9 +126,11 @@ local function program_place()
   end
 end
 
+local MAX_NAME = 100
+
 local function frame_name(info)
   return info.what == 'main' and 'in the program'
-    or info.name and "in function '" .. info.name .. "'"
+    or info.name and "in function '" .. sub(info.name, 1, MAX_NAME) .. "'"
     or 'in the function of line ' .. info.linedefined
 end
 
@@ -153,7 +155,14 @@ end
 """
 
 _CALLS: Final = rb"""
-local MAX_ITEMS, MAX_NESTING = 2000, 4
+-- A string as long as the memory allows would keep Python, and with it every service, busy for a second.
+local MAX_ITEMS, MAX_NESTING, MAX_STRING = 2000, 4, 10000
+
+local function check_string(what, text)
+  if #text > MAX_STRING then
+    fail(what .. ': a string of ' .. #text .. ' bytes; valid are at most ' .. MAX_STRING)
+  end
+end
 
 -- Arguments go as pairs of type and value, a table as its counts and entries: no table leaves Lua.
 local function describe_argument(what, items, value, nesting)
@@ -162,6 +171,7 @@ local function describe_argument(what, items, value, nesting)
   if n > MAX_ITEMS then fail(what .. ': a table has too many entries') end
   items[n + 1] = kind
   if kind ~= 'table' then
+    if kind == 'string' then check_string(what, value) end
     if kind == 'number' or kind == 'string' or kind == 'boolean' then
       items[n + 2] = value
     else
@@ -181,6 +191,7 @@ local function describe_argument(what, items, value, nesting)
       if type(key) ~= 'string' then
         fail(what .. ': a table has a ' .. type(key) .. ' as key; lists have no gaps')
       end
+      check_string(what, key)
       items[#items + 1] = key
       describe_argument(what, items, entry, nesting + 1)
       fields = fields + 1
@@ -304,12 +315,14 @@ local function robot_function(function_name)
   return function(...) return call(function_name, {...}, select('#', ...)) end
 end
 
-local special = {}
+local special, MAX_PRINT = {}, 9900
 
 function special.print(...)
   local words = pack(...)
   for i = 1, words.n do words[i] = text_of(words[i]) end
-  call('print', {concat(words, '\t')}, 1)
+  local text = concat(words, '\t')
+  if #text > MAX_PRINT then text = sub(text, 1, MAX_PRINT) .. '... (' .. #text .. ' bytes)' end
+  call('print', {text}, 1)
 end
 
 function special.onDigitalInput(...)
@@ -338,6 +351,8 @@ end
 """
 
 _RUN: Final = rb"""
+local MAX_MESSAGE = 1000
+
 local function describe(problem)
   if stopped then return STOP end
   local kind, message = type(problem), nil
@@ -348,6 +363,8 @@ local function describe(problem)
   else
     message = 'error with a ' .. kind .. ' value instead of a message'
   end
+  -- Whoever is told would be busy for seconds with one as long as the memory allows.
+  if #message > MAX_MESSAGE then message = sub(message, 1, MAX_MESSAGE) .. '...' end
   local chunk, line = program_place()
   return {chunk = chunk, line = line, reason = message, stack = program_stack()}
 end

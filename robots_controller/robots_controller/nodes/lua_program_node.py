@@ -35,7 +35,6 @@ from robots_core.pose import Pose
 from robots_core.validation import Array
 
 AUTOSTART_PERIOD: Final = 0.1  # s
-PRINT_LIMIT: Final = 10_000  # characters
 JOIN_TIMEOUT: Final = 5.0  # s
 # Drives tell their position far more often; a program that asks at its start waits for the first one.
 FEEDBACK_TIMEOUT: Final = 2.0  # s
@@ -340,8 +339,6 @@ class LuaProgramNode(RobotNode):
         self._io.publish()
 
     def _on_print(self, text: str, line: int) -> None:
-        if len(text) > PRINT_LIMIT:
-            text = f'{text[:PRINT_LIMIT]}... ({len(text)} characters)'
         self._print_logger.info(text)
         if self._debug_server is not None:
             self._debug_server.on_print(text, line)
