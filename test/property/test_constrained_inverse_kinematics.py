@@ -43,6 +43,15 @@ def check_limits(ik: ConstrainedInverseKinematics, q: np.ndarray, q_dot: np.ndar
     assert (np.abs(torque) <= axes.effort * (1.0 + 1e-8)).all()
 
 
+def alternations(accelerations: list[np.ndarray]) -> int:
+    """How often an axis' acceleration, over its limit, goes up and at once down again, or the reverse.
+
+    Chatter would alternate between two bounds; a bang-bang start and stop changes a few times.
+    """
+    changes = np.diff(np.array(accelerations), axis=0)
+    return int(((changes[1:] * changes[:-1] < 0.0) & (np.abs(changes[1:]) > 0.2)).sum(axis=0).max())
+
+
 @pytest.mark.parametrize('name', ['kuka_kr500_r2830', 'bello_bot', 'franka_fr3', 'manutec_r3', 'cello_bot'])
 @settings(max_examples=12, deadline=None)
 @given(
@@ -102,10 +111,27 @@ def test_smooth_through_a_singular_wrist(direction: float, speed: float, tilt: f
         check_limits(ik, q, q_dot, step)
         q, q_dot = step.q, step.q_dot
         accelerations.append(step.q_ddot / ik.robot.axes_data.acceleration)
-    changes = np.diff(np.array(accelerations), axis=0)
-    # Chatter would alternate between two bounds; a bang-bang start and stop changes a few times.
-    alternations = (changes[1:] * changes[:-1] < 0.0) & (np.abs(changes[1:]) > 0.2)
-    assert alternations.sum(axis=0).max() <= 12
+    assert alternations(accelerations) <= 12
+
+
+@settings(max_examples=8, deadline=None)
+@given(direction=st.floats(-0.6, 0.6), speed=st.floats(0.5, 1.5))
+def test_smooth_out_of_reach_and_back(direction: float, speed: float) -> None:
+    """The arm stretches after a reference that leaves its workspace; it may come back with its elbow over."""
+    ik = solver('kuka_kr500_r2830')
+    q, q_dot = np.array([0.0, -1.3, 1.8, 0.0, 0.9, 0.0]), np.zeros(6)
+    r, T = ik.robot.direct_kinematics(q)
+    way = np.array([np.cos(direction), np.sin(direction), 0.0])
+    turn, accelerations = 2.0 / speed, []
+    for k in range(int((2.0 * turn + 3.0) / DT)):
+        t = (k + 1) * DT
+        moving = 1.0 if t < turn else -1.0 if t < 2.0 * turn else 0.0
+        away = speed * min(t, max(2.0 * turn - t, 0.0))
+        step = ik.step(Pose(r + away * way, T), q, q_dot, np.append(moving * speed * way, np.zeros(3)))
+        check_limits(ik, q, q_dot, step)
+        q, q_dot = step.q, step.q_dot
+        accelerations.append(step.q_ddot / ik.robot.axes_data.acceleration)
+    assert alternations(accelerations) <= 12
 
 
 @settings(max_examples=10, deadline=None)

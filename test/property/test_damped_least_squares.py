@@ -8,16 +8,19 @@ from hypothesis import strategies as st
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks import DampedLeastSquares
 
-ROBOTS = ('kuka_kr210_r2700', 'bello_bot')
+# Six axes with and without a spherical wrist, seven, five of which one slides, three.
+ROBOTS = ('kuka_kr210_r2700', 'kinova_j2n6s300', 'bello_bot', 'cello_bot', 'debris_arm')
 _LOADED = {name: load_robot_model(name) for name in ROBOTS}
 
 
 def posture(robot: BaseRobotModel, parts: list[float]) -> np.ndarray:
     """Joint positions at parts 0..1 of their ranges; 0.5 of a symmetric range is a singular wrist."""
     axes = robot.axes_data
-    return axes.lower + np.array(parts[: robot.num_axes]) * (axes.upper - axes.lower)
+    low, high = np.where(axes.continuous, -np.pi, axes.lower), np.where(axes.continuous, np.pi, axes.upper)
+    return low + np.array(parts[: robot.num_axes]) * (high - low)
 
 
+NEAR = 0.01  # rad (m)
 parts = st.lists(st.one_of(st.floats(0.0, 1.0), st.sampled_from([0.0, 0.5, 1.0])), min_size=7, max_size=7)
 
 
@@ -53,3 +56,18 @@ def test_any_pose_gives_a_posture_inside_the_limits(
     reached = Pose(*robot.direct_kinematics(result.q)).distance_to(pose)
     assert result.converged == (result.position_error <= 1e-10 and result.orientation_error <= 1e-10)
     assert reached[0] == pytest.approx(result.position_error, abs=1e-12)
+
+
+@pytest.mark.parametrize('name', ROBOTS)
+@settings(max_examples=60, deadline=None)
+@given(target=parts, away=st.lists(st.floats(-1.0, 1.0), min_size=7, max_size=7))
+def test_a_pose_near_by_is_reached_near_by(name: str, target: list[float], away: list[float]) -> None:
+    robot = _LOADED[name]
+    q = posture(robot, target)
+    axes = robot.axes_data
+    start = np.clip(q + NEAR * np.array(away[: robot.num_axes]), axes.lower, axes.upper)
+    smallest = np.linalg.svd(robot.jacobian(q))[1][-1]
+    result = DampedLeastSquares(robot).solve(Pose(*robot.direct_kinematics(q)), start)
+    assert result.converged
+    if smallest > 0.1:  # Newton's method converges to the posture that the start is near
+        assert np.abs(result.q - q).max() <= 10.0 * NEAR

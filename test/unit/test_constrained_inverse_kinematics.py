@@ -110,6 +110,31 @@ def test_weights_choose_between_position_and_orientation() -> None:
     assert step.orientation_error > 0.1
 
 
+def errors_after(ik: ConstrainedInverseKinematics, pose: Pose) -> tuple[float, float]:
+    """Position (m) and orientation (rad) error when the robot has come to rest."""
+    q, q_dot = np.array(ik.robot.home), np.zeros(ik.robot.num_axes)
+    for _ in range(2000):
+        step = ik.step(pose, q, q_dot)
+        q, q_dot = step.q, step.q_dot
+    assert np.abs(q_dot).max() < 1e-4
+    return step.position_error, step.orientation_error
+
+
+def test_the_heavier_error_is_the_smaller_where_both_cannot_be_had() -> None:
+    robot = load_robot_model('cello_bot')  # five axes: a pose that they cannot bring about, near one they can
+    home = Pose(*robot.direct_kinematics(robot.home))
+    pose = Pose.from_angles(home.r + 0.02, home.angles() + np.array([0.3, 0.2, -0.3]))
+    position, orientation = np.transpose(
+        [
+            errors_after(ConstrainedInverseKinematics(robot, DT, weights=weights), pose)
+            for weights in [(0.0, 1.0), (0.3, 1.0), (1.0, 1.0), (1.0, 0.3), (1.0, 0.0)]
+        ]
+    )
+    assert (np.diff(position) < 0.0).all()
+    assert (np.diff(orientation) > 0.0).all()
+    assert position[-1] < 1e-6
+
+
 def test_a_tool_follows_instead_of_the_flange() -> None:
     tool = Pose.from_angles([0.1, 0.0, 0.2], [0.0, 0.3, 0.0])
     ik = ConstrainedInverseKinematics(ROBOT, DT, tool=tool)
