@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from robots_controller.bag_reading import seconds
+from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
@@ -17,6 +18,7 @@ from robots_planning.motion_settings import MotionSettings, settings_from_text
 from robots_planning.order_book import PASSED
 from robots_planning.pathplanning import JOINT_STATES, Shape
 from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.trajectory import Trajectory
 
 OK: Final = 0  # DiagnosticStatus.OK
 COMMAND_TOPICS: Final[dict[str, tuple[RobotCommandState, Shape]]] = {
@@ -91,8 +93,7 @@ class MotionRecord:
 
     Attributes:
         commands: In order; the robot stands after the last.
-        plan: Planned positions at `plan_time`, (m, n); None if nothing was planned.
-        plan_time: (m,) s.
+        plan: The planned trajectory; None if nothing was planned.
         start: When it began, s.
         end: When its result came, s.
         duration: From its start until the robot stood, as the controller measured it, s.
@@ -101,8 +102,7 @@ class MotionRecord:
     """
 
     commands: tuple[CommandRecord, ...]
-    plan: Array | None
-    plan_time: Array
+    plan: Trajectory | None
     start: float
     end: float
     duration: float
@@ -118,7 +118,7 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
     """The motions of a bag in order.
 
     Raises:
-        RobotsError: a command or a setting that makes no sense.
+        RobotsError: a command, a trajectory or a setting that makes no sense.
     """
     plans = {_stamp_id(m): (time, m) for time, m in messages['joint_trajectory'] if len(m.points) > 1}
     results = {status_values(m).get('id'): (time, m) for time, m in messages['motion_result']}
@@ -135,10 +135,9 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
         planned = plans.get(chain[-1].id)
         if planned is None and chain[-1].message == PASSED:
             continue
-        plan, plan_time = None, np.zeros(0)
+        plan = None
         if planned is not None:
-            plan = np.array([point.positions for point in planned[1].points])
-            plan_time = np.array([seconds(point.time_from_start) for point in planned[1].points])
+            plan = _trajectory(planned[1], robot)
             time = planned[0]  # noqa: PLW2901  # the robot starts with its plan
         # Planned while the motion before it was running, it starts at that one's end.
         if motions and time < end:
@@ -146,10 +145,10 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
         start, end = max(time, end), result[0]
         measured = {} if result[1] is None else status_values(result[1])
         duration = float(measured.get('duration', end - start))
-        motions.append(MotionRecord(tuple(chain), plan, plan_time, start, end, duration))
+        motions.append(MotionRecord(tuple(chain), plan, start, end, duration))
         chain = []
     if chain:
-        motions.append(MotionRecord(tuple(chain), None, np.zeros(0), end, end, 0.0))
+        motions.append(MotionRecord(tuple(chain), None, end, end, 0.0))
     return tuple(motions)
 
 
@@ -191,6 +190,23 @@ def _command(
         ok=ok,
         message='no result was recorded' if result is None else str(result.message),
     )
+
+
+def _trajectory(message: Any, robot: BaseRobotModel) -> Trajectory:
+    missing = [name for name in robot.axes_data.names if name not in message.joint_names]
+    if missing:
+        raise RobotsError(
+            f'joint_trajectory {_stamp_id(message)} lacks joint {missing[0]} of {robot.name}: it has '
+            f'{", ".join(message.joint_names) or "none"}'
+        )
+    columns = [list(message.joint_names).index(name) for name in robot.axes_data.names]
+    # The first point's time tells where it goes on from the running motion.
+    time = np.array([seconds(point.time_from_start) for point in message.points])
+    position, velocity, acceleration = (
+        np.array([getattr(point, name) for point in message.points])[:, columns]
+        for name in ('positions', 'velocities', 'accelerations')
+    )
+    return Trajectory(time - time[0], position, velocity, acceleration)
 
 
 def _place(statuses: Sequence[tuple[float, Any]], id_: str, time: float) -> tuple[str, int]:

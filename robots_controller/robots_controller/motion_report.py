@@ -212,12 +212,12 @@ class _Judge:
         self.latest = max(self.latest, float(self._late[first : last + 1].max()))
         references = ToolPath(self._robot, self._trajectory.position[first : last + 1])
         passed = references.passings(motion.commands)
-        planned = motion.plan_time[ToolPath(self._robot, motion.plan).passings(motion.commands)]
+        planned = motion.plan.time[ToolPath(self._robot, motion.plan.position).passings(motion.commands)]
         starts = [first, *(first + place for place in passed)]
         ends = [*starts[1:], last]
         passing_times = [self._trajectory.time[end] - self._trajectory.time[first] for end in ends[:-1]]
         durations = np.diff([0.0, *passing_times, motion.duration])
-        plans = np.diff([0.0, *planned, motion.plan_time[-1]])
+        plans = np.diff([0.0, *planned, motion.plan.duration])
         rows = []
         for number, command in enumerate(motion.commands):
             begin, end = starts[number], ends[number]

@@ -84,7 +84,8 @@ def test_the_parts_of_a_chain_add_up_to_it(bag: Path, report: MotionReport) -> N
     assert [len(motion.commands) for motion in motions] == [1, 3, 2, 1]
     planned = [row.planned for row in report.rows]
     for motion, rows in zip(motions, (planned[:1], planned[1:4], planned[4:6], planned[6:]), strict=True):
-        assert sum(rows) == pytest.approx(motion.plan_time[-1])
+        assert motion.plan is not None
+        assert sum(rows) == pytest.approx(motion.plan.duration)
         assert min(rows) > 0.0
     settings = motions[1].commands[0].settings
     assert settings.tool[:3] == (0.0, 0.0, pytest.approx(0.2))

@@ -2,49 +2,48 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
-from robots_controller.report import run_report, write_report
+from robots_controller.bag_file import read_bag
+from robots_controller.program_header import read_program_header
+from robots_controller.report import run_report
 from robots_controller.simulate import simulate
+from robots_controller.simulation.command_line import (
+    EXIT_FAILED,
+    EXIT_INTERRUPTED,
+    EXIT_OK,
+    parse_options,
+    run,
+)
 
 from .report_browsers import BROWSERS, open_page
 from .test_report_page import Page
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'
-ROBOTS = {
-    'bello_bot_tour': 'bello_bot',
-    'rover_placement': 'kinova_j2n6s300',
-    'three_axis_grasp': 'debris_arm?gravity=0,0,0',
-    'wheel_test': 'kuka_kr210_r3100',
-}
-SCENES = dict.fromkeys(('welding_collision', 'welding_around_pillar'), 'car_frame')
+DEADLINE = 100.0  # s
+HALF_A_MEGABYTE = 500_000
 # The motion through the pillar is refused.
 FAIL = ('welding_collision',)
 
 
-@pytest.mark.parametrize('name', sorted(path.stem for path in PROGRAMS.glob('*.lua')))
-def test_its_report_opens_without_an_error(name: str, tmp_path: Path):
-    io = PROGRAMS / 'io' / f'{name}.yaml'
-    scene = PROGRAMS / 'scenes' / f'{SCENES[name]}.yaml' if name in SCENES else ''
-    run = simulate(
-        PROGRAMS / f'{name}.lua',
-        robot=ROBOTS.get(name, 'kuka_kr210_r2700'),
-        drive='ideal',
-        scene=scene,
-        io=io if io.exists() else '',
-        bag=tmp_path / 'bag',
-    )
-    assert run.ok == (name not in FAIL), run.error
+def simulated(folder: Path, program: Path, *options: str) -> int:
+    """Simulate as the command does, bag and report in a folder; returns its exit code."""
+    outputs = ('--bag', str(folder / 'bag'), '--report', str(folder / 'report.html'))
+    return run(parse_options([str(program), *outputs, *options]), Console(quiet=True))
+
+
+@pytest.mark.parametrize('program', sorted(PROGRAMS.glob('*.lua')), ids=lambda path: path.stem)
+def test_its_report_opens_without_an_error(program: Path, tmp_path: Path):
+    failed = program.stem in FAIL
+    assert simulated(tmp_path, program) == (EXIT_FAILED if failed else EXIT_OK)
     path = tmp_path / 'report.html'
-    report = write_report(tmp_path / 'bag', path, robot=run.robot, scene=scene or None)
-    # The bag's stamps are whole nanoseconds.
-    assert report.run.duration == pytest.approx(run.duration, abs=1e-6)
-    assert len(report.motions) == sum(motion.ok for motion in run.motions)
-    # Also where motions run through to the next, each has its time.
-    assert all(item.duration > 0.0 for item in report.motions)
-    assert (report.clearance is not None) == bool(scene)
     Page(path.read_text(encoding='utf-8'))  # raises what its script raises
     for browser in BROWSERS:
         opened = open_page(browser, path, tmp_path / 'profile')
@@ -52,6 +51,65 @@ def test_its_report_opens_without_an_error(name: str, tmp_path: Path):
         # Every plot is drawn, and the robot shaded.
         assert all(colours > 2 for _, colours in opened.colours)
         assert dict(opened.colours)['robot'] > 50
+
+
+@pytest.mark.parametrize('name', ['palletizing', 'welding_collision', 'welding_around_pillar'])
+def test_a_report_tells_what_was_simulated(name: str, tmp_path: Path):
+    header = read_program_header(PROGRAMS / f'{name}.lua')
+    known = simulate(
+        PROGRAMS / f'{name}.lua', robot=header.robot, drive='ideal', scene=header.scene, bag=tmp_path / 'bag'
+    )
+    report = run_report(tmp_path / 'bag', scene=header.scene or None)
+    assert report.run.program_state == known.state
+    # The bag's stamps are whole nanoseconds.
+    assert report.run.duration == pytest.approx(known.duration, abs=1e-6)
+    assert len(report.motions) == sum(motion.ok for motion in known.motions)
+    # Also where motions run through to the next, each has its time.
+    assert all(item.duration > 0.0 for item in report.motions)
+    assert (report.clearance is not None) == bool(header.scene)
+
+
+def test_make_simulates_a_program_with_bag_and_report():
+    shown = subprocess.run(
+        ['make', '-n', 'simulate', 'PROGRAM=programs/press_tending.lua'],
+        cwd=PROGRAMS.parent,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    command = shown[shown.index('folder=') :]
+    for text in (
+        '/simulate "programs/press_tending.lua"',
+        '--bag "$folder/bag"',
+        '--report "$folder/report.html"',
+    ):
+        assert text in command
+
+
+def test_ctrl_c_leaves_a_bag_and_a_report(tmp_path: Path):
+    program = tmp_path / 'endless.lua'
+    program.write_text(
+        'while true do\n  for i = -1, 1, 2 do ptpJointSpaceAngles(20 * i, -90, 90, 0, 90, 0) end\nend'
+    )
+    bag, report = tmp_path / 'bag', tmp_path / 'report.html'
+    module = 'robots_controller.simulation.command_line'
+    command = [sys.executable, '-m', module, str(program), '--robot', 'kuka_kr210_r2700', '--drive', 'ideal']
+    process = subprocess.Popen([*command, '--bag', str(bag), '--report', str(report)], cwd=tmp_path)
+    try:
+        deadline = time.monotonic() + DEADLINE
+        # Its first megabyte is written seconds of the simulation after the start.
+        while not any(file.stat().st_size > HALF_A_MEGABYTE for file in bag.glob('*.mcap')):
+            assert process.poll() is None
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(DEADLINE) == EXIT_INTERRUPTED
+    finally:
+        process.kill()
+    assert not read_bag(bag).problem
+    page = report.read_text(encoding='utf-8')
+    assert 'endless.lua' in page
+    Page(page)
 
 
 def test_a_report_is_of_the_tool_that_was_set(tmp_path: Path):

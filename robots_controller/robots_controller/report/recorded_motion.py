@@ -9,10 +9,8 @@ from typing import Any, Final
 import numpy as np
 
 from robots_controller import motion_record
-from robots_controller.bag_reading import seconds
 from robots_controller.motion_record import CommandRecord, MotionRecord
 from robots_controller.tool_path import ToolPath
-from robots_core.errors import RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.robot_command_state import RobotCommandState
@@ -95,21 +93,19 @@ def recorded_motions(
     Raises:
         RobotsError: a command or a trajectory that makes no sense.
     """
-    plans = {_id(message): message for _, message in messages['joint_trajectory']}
     found: list[RecordedMotion] = []
     for motion in motion_record.recorded_motions(messages, robot):
         if motion.plan is None:
             found += [RecordedMotion(c, np.nan, np.nan, np.nan, None, own=True) for c in motion.commands]
             continue
-        plan = _trajectory(plans[motion.commands[-1].id], robot)
-        edges, parts = _edges(motion, robot, reference)
+        edges, parts = _edges(motion, motion.plan, robot, reference)
         found += [
             RecordedMotion(
                 command,
                 edges[number],
                 edges[number + 1],
                 parts[number],
-                plan,
+                motion.plan,
                 own=command is motion.commands[-1],
             )
             for number, command in enumerate(motion.commands)
@@ -118,42 +114,17 @@ def recorded_motions(
 
 
 def _edges(
-    motion: MotionRecord, robot: BaseRobotModel, reference: tuple[Array, Array]
+    motion: MotionRecord, plan: Trajectory, robot: BaseRobotModel, reference: tuple[Array, Array]
 ) -> tuple[list[float], list[float]]:
     """When each command begins, and the last one ends, s; and planned durations, s."""
     time, position = reference
     inside = np.flatnonzero((time >= motion.start) & (time <= motion.end))
-    passed: list[float] = []
-    planned = [float(motion.plan_time[0])]
-    if inside.size and motion.plan is not None and len(motion.commands) > 1:
+    if inside.size and len(motion.commands) > 1:
         places = ToolPath(robot, position[inside]).passings(motion.commands)
         passed = [float(time[inside[place]]) for place in places]
-        there = ToolPath(robot, motion.plan).passings(motion.commands)
-        planned += [float(motion.plan_time[place]) for place in there]
+        planned = plan.time[ToolPath(robot, plan.position).passings(motion.commands)].tolist()
     else:
         passed = [motion.end] * (len(motion.commands) - 1)
-        planned += [float(motion.plan_time[-1])] * (len(motion.commands) - 1)
-    planned.append(float(motion.plan_time[-1]))
+        planned = [plan.duration] * (len(motion.commands) - 1)
     ended = motion.end if motion.end > motion.start else np.nan
-    return [motion.start, *passed, ended], np.diff(planned).tolist()
-
-
-def _trajectory(message: Any, robot: BaseRobotModel) -> Trajectory:
-    missing = [name for name in robot.axes_data.names if name not in message.joint_names]
-    if missing:
-        raise RobotsError(
-            f'joint_trajectory {_id(message)} lacks joint {missing[0]} of {robot.name}: it has '
-            f'{", ".join(message.joint_names) or "none"}'
-        )
-    columns = [list(message.joint_names).index(name) for name in robot.axes_data.names]
-    # The first point's time tells where it goes on from the running motion.
-    time = np.array([seconds(point.time_from_start) for point in message.points])
-    position, velocity, acceleration = (
-        np.array([getattr(point, name) for point in message.points])[:, columns]
-        for name in ('positions', 'velocities', 'accelerations')
-    )
-    return Trajectory(time - time[0], position, velocity, acceleration)
-
-
-def _id(message: Any) -> str:
-    return f'{message.header.stamp.sec}.{message.header.stamp.nanosec:09d}'
+    return [motion.start, *passed, ended], np.diff([0.0, *planned, plan.duration]).tolist()

@@ -75,6 +75,7 @@ class CellLog:
         self._robot, self._joints = robot, joints
         self._status_due = False
         self._pace = TellingPace()
+        self._motion: dict[str, object] = {}
         self._progress = -1.0
         self._settings: MotionSettings | None = None
 
@@ -106,6 +107,11 @@ class CellLog:
         if self._status_due:
             self._tell_status(program, program.run_state, nanoseconds=nanoseconds)
 
+    def motion_sent(self, program: LuaProgram, id_: str, line: int, nanoseconds: int) -> None:
+        """Tell which line of which file a motion is of, at that time since the start."""
+        self._motion = {'motion': id_, 'motion_file': program.line_file, 'motion_line': line}
+        self._tell_status(program, program.run_state, nanoseconds=nanoseconds)
+
     def _tell_status(
         self, program: LuaProgram, state: RunState, error: str = '', nanoseconds: int | None = None
     ) -> None:
@@ -114,7 +120,11 @@ class CellLog:
             return
         words = error or f'{program.file}: {state}'
         status = ros.diagnostic_status(
-            'program', words, self._robot, ros.ERROR if error else ros.OK, told_place(program, state, error)
+            'program',
+            words,
+            self._robot,
+            ros.ERROR if error else ros.OK,
+            told_place(program, state, error) | self._motion,
         )
         self._write('program_status', STATUS_TYPE, status, nanoseconds)
 
@@ -145,17 +155,17 @@ class CellLog:
         self._events.append(event)
         self.image(io, f'{change.kind}_outputs')
 
-    def input(self, io: IoImage, channel: Channel, value: float) -> None:
-        """The PLC has set an input."""
+    def input(self, io: IoImage, channel: Channel, value: float, size: int) -> None:
+        """The PLC, which tells so many inputs, has set one."""
         self._events.append(InputChanged(self._clock.now(), channel.kind, channel.index, value))
-        self.image(io, channel.image)
+        self.image(io, channel.image, size=size)
         self.image(io, channel.image, 'lua_program_node/')
 
-    def image(self, io: IoImage, image: str, prefix: str = '') -> None:
-        """Tell a whole image."""
+    def image(self, io: IoImage, image: str, prefix: str = '', *, size: int | None = None) -> None:
+        """Tell an image, whole or its first values."""
         if self._bag is None:
             return
-        kind, values = image.split('_', maxsplit=1)[0], io.numbers(image)
+        kind, values = image.split('_', maxsplit=1)[0], io.numbers(image)[:size]
         # The node names the channels of what it publishes; a PLC does not.
         own = bool(prefix) or image.endswith('outputs')
         label = f'{image.removesuffix("s")}.1..{values.size}' if own else ''

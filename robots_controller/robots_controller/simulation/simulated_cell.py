@@ -167,8 +167,8 @@ class SimulatedCell:
         log.command_state(self._program.command_state.value)
         log.finished(done=False)
         self._plc.begin()
-        for image in self._plc.images:
-            log.image(io, image)
+        for image, size in self._plc.images.items():
+            log.image(io, image, size=size)
         for image in ('digital_inputs', 'analog_inputs'):
             log.image(io, image, 'lua_program_node/')
         log.state(self._program, RunState.OPENED)
@@ -304,7 +304,7 @@ class SimulatedCell:
             self._motions.end(controller.outcomes.popleft())
         self._switches.reach(self._motions.running, controller.progress)
         for channel, value in self._plc.step(now):
-            self._log.input(self._program.io, channel, value)
+            self._log.input(self._program.io, channel, value, self._plc.images[channel.image])
             self._changed = True
         self._log.status_in_time(self._program)
         if self._on_progress is not None and cycle % self._progress_every == 0:
@@ -354,9 +354,9 @@ class SimulatedCell:
         # The stamp is the command's id: unique even while time stands still.
         self._last_stamp = max(START + self._clock.nanoseconds, self._last_stamp + 1)
         stamp = self._last_stamp
-        self._log.status(self._program, stamp - START)
-        self._log.command_state(self._program.command_state.value)
         id_ = f'{stamp // NANOSECONDS}.{stamp % NANOSECONDS:09d}'
+        self._log.motion_sent(self._program, id_, command.line, stamp - START)
+        self._log.command_state(self._program.command_state.value)
         self._log.command(stamp, command)
         self._commands.append(partial(self._plan, id_, command))
 

@@ -23,9 +23,13 @@ class SimulatedPlc:
         self._heard: list[tuple[Channel, float]] = []
 
     @property
-    def images(self) -> tuple[str, ...]:
-        """Images of the inputs that it sets."""
-        return tuple(sorted({channel.image for channel in self._script.inputs}))
+    def images(self) -> dict[str, int]:
+        """Images of the inputs that it sets, and how many inputs it tells of each."""
+        images = sorted({channel.image for channel in self._script.inputs})
+        return {
+            image: max(channel.index for channel in self._script.inputs if channel.image == image)
+            for image in images
+        }
 
     @property
     def next_time(self) -> float:
