@@ -2,154 +2,25 @@
 
 from __future__ import annotations
 
-import json
-import socket
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
-from geometry_msgs.msg import PoseStamped
-from nav_msgs.msg import Path as NavPath
-from rcl_interfaces.msg import Log, SetParametersResult
-from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64, Float64MultiArray, String, UInt8MultiArray
-from std_srvs.srv import Trigger
+from std_msgs.msg import Float64, Float64MultiArray, UInt8MultiArray
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.nodes.lua_program_node import LuaProgramNode
-from robots_controller.nodes.motion_client import MOST_SENT
 from robots_core import Pose
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.messages import MotionResult, diagnostic_values, pose_from_message, stamp_id
-from robots_core.nodes.qos import COMMAND, STATE, STREAM
+from robots_core.nodes.messages import diagnostic_values, pose_from_message, stamp_id
+from robots_core.nodes.qos import STATE, STREAM
 from robots_planning import LinearJoint
 from robots_planning.nodes.trajectory_messages import trajectory_message
 from robots_planning.trajectory import Trajectory
 
-ROBOT = 'kuka_kr210_r2700'
-MOVE = 'ptpJointSpaceAngles(0, -90, 45, 0, 45, 0)'
-# A monitor that must not lose a value: what is published faster than it listens is kept for it.
-EVERY_STATE = QoSProfile(depth=100, durability=STATE.durability, reliability=STATE.reliability)
-
-
-class Bench:
-    """The node under test, and a test node that plays planning_node and controller_node."""
-
-    def __init__(self, runner: Any, folder: Path, *, planner: bool = True, **parameters: Any) -> None:
-        self.runner = runner
-        self.folder = folder
-        self.commands: list[tuple[str, Any]] = []
-        self.states: list[str] = []
-        self.status: list[DiagnosticStatus] = []
-        self.digital: list[list[int]] = []
-        self.analog: list[list[float]] = []
-        self.log: list[Log] = []
-        self.controller_calls: list[str] = []
-        self.on_controller_call: Callable[[str], None] = lambda _: None
-        self.on_command: Callable[[str], None] = self.reached
-        self.tester = runner.create_node('monitor')
-        listen = self.tester.create_subscription
-        listen(String, 'command_state', lambda m: self.states.append(m.data), EVERY_STATE)
-        listen(DiagnosticStatus, 'program_status', self.status.append, EVERY_STATE)
-        listen(UInt8MultiArray, 'digital_outputs', lambda m: self.digital.append(list(m.data)), EVERY_STATE)
-        listen(Float64MultiArray, 'analog_outputs', lambda m: self.analog.append(list(m.data)), EVERY_STATE)
-        listen(Log, '/rosout', self.log.append, COMMAND)
-        # As a recorder does: subscribed to the commands without planning them.
-        listen(JointState, 'ptpjoint_joint', lambda _: None, COMMAND)
-        for name in ('pause', 'resume', 'stop'):
-            self.tester.create_service(
-                Trigger, f'controller_node/{name}', lambda _, r, name=name: self._controller(name, r)
-            )
-        self.planner: Any = None
-        if planner:
-            self.start_planner()
-        overrides = [Parameter('robot_model', value=ROBOT)]
-        overrides += [Parameter(name, value=value) for name, value in parameters.items()]
-        self.node = runner.add(LuaProgramNode(context=runner.context, parameter_overrides=overrides))
-        self._clients = {
-            name: self.tester.create_client(Trigger, f'lua_program_node/{name}')
-            for name in (
-                'open',
-                'run',
-                'pause',
-                'resume',
-                'step',
-                'stop',
-                'reset',
-                'get_command_state',
-                'get_call_stack',
-            )
-        }
-        for client in self._clients.values():
-            runner.wait_for(client.service_is_ready, what='the services')
-        runner.wait_for(lambda: self.states and self.status, what='the first states')
-
-    def start_planner(self) -> None:
-        self.planner = self.runner.create_node('planning_node')
-        self.results = self.planner.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
-        for topic, kind in (
-            ('ptpjoint_joint', JointState),
-            ('ptpjoint_cartesian', PoseStamped),
-            ('ptpcartesian', PoseStamped),
-        ):
-            self.planner.create_subscription(kind, topic, lambda m, t=topic: self._command(t, m), COMMAND)
-        self.planner.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
-
-    def _command(self, topic: str, message: Any) -> None:
-        self.commands.append((topic, message))
-        self.on_command(stamp_id(message.header.stamp))
-
-    def _controller(self, name: str, response: Trigger.Response) -> Trigger.Response:
-        self.controller_calls.append(name)
-        self.on_controller_call(name)
-        response.success = True
-        return response
-
-    def reached(self, id_: str) -> None:
-        self.answer(id_)
-
-    def answer(self, id_: str, message: str = 'reached', *, ok: bool = True, **details: str) -> None:
-        self.results.publish(MotionResult(id_, ok, message, details).to_message(ROBOT))
-
-    def command_id(self) -> str:
-        return stamp_id(self.commands[-1][1].header.stamp)
-
-    def call(self, name: str) -> Trigger.Response:
-        future = self._clients[name].call_async(Trigger.Request())
-        self.runner.wait_for(future.done, what=f'the answer of ~/{name}')
-        return future.result()
-
-    def write(self, text: str) -> None:
-        path = self.folder / 'test.lua'
-        path.write_text(text)
-        (result,) = self.node.set_parameters([Parameter('program', value=str(path))])
-        assert result.successful
-
-    def start(self, text: str) -> None:
-        self.write(text)
-        self.status.clear()
-        for name in ('open', 'run'):
-            response = self.call(name)
-            assert response.success, response.message
-
-    def wait_for_state(self, state: str) -> dict[str, str]:
-        def found() -> dict[str, str] | None:
-            values = [diagnostic_values(status) for status in self.status]
-            return next((value for value in values if value['state'] == state), None)
-
-        return self.runner.wait_for(found, what=f'state {state}')
-
-    def wait_for_command(self) -> None:
-        self.runner.wait_for(lambda: self.commands, what='a motion command')
-
-
-def ignore(_: str) -> None:
-    """Answers a command with nothing."""
+from .lua_bench import MOVE, Bench, ignore
 
 
 def test_program_moves_switches_and_prints(ros_nodes: Any, tmp_path: Path):
@@ -418,121 +289,6 @@ def test_wrong_parameters_are_refused_at_start(ros_nodes: Any, tmp_path: Path, p
         Bench(ros_nodes, tmp_path, **parameters)
 
 
-# -- settings of the planner -------------------------------------------------------------------------
-
-
-class SettingsBench(Bench):
-    """A planner with parameters, which it notes with every command."""
-
-    def start_planner(self) -> None:
-        super().start_planner()
-        self.settings: list[dict[str, Any]] = []
-        for name, value in (
-            ('speed_fraction', 0.8),
-            ('cartesian_speed', 0.5),
-            ('blend_zone', 0.0),
-            ('joint_blend_zone', 0.0),
-            ('tool', [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
-        ):
-            self.planner.declare_parameter(name, value)
-
-    def _command(self, topic: str, message: Any) -> None:
-        self.settings.append({name: p.value for name, p in self.planner._parameters.items()})
-        super()._command(topic, message)
-
-
-def test_settings_come_before_the_motion_and_end_with_the_program(ros_nodes: Any, tmp_path: Path):
-    bench = SettingsBench(ros_nodes, tmp_path)
-    bench.start(f'{MOVE} setSpeed(0.5, 0.25) setTool(0, 0, 0.2, 0, 0, 0) {MOVE} setSpeed(0.25) {MOVE}')
-    bench.wait_for_state('FINISHED')
-    assert [s['speed_fraction'] for s in bench.settings] == [0.8, 0.5, 0.25]
-    assert [s['cartesian_speed'] for s in bench.settings] == [0.5, 0.25, 0.25]
-    assert [s['tool'][2] for s in bench.settings] == [0.0, 0.2, 0.2]
-    bench.settings.clear()
-    bench.start(MOVE)
-    bench.wait_for_state('FINISHED')
-    assert (bench.settings[0]['speed_fraction'], bench.settings[0]['tool'][2]) == (0.8, 0.0)
-
-
-def test_setting_that_the_planner_refuses_fails_the_motion(ros_nodes: Any, tmp_path: Path):
-    bench = SettingsBench(ros_nodes, tmp_path)
-    bench.planner.add_on_set_parameters_callback(
-        lambda _: SetParametersResult(successful=False, reason='not today')
-    )
-    bench.start(f'setSpeed(0.5) {MOVE}')
-    error = bench.wait_for_state('FAILED')['error']
-    assert error == 'test.lua:1: ptpJointSpaceAngles: planning_node refuses the settings: not today'
-    assert bench.commands == []
-
-
-def test_setting_that_the_planner_has_not_is_named(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
-    bench.start(f'setBase(1, 0, 0, 0, 0, 0) {MOVE}')
-    assert 'planning_node has no base' in bench.wait_for_state('FAILED')['error']
-
-
-def test_blended_motions_are_sent_at_once_and_the_last_one_is_released(ros_nodes: Any, tmp_path: Path):
-    bench = SettingsBench(ros_nodes, tmp_path)
-    bench.on_command = ignore
-    line = 'ptpCartesianSpace({1.5, 0, 1.5, 0, 90, 0}, {blend = 0.05})'
-    bench.start(f'{line}\n{line}\nwait(0)')
-    ros_nodes.wait_for(lambda: len(bench.commands) == 2, what='both motions')
-    assert [s['blend_zone'] for s in bench.settings] == [0.05, 0.05]
-    ros_nodes.wait_for(
-        lambda: bench.planner.get_parameter('blend_zone').value == 0.0, what='the end of the chain'
-    )
-    bench.answer(bench.command_id())
-    bench.wait_for_state('FINISHED')
-    ros_nodes.wait_for(lambda: bench.states[-1] == 'IDLE', what='IDLE')
-
-
-def test_many_blended_motions_are_held_back_and_none_is_lost(ros_nodes: Any, tmp_path: Path):
-    count = MOST_SENT + 20
-    bench = SettingsBench(ros_nodes, tmp_path)
-    bench.on_command = ignore
-    bench.start(
-        f'for i = 1, {count} do\n'
-        '  ptpJointSpaceAngles({i / 10, -90, 45, 0, 45, 0}, {jointBlend = 1})\n'
-        'end\n'
-        'ptpJointSpaceAngles(0, -90, 45, 0, 45, 0)'
-    )
-    bench.runner.wait_for(lambda: len(bench.commands) == MOST_SENT, what='as many as are on their way')
-    bench.on_command = bench.reached
-    bench.answer(bench.command_id())  # and all before it
-    bench.wait_for_state('FINISHED')
-    turned = [np.degrees(message.position[0]) for _, message in bench.commands]
-    np.testing.assert_allclose(turned, [*(0.1 * np.arange(1, count + 1)), 0.0], atol=1e-9)
-
-
-def test_the_status_tells_the_line_of_the_motion_that_was_sent(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
-    (tmp_path / 'part.lua').write_text(f'wait(0)\n{MOVE}\n')
-    bench.start(f'{MOVE}\ncall("part")\n')
-    bench.wait_for_state('FINISHED')
-    told = [diagnostic_values(status) for status in bench.status]
-    places = {item['motion']: (item['motion_file'], item['motion_line']) for item in told if 'motion' in item}
-    ids = [stamp_id(message.header.stamp) for _, message in bench.commands]
-    assert [places[id_] for id_ in ids] == [('test.lua', '1'), ('part.lua', '2')]
-
-
-def test_arcs_and_splines_are_paths(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
-    for topic in ('circcartesian', 'splinecartesian'):
-        bench.planner.create_subscription(NavPath, topic, lambda m, t=topic: bench._command(t, m), COMMAND)
-    bench.start("""
-        circCartesianSpace({1, 0, 1, 0, 90, 0}, {1, 0.5, 1, 0, 90, 0})
-        splineCartesianSpace({1, 0, 1, 0, 90, 0}, {1, 0.5, 1, 0, 90, 0}, {1, 1, 1, 0, 90, 0})""")
-    bench.wait_for_state('FINISHED')
-    (circ, arc), (spline, curve) = bench.commands
-    assert (circ, spline) == ('circcartesian', 'splinecartesian')
-    assert [len(arc.poses), len(curve.poses)] == [2, 3]
-    assert curve.poses[1].pose.position.y == 0.5
-    assert bench.states.count('TRAJECTORY') == 2
-
-
-# -- the robot's position, the override, the path ------------------------------------------------------
-
-
 def test_program_reads_the_measured_position(ros_nodes: Any, tmp_path: Path):
     bench = Bench(ros_nodes, tmp_path)
     names = bench.node.robot.axes_data.names
@@ -586,63 +342,3 @@ def test_outputs_switch_on_the_path(ros_nodes: Any, tmp_path: Path):
     bench.answer(bench.command_id())
     ros_nodes.wait_for(lambda: bench.digital[-1][:2] == [1, 1], what='the second output')
     bench.wait_for_state('FINISHED')
-
-
-# -- debugging ----------------------------------------------------------------------------------------
-
-
-def test_breakpoint_step_and_call_stack_by_services(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path, breakpoints=['test.lua:2'])
-    assert not bench.call('get_call_stack').success
-    assert not bench.call('step').success
-    bench.start('local x = 5\nwait(0)\nwait(0)\nwait(0)')
-    held = bench.wait_for_state('PAUSED')
-    ros_nodes.wait_for(lambda: diagnostic_values(bench.status[-1]).get('stack'), what='the call stack')
-    held = diagnostic_values(bench.status[-1])
-    assert (held['hold'], held['line'], held['stack']) == ('breakpoint', '2', 'test.lua:2: in the program')
-    stack = json.loads(bench.call('get_call_stack').message)
-    assert stack['frames'][0]['scopes']['Locals'][0]['name'] == 'x'
-    assert bench.call('step').success
-    ros_nodes.wait_for(lambda: diagnostic_values(bench.status[-1])['line'] == '3', what='the next line')
-    ros_nodes.wait_for(lambda: bench.node._program.hold_reason == 'step', what='the hold')
-    bench.node.set_parameters([Parameter('breakpoints', value=['test.lua:4'])])
-    assert bench.call('resume').success
-    ros_nodes.wait_for(lambda: diagnostic_values(bench.status[-1])['line'] == '4', what='the new breakpoint')
-    assert bench.call('resume').success
-    bench.wait_for_state('FINISHED')
-
-
-def test_step_begins_a_program(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path, step_mode='motion')
-    bench.write(f'wait(0)\n{MOVE}\nwait(0)')
-    assert bench.call('open').success
-    assert bench.call('step').success
-    ros_nodes.wait_for(lambda: bench.node._program.call_stack.frames, what='the hold at the first line')
-    assert bench.commands == []
-    assert bench.call('step').success
-    ros_nodes.wait_for(lambda: bench.node._program.hold_reason == 'step', what='the end of the motion')
-    assert len(bench.commands) == 1
-    assert bench.call('resume').success
-    bench.wait_for_state('FINISHED')
-
-
-@pytest.mark.parametrize(
-    ('name', 'value', 'message'),
-    [('breakpoints', ['a.lua'], "a breakpoint is 'file.lua:12'"), ('step_mode', 'far', 'steps are over, in')],
-)
-def test_wrong_debugging_parameters_are_refused(
-    ros_nodes: Any, tmp_path: Path, name: str, value: Any, message: str
-):
-    bench = Bench(ros_nodes, tmp_path)
-    (result,) = bench.node.set_parameters([Parameter(name, value=value)])
-    assert not result.successful
-    assert message in result.reason
-
-
-def test_editor_connects_to_the_node(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path, debug_port=-1)
-    request = json.dumps({'seq': 1, 'type': 'request', 'command': 'threads'}).encode()
-    with socket.create_connection(('127.0.0.1', bench.node._debug_server.port), timeout=10.0) as editor:
-        editor.sendall(b'Content-Length: %d\r\n\r\n%b' % (len(request), request))
-        answer = editor.makefile('rb').readline()
-    assert answer.startswith(b'Content-Length: ')

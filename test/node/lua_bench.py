@@ -1,0 +1,161 @@
+"""lua_program_node, and the robot's side played by a test."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import PoseStamped
+from rcl_interfaces.msg import Log
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray, String, UInt8MultiArray
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_controller.nodes.lua_program_node import LuaProgramNode
+from robots_core.nodes.messages import MotionResult, diagnostic_values, stamp_id
+from robots_core.nodes.qos import COMMAND, STATE
+
+ROBOT = 'kuka_kr210_r2700'
+MOVE = 'ptpJointSpaceAngles(0, -90, 45, 0, 45, 0)'
+# A monitor that must not lose a value: what is published faster than it listens is kept for it.
+EVERY_STATE = QoSProfile(depth=100, durability=STATE.durability, reliability=STATE.reliability)
+
+
+class Bench:
+    """The node under test, and a test node that plays planning_node and controller_node."""
+
+    def __init__(self, runner: Any, folder: Path, *, planner: bool = True, **parameters: Any) -> None:
+        self.runner = runner
+        self.folder = folder
+        self.commands: list[tuple[str, Any]] = []
+        self.states: list[str] = []
+        self.status: list[DiagnosticStatus] = []
+        self.digital: list[list[int]] = []
+        self.analog: list[list[float]] = []
+        self.log: list[Log] = []
+        self.controller_calls: list[str] = []
+        self.on_controller_call: Callable[[str], None] = lambda _: None
+        self.on_command: Callable[[str], None] = self.reached
+        self.tester = runner.create_node('monitor')
+        listen = self.tester.create_subscription
+        listen(String, 'command_state', lambda m: self.states.append(m.data), EVERY_STATE)
+        listen(DiagnosticStatus, 'program_status', self.status.append, EVERY_STATE)
+        listen(UInt8MultiArray, 'digital_outputs', lambda m: self.digital.append(list(m.data)), EVERY_STATE)
+        listen(Float64MultiArray, 'analog_outputs', lambda m: self.analog.append(list(m.data)), EVERY_STATE)
+        listen(Log, '/rosout', self.log.append, COMMAND)
+        # As a recorder does: subscribed to the commands without planning them.
+        listen(JointState, 'ptpjoint_joint', lambda _: None, COMMAND)
+        for name in ('pause', 'resume', 'stop'):
+            self.tester.create_service(
+                Trigger, f'controller_node/{name}', lambda _, r, name=name: self._controller(name, r)
+            )
+        self.planner: Any = None
+        if planner:
+            self.start_planner()
+        overrides = [Parameter('robot_model', value=ROBOT)]
+        overrides += [Parameter(name, value=value) for name, value in parameters.items()]
+        self.node = runner.add(LuaProgramNode(context=runner.context, parameter_overrides=overrides))
+        self._clients = {
+            name: self.tester.create_client(Trigger, f'lua_program_node/{name}')
+            for name in (
+                'open',
+                'run',
+                'pause',
+                'resume',
+                'step',
+                'stop',
+                'reset',
+                'get_command_state',
+                'get_call_stack',
+            )
+        }
+        for client in self._clients.values():
+            runner.wait_for(client.service_is_ready, what='the services')
+        runner.wait_for(lambda: self.states and self.status, what='the first states')
+
+    def start_planner(self) -> None:
+        self.planner = self.runner.create_node('planning_node')
+        self.results = self.planner.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
+        for topic, kind in (
+            ('ptpjoint_joint', JointState),
+            ('ptpjoint_cartesian', PoseStamped),
+            ('ptpcartesian', PoseStamped),
+        ):
+            self.planner.create_subscription(kind, topic, lambda m, t=topic: self._command(t, m), COMMAND)
+        self.planner.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
+
+    def _command(self, topic: str, message: Any) -> None:
+        self.commands.append((topic, message))
+        self.on_command(stamp_id(message.header.stamp))
+
+    def _controller(self, name: str, response: Trigger.Response) -> Trigger.Response:
+        self.controller_calls.append(name)
+        self.on_controller_call(name)
+        response.success = True
+        return response
+
+    def reached(self, id_: str) -> None:
+        self.answer(id_)
+
+    def answer(self, id_: str, message: str = 'reached', *, ok: bool = True, **details: str) -> None:
+        self.results.publish(MotionResult(id_, ok, message, details).to_message(ROBOT))
+
+    def command_id(self) -> str:
+        return stamp_id(self.commands[-1][1].header.stamp)
+
+    def call(self, name: str) -> Trigger.Response:
+        future = self._clients[name].call_async(Trigger.Request())
+        self.runner.wait_for(future.done, what=f'the answer of ~/{name}')
+        return future.result()
+
+    def write(self, text: str) -> None:
+        path = self.folder / 'test.lua'
+        path.write_text(text)
+        (result,) = self.node.set_parameters([Parameter('program', value=str(path))])
+        assert result.successful
+
+    def start(self, text: str) -> None:
+        self.write(text)
+        self.status.clear()
+        for name in ('open', 'run'):
+            response = self.call(name)
+            assert response.success, response.message
+
+    def wait_for_state(self, state: str) -> dict[str, str]:
+        def found() -> dict[str, str] | None:
+            values = [diagnostic_values(status) for status in self.status]
+            return next((value for value in values if value['state'] == state), None)
+
+        return self.runner.wait_for(found, what=f'state {state}')
+
+    def wait_for_command(self) -> None:
+        self.runner.wait_for(lambda: self.commands, what='a motion command')
+
+
+def ignore(_: str) -> None:
+    """Answers a command with nothing."""
+
+
+class SettingsBench(Bench):
+    """A planner with parameters, which it notes with every command."""
+
+    def start_planner(self) -> None:
+        super().start_planner()
+        self.settings: list[dict[str, Any]] = []
+        for name, value in (
+            ('speed_fraction', 0.8),
+            ('cartesian_speed', 0.5),
+            ('blend_zone', 0.0),
+            ('joint_blend_zone', 0.0),
+            ('tool', [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
+        ):
+            self.planner.declare_parameter(name, value)
+
+    def _command(self, topic: str, message: Any) -> None:
+        self.settings.append({name: p.value for name, p in self.planner._parameters.items()})
+        super()._command(topic, message)
