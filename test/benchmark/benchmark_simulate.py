@@ -14,19 +14,18 @@ from pathlib import Path
 
 from robots_controller.simulate import simulate
 from robots_controller.simulation.simulation_run import SimulationRun
+from robots_core.blocks.drive_level import DRIVE_LEVELS
 
 PROGRAM = Path(__file__).parents[2] / 'programs' / 'welding.lua'
 ROBOT = 'kuka_kr210_r2700'
 REPETITIONS = 7
 # What the project promises, with ideal drives.
 NEEDED = 50.0
-# Elastic gears and friction keep an axis from standing closer to its target.
-TOLERANCES = {'ideal': None, 'second_order': None, 'rigid_body': 1e-3}
 
 
 def measured(drive: str, bag: Path | None) -> SimulationRun:
     """A run."""
-    run = simulate(PROGRAM, robot=ROBOT, drive=drive, goal_tolerance=TOLERANCES[drive], bag=bag)
+    run = simulate(PROGRAM, robot=ROBOT, drive=drive, bag=bag)
     assert run.ok, run.error
     return run
 
@@ -39,7 +38,7 @@ def main() -> None:
         'where the time goes'
     )
     factors = {}
-    for drive in TOLERANCES:
+    for drive in DRIVE_LEVELS:
         for with_bag in (False, True):
             with tempfile.TemporaryDirectory() as folder:
                 runs = [

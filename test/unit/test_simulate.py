@@ -22,6 +22,7 @@ from robots_controller.simulation.events import (
     ProgramStateChanged,
 )
 from robots_controller.simulation.simulation_run import SimulationRun
+from robots_controller.testing import assert_bag_matches
 from robots_core import load_robot_model
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
@@ -123,10 +124,18 @@ def test_drives_stand_at_the_targets_and_references_keep_the_plan(welding: Simul
 
 
 def test_rigid_body_drives_know_their_torques():
-    run = simulate(PROGRAMS / 'welding.lua', robot=ROBOT, drive='rigid_body', goal_tolerance=1e-3)
+    run = simulate(PROGRAMS / 'welding.lua', robot=ROBOT, drive='rigid_body')
     assert run.ok
     assert run.torque is not None
     assert np.abs(run.torque).max() > 100.0  # N m: it carries its own weight
+
+
+def test_elastic_gears_with_stiction_come_to_rest_at_the_target(tmp_path: Path):
+    text = 'ptpJointSpaceAngles(60, -70, -35, 45, 110, 45)\nptpJointSpaceAngles(0, 20, 90, 0, 45, 0)\n'
+    text += 'linearRelative(0, 0, -0.2, 0, 0, 0)\n'
+    run = run_text(tmp_path, text, robot='manutec_r3', drive='rigid_body')
+    assert run.ok, run.error
+    assert len(run.motions) == 3
 
 
 def test_settings_hold_as_long_as_the_program_says(tmp_path: Path):
@@ -357,6 +366,27 @@ def test_the_table_of_the_demo_is_made_of_a_simulated_bag_too(tmp_path: Path):
     report = motion_report(run.bag, ROBOT)
     assert report.ok
     assert [row.line for row in report.rows] == [6, 7, 8, 12]
+
+
+@pytest.mark.parametrize(
+    ('limits', 'changed'),
+    [
+        ('setSpeed(0.3)', 'setSpeed(0.297)'),
+        ('setSpeed(1, 0.3)', 'setSpeed(1, 0.297)'),
+        ('setAcceleration(0.5)', 'setAcceleration(0.495)'),
+        ('setAcceleration(1, 1)', 'setAcceleration(1, 0.99)'),
+    ],
+)
+def test_a_limit_that_is_changed_by_a_percent_is_found_in_the_bag(tmp_path: Path, limits: str, changed: str):
+    motions = 'ptpJointSpaceAngles(40, -90, 90, 0, 90, 0) linearRelative(0, 0, -0.5, 0, 0, 0)'
+    for name, line in (('expected', limits), ('same', limits), ('other', changed)):
+        run_text(tmp_path, f'{line} {motions}', bag=tmp_path / name)
+    (tmp_path / 'tolerances.yaml').write_text(
+        "ignore: ['*']\ntopics: {joint_reference: {mode: samples, time: 0.002, absolute: 1.0e-6}}"
+    )
+    assert_bag_matches(tmp_path / 'same', tmp_path / 'expected', tmp_path / 'tolerances.yaml')
+    with pytest.raises(AssertionError, match='/joint_reference at'):
+        assert_bag_matches(tmp_path / 'other', tmp_path / 'expected', tmp_path / 'tolerances.yaml')
 
 
 def test_a_bag_needs_a_folder_of_its_own(tmp_path: Path):
