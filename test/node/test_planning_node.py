@@ -11,139 +11,25 @@ from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
-from rcl_interfaces.srv import GetParameters, SetParametersAtomically
+from rcl_interfaces.srv import GetParameters
 from rclpy.duration import Duration
 from rclpy.parameter import Parameter
 from rclpy.qos import LivelinessPolicy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
-from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from robots_core import Pose, load_robot_model
+from robots_core import Pose
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.messages import (
     MotionResult,
     diagnostic_values,
-    doubles,
-    joint_state_message,
     pose_stamped_message,
-    stamp_id,
 )
-from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STATE
-from robots_planning import LinearCartesianLimited, MotionSettings, Trajectory, verify
+from robots_core.nodes.qos import STATE
+from robots_planning import LinearCartesianLimited, MotionSettings, verify
 from robots_planning.motion_settings import settings_from_text
-from robots_planning.nodes.planning_node import PlanningNode
-from robots_planning.order_book import LONGEST_CHAIN
 
-ROBOT = 'bello_bot'
-
-
-class Bench:
-    """The node under test with everything around it: program, controller, sensor."""
-
-    def __init__(self, runner: Any, **parameters: Any) -> None:
-        self.runner = runner
-        self.robot = load_robot_model(ROBOT)
-        self.names = list(self.robot.axes_data.names)
-        overrides = [Parameter('robot_model', value=ROBOT)]
-        overrides += [Parameter(name, value=value) for name, value in parameters.items()]
-        self.node = runner.add(PlanningNode(context=runner.context, parameter_overrides=overrides))
-        self.peer = peer = runner.create_node('peer')
-        self.trajectories: list[JointTrajectory] = []
-        self.results: list[MotionResult] = []
-        self.finished: list[bool] = []
-        self.liveliness: list[Any] = []
-        peer.create_subscription(JointTrajectory, 'joint_trajectory', self.trajectories.append, COMMAND)
-        peer.create_subscription(
-            DiagnosticStatus,
-            'motion_result',
-            lambda message: self.results.append(MotionResult.from_message(message)),
-            COMMAND,
-        )
-        peer.create_subscription(
-            Bool, 'finished', lambda message: self.finished.append(message.data), PLANNER_ALIVE
-        )
-        self.publishers = {
-            topic: peer.create_publisher(kind, topic, qos)
-            for topic, kind, qos in (
-                ('ptpjoint_joint', JointState, COMMAND),
-                ('ptpjoint_cartesian', PoseStamped, COMMAND),
-                ('ptpcartesian', PoseStamped, COMMAND),
-                ('circcartesian', Path, COMMAND),
-                ('splinecartesian', Path, COMMAND),
-                ('trigger', Bool, COMMAND),
-                ('reference_pose', PoseStamped, STATE),
-                ('motion_result', DiagnosticStatus, COMMAND),
-            )
-        }
-        self.references: Any = None
-        self.wait(
-            lambda: (
-                all(publisher.get_subscription_count() > 0 for publisher in self.publishers.values())
-                and peer.count_publishers('joint_trajectory')
-                and self.finished
-            ),
-            'the node is connected',
-        )
-
-    def wait(self, condition: Any, what: str) -> None:
-        self.runner.wait_for(condition, what=what)
-
-    def stand(self, q: np.ndarray, q_dot: np.ndarray | None = None) -> None:
-        """Publish a reference, as the controller does, and wait until the node has received it."""
-        if self.references is None:
-            self.references = self.peer.create_publisher(JointTrajectory, 'joint_reference', STATE)
-            self.wait(lambda: self.references.get_subscription_count() > 0, 'the reference is subscribed')
-            self.wait(
-                lambda: self.node.get_publishers_info_by_topic('joint_reference'), 'its publisher is known'
-            )
-        zero = np.zeros(len(q))
-        order = list(reversed(range(len(q))))  # references are matched by name
-        point = JointTrajectoryPoint(
-            positions=doubles(q[order]),
-            velocities=doubles((zero if q_dot is None else q_dot)[order]),
-            accelerations=doubles(zero),
-        )
-        self.references.publish(
-            JointTrajectory(joint_names=[self.names[index] for index in order], points=[point])
-        )
-        assert self.references.wait_for_all_acked(Duration(seconds=10.0))
-
-    def command(self, topic: str, target: Any, stamp: int) -> str:
-        """Send a command with a stamp; returns its id."""
-        time = Time(sec=stamp)
-        if topic == 'ptpjoint_joint':
-            message: Any = joint_state_message(time, self.names, target)
-        else:
-            message = pose_stamped_message(time, target)
-        self.publishers[topic].publish(message)
-        return stamp_id(time)
-
-    def planned(self, count: int = 1) -> Trajectory:
-        """The newest trajectory, after `count` have come."""
-        self.wait(lambda: len(self.trajectories) >= count, f'{count} trajectories')
-        message = self.trajectories[-1]
-        return Trajectory(
-            np.array([p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points]),
-            *(
-                np.array([getattr(point, field) for point in message.points])
-                for field in ('positions', 'velocities', 'accelerations')
-            ),
-        )
-
-    def refusal(self, id_: str) -> MotionResult:
-        """The result of a refused command."""
-        self.wait(lambda: any(result.id == id_ for result in self.results), f'a result of {id_}')
-        result = next(result for result in self.results if result.id == id_)
-        assert not result.ok
-        return result
-
-    def end(self, id_: str, *, ok: bool = True) -> None:
-        """End a motion, as the controller does."""
-        result = MotionResult(id_, ok, 'reached' if ok else 'stopped')
-        self.publishers['motion_result'].publish(result.to_message(ROBOT))
-        self.wait(lambda: not self.node._book.knows(id_), 'the node has heard the result')
-        self.wait(lambda: id_ in [result.id for result in self.results], 'so has everybody')
+from .planning_bench import ROBOT, Bench
 
 
 @pytest.fixture
@@ -249,7 +135,9 @@ def test_a_command_that_comes_while_the_robot_moves_goes_on_from_its_end(bench: 
     home = bench.robot.home
     bench.stand(home)
     first = bench.command('ptpjoint_joint', home + 0.1, 5)
+    bench.planned()  # messages of different topics may overtake each other
     second = bench.command('ptpjoint_cartesian', below(bench), 6)
+    bench.planned(2)
     bench.command('ptpjoint_joint', home, 7)
     third = bench.planned(3)
     starts = [message.points[0] for message in bench.trajectories]
@@ -504,120 +392,3 @@ def test_finished_is_a_sign_of_life(bench: Bench) -> None:
     qos = publishers[0].qos_profile
     assert qos.liveliness == LivelinessPolicy.AUTOMATIC
     assert qos.liveliness_lease_duration == Duration(seconds=0.5)
-
-
-def blended(ros_nodes: Any, zone: float = 0.02) -> Bench:
-    bench = Bench(ros_nodes, blend_zone=zone, joint_blend_zone=0.1)
-    bench.stand(bench.robot.home)
-    return bench
-
-
-def steps(bench: Bench, count: int) -> list[np.ndarray]:
-    """Joint targets on a square of the first and the third axis."""
-    corners = [(0.3, 0.0), (0.3, 0.3), (0.0, 0.3), (0.0, 0.0)]
-    targets = []
-    for number in range(count):
-        target = bench.robot.home.copy()
-        target[[0, 2]] += corners[number % 4]
-        targets.append(target)
-    return targets
-
-
-def set_zones(bench: Bench, zone: float) -> None:
-    """As a program does, by the node's service."""
-    client = bench.peer.create_client(SetParametersAtomically, 'planning_node/set_parameters_atomically')
-    bench.wait(client.service_is_ready, 'the parameter service')
-    parameters = [Parameter(name, value=zone) for name in ('blend_zone', 'joint_blend_zone')]
-    future = client.call_async(
-        SetParametersAtomically.Request(parameters=[parameter.to_parameter_msg() for parameter in parameters])
-    )
-    bench.wait(future.done, 'the zones are set')
-    assert future.result().result.successful
-
-
-def test_blended_commands_become_one_trajectory_of_the_last_one(ros_nodes: Any) -> None:
-    bench = blended(ros_nodes)
-    targets = steps(bench, 3)
-    ids = [bench.command('ptpjoint_joint', target, 5 + number) for number, target in enumerate(targets)]
-    bench.wait(lambda: all(bench.node._book.knows(id_) for id_ in ids), 'all are held')
-    set_zones(bench, 0.0)
-    trajectory = bench.planned()
-    assert [stamp_id(message.header.stamp) for message in bench.trajectories] == ids[-1:]
-    np.testing.assert_allclose(trajectory.position[-1], targets[-1], atol=1e-9)
-    report = verify(trajectory, bench.robot, torque=False)
-    assert report.ok, report.describe()
-
-
-def test_motions_that_were_passed_are_answered_with_the_last_one(ros_nodes: Any) -> None:
-    bench = blended(ros_nodes)
-    ids = [bench.command('ptpjoint_joint', target, 5 + k) for k, target in enumerate(steps(bench, 3))]
-    bench.planned()
-    bench.end(ids[-1])
-    bench.wait(lambda: len(bench.results) == 3, 'a result for each')
-    results = {result.id: result for result in bench.results}
-    assert [results[id_].message for id_ in ids] == ['passed', 'passed', 'reached']
-    assert all(result.ok for result in bench.results)
-    bench.wait(lambda: bench.finished[-1], 'finished with the last of them')
-
-
-def test_a_chain_that_was_stopped_tells_which_of_its_motions_were_passed(ros_nodes: Any) -> None:
-    bench = blended(ros_nodes)
-    ids = [bench.command('ptpjoint_joint', target, 5 + k) for k, target in enumerate(steps(bench, 3))]
-    bench.planned()
-    (motion,) = bench.node._book.running
-    between = 0.5 * (motion.ends[0] + motion.ends[1]) / motion.trajectory.duration
-    stopped = MotionResult(ids[-1], ok=False, message='stopped by ~/stop', details={'progress': str(between)})
-    bench.publishers['motion_result'].publish(stopped.to_message(ROBOT))
-    bench.wait(lambda: len(bench.results) == 3, 'a result for each')
-    results = {result.id: (result.ok, result.message) for result in bench.results}
-    assert [results[id_] for id_ in ids] == [
-        (True, 'passed'), (False, 'stopped by ~/stop'), (False, 'stopped by ~/stop')
-    ]  # fmt: skip
-
-
-def test_a_blended_command_that_nothing_follows_stops_at_its_target(ros_nodes: Any) -> None:
-    bench = blended(ros_nodes)
-    target = steps(bench, 1)[0]
-    id_ = bench.command('ptpjoint_joint', target, 5)
-    trajectory = bench.planned()  # its patience ends
-    assert stamp_id(bench.trajectories[0].header.stamp) == id_
-    np.testing.assert_allclose(trajectory.position[-1], target, atol=1e-9)
-
-
-def test_a_command_that_stops_ends_the_chain_before_it(ros_nodes: Any) -> None:
-    bench = Bench(ros_nodes)
-    bench.stand(bench.robot.home)
-    set_zones(bench, 0.05)
-    targets = steps(bench, 2)
-    first = bench.command('ptpjoint_joint', targets[0], 5)
-    bench.wait(lambda: bench.node._book.knows(first), 'the first is held')
-    set_zones(bench, 0.0)  # nothing that it could run through to is coming
-    bench.planned()
-    bench.command('ptpjoint_joint', targets[1], 6)
-    bench.planned(2)
-    assert [message.header.stamp.sec for message in bench.trajectories] == [5, 6]
-
-
-def test_the_longest_chain_is_planned_although_more_follows(ros_nodes: Any) -> None:
-    bench = blended(ros_nodes)
-    targets = steps(bench, LONGEST_CHAIN + 1)
-    for number, target in enumerate(targets):
-        bench.command('ptpjoint_joint', target, 5 + number)
-    # A chain and the one after it, which its patience lets go.
-    bench.planned(2)
-    assert [message.header.stamp.sec for message in bench.trajectories] == [
-        5 + LONGEST_CHAIN - 1,
-        5 + LONGEST_CHAIN,
-    ]
-
-
-def test_a_chain_with_an_impossible_motion_is_done_up_to_it(ros_nodes: Any) -> None:
-    bench = blended(ros_nodes)
-    good = bench.command('ptpjoint_joint', steps(bench, 1)[0], 5)
-    far = Pose(np.array([50.0, 0.0, 0.0]), np.eye(3))
-    bad = bench.command('ptpcartesian', far, 6)
-    after = bench.command('ptpjoint_joint', bench.robot.home, 7)
-    assert 'cannot reach' in bench.refusal(bad).message
-    assert f'given up with motion {bad} before it' in bench.refusal(after).message
-    bench.planned()
-    assert [stamp_id(message.header.stamp) for message in bench.trajectories] == [good]

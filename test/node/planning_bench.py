@@ -1,0 +1,138 @@
+"""planning_node with everything around it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
+from rclpy.duration import Duration
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from robots_core import load_robot_model
+from robots_core.nodes.messages import (
+    MotionResult,
+    doubles,
+    joint_state_message,
+    pose_stamped_message,
+    stamp_id,
+)
+from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STATE
+from robots_planning import Trajectory
+from robots_planning.nodes.planning_node import PlanningNode
+
+ROBOT = 'bello_bot'
+
+
+class Bench:
+    """The node under test with everything around it: program, controller, sensor."""
+
+    def __init__(self, runner: Any, **parameters: Any) -> None:
+        self.runner = runner
+        self.robot = load_robot_model(ROBOT)
+        self.names = list(self.robot.axes_data.names)
+        overrides = [Parameter('robot_model', value=ROBOT)]
+        overrides += [Parameter(name, value=value) for name, value in parameters.items()]
+        self.node = runner.add(PlanningNode(context=runner.context, parameter_overrides=overrides))
+        self.peer = peer = runner.create_node('peer')
+        self.trajectories: list[JointTrajectory] = []
+        self.results: list[MotionResult] = []
+        self.finished: list[bool] = []
+        self.liveliness: list[Any] = []
+        peer.create_subscription(JointTrajectory, 'joint_trajectory', self.trajectories.append, COMMAND)
+        peer.create_subscription(
+            DiagnosticStatus,
+            'motion_result',
+            lambda message: self.results.append(MotionResult.from_message(message)),
+            COMMAND,
+        )
+        peer.create_subscription(
+            Bool, 'finished', lambda message: self.finished.append(message.data), PLANNER_ALIVE
+        )
+        self.publishers = {
+            topic: peer.create_publisher(kind, topic, qos)
+            for topic, kind, qos in (
+                ('ptpjoint_joint', JointState, COMMAND),
+                ('ptpjoint_cartesian', PoseStamped, COMMAND),
+                ('ptpcartesian', PoseStamped, COMMAND),
+                ('circcartesian', Path, COMMAND),
+                ('splinecartesian', Path, COMMAND),
+                ('trigger', Bool, COMMAND),
+                ('reference_pose', PoseStamped, STATE),
+                ('motion_result', DiagnosticStatus, COMMAND),
+            )
+        }
+        self.references: Any = None
+        self.wait(
+            lambda: (
+                all(publisher.get_subscription_count() > 0 for publisher in self.publishers.values())
+                and peer.count_publishers('joint_trajectory')
+                and self.finished
+            ),
+            'the node is connected',
+        )
+
+    def wait(self, condition: Any, what: str) -> None:
+        self.runner.wait_for(condition, what=what)
+
+    def stand(self, q: np.ndarray, q_dot: np.ndarray | None = None) -> None:
+        """Publish a reference, as the controller does, and wait until the node has received it."""
+        if self.references is None:
+            self.references = self.peer.create_publisher(JointTrajectory, 'joint_reference', STATE)
+            self.wait(lambda: self.references.get_subscription_count() > 0, 'the reference is subscribed')
+            self.wait(
+                lambda: self.node.get_publishers_info_by_topic('joint_reference'), 'its publisher is known'
+            )
+        zero = np.zeros(len(q))
+        order = list(reversed(range(len(q))))  # references are matched by name
+        point = JointTrajectoryPoint(
+            positions=doubles(q[order]),
+            velocities=doubles((zero if q_dot is None else q_dot)[order]),
+            accelerations=doubles(zero),
+        )
+        self.references.publish(
+            JointTrajectory(joint_names=[self.names[index] for index in order], points=[point])
+        )
+        assert self.references.wait_for_all_acked(Duration(seconds=10.0))
+
+    def command(self, topic: str, target: Any, stamp: int) -> str:
+        """Send a command with a stamp; returns its id."""
+        time = Time(sec=stamp)
+        if topic == 'ptpjoint_joint':
+            message: Any = joint_state_message(time, self.names, target)
+        else:
+            message = pose_stamped_message(time, target)
+        self.publishers[topic].publish(message)
+        return stamp_id(time)
+
+    def planned(self, count: int = 1) -> Trajectory:
+        """The newest trajectory, after `count` have come."""
+        self.wait(lambda: len(self.trajectories) >= count, f'{count} trajectories')
+        message = self.trajectories[-1]
+        return Trajectory(
+            np.array([p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points]),
+            *(
+                np.array([getattr(point, field) for point in message.points])
+                for field in ('positions', 'velocities', 'accelerations')
+            ),
+        )
+
+    def refusal(self, id_: str) -> MotionResult:
+        """The result of a refused command."""
+        self.wait(lambda: any(result.id == id_ for result in self.results), f'a result of {id_}')
+        result = next(result for result in self.results if result.id == id_)
+        assert not result.ok
+        return result
+
+    def end(self, id_: str, *, ok: bool = True) -> None:
+        """End a motion, as the controller does."""
+        result = MotionResult(id_, ok, 'reached' if ok else 'stopped')
+        self.publishers['motion_result'].publish(result.to_message(ROBOT))
+        self.wait(lambda: not self.node._book.knows(id_), 'the node has heard the result')
+        self.wait(lambda: id_ in [result.id for result in self.results], 'so has everybody')

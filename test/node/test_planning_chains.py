@@ -1,0 +1,133 @@
+"""planning_node: blended commands, planned and sent as one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from rcl_interfaces.srv import SetParametersAtomically
+from rclpy.parameter import Parameter
+
+from robots_core import Pose
+from robots_core.nodes.messages import MotionResult, stamp_id
+from robots_planning import verify
+from robots_planning.order_book import LONGEST_CHAIN
+
+from .planning_bench import ROBOT, Bench
+
+
+def blended(ros_nodes: Any, zone: float = 0.02) -> Bench:
+    bench = Bench(ros_nodes, blend_zone=zone, joint_blend_zone=0.1)
+    bench.stand(bench.robot.home)
+    return bench
+
+
+def steps(bench: Bench, count: int) -> list[np.ndarray]:
+    """Joint targets on a square of the first and the third axis."""
+    corners = [(0.3, 0.0), (0.3, 0.3), (0.0, 0.3), (0.0, 0.0)]
+    targets = []
+    for number in range(count):
+        target = bench.robot.home.copy()
+        target[[0, 2]] += corners[number % 4]
+        targets.append(target)
+    return targets
+
+
+def set_zones(bench: Bench, zone: float) -> None:
+    """As a program does, by the node's service."""
+    client = bench.peer.create_client(SetParametersAtomically, 'planning_node/set_parameters_atomically')
+    bench.wait(client.service_is_ready, 'the parameter service')
+    parameters = [Parameter(name, value=zone) for name in ('blend_zone', 'joint_blend_zone')]
+    future = client.call_async(
+        SetParametersAtomically.Request(parameters=[parameter.to_parameter_msg() for parameter in parameters])
+    )
+    bench.wait(future.done, 'the zones are set')
+    assert future.result().result.successful
+
+
+def test_blended_commands_become_one_trajectory_of_the_last_one(ros_nodes: Any) -> None:
+    bench = blended(ros_nodes)
+    targets = steps(bench, 3)
+    ids = [bench.command('ptpjoint_joint', target, 5 + number) for number, target in enumerate(targets)]
+    bench.wait(lambda: all(bench.node._book.knows(id_) for id_ in ids), 'all are held')
+    set_zones(bench, 0.0)
+    trajectory = bench.planned()
+    assert [stamp_id(message.header.stamp) for message in bench.trajectories] == ids[-1:]
+    np.testing.assert_allclose(trajectory.position[-1], targets[-1], atol=1e-9)
+    report = verify(trajectory, bench.robot, torque=False)
+    assert report.ok, report.describe()
+
+
+def test_motions_that_were_passed_are_answered_with_the_last_one(ros_nodes: Any) -> None:
+    bench = blended(ros_nodes)
+    ids = [bench.command('ptpjoint_joint', target, 5 + k) for k, target in enumerate(steps(bench, 3))]
+    bench.planned()
+    bench.end(ids[-1])
+    bench.wait(lambda: len(bench.results) == 3, 'a result for each')
+    results = {result.id: result for result in bench.results}
+    assert [results[id_].message for id_ in ids] == ['passed', 'passed', 'reached']
+    assert all(result.ok for result in bench.results)
+    bench.wait(lambda: bench.finished[-1], 'finished with the last of them')
+
+
+def test_a_chain_that_was_stopped_tells_which_of_its_motions_were_passed(ros_nodes: Any) -> None:
+    bench = blended(ros_nodes)
+    ids = [bench.command('ptpjoint_joint', target, 5 + k) for k, target in enumerate(steps(bench, 3))]
+    bench.planned()
+    (motion,) = bench.node._book.running
+    between = 0.5 * (motion.ends[0] + motion.ends[1]) / motion.trajectory.duration
+    stopped = MotionResult(ids[-1], ok=False, message='stopped by ~/stop', details={'progress': str(between)})
+    bench.publishers['motion_result'].publish(stopped.to_message(ROBOT))
+    bench.wait(lambda: len(bench.results) == 3, 'a result for each')
+    results = {result.id: (result.ok, result.message) for result in bench.results}
+    assert [results[id_] for id_ in ids] == [
+        (True, 'passed'), (False, 'stopped by ~/stop'), (False, 'stopped by ~/stop')
+    ]  # fmt: skip
+
+
+def test_a_blended_command_that_nothing_follows_stops_at_its_target(ros_nodes: Any) -> None:
+    bench = blended(ros_nodes)
+    target = steps(bench, 1)[0]
+    id_ = bench.command('ptpjoint_joint', target, 5)
+    trajectory = bench.planned()  # its patience ends
+    assert stamp_id(bench.trajectories[0].header.stamp) == id_
+    np.testing.assert_allclose(trajectory.position[-1], target, atol=1e-9)
+
+
+def test_a_command_that_stops_ends_the_chain_before_it(ros_nodes: Any) -> None:
+    bench = Bench(ros_nodes)
+    bench.stand(bench.robot.home)
+    set_zones(bench, 0.05)
+    targets = steps(bench, 2)
+    first = bench.command('ptpjoint_joint', targets[0], 5)
+    bench.wait(lambda: bench.node._book.knows(first), 'the first is held')
+    set_zones(bench, 0.0)  # nothing that it could run through to is coming
+    bench.planned()
+    bench.command('ptpjoint_joint', targets[1], 6)
+    bench.planned(2)
+    assert [message.header.stamp.sec for message in bench.trajectories] == [5, 6]
+
+
+def test_the_longest_chain_is_planned_although_more_follows(ros_nodes: Any) -> None:
+    bench = blended(ros_nodes)
+    targets = steps(bench, LONGEST_CHAIN + 1)
+    for number, target in enumerate(targets):
+        bench.command('ptpjoint_joint', target, 5 + number)
+    # A chain and the one after it, which its patience lets go.
+    bench.planned(2)
+    assert [message.header.stamp.sec for message in bench.trajectories] == [
+        5 + LONGEST_CHAIN - 1,
+        5 + LONGEST_CHAIN,
+    ]
+
+
+def test_a_chain_with_an_impossible_motion_is_done_up_to_it(ros_nodes: Any) -> None:
+    bench = blended(ros_nodes)
+    good = bench.command('ptpjoint_joint', steps(bench, 1)[0], 5)
+    far = Pose(np.array([50.0, 0.0, 0.0]), np.eye(3))
+    bad = bench.command('ptpcartesian', far, 6)
+    after = bench.command('ptpjoint_joint', bench.robot.home, 7)
+    assert 'cannot reach' in bench.refusal(bad).message
+    assert f'given up with motion {bad} before it' in bench.refusal(after).message
+    bench.planned()
+    assert [stamp_id(message.header.stamp) for message in bench.trajectories] == [good]
