@@ -77,18 +77,24 @@ def follow(
             end = breaks[piece]
         s[count] = end
         deviation = _advance(chain, path, knots, here, guess)
-        if deviation < 0.0:
-            step = 0.5 * (end - s[here])
-            if step < SHORTEST_STEP or count >= MOST_KNOTS:
-                return BLOCKED, count
-            continue
-        if leaves_limits(limits, knots, here):
-            return OUTSIDE, count
-        # The deviation grows with the sixth power of the step.
-        growth = 0.9 * (PATH_TOLERANCE / max(deviation, 1e-16)) ** (1.0 / 6.0)
-        step = min((end - s[here]) * min(max(growth, 0.5), 2.0), LONGEST_STEP)
-        count += 1
+        step = next_step(end - s[here], deviation)
+        if deviation >= 0.0:
+            if leaves_limits(limits, knots, here):
+                return OUTSIDE, count
+            count += 1
+        elif step < SHORTEST_STEP or count >= MOST_KNOTS:
+            return BLOCKED, count
     return FOLLOWED, count
+
+
+@compiled()
+def next_step(step: float, deviation: float) -> float:
+    """The step after one that left the path by `deviation` in between; -1 if it was too long."""
+    if deviation < 0.0:
+        return 0.5 * step
+    # The deviation grows with the sixth power of the step.
+    growth = 0.9 * (PATH_TOLERANCE / max(deviation, 1e-16)) ** (1.0 / 6.0)
+    return min(step * min(max(growth, 0.5), 2.0), LONGEST_STEP)
 
 
 @compiled()

@@ -16,7 +16,6 @@ from robots_planning.trajectory_generators.path_following_kernel import (
     BLOCKED,
     FOLLOWED,
     LARGEST_KNOT_MOTION,
-    LONGEST_STEP,
     MOST_KNOTS,
     OUTSIDE,
     PATH_TOLERANCE,
@@ -25,6 +24,7 @@ from robots_planning.trajectory_generators.path_following_kernel import (
     Knots,
     correct,
     leaves_limits,
+    next_step,
     path_error,
 )
 
@@ -289,16 +289,13 @@ def follow_guide(
             end = border
         s[count] = end
         deviation = _advance_guided(chain, path, guide, knots, here)
-        if deviation < 0.0:
-            step = 0.5 * (end - s[here])
-            if step < SHORTEST_STEP or count >= MOST_KNOTS:
-                return BLOCKED, count
-            continue
-        if leaves_limits(limits, knots, here):
-            return OUTSIDE, count
-        growth = 0.9 * (PATH_TOLERANCE / max(deviation, 1e-16)) ** (1.0 / 6.0)
-        step = min((end - s[here]) * min(max(growth, 0.5), 2.0), LONGEST_STEP)
-        count += 1
+        step = next_step(end - s[here], deviation)
+        if deviation >= 0.0:
+            if leaves_limits(limits, knots, here):
+                return OUTSIDE, count
+            count += 1
+        elif step < SHORTEST_STEP or count >= MOST_KNOTS:
+            return BLOCKED, count
     return FOLLOWED, count
 
 
