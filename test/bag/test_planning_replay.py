@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import signal
-import subprocess
-import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,6 +19,8 @@ from robots_controller.nodes.bag_recorder import BagRecorder
 from robots_controller.testing import BAG_TYPES, assert_bag_matches, write_bag
 from robots_core import Pose, load_robot_model
 from robots_core.nodes.qos import COMMAND
+
+from .node_process import node_process
 
 T = BAG_TYPES.types
 ROBOT = load_robot_model('ur10e')
@@ -93,19 +91,6 @@ def commands() -> Iterator[tuple[float, str, Any]]:
     yield 1.1, '/ptpjoint_joint', joints(17, START)
 
 
-@contextlib.contextmanager
-def planning_node(**parameters: object) -> Iterator[None]:
-    command = [sys.executable, '-P', '-m', 'robots_planning.nodes.planning_node', '--ros-args']
-    for name, value in ({'robot_model': ROBOT.name} | parameters).items():
-        command += ['-p', f'{name}:={value}']
-    process = subprocess.Popen(command, start_new_session=True)
-    try:
-        yield
-    finally:
-        process.send_signal(signal.SIGINT)
-        process.wait(20.0)
-
-
 def replayed(ros_nodes: Any, bag: Path, recorded: Path, **parameters: object) -> Path:
     """Replay the commands of a bag into a new planner; returns the bag of all that was said."""
     plan = replay_plan(read_bag(bag), topics=[*COMMANDS, '/joint_reference'])
@@ -117,7 +102,7 @@ def replayed(ros_nodes: Any, bag: Path, recorded: Path, **parameters: object) ->
     ]
     recorder = ros_nodes.add(BagRecorder(recorded, namespace='/', context=ros_nodes.context))
     player = ros_nodes.add(BagPlayer(plan, context=ros_nodes.context))
-    with planning_node(**parameters):
+    with node_process('robots_planning', 'planning_node', robot_model=ROBOT.name, **parameters):
         ros_nodes.wait_for(
             lambda: recorder.records([*COMMANDS, '/joint_trajectory', '/motion_result']),
             timeout=60.0,
@@ -159,7 +144,7 @@ def test_replayed_commands_give_the_recorded_plans(ros_nodes: Any, tmp_path: Pat
     assert {result.topic for result in comparison.topics} == {'/joint_trajectory', '/motion_result'}
     assert ids(read_bag(again)) == ids(read_bag(first))
 
-    # A planner with another setting plans something else, which is found.
-    other = replayed(ros_nodes, first, tmp_path / 'other', cartesian_speed=0.1)
+    # A planner whose limits are 1 percent lower plans something else, which is found.
+    other = replayed(ros_nodes, first, tmp_path / 'other', acceleration_fraction=0.99)
     with pytest.raises(AssertionError, match=r'/joint_trajectory at .*points'):
         assert_bag_matches(other, first, tmp_path / 'tolerances.yaml')
