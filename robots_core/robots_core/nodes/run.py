@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
 from collections.abc import Callable
 
@@ -39,6 +40,8 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
     with interrupt(executor.wake) as stopping:
         try:
             node = make_node()
+            # A logger looks for its caller, the first time through all modules: not while a robot moves.
+            inspect.stack()
             executor.add_node(node)
             while not stopping.is_set():
                 executor.spin_once()
