@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import signal
-import subprocess
-import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,6 +19,8 @@ from robots_controller.nodes.bag_recorder import BagRecorder
 from robots_controller.testing import BAG_TYPES, assert_bag_matches, write_bag
 from robots_core.nodes.messages import diagnostic_values
 from robots_core.nodes.qos import STATE
+
+from .node_process import node_process
 
 T = BAG_TYPES.types
 IO_MAP = """
@@ -120,19 +118,6 @@ def expectation(*, first_level: float = 3.0) -> Iterator[tuple[float, str, Any]]
     yield end + DEBOUNCE, *image('/digital_inputs', [0, 0, 0])
 
 
-@contextlib.contextmanager
-def node(module: str, **parameters: str) -> Iterator[None]:
-    command = [sys.executable, '-P', '-m', f'robots_controller.nodes.{module}', '--ros-args']
-    for name, value in parameters.items():
-        command += ['-p', f'{name}:={value}']
-    process = subprocess.Popen(command, start_new_session=True)
-    try:
-        yield
-    finally:
-        process.send_signal(signal.SIGINT)
-        process.wait(20.0)
-
-
 ANSWERS = (
     *(
         '/digital_inputs',
@@ -157,8 +142,14 @@ def record_answers(ros_nodes: Any, folder: Path) -> Path:
     player = BagPlayer(plan, context=ros_nodes.context)
     ros_nodes.add(player)
     with (
-        node('io_bridge_node', io_map=str(folder / 'map.yaml')),
-        node('lua_program_node', program=str(folder / 'parts.lua'), digital_size='3', analog_size='2'),
+        node_process('robots_controller', 'io_bridge_node', io_map=folder / 'map.yaml'),
+        node_process(
+            'robots_controller',
+            'lua_program_node',
+            program=folder / 'parts.lua',
+            digital_size=3,
+            analog_size=2,
+        ),
     ):
         for name in ('open', 'run'):
             client = tester.create_client(Trigger, f'lua_program_node/{name}')

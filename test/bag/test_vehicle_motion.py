@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import itertools
-import signal
-import subprocess
-import sys
 import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +22,8 @@ from trajectory_msgs.msg import JointTrajectory
 from robots_core import Pose, load_robot_model
 from robots_core.nodes.messages import diagnostic_values
 from robots_core.nodes.qos import COMMAND
+
+from .node_process import node_process
 
 ROBOT = load_robot_model('kuka_kr500_r2830')
 AXES = ROBOT.axes_data
@@ -79,19 +76,6 @@ def write_bag(path: Path) -> None:
                 ),
             )
             writer.write(connection, nanoseconds, typestore.serialize_cdr(message, kind))
-
-
-@contextlib.contextmanager
-def node(module: str, *parameters: str) -> Iterator[None]:
-    command = [sys.executable, '-P', '-m', module, '--ros-args', '-p', 'robot_model:=kuka_kr500_r2830']
-    for parameter in parameters:
-        command += ['-p', parameter]
-    process = subprocess.Popen(command, start_new_session=True)
-    try:
-        yield
-    finally:
-        process.send_signal(signal.SIGINT)
-        process.wait(20.0)
 
 
 class Recorder:
@@ -149,11 +133,10 @@ def check_limits(values: np.ndarray) -> None:
 @pytest.mark.timeout(180)
 def test_vehicle_motion_is_followed_inside_all_limits(ros_nodes: Any, tmp_path: Path) -> None:
     write_bag(tmp_path / 'bag')
-    start = f'initial_position:=[{", ".join(map(str, CABIN))}]'
     with (
-        node('robots_core.nodes.drive_node', start),
-        node('robots_controller.nodes.controller_node'),
-        node('robots_core.nodes.inverse_kinematics_node'),
+        node_process('robots_core', 'drive_node', robot_model=ROBOT.name, initial_position=CABIN.tolist()),
+        node_process('robots_controller', 'controller_node', robot_model=ROBOT.name),
+        node_process('robots_core', 'inverse_kinematics_node', robot_model=ROBOT.name),
     ):
         recorder = Recorder(ros_nodes)
         ros_nodes.wait_for(

@@ -1,0 +1,1 @@
+"""Bag tests: recorded bags, replayed into real nodes."""

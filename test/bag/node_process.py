@@ -1,0 +1,31 @@
+"""A node as a user has it: a process of its own."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+
+END_TIME = 20.0  # s, on a loaded machine
+
+
+@contextlib.contextmanager
+def node_process(package: str, name: str, **parameters: object) -> Iterator[None]:
+    """Run a node for a while; Ctrl-C ends it.
+
+    Args:
+        package: The Python package that has it.
+        name: The node's name, also of its module.
+        parameters: Its ROS parameters.
+    """
+    command = [sys.executable, '-P', '-m', f'{package}.nodes.{name}', '--ros-args']
+    for parameter, value in parameters.items():
+        command += ['-p', f'{parameter}:={value}']
+    process = subprocess.Popen(command, start_new_session=True)
+    try:
+        yield
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(END_TIME)
