@@ -3,7 +3,7 @@
 Run by `make benchmark-planning`. The same joint paths and limits, torques included, go to our dynamic
 programming and to toppra (seidel); the reference is toppra with 5000 intervals. Limits are checked at 10 kHz
 with the robot's own dynamics (Pinocchio). Medians over the lines, or the worst of them; times are medians
-over repetitions in turn.
+over repetitions in turn, of the processor's time, so that other processes hardly count.
 """
 
 from __future__ import annotations
@@ -145,13 +145,13 @@ def violation(robot: BaseRobotModel, motion: tuple[np.ndarray, ...]) -> float:
 
 
 def milliseconds(calls: list[Callable[[], object]], repetitions: int) -> list[float]:
-    """Median time of each call; they take turns."""
+    """Median time of each call in this thread's share of the processor; they take turns."""
     times = np.empty((repetitions, len(calls)))
     for row in times:
         for column, call in enumerate(calls):
-            begin = time.perf_counter()
+            begin = time.thread_time()
             call()
-            row[column] = 1e3 * (time.perf_counter() - begin)
+            row[column] = 1e3 * (time.thread_time() - begin)
     return [float(value) for value in np.median(times, axis=0)]
 
 

@@ -93,7 +93,7 @@ def next_step(step: float, deviation: float) -> float:
     if deviation < 0.0:
         return 0.5 * step
     # The deviation grows with the sixth power of the step.
-    growth = 0.9 * (PATH_TOLERANCE / max(deviation, 1e-16)) ** (1.0 / 6.0)
+    growth: float = 0.9 * (PATH_TOLERANCE / max(deviation, 1e-16)) ** (1.0 / 6.0)
     return min(step * min(max(growth, 0.5), 2.0), LONGEST_STEP)
 
 
