@@ -132,7 +132,7 @@ class CellView:
         while not chain or chain[-1].id != event.id:
             chain.append(self._commanded.pop(next(iter(self._commanded))))
         for motion in chain:
-            last = f', planned [bold]{event.duration:.2f} s[/]' if motion is chain[-1] else ', runs through'
+            last = f' in [bold]{event.duration:.2f} s[/]' if motion is chain[-1] else ', runs through'
             self._print(f'{MARGIN}[cyan]{motion.kind}[/] to {_target(motion.target)}{last}')
         self._planned[event.id] = chain[-1].kind
         self._show_running()

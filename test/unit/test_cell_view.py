@@ -57,7 +57,7 @@ def test_a_motion_is_a_line_at_its_plan_and_one_at_its_end(
         MotionPlanned('1.0', 1.25),
         MotionProgress(0.5),
         MotionEnded('1.0', True, 'reached', {'duration': '1.3'}),
-    ) == [f'{kind} to {expected}, planned 1.25 s', 'reached after 1.30 s']
+    ) == [f'{kind} to {expected} in 1.25 s', 'reached after 1.30 s']
 
 
 def test_motions_that_run_through_have_a_line_each_and_end_once() -> None:
@@ -71,7 +71,7 @@ def test_motions_that_run_through_have_a_line_each_and_end_once() -> None:
     place = '(1.200, -0.500, 0.750) m'
     assert lines == [
         f'PTPJOINT_CARTESIAN to {place}, runs through',
-        f'PTPCARTESIAN to {place}, planned 2.50 s',
+        f'PTPCARTESIAN to {place} in 2.50 s',
         'reached after 2.60 s',
     ]
 
@@ -97,7 +97,7 @@ def test_a_refused_motion_and_a_streamed_reference_are_no_motions_of_the_next_ch
         MotionCommanded('2.0', 'PTPJOINT_JOINT', np.zeros(2)),
         MotionPlanned('2.0', 1.0),
     )
-    assert lines == ['stopped: out of reach', 'PTPJOINT_JOINT to (0.00, 0.00) rad, planned 1.00 s']
+    assert lines == ['stopped: out of reach', 'PTPJOINT_JOINT to (0.00, 0.00) rad in 1.00 s']
 
 
 def test_lines_of_the_program_are_told_once_and_with_the_file_that_they_are_of() -> None:
