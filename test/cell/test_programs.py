@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 import shutil
-import subprocess
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -200,17 +198,6 @@ def test_rover_placement(start_cell: StartCell, tmp_path: Path) -> None:
         (1, 1.0, f'{name}:{ways[0]}', f'{name}:{ways[1]}'),
         (1, 0.0, f'{name}:{ways[2]}', f'{name}:{ways[3]}'),
     ]
-
-
-def test_make_demo_finds_the_scripted_plc_of_a_program() -> None:
-    shown = subprocess.run(
-        ['make', '-n', 'demo', 'PROGRAM=programs/press_tending.lua'],
-        cwd=PROGRAMS.parent,
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
-    assert re.search(r'--io "programs/io/press_tending\.yaml"', shown)
 
 
 def test_all_programs_are_run_by_some_test(request: Any) -> None:
