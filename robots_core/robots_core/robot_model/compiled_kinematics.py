@@ -7,6 +7,7 @@ from math import cos, sin
 import numba as nb
 
 from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.robot_model.analytic.vectors import Matrix, add, product, times
 from robots_core.validation import Array
 
 _Links = nb.float64[:, ::1]
@@ -17,6 +18,18 @@ _SIGNATURES = tuple(
 )
 
 
+@compiled()
+def _turned_about_z(R: Matrix, angle: float) -> Matrix:
+    """R Rot(z, angle), without the product's zeros."""
+    c, s = cos(angle), sin(angle)
+    (a, b, z), (d, e, y), (g, h, x) = R
+    return (
+        (c * a + s * b, c * b - s * a, z),
+        (c * d + s * e, c * e - s * d, y),
+        (c * g + s * h, c * h - s * g, x),
+    )
+
+
 @compiled(*_SIGNATURES)
 def tool_pose(links: Array, q: Array, r: Array, T: Array) -> bool:
     """Fill position r (3,) and orientation T (3, 3) of the tool at q; False if q is not n finite numbers."""
@@ -24,43 +37,23 @@ def tool_pose(links: Array, q: Array, r: Array, T: Array) -> bool:
     if n != links.shape[0] - 1:
         return False
     total = 0.0
-    R00, R01, R02, R10, R11, R12, R20, R21, R22 = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
-    x, y, z = 0.0, 0.0, 0.0
+    R, t = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0)
     for i in range(n + 1):
-        a, b, c = links[i, 9], links[i, 10], links[i, 11]
-        x += R00 * a + R01 * b + R02 * c
-        y += R10 * a + R11 * b + R12 * c
-        z += R20 * a + R21 * b + R22 * c
-        E00, E01, E02 = links[i, 0], links[i, 1], links[i, 2]
-        E10, E11, E12 = links[i, 3], links[i, 4], links[i, 5]
-        E20, E21, E22 = links[i, 6], links[i, 7], links[i, 8]
-        R00, R01, R02 = (
-            R00 * E00 + R01 * E10 + R02 * E20,
-            R00 * E01 + R01 * E11 + R02 * E21,
-            R00 * E02 + R01 * E12 + R02 * E22,
+        t = add(t, times(R, (links[i, 9], links[i, 10], links[i, 11])))
+        link = (
+            (links[i, 0], links[i, 1], links[i, 2]),
+            (links[i, 3], links[i, 4], links[i, 5]),
+            (links[i, 6], links[i, 7], links[i, 8]),
         )
-        R10, R11, R12 = (
-            R10 * E00 + R11 * E10 + R12 * E20,
-            R10 * E01 + R11 * E11 + R12 * E21,
-            R10 * E02 + R11 * E12 + R12 * E22,
-        )
-        R20, R21, R22 = (
-            R20 * E00 + R21 * E10 + R22 * E20,
-            R20 * E01 + R21 * E11 + R22 * E21,
-            R20 * E02 + R21 * E12 + R22 * E22,
-        )
+        R = product(R, link)
         if i == n:
             break
         total += q[i]
         if links[i, 12] != 0.0:
-            x, y, z = x + R02 * q[i], y + R12 * q[i], z + R22 * q[i]
-            continue
-        c, s = cos(q[i]), sin(q[i])
-        R00, R01 = c * R00 + s * R01, c * R01 - s * R00
-        R10, R11 = c * R10 + s * R11, c * R11 - s * R10
-        R20, R21 = c * R20 + s * R21, c * R21 - s * R20
-    r[0], r[1], r[2] = x, y, z
-    T[0, 0], T[0, 1], T[0, 2] = R00, R01, R02
-    T[1, 0], T[1, 1], T[1, 2] = R10, R11, R12
-    T[2, 0], T[2, 1], T[2, 2] = R20, R21, R22
+            t = add(t, times(R, (0.0, 0.0, q[i])))
+        else:
+            R = _turned_about_z(R, q[i])
+    r[0], r[1], r[2] = t
+    for row in range(3):
+        T[row, 0], T[row, 1], T[row, 2] = R[row]
     return total - total == 0.0

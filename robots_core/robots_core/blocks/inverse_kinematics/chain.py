@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, cos, sin, sqrt
+from math import atan2, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,16 @@ from numpy.typing import NDArray
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.robot_model.analytic.vectors import (
+    add,
+    cross,
+    product,
+    rotation,
+    row_of,
+    scale,
+    subtract,
+    times,
+)
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
 
@@ -97,62 +107,28 @@ def pose_and_jacobian(chain: ChainArrays, q: Array, r: Array, T: Array, J: Array
     directions, points, prismatic, r0, T0 = chain
     n = q.size
     # R, t: what the axes so far make of a body that they carry.
-    R00, R01, R02, R10, R11, R12, R20, R21, R22 = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
-    tx, ty, tz = 0.0, 0.0, 0.0
+    R, t = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0)
     for i in range(n):
-        wx, wy, wz = directions[i, 0], directions[i, 1], directions[i, 2]
-        ax = R00 * wx + R01 * wy + R02 * wz
-        ay = R10 * wx + R11 * wy + R12 * wz
-        az = R20 * wx + R21 * wy + R22 * wz
+        axis = times(R, row_of(directions, i))
         if prismatic[i]:
-            J[0, i], J[1, i], J[2, i] = ax, ay, az
+            J[0, i], J[1, i], J[2, i] = axis
             J[3, i], J[4, i], J[5, i] = 0.0, 0.0, 0.0
-            tx, ty, tz = tx + ax * q[i], ty + ay * q[i], tz + az * q[i]
+            t = add(t, scale(q[i], axis))
             continue
-        px, py, pz = points[i, 0], points[i, 1], points[i, 2]
-        cx = R00 * px + R01 * py + R02 * pz + tx
-        cy = R10 * px + R11 * py + R12 * pz + ty
-        cz = R20 * px + R21 * py + R22 * pz + tz
-        J[3, i], J[4, i], J[5, i] = ax, ay, az
-        J[0, i], J[1, i], J[2, i] = cx, cy, cz  # points for now
-        # R <- Rot(a, q) R and t <- c + Rot(a, q) (t - c)
-        c, s = cos(q[i]), sin(q[i])
-        v = 1.0 - c
-        E00, E01, E02 = c + v * ax * ax, v * ax * ay - s * az, v * ax * az + s * ay
-        E10, E11, E12 = v * ax * ay + s * az, c + v * ay * ay, v * ay * az - s * ax
-        E20, E21, E22 = v * ax * az - s * ay, v * ay * az + s * ax, c + v * az * az
-        R00, R10, R20 = (
-            E00 * R00 + E01 * R10 + E02 * R20,
-            E10 * R00 + E11 * R10 + E12 * R20,
-            E20 * R00 + E21 * R10 + E22 * R20,
-        )
-        R01, R11, R21 = (
-            E00 * R01 + E01 * R11 + E02 * R21,
-            E10 * R01 + E11 * R11 + E12 * R21,
-            E20 * R01 + E21 * R11 + E22 * R21,
-        )
-        R02, R12, R22 = (
-            E00 * R02 + E01 * R12 + E02 * R22,
-            E10 * R02 + E11 * R12 + E12 * R22,
-            E20 * R02 + E21 * R12 + E22 * R22,
-        )
-        dx, dy, dz = tx - cx, ty - cy, tz - cz
-        tx = cx + E00 * dx + E01 * dy + E02 * dz
-        ty = cy + E10 * dx + E11 * dy + E12 * dz
-        tz = cz + E20 * dx + E21 * dy + E22 * dz
-    r[0] = R00 * r0[0] + R01 * r0[1] + R02 * r0[2] + tx
-    r[1] = R10 * r0[0] + R11 * r0[1] + R12 * r0[2] + ty
-    r[2] = R20 * r0[0] + R21 * r0[1] + R22 * r0[2] + tz
+        place = add(times(R, row_of(points, i)), t)
+        J[0, i], J[1, i], J[2, i] = place  # for now
+        J[3, i], J[4, i], J[5, i] = axis
+        E = rotation(axis, q[i])
+        R = product(E, R)
+        t = add(place, times(E, subtract(t, place)))
+    tip = add(times(R, (r0[0], r0[1], r0[2])), t)
+    r[0], r[1], r[2] = tip
     for j in range(3):
-        T[0, j] = R00 * T0[0, j] + R01 * T0[1, j] + R02 * T0[2, j]
-        T[1, j] = R10 * T0[0, j] + R11 * T0[1, j] + R12 * T0[2, j]
-        T[2, j] = R20 * T0[0, j] + R21 * T0[1, j] + R22 * T0[2, j]
+        T[0, j], T[1, j], T[2, j] = times(R, (T0[0, j], T0[1, j], T0[2, j]))
     for i in range(n):
-        if prismatic[i]:
-            continue
-        dx, dy, dz = r[0] - J[0, i], r[1] - J[1, i], r[2] - J[2, i]
-        ax, ay, az = J[3, i], J[4, i], J[5, i]
-        J[0, i], J[1, i], J[2, i] = ay * dz - az * dy, az * dx - ax * dz, ax * dy - ay * dx
+        if not prismatic[i]:
+            arm = subtract(tip, (J[0, i], J[1, i], J[2, i]))
+            J[0, i], J[1, i], J[2, i] = cross((J[3, i], J[4, i], J[5, i]), arm)
 
 
 @compiled()

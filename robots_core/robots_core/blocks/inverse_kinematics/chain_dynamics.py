@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,19 @@ from numpy.typing import NDArray
 from robots_core.blocks.inverse_kinematics.chain import SerialChain
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.robot_model.analytic.vectors import (
+    Matrix,
+    Vector,
+    add,
+    cross,
+    dot,
+    product,
+    rotation,
+    row_of,
+    scale,
+    subtract,
+    times,
+)
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
 
@@ -119,11 +131,6 @@ def chain_dynamics_of(robot: BaseRobotModel) -> ChainDynamics:
     return found
 
 
-# Vectors are tuples of three and matrices of three rows: compiled, they are registers and not memory.
-Vector = tuple[float, float, float]
-Matrix = tuple[Vector, Vector, Vector]
-
-
 @compiled()
 def mass_matrix_and_bias(dynamics: DynamicsArrays, q: Array, q_dot: Array, M: Array, bias: Array) -> None:
     """Fill M (n, n) and bias (n,): composite bodies and recursive Newton-Euler (Featherstone 2008)."""
@@ -136,24 +143,24 @@ def mass_matrix_and_bias(dynamics: DynamicsArrays, q: Array, q_dot: Array, M: Ar
     t = omega = alpha = last = (0.0, 0.0, 0.0)
     acceleration = (-gravity[0], -gravity[1], -gravity[2])
     for i in range(n):
-        axis, place = _times(R, _vector(directions, i)), _sum(_times(R, _vector(points, i)), t)
-        acceleration = _sum(acceleration, _at(omega, alpha, _difference(place, last)))
+        axis, place = times(R, row_of(directions, i)), add(times(R, row_of(points, i)), t)
+        acceleration = add(acceleration, _at(omega, alpha, subtract(place, last)))
         last = place
-        spin = _scaled(q_dot[i], axis)
+        spin = scale(q_dot[i], axis)
         if prismatic[i]:
-            t = _sum(t, _scaled(q[i], axis))
-            acceleration = _sum(acceleration, _cross(omega, _scaled(2.0, spin)))
+            t = add(t, scale(q[i], axis))
+            acceleration = add(acceleration, cross(omega, scale(2.0, spin)))
         else:
-            alpha = _sum(alpha, _cross(omega, spin))
-            omega = _sum(omega, spin)
-            E = _rotation(axis, q[i])
-            t = _sum(place, _times(E, _difference(t, place)))
-            R = _product(E, R)
-        com = _sum(_times(R, _vector(centers, i)), t)
+            alpha = add(alpha, cross(omega, spin))
+            omega = add(omega, spin)
+            E = rotation(axis, q[i])
+            t = add(place, times(E, subtract(t, place)))
+            R = product(E, R)
+        com = add(times(R, row_of(centers, i)), t)
         tensor = _turned(R, inertias, i)
-        force = _scaled(masses[i], _sum(acceleration, _at(omega, alpha, _difference(com, place))))
-        moment = _sum(_times(tensor, alpha), _cross(omega, _times(tensor, omega)))
-        moment = _sum(moment, _cross(com, force))
+        force = scale(masses[i], add(acceleration, _at(omega, alpha, subtract(com, place))))
+        moment = add(times(tensor, alpha), cross(omega, times(tensor, omega)))
+        moment = add(moment, cross(com, force))
         for k in range(3):
             moving[i, 0, k], moving[i, 1, k], moving[i, 2, k] = axis[k], place[k], com[k]
             moving[i, 3, k], moving[i, 4, k] = force[k], moment[k]
@@ -172,105 +179,47 @@ def _collect(
     com = force = moment = (0.0, 0.0, 0.0)
     tensor = np.zeros((3, 3))
     for j in range(n - 1, -1, -1):
-        axis, place = _vector(moving[j], 0), _vector(moving[j], 1)
-        force, moment = _sum(force, _vector(moving[j], 3)), _sum(moment, _vector(moving[j], 4))
+        axis, place = row_of(moving[j], 0), row_of(moving[j], 1)
+        force, moment = add(force, row_of(moving[j], 3)), add(moment, row_of(moving[j], 4))
         total = mass + masses[j]
         if total > 0.0:
             # The common centre, and the tensors by the parallel-axis theorem.
-            d = _difference(_vector(moving[j], 2), com)
+            d = subtract(row_of(moving[j], 2), com)
             reduced = mass * masses[j] / total
-            com = _sum(com, _scaled(masses[j] / total, d))
-            square = reduced * _dot(d, d)
+            com = add(com, scale(masses[j] / total, d))
+            square = reduced * dot(d, d)
             for row in range(3):
                 for column in range(3):
                     tensor[row, column] += tensors[j, row, column] - reduced * d[row] * d[column]
                 tensor[row, row] += square
         mass = total
         if prismatic[j]:
-            bias[j] = _dot(axis, force)
-            push, twist = _scaled(mass, axis), (0.0, 0.0, 0.0)
+            bias[j] = dot(axis, force)
+            push, twist = scale(mass, axis), (0.0, 0.0, 0.0)
         else:
-            bias[j] = _dot(axis, _difference(moment, _cross(place, force)))
-            push = _scaled(mass, _cross(axis, _difference(com, place)))
-            rows = (_vector(tensor, 0), _vector(tensor, 1), _vector(tensor, 2))
-            twist = _times(rows, axis)
+            bias[j] = dot(axis, subtract(moment, cross(place, force)))
+            push = scale(mass, cross(axis, subtract(com, place)))
+            rows = (row_of(tensor, 0), row_of(tensor, 1), row_of(tensor, 2))
+            twist = times(rows, axis)
         for i in range(j + 1):
-            other = _vector(moving[i], 0)
+            other = row_of(moving[i], 0)
             if prismatic[i]:
-                M[i, j] = _dot(other, push)
+                M[i, j] = dot(other, push)
             else:
-                arm = _difference(com, _vector(moving[i], 1))
-                M[i, j] = _dot(other, _sum(twist, _cross(arm, push)))
+                arm = subtract(com, row_of(moving[i], 1))
+                M[i, j] = dot(other, add(twist, cross(arm, push)))
             M[j, i] = M[i, j]
-
-
-@compiled()
-def _vector(rows: Array, i: int) -> Vector:
-    return rows[i, 0], rows[i, 1], rows[i, 2]
 
 
 @compiled()
 def _at(omega: Vector, alpha: Vector, arm: Vector) -> Vector:
     """Acceleration of a point of a body relative to another, `arm` away from it."""
-    return _sum(_cross(alpha, arm), _cross(omega, _cross(omega, arm)))
-
-
-@compiled()
-def _sum(a: Vector, b: Vector) -> Vector:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-@compiled()
-def _difference(a: Vector, b: Vector) -> Vector:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-@compiled()
-def _scaled(factor: float, a: Vector) -> Vector:
-    return factor * a[0], factor * a[1], factor * a[2]
-
-
-@compiled()
-def _dot(a: Vector, b: Vector) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@compiled()
-def _cross(a: Vector, b: Vector) -> Vector:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@compiled()
-def _times(A: Matrix, v: Vector) -> Vector:
-    return _dot(A[0], v), _dot(A[1], v), _dot(A[2], v)
-
-
-@compiled()
-def _product(A: Matrix, B: Matrix) -> Matrix:
-    x, y, z = (B[0][0], B[1][0], B[2][0]), (B[0][1], B[1][1], B[2][1]), (B[0][2], B[1][2], B[2][2])
-    return (
-        (_dot(A[0], x), _dot(A[0], y), _dot(A[0], z)),
-        (_dot(A[1], x), _dot(A[1], y), _dot(A[1], z)),
-        (_dot(A[2], x), _dot(A[2], y), _dot(A[2], z)),
-    )
+    return add(cross(alpha, arm), cross(omega, cross(omega, arm)))
 
 
 @compiled()
 def _turned(R: Matrix, tensors: Array, i: int) -> Matrix:
     """R I R^T of tensor i."""
-    tensor = (_vector(tensors[i], 0), _vector(tensors[i], 1), _vector(tensors[i], 2))
-    half = _product(R, tensor)
-    return _times(R, half[0]), _times(R, half[1]), _times(R, half[2])
-
-
-@compiled()
-def _rotation(axis: Vector, angle: float) -> Matrix:
-    """Rodrigues' formula."""
-    x, y, z = axis
-    c, s = cos(angle), sin(angle)
-    v = 1.0 - c
-    return (
-        (c + v * x * x, v * x * y - s * z, v * x * z + s * y),
-        (v * x * y + s * z, c + v * y * y, v * y * z - s * x),
-        (v * x * z - s * y, v * y * z + s * x, c + v * z * z),
-    )
+    tensor = (row_of(tensors[i], 0), row_of(tensors[i], 1), row_of(tensors[i], 2))
+    half = product(R, tensor)
+    return times(R, half[0]), times(R, half[1]), times(R, half[2])

@@ -1,0 +1,78 @@
+"""Vectors of three and 3x3 matrices as tuples, for compiled code: there they are registers and not memory."""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.validation import Array
+
+Vector = tuple[float, float, float]
+Matrix = tuple[Vector, Vector, Vector]
+"""Three rows."""
+
+
+@compiled()
+def row_of(rows: Array, i: int) -> Vector:
+    """Row i of an array (m, 3)."""
+    return rows[i, 0], rows[i, 1], rows[i, 2]
+
+
+@compiled()
+def add(a: Vector, b: Vector) -> Vector:
+    """Sum of two vectors."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@compiled()
+def subtract(a: Vector, b: Vector) -> Vector:
+    """Difference of two vectors."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@compiled()
+def scale(factor: float, a: Vector) -> Vector:
+    """A multiple of a vector."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+@compiled()
+def dot(a: Vector, b: Vector) -> float:
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compiled()
+def cross(a: Vector, b: Vector) -> Vector:
+    """Vector product."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@compiled()
+def times(A: Matrix, v: Vector) -> Vector:
+    """Matrix times vector."""
+    return dot(A[0], v), dot(A[1], v), dot(A[2], v)
+
+
+@compiled()
+def product(A: Matrix, B: Matrix) -> Matrix:
+    """Matrix times matrix."""
+    x, y, z = (B[0][0], B[1][0], B[2][0]), (B[0][1], B[1][1], B[2][1]), (B[0][2], B[1][2], B[2][2])
+    return (
+        (dot(A[0], x), dot(A[0], y), dot(A[0], z)),
+        (dot(A[1], x), dot(A[1], y), dot(A[1], z)),
+        (dot(A[2], x), dot(A[2], y), dot(A[2], z)),
+    )
+
+
+@compiled()
+def rotation(axis: Vector, angle: float) -> Matrix:
+    """About a unit vector, by an angle in rad: Rodrigues' formula."""
+    x, y, z = axis
+    c, s = cos(angle), sin(angle)
+    v = 1.0 - c
+    return (
+        (c + v * x * x, v * x * y - s * z, v * x * z + s * y),
+        (v * x * y + s * z, c + v * y * y, v * y * z - s * x),
+        (v * x * z - s * y, v * y * z + s * x, c + v * z * z),
+    )
