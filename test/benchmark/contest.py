@@ -98,4 +98,4 @@ def show(rows: list[Row], title: str, *, markdown: bool) -> None:
 
 
 def _time(value: float) -> str:
-    return f'{1e-6 * value:.2f} s' if value > 1e5 else f'{value:.3g} µs'
+    return f'{1e-6 * value:.2f} s' if value > 1e5 else f'{value:.1f} µs'
