@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +19,7 @@ from robots_planning import Trajectory
 from .bag_checks import Messages, changes, check_references
 from .cell_process import CellProcess
 from .conftest import PROGRAMS
+from .program_copy import program_copy
 
 IO_TOPICS = ('digital_inputs', 'digital_outputs', 'analog_inputs', 'analog_outputs')
 # Between the controller's progress and the output are two processes of a machine that may be busy.
@@ -65,15 +65,8 @@ def run_program(
     Args:
         shortened: Text of the program and what stands in its place, so that things are done once.
     """
-    path = folder / 'programs' / program
-    shutil.copytree(PROGRAMS, path.parent)
-    text = path.read_text()
-    for old, new in (shortened or {}).items():
-        assert text.count(old) == 1
-        text = text.replace(old, new)
-    path.write_text(text)
-    plc = path.parent / 'io' / f'{path.stem}.yaml'
-    io = ('--io', str(plc)) if plc.is_file() else ()
+    path, plc = program_copy(folder, program, shortened or {})
+    io = ('--io', str(plc)) if plc else ()
     cell = start_cell('--robot', robot, '--program', str(path), '--once', *io)
     cell.wait()
     assert cell.process.returncode == 0, cell.text
