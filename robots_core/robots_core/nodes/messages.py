@@ -28,6 +28,12 @@ def stamp_id(stamp: Time) -> str:
     return f'{stamp.sec}.{stamp.nanosec:09d}'
 
 
+def id_stamp(id_: str) -> Time:
+    """The stamp that a command's id tells."""
+    seconds, nanoseconds = id_.split('.')
+    return Time(sec=int(seconds), nanosec=int(nanoseconds))
+
+
 def joint_indices(names: Sequence[str], wanted: Sequence[str], what: str) -> list[int]:
     """Where each wanted joint stands in a message; order and additional joints do not matter.
 

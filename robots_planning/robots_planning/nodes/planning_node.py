@@ -21,7 +21,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
-from robots_core.nodes.messages import MotionResult, joint_values, pose_from_message, stamp_id
+from robots_core.nodes.messages import MotionResult, id_stamp, joint_values, pose_from_message, stamp_id
 from robots_core.nodes.polled_subscription import PolledSubscription
 from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STREAM
 from robots_core.nodes.robot_node import RobotNode
@@ -30,6 +30,7 @@ from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, checked
+from robots_planning.nodes.command_inbox import CommandInbox
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory, waypoints_trajectory
 from robots_planning.nodes.jogging import Jogging
 from robots_planning.nodes.settings_publisher import SettingsPublisher
@@ -71,6 +72,7 @@ class PlanningNode(RobotNode):
         self._planning = PathPlanning(self.robot, collision=collision, collision_margin=margin)
         self._planning.warm_up()
         self._book = OrderBook()
+        self._inbox = CommandInbox(self)
         self._planner = OrderPlanner(
             self._planning,
             self._book,
@@ -161,6 +163,17 @@ class PlanningNode(RobotNode):
         stamp = message.header.stamp
         if stamp.sec == 0 and stamp.nanosec == 0:
             stamp = self.get_clock().now().to_msg()
+        obey = partial(self._obey, state, shape, partial(read, message), stamp, self._settings())
+        self._inbox.put(stamp, obey)
+
+    def _obey(
+        self,
+        state: RobotCommandState,
+        shape: Shape,
+        target_of_it: Callable[[], Target],
+        stamp: Time,
+        settings: MotionSettings,
+    ) -> None:
         id_ = stamp_id(stamp)
         if self._book.knows(id_):
             self.get_logger().warning(  # type: ignore[no-untyped-call]
@@ -168,11 +181,15 @@ class PlanningNode(RobotNode):
             )
             return
         try:
-            target = read(message)
+            target = target_of_it()
         except RobotsError as error:
             self._refuse_command(state, id_, error)
             return
-        self._take(state, target, id_, shape)
+        order = MotionOrder(id_, state, target, settings, self._now(), shape)
+        self._forget_lost_controller()
+        self._submit(self._book.hold(order))
+        if order.settings.blends:
+            self._patience.reset()
 
     def _joints(self, message: JointState) -> Target:
         return joint_values(message.name, message.position, self._names, 'ptpjoint_joint')
@@ -200,26 +217,22 @@ class PlanningNode(RobotNode):
         rising, self._triggered = message.data and not self._triggered, message.data
         if not rising:
             return
-        id_ = stamp_id(self.get_clock().now().to_msg())
-        state = RobotCommandState.PTPCARTESIAN
-        if self._reference_pose is None:
-            error = PlanningError('trigger came without a valid reference_pose before it')
-            self._refuse_command(state, id_, error)
-            return
-        self._take(state, self._reference_pose, id_)
+        stamp, pose = self.get_clock().now().to_msg(), self._reference_pose
 
-    def _take(self, state: RobotCommandState, target: Target, id_: str, shape: Shape = 'line') -> None:
-        order = MotionOrder(id_, state, target, self._settings(), self._now(), shape)
-        self._forget_lost_controller()
-        self._submit(self._book.hold(order))
-        if order.settings.blends:
-            self._patience.reset()
+        def target() -> Pose:
+            if pose is None:
+                raise PlanningError('trigger came without a valid reference_pose before it')
+            return pose
+
+        state, settings = RobotCommandState.PTPCARTESIAN, self._settings()
+        self._inbox.put(stamp, partial(self._obey, state, 'line', target, stamp, settings))
 
     def _settings(self) -> MotionSettings:
         values: dict[str, Any] = {name: self.get_parameter(name).value for name in DESCRIPTIONS}
         return MotionSettings(**values | {name: tuple(values[name]) for name in ('tool', 'base')})
 
     def _on_settings(self, parameters: list[Parameter]) -> None:
+        self._inbox.deliver()  # what came before
         for parameter in parameters:
             if parameter.name == 'new_command':
                 self._planner.replace = self._replaces(str(parameter.value))
@@ -253,7 +266,7 @@ class PlanningNode(RobotNode):
             self._progress = (0.0, time.monotonic())
         self._finished_publisher.publish(Bool(data=False))
         message = trajectory_message(
-            motion.trajectory, self._names, _stamp(last.id), join_time=planned.join_time
+            motion.trajectory, self._names, id_stamp(last.id), join_time=planned.join_time
         )
         self._trajectory_publisher.publish(message)
         limit = motion.report.limiting
@@ -374,11 +387,6 @@ class PlanningNode(RobotNode):
         if self._action is not None:
             self._action.destroy()
         super().destroy_node()  # type: ignore[no-untyped-call]
-
-
-def _stamp(id_: str) -> Time:
-    seconds, nanoseconds = id_.split('.')
-    return Time(sec=int(seconds), nanosec=int(nanoseconds))
 
 
 def main() -> None:

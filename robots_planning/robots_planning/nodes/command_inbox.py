@@ -1,0 +1,44 @@
+"""CommandInbox: commands of several topics, in the order in which they were sent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from builtin_interfaces.msg import Time
+from rclpy.node import Node
+
+
+class CommandInbox:
+    """Holds what came until nothing more waits on any topic, and then delivers it by stamp.
+
+    An executor takes one message of each topic in turn: of commands that wait on several topics, it would hand
+    over a later one first.
+
+    Args:
+        node: Whose executor delivers.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._waiting: list[tuple[tuple[int, int], Callable[[], None]]] = []
+        self._more = False
+        # In every round of the executor, subscriptions are served before it.
+        self._arrival = node.create_guard_condition(self._look)
+
+    def put(self, stamp: Time, act: Callable[[], None]) -> None:
+        """Call `act` after all commands that were sent before `stamp` and are here already."""
+        self._waiting.append(((stamp.sec, stamp.nanosec), act))
+        self._more = True
+        self._arrival.trigger()
+
+    def _look(self) -> None:
+        if self._more:
+            self._more = False
+            self._arrival.trigger()
+            return
+        self.deliver()
+
+    def deliver(self) -> None:
+        """Deliver what came, now."""
+        waiting, self._waiting = self._waiting, []
+        for _, act in sorted(waiting, key=lambda item: item[0]):
+            act()
