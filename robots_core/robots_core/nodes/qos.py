@@ -45,9 +45,12 @@ PLANNER_ALIVE: Final = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
     liveliness=LivelinessPolicy.AUTOMATIC,
-    liveliness_lease_duration=Duration(seconds=0.5),
+    liveliness_lease_duration=Duration(seconds=2.0),
 )
-"""`finished`: the middleware tells the controller within half a second that its planner is gone."""
+"""`finished`: the middleware tells the controller within two seconds that its planner is gone.
+
+Its motions are planned to their ends, and a busy machine may keep a live planner silent for a second.
+"""
 
 
 def subscribe_state(node: Node, message_type: Any, topic: str, callback: Callable[[Any], None]) -> None:
