@@ -11,8 +11,8 @@ from rclpy.node import Node
 class CommandInbox:
     """Holds what came until nothing more waits on any topic, and then delivers it by stamp.
 
-    An executor takes one message of each topic in turn: of commands that wait on several topics, it would hand
-    over a later one first.
+    An executor takes one message of each topic in turn: of commands that wait on several topics, it would
+    hand over a later one first.
 
     Args:
         node: Whose executor delivers.
