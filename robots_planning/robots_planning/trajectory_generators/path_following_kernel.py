@@ -70,8 +70,7 @@ def follow(
     while s[count - 1] < 1.0:
         here = count - 1
         # The third derivative jumps between pieces: a knot belongs there.
-        while breaks[piece] <= s[here]:
-            piece += 1
+        piece = next_break(breaks, s[here], piece)
         end = min(s[here] + step, breaks[piece])
         if breaks[piece] - end < SHORTEST_STEP:
             end = breaks[piece]
@@ -85,6 +84,14 @@ def follow(
         elif step < SHORTEST_STEP or count >= MOST_KNOTS:
             return BLOCKED, count
     return FOLLOWED, count
+
+
+@compiled()
+def next_break(breaks: Array, s: float, piece: int) -> int:
+    """The first of increasing breaks, from `piece` on, that is a step ahead of s; else the last one."""
+    while piece < breaks.size - 1 and breaks[piece] - s < SHORTEST_STEP:
+        piece += 1
+    return piece
 
 
 @compiled()

@@ -24,6 +24,7 @@ from robots_planning.trajectory_generators.path_following_kernel import (
     Knots,
     correct,
     leaves_limits,
+    next_break,
     next_step,
     path_error,
 )
@@ -279,10 +280,8 @@ def follow_guide(
     count, step, piece, path_piece = 1, GUIDED_FIRST_STEP, 1, 1
     while s[count - 1] < 1.0:
         here = count - 1
-        while breaks[piece] <= s[here]:
-            piece += 1
-        while path[0][path_piece] <= s[here]:
-            path_piece += 1
+        piece = next_break(breaks, s[here], piece)
+        path_piece = next_break(path[0], s[here], path_piece)
         border = min(breaks[piece], path[0][path_piece])
         end = min(s[here] + step, border)
         if border - end < SHORTEST_STEP:
