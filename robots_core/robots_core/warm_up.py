@@ -29,6 +29,7 @@ def main() -> None:
     home = robot.home
     pose = Pose(*robot.direct_kinematics(home))
     DampedLeastSquares(robot).solve(pose, home)
+    DampedLeastSquares(robot).solve_many(pose.r[None], pose.T[None], home)
     ConstrainedInverseKinematics(robot, PERIOD).step(pose, home, 0.0 * home)
     AxisFollowing(robot.axes_data, PERIOD).step(home, 0.0 * home, home, 0.0 * home, 1.0)
     SerialChain.of(robot).forward(home)

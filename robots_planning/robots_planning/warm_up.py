@@ -2,14 +2,17 @@
 
 import numpy as np
 
+from robots_core.blocks.inverse_kinematics.chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_choice import available_robot_models, load_robot_model
+from robots_planning.trajectory_generators.cartesian_line import CartesianLine
 from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming import (
     LinearCartesianDynamicProgramming,
 )
 from robots_planning.trajectory_generators.linear_cartesian_limited import LinearCartesianLimited
 from robots_planning.trajectory_generators.linear_joint import LinearJoint
 from robots_planning.trajectory_generators.linear_joint_axes import LinearJointAxes
+from robots_planning.trajectory_generators.path_following_kernel import stands_still
 from robots_planning.trajectory_generators.spline_cartesian import SplineCartesian
 
 STEP = 0.01  # m
@@ -30,6 +33,9 @@ def main() -> None:
     LinearCartesianLimited(robot).generate(start, near)
     LinearCartesianLimited(robot, jerk_limited=True).generate(start, near)
     LinearCartesianDynamicProgramming(robot).generate(start, near)
+    # Used out of singularities only.
+    line, limits = CartesianLine(pose, near), np.array([axes.lower, axes.upper])
+    stands_still(SerialChain.of(robot).arrays, limits, line.arrays, 0.0, start, start)
     SplineCartesian(robot, planner='dynamic_programming').generate(start, [near, pose])
 
 
