@@ -391,4 +391,4 @@ def test_finished_is_a_sign_of_life(bench: Bench) -> None:
     assert len(publishers) == 1
     qos = publishers[0].qos_profile
     assert qos.liveliness == LivelinessPolicy.AUTOMATIC
-    assert qos.liveliness_lease_duration == Duration(seconds=0.5)
+    assert qos.liveliness_lease_duration == Duration(seconds=2.0)
