@@ -55,6 +55,13 @@ def module_ros_domain() -> Iterator[int]:
         yield from _reserve_domain(monkeypatch)
 
 
+@pytest.fixture(scope='session')
+def session_ros_domain() -> Iterator[int]:
+    """The same for what all tests share."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        yield from _reserve_domain(monkeypatch)
+
+
 def _reserve_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     folder = Path(tempfile.gettempdir()) / 'robots_test_domains'
     folder.mkdir(exist_ok=True)

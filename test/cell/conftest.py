@@ -8,8 +8,14 @@ from pathlib import Path
 import pytest
 
 from .cell_process import CellProcess
+from .live_runs import LiveRuns
 
-PROGRAMS = Path(__file__).parents[2] / 'programs'
+
+@pytest.fixture(scope='session')
+def live_runs(session_ros_domain: int, tmp_path_factory: pytest.TempPathFactory) -> LiveRuns:
+    """Programs that have run in a live cell."""
+    del session_ros_domain
+    return LiveRuns(tmp_path_factory.mktemp('live'))
 
 
 @pytest.fixture

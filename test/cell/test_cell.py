@@ -12,19 +12,16 @@ import pytest
 from robots_controller.bag_reading import read_messages
 
 from .cell_process import CellProcess
-from .conftest import PROGRAMS
+from .live_runs import PROGRAMS
 
 StartCell = Callable[..., CellProcess]
 
 WRONG_PROGRAMS = {
     'runtime': ('local x = nil\nx.y = 1', 'wrong.lua:2: '),
-    'unreachable': ('ptpCartesianSpace(9, 0, 1, 0, 0, 0)', 'wrong.lua:1: ptpCartesianSpace: '),
-    'not a number': ('ptpJointSpaceAngles(0/0, -90, 45, 0, 45, 0)', 'wrong.lua:1: ptpJointSpaceAngles: '),
     'limit': (
         'ptpJointSpaceAngles(0, 10, 45, 0, 45, 0)',
         'A2 = 10.0 deg is outside its limits [-140.0, -5.0] deg',
     ),
-    'axes': ('ptpJointSpaceAngles(0, -90)', 'wrong.lua:1: ptpJointSpaceAngles: '),
 }
 
 

@@ -9,7 +9,7 @@ from robots_core import load_robot_model
 from robots_core.blocks import CollisionDetection, read_scene
 
 from .cell_process import CellProcess
-from .conftest import PROGRAMS
+from .live_runs import PROGRAMS
 
 ROBOT = 'kuka_kr210_r2700'
 SCENE = PROGRAMS / 'scenes' / 'car_frame.yaml'

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,8 +16,7 @@ from robots_controller.simulate import simulate
 from robots_planning.order_book import PASSED
 
 from .bag_checks import changes
-from .cell_process import CellProcess
-from .program_copy import program_copy
+from .live_runs import LiveRuns
 
 ROBOT = 'kuka_kr210_r2700'
 # Plans are computed from the same numbers; what could differ is the last digit of a sum.
@@ -50,14 +47,12 @@ class Case:
     Attributes:
         program: File name.
         motions: How many it commands.
-        shortened: What it does fewer times, see `program_copy`.
         timed: Digital outputs that switch when a time is over, whatever the program does then.
         early: Inputs that a live PLC, which starts before the program, may have set before that.
     """
 
     program: str
     motions: int
-    shortened: Mapping[str, str] = field(default_factory=dict)
     timed: tuple[int, ...] = ()
     early: int = 0
 
@@ -65,13 +60,9 @@ class Case:
 CASES = (
     Case('welding.lua', 4),
     # Two subprograms, a tool and bases; its corners blend.
-    Case(
-        'palletizing.lua',
-        14,
-        {'ROWS, COLUMNS, LAYERS, GAP = 2, 2, 2,': 'ROWS, COLUMNS, LAYERS, GAP = 1, 2, 1,'},
-    ),
+    Case('palletizing.lua', 14),
     # A PLC answers its outputs; a pulse ends while the robot moves.
-    Case('press_tending.lua', 16, {'PATIENCE = 2, 10': 'PATIENCE = 1, 10'}, timed=(3,), early=1),
+    Case('press_tending.lua', 16, timed=(3,), early=1),
 )
 
 
@@ -90,24 +81,17 @@ class Runs:
 
 @pytest.fixture(scope='module', params=CASES, ids=lambda case: case.program)
 def runs(
-    request: pytest.FixtureRequest, module_ros_domain: int, tmp_path_factory: pytest.TempPathFactory
+    request: pytest.FixtureRequest, live_runs: LiveRuns, tmp_path_factory: pytest.TempPathFactory
 ) -> Runs:
     """A program, run in both cells."""
-    del module_ros_domain
     case: Case = request.param
-    folder: Path = tmp_path_factory.mktemp('runs')
-    program, plc = program_copy(folder, case.program, case.shortened)
-    process = CellProcess(
-        *('--robot', ROBOT, '--program', str(program), '--io', str(plc or ''), '--once', '--port', '0'),
-        out=folder / 'live',
-    )
-    try:
-        assert process.wait() == 0, process.text
-    finally:
-        process.close()
-    run = simulate(program, robot=ROBOT, io=plc or '', bag=folder / 'simulated')
+    live = live_runs.run(case.program)
+    assert live.cell.process.returncode == 0, live.cell.text
+    bag = tmp_path_factory.mktemp('simulated') / 'bag'
+    plc = live.program.parent / 'io' / f'{live.program.stem}.yaml'
+    run = simulate(live.program, robot=ROBOT, io=plc if plc.is_file() else '', bag=bag)
     assert run.ok, run.error
-    return Runs(case, read_bag(process.bag), read_bag(folder / 'simulated'))
+    return Runs(case, read_bag(live.cell.bag), read_bag(bag))
 
 
 def test_commands_plans_and_results_are_the_same(runs: Runs):

@@ -8,7 +8,7 @@ import pytest
 
 from robots_controller.cell import parse_options
 
-from .conftest import PROGRAMS
+from .live_runs import PROGRAMS
 
 PRESS = str(PROGRAMS / 'press_tending.lua')
 PILLAR = str(PROGRAMS / 'welding_around_pillar.lua')

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,14 +16,11 @@ from robots_core import BaseRobotModel, load_robot_model
 from robots_planning import Trajectory
 
 from .bag_checks import Messages, changes, check_references
-from .cell_process import CellProcess
-from .conftest import PROGRAMS
-from .program_copy import program_copy
+from .live_runs import PROGRAMS, LiveRuns
 
 IO_TOPICS = ('digital_inputs', 'digital_outputs', 'analog_inputs', 'analog_outputs')
 # Between the controller's progress and the output are two processes of a machine that may be busy.
 SWITCH_DELAY = 0.1  # s
-StartCell = Callable[..., CellProcess]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,18 +53,9 @@ class Run:
         return f'{program}:{number}'
 
 
-def run_program(
-    start_cell: StartCell, folder: Path, program: str, robot: str, shortened: dict[str, str] | None = None
-) -> Run:
-    """Run a program to its end; check what holds for every program.
-
-    Args:
-        shortened: Text of the program and what stands in its place, so that things are done once.
-    """
-    path, plc = program_copy(folder, program, shortened or {})
-    io = ('--io', str(plc)) if plc else ()
-    cell = start_cell('--robot', robot, '--program', str(path), '--once', *io)
-    cell.wait()
+def run_program(live_runs: LiveRuns, program: str, robot: str) -> Run:
+    """Run a program to its end; check what holds for every program."""
+    cell = live_runs.run(program).cell
     assert cell.process.returncode == 0, cell.text
     assert 'every target reached, every limit kept' in cell.text
     bag = read_messages(cell.bag, ['/' + topic for topic in (*TOPICS, *IO_TOPICS)])
@@ -80,10 +67,8 @@ def run_program(
     return Run(model, bag, motions, report, check_references(bag, model))
 
 
-def test_palletizing(start_cell: StartCell, tmp_path: Path) -> None:
-    run = run_program(
-        start_cell, tmp_path, 'palletizing.lua', 'kuka_kr210_r2700', {'GAP = 2, 2, 2,': 'GAP = 1, 2, 1,'}
-    )
+def test_palletizing(live_runs: LiveRuns) -> None:
+    run = run_program(live_runs, 'palletizing.lua', 'kuka_kr210_r2700')
     pick, place = 'palletizing/pick.lua', 'palletizing/place.lua'
     down = {name: run.line_of('ptpCartesianSpace', name) for name in (pick, place)}
     up = {name: run.line_of('linearRelative', name) for name in (pick, place)}
@@ -100,14 +85,8 @@ def test_palletizing(start_cell: StartCell, tmp_path: Path) -> None:
         assert [corner.zone for corner in corners] == pytest.approx([0.10, np.radians(5.0)])
 
 
-def test_press_tending(start_cell: StartCell, tmp_path: Path) -> None:
-    run = run_program(
-        start_cell,
-        tmp_path,
-        'press_tending.lua',
-        'kuka_kr210_r2700',
-        {'PATIENCE = 2, 10': 'PATIENCE = 1, 10'},
-    )
+def test_press_tending(live_runs: LiveRuns) -> None:
+    run = run_program(live_runs, 'press_tending.lua', 'kuka_kr210_r2700')
     program = 'press_tending.lua'
     down, up = (
         run.line_of('ptpCartesianSpace(place)', program),
@@ -130,14 +109,8 @@ def test_press_tending(start_cell: StartCell, tmp_path: Path) -> None:
     assert not [motion for motion in run.motions if motion.start < opened and motion.end > closed]
 
 
-def test_wheel_test(start_cell: StartCell, tmp_path: Path) -> None:
-    run = run_program(
-        start_cell,
-        tmp_path,
-        'wheel_test.lua',
-        'kuka_kr210_r3100',
-        {'TRACK, RAMP = 0.80, 0.05': 'TRACK, RAMP = 0.25, 0.05', 'ipairs {0, 0.2}': 'ipairs {0.2}'},
-    )
+def test_wheel_test(live_runs: LiveRuns) -> None:
+    run = run_program(live_runs, 'wheel_test.lua', 'kuka_kr210_r3100')
     speed, ramp, track = 0.05, 0.05, 0.25  # m/s, m
     (on, *_), (off, *_) = changes(run.bag, 'digital_outputs')
     (motion,) = (m for m in run.motions if m.start < on < m.end)
@@ -162,8 +135,8 @@ def test_wheel_test(start_cell: StartCell, tmp_path: Path) -> None:
     assert drive[1][0] > motion.end
 
 
-def test_three_axis_grasp(start_cell: StartCell, tmp_path: Path) -> None:
-    run = run_program(start_cell, tmp_path, 'three_axis_grasp.lua', 'debris_arm')
+def test_three_axis_grasp(live_runs: LiveRuns) -> None:
+    run = run_program(live_runs, 'three_axis_grasp.lua', 'debris_arm?gravity=0,0,0')
     program = 'three_axis_grasp.lua'
     approach, pull = (
         run.line_of(text, program) for text in ('ptpJointSpaceAngles(ring_at(10 + S', 'ptpJointSpaceAnglesR')
@@ -176,14 +149,8 @@ def test_three_axis_grasp(start_cell: StartCell, tmp_path: Path) -> None:
     np.testing.assert_allclose(steps[-1].commands[0].pose.r, ring, atol=1e-3)
 
 
-def test_rover_placement(start_cell: StartCell, tmp_path: Path) -> None:
-    run = run_program(
-        start_cell,
-        tmp_path,
-        'rover_placement.lua',
-        'kinova_j2n6s300',
-        {'wait(1) --': 'wait(0.3) --', 'setSpeed(nil, 0.05, 20)': 'setSpeed(nil, 0.1, 20)'},
-    )
+def test_rover_placement(live_runs: LiveRuns) -> None:
+    run = run_program(live_runs, 'rover_placement.lua', 'kinova_j2n6s300')
     lines = (PROGRAMS / 'rover_placement.lua').read_text().splitlines()
     ways = [number for number, line in enumerate(lines, 1) if line.startswith('linearRelative')]
     name = 'rover_placement.lua'

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from robots_core import Pose, load_robot_model
 
 from .bag_checks import changes, check_references
 from .cell_process import CellProcess
-from .conftest import PROGRAMS
+from .live_runs import PROGRAMS, LiveRuns
 
 ROBOT = 'kuka_kr210_r2700'
 TOPICS = (
@@ -38,16 +37,9 @@ TOPICS = (
 
 
 @pytest.fixture(scope='module')
-def cell(module_ros_domain: int, tmp_path_factory: pytest.TempPathFactory) -> Iterator[CellProcess]:
-    """One run of the demo for all tests of this file."""
-    del module_ros_domain
-    cell = CellProcess(
-        '--robot', ROBOT, '--program', str(PROGRAMS / 'welding.lua'), '--once', '--port', '0',
-        out=tmp_path_factory.mktemp('out'),
-    )  # fmt: skip
-    cell.wait()
-    yield cell
-    cell.close()
+def cell(live_runs: LiveRuns) -> CellProcess:
+    """The demo, which has run."""
+    return live_runs.run('welding.lua').cell
 
 
 @pytest.fixture(scope='module')

@@ -152,11 +152,12 @@ def test_a_tool_moves_straight_along_its_own_axis(bench: Bench) -> None:
 
 
 def test_a_limit_stops_the_axis_and_is_named(bench: Bench) -> None:
-    upper = ROBOT.axes_data.upper[1]
-    bench.press(bench.joints, axis_command(1, 10.0))
-    bench.wait(lambda: any('J2 position upper' in text for text in bench.warnings), 'the limit is named')
-    bench.wait(lambda: not bench.references[-1][1].any() and bench.q()[1] > upper - 0.01, 'it stands there')
-    assert bench.q()[1] <= upper
+    axis = int(np.argmin(ROBOT.axes_data.upper - HOME))  # the nearest
+    upper, limit = ROBOT.axes_data.upper[axis], f'{ROBOT.axes_data.names[axis]} position upper'
+    bench.press(bench.joints, axis_command(axis, 10.0))
+    bench.wait(lambda: any(limit in text for text in bench.warnings), 'the limit is named')
+    bench.wait(lambda: not bench.references[-1][1].any() and bench.q()[axis] > upper - 0.01, 'it stands there')
+    assert bench.q()[axis] <= upper
     bench.release()
 
 
