@@ -30,6 +30,7 @@ from robots_core.robot_model.urdf_shapes import urdf_shapes, with_absolute_meshe
 from robots_core.validation import Array, finite_motion, finite_state, finite_vector, read_only
 
 EARTH_GRAVITY: Final = (0.0, 0.0, -9.81)  # m/s^2, of a base that stands upright
+_WORLD: Final = pin.LOCAL_WORLD_ALIGNED
 
 
 class UrdfRobotModel(BaseRobotModel):
@@ -183,17 +184,22 @@ class UrdfRobotModel(BaseRobotModel):
 
     def jacobian(self, q: Array) -> Array:
         """See `BaseRobotModel.jacobian`."""
-        q = finite_vector(q, self._n, 'q')
-        J: Array = pin.computeFrameJacobian(self._model, self._data, q, self._tool0, pin.LOCAL_WORLD_ALIGNED)
+        # Pinocchio tells arrays of another size; the sum what is no number in one row.
+        try:
+            J: Array = pin.computeFrameJacobian(self._model, self._data, q, self._tool0, _WORLD)
+            finite = isfinite(sum(q.tolist()))
+        except (AttributeError, TypeError, ValueError):
+            finite = False
+        if not finite:
+            q = finite_vector(q, self._n, 'q')
+            J = pin.computeFrameJacobian(self._model, self._data, q, self._tool0, _WORLD)
         return J
 
     def jacobian_der(self, q: Array, q_dot: Array) -> Array:
         """See `BaseRobotModel.jacobian_der`."""
         q, q_dot = finite_state(q, q_dot, self._n)
         pin.computeJointJacobiansTimeVariation(self._model, self._data, q, q_dot)
-        J_der: Array = pin.getFrameJacobianTimeVariation(
-            self._model, self._data, self._tool0, pin.LOCAL_WORLD_ALIGNED
-        )
+        J_der: Array = pin.getFrameJacobianTimeVariation(self._model, self._data, self._tool0, _WORLD)
         return J_der
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
