@@ -156,7 +156,7 @@ def test_a_limit_stops_the_axis_and_is_named(bench: Bench) -> None:
     upper, limit = ROBOT.axes_data.upper[axis], f'{ROBOT.axes_data.names[axis]} position upper'
     bench.press(bench.joints, axis_command(axis, 10.0))
     bench.wait(lambda: any(limit in text for text in bench.warnings), 'the limit is named')
-    bench.wait(lambda: not bench.references[-1][1].any() and bench.q()[axis] > upper - 0.01, 'it stands there')
+    bench.wait(lambda: not bench.references[-1][1].any() and bench.q()[axis] > upper - 0.01, 'it stands')
     assert bench.q()[axis] <= upper
     bench.release()
 
