@@ -25,7 +25,7 @@ def check_references(bag: Messages, robot: BaseRobotModel) -> Trajectory:
     """References keep all limits, as values, as steps and resampled at 1 kHz; returns them."""
     axes = robot.axes_data
     trajectory = reference_trajectory([message for _, message in bag['/joint_reference']])
-    # While processes join, before the program starts, the middleware may hold up a publisher; the robot stands.
+    # While processes join, the middleware may hold up a publisher; the robot still stands then.
     moved = np.diff(trajectory.position, axis=0).any(axis=1)
     moving = moved | trajectory.velocity[:-1].any(axis=1) | trajectory.velocity[1:].any(axis=1)
     assert np.diff(trajectory.time)[moving].max() < 1.5 * PERIOD, 'the recorder lost references of a motion'
