@@ -1,13 +1,16 @@
-"""An editor that debugs a robot program."""
+"""An editor that debugs a robot program, and the program that it debugs."""
 
 from __future__ import annotations
 
 import itertools
 import json
 import socket
+from pathlib import Path
 from typing import Any
 
-from robots_controller.interpreter.debug_adapter_server import HOST
+from robots_controller.interpreter.debug_adapter_server import HOST, DebugAdapterServer
+from robots_controller.interpreter.lua_program import LuaProgram
+from robots_core.errors import ProgramError
 
 DEADLINE = 20.0  # s
 
@@ -68,3 +71,40 @@ class Editor:
     def close(self) -> None:
         self.stream.close()
         self.socket.close()
+
+
+class DebuggedProgram:
+    """A program, its debug adapter's server, and an editor that has connected.
+
+    Args:
+        folder: For its file.
+        text: The program.
+    """
+
+    def __init__(self, folder: Path, text: str) -> None:
+        self.path = folder / 'test.lua'
+        self.path.write_text(text)
+        self.program = LuaProgram(
+            6,
+            on_held=self._on_held,
+            on_print=self._on_print,
+            on_finished=self._on_finished,
+        )
+        self.server = DebugAdapterServer(self.program)
+        self.server.start()
+        self.editor = Editor(self.server.port)
+
+    def _on_held(self) -> None:
+        self.server.on_held()
+
+    def _on_print(self, text: str, line: int) -> None:
+        self.server.on_print(text, line)
+
+    def _on_finished(self, error: ProgramError | None) -> None:
+        self.server.on_finished(error)
+
+    def close(self) -> None:
+        self.editor.close()
+        self.server.close()
+        self.program.stop()
+        assert self.program.join(DEADLINE)

@@ -9,11 +9,10 @@ from typing import Any
 import pytest
 
 from robots_controller.interpreter.debug_adapter_server import DebugAdapterServer
-from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.interpreter.program_state import RunState
-from robots_core.errors import ProgramError, RobotsError
+from robots_core.errors import RobotsError
 
-from .debug_editor import DEADLINE, Editor
+from .debug_editor import DEADLINE, DebuggedProgram, Editor
 
 PROGRAM = """\
 local function seam(n)
@@ -29,30 +28,8 @@ print(total)
 """
 
 
-class Setup:
+class Setup(DebuggedProgram):
     """A program, its server, and an editor."""
-
-    def __init__(self, folder: Path) -> None:
-        self.path = folder / 'test.lua'
-        self.path.write_text(PROGRAM)
-        self.program = LuaProgram(
-            6,
-            on_held=self._on_held,
-            on_print=self._on_print,
-            on_finished=self._on_finished,
-        )
-        self.server = DebugAdapterServer(self.program)
-        self.server.start()
-        self.editor = Editor(self.server.port)
-
-    def _on_held(self) -> None:
-        self.server.on_held()
-
-    def _on_print(self, text: str, line: int) -> None:
-        self.server.on_print(text, line)
-
-    def _on_finished(self, error: ProgramError | None) -> None:
-        self.server.on_finished(error)
 
     def launch(self, *lines: int, **options: object) -> None:
         editor = self.editor
@@ -68,12 +45,9 @@ class Setup:
 
 @pytest.fixture
 def setup(tmp_path: Path) -> Iterator[Setup]:
-    one = Setup(tmp_path)
+    one = Setup(tmp_path, PROGRAM)
     yield one
-    one.editor.close()
-    one.server.close()
-    one.program.stop()
-    assert one.program.join(DEADLINE)
+    one.close()
 
 
 def variables(editor: Editor, reference: int) -> dict[str, dict[str, Any]]:

@@ -10,12 +10,9 @@ from typing import Any
 
 import pytest
 
-from robots_controller.interpreter.debug_adapter_server import DebugAdapterServer
-from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.interpreter.program_state import RunState
-from robots_core.errors import ProgramError
 
-from .debug_editor import DEADLINE, Editor
+from .debug_editor import DEADLINE, DebuggedProgram
 
 ROOT = Path(__file__).parents[2]
 CODE = ROOT / '.vscode'
@@ -72,30 +69,8 @@ def test_the_language_server_is_told_the_same_from_either_folder():
     assert all((ROOT / 'programs' / folder / 'robot_functions.lua').is_file() for folder in folders)
 
 
-class Session:
+class Session(DebuggedProgram):
     """A program with its server, and VS Code as it begins a session."""
-
-    def __init__(self, folder: Path) -> None:
-        self.path = folder / 'test.lua'
-        self.path.write_text('local x = 1\nprint(x)\n')
-        self.program = LuaProgram(
-            6,
-            on_held=self._on_held,
-            on_print=self._on_print,
-            on_finished=self._on_finished,
-        )
-        self.server = DebugAdapterServer(self.program)
-        self.server.start()
-        self.editor = Editor(self.server.port)
-
-    def _on_held(self) -> None:
-        self.server.on_held()
-
-    def _on_print(self, text: str, line: int) -> None:
-        self.server.on_print(text, line)
-
-    def _on_finished(self, error: ProgramError | None) -> None:
-        self.server.on_finished(error)
 
     def begin(self, request: str) -> None:
         (configuration,) = (one for one in CONFIGURATIONS if one['request'] == request)
@@ -129,12 +104,9 @@ class Session:
 
 @pytest.fixture
 def session(tmp_path: Path) -> Iterator[Session]:
-    one = Session(tmp_path)
+    one = Session(tmp_path, 'local x = 1\nprint(x)\n')
     yield one
-    one.editor.close()
-    one.server.close()
-    one.program.stop()
-    assert one.program.join(DEADLINE)
+    one.close()
 
 
 def test_launch_runs_the_file_to_its_breakpoint_and_its_end(session: Session):
