@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robots_controller.bag_reading import read_messages, seconds
+from robots_controller.bag_reading import read_messages
 from robots_controller.motion_record import MotionRecord, recorded_motions
 from robots_controller.motion_report import TOPICS, MotionReport, motion_report
 from robots_core import BaseRobotModel, load_robot_model
@@ -115,8 +115,7 @@ def test_wheel_test(live_runs: LiveRuns) -> None:
     (on, *_), (off, *_) = changes(run.bag, 'digital_outputs')
     (motion,) = (m for m in run.motions if m.start < on < m.end)
     assert motion.start < off < motion.end
-    time = np.array([seconds(message.header.stamp) for _, message in run.bag['/joint_reference']])
-    time += run.bag['/joint_reference'][0][0] - time[0]
+    time = np.array([sent for sent, _ in run.bag['/joint_reference']])
     rows = np.flatnonzero((time >= motion.start) & (time <= motion.end))
     r = np.array([run.robot.direct_kinematics(q)[0] for q in run.references.position[rows]])
     way = np.linalg.norm(r - r[0], axis=1)
