@@ -178,7 +178,8 @@ def test_a_command_after_a_stop_starts_where_the_robot_stands(bench: Bench) -> N
 
 
 def test_a_replacing_command_joins_the_running_motion(ros_nodes: Any) -> None:
-    bench = Bench(ros_nodes, new_command='replace')
+    # Slow: it still runs when a busy machine gets round to the second command.
+    bench = Bench(ros_nodes, new_command='replace', acceleration_fraction=0.01)
     home = bench.robot.home
     bench.stand(home)
     bench.command('ptpjoint_joint', home + 0.4, 5)
