@@ -127,6 +127,10 @@ class RealtimeMovement:
         """Take how the reference moves, (6,): m/s, rad/s, base frame; without it poses are differentiated."""
         self._reference.put_twist(twist, time)
 
+    def let_go(self) -> None:
+        """Forget the reference: the robot brakes to a stop, until another one comes."""
+        self._reference = PoseReference(timeout=self._reference.timeout)
+
     def step(self, now: float) -> RealtimeStep:
         """Motion of the next period; now in s, on the clock of the poses."""
         q, q_dot = self._state[0], self._state[1]

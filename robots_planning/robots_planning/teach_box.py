@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -20,6 +22,10 @@ from robots_planning.slowed_robot import SlowedRobot
 
 JogAxes = Literal['base', 'tool', 'world']
 JOG_AXES: tuple[JogAxes, ...] = ('base', 'tool', 'world')
+JOG_FRAMES: Mapping[str, JogAxes] = MappingProxyType(
+    {'': 'base', 'base': 'base', 'tool': 'tool', 'tool0': 'tool', 'world': 'world'}
+)
+"""Axes to jog a tool in, by the frame of a jog message."""
 
 # Of the tool's speed limits: the rest is for how a Jacobian changes in a period, and for returning.
 SPEED_RESERVE = 0.1

@@ -56,6 +56,22 @@ def test_a_stale_reference_stops_and_a_fresh_one_goes_on(robot: BaseRobotModel, 
     assert states.index(stale) == pytest.approx(49 + 0.2 / DT, abs=1.1)
 
 
+def test_a_reference_that_is_let_go_of_brakes_the_robot_at_once(
+    robot: BaseRobotModel, posture: np.ndarray
+) -> None:
+    movement = RealtimeMovement(robot, DT, posture)
+    start = Pose(*robot.direct_kinematics(posture))
+    for k in range(50):
+        movement.put(moved(start, TWIST, k * DT), k * DT)
+        fast = np.abs(movement.step(k * DT).q_dot).max()
+    movement.let_go()
+    braked = movement.step(50 * DT)
+    assert braked.state is MovementState.STALE
+    assert np.abs(braked.q_dot).max() < fast
+    movement.put(start, 51 * DT)
+    assert movement.step(51 * DT).state is MovementState.FOLLOWING
+
+
 def test_what_cannot_be_reached_is_said(robot: BaseRobotModel, posture: np.ndarray) -> None:
     far = Pose(np.array([9.0, 0.0, 1.0]), np.eye(3))
     movement = RealtimeMovement(robot, DT, posture)

@@ -23,13 +23,12 @@ from robots_core.nodes.robot_node import RobotNode
 from robots_core.periodic_thread import PeriodicThread
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.teach_box import JogAxes, TeachBox
+from robots_planning.teach_box import JOG_FRAMES, TeachBox
 
 RATE = 125.0  # Hz
 # Behind a jogged robot the reference is by what smoothing and a few late periods make; farther away, the
 # controller does not follow, and going on would make it jump when it does.
 LARGEST_DEVIATION = 0.05  # rad (m)
-FRAMES: dict[str, JogAxes] = {'': 'base', 'base': 'base', 'tool': 'tool', 'tool0': 'tool', 'world': 'world'}
 
 
 class Jogging:
@@ -114,13 +113,13 @@ class Jogging:
         v, w = message.twist.linear, message.twist.angular
         frame = message.header.frame_id
         try:
-            if frame not in FRAMES:
+            if frame not in JOG_FRAMES:
                 raise InvalidInputError(
-                    f'frame {frame!r} is unknown; tools are jogged in {", ".join(filter(None, FRAMES))}'
+                    f'frame {frame!r} is unknown; tools are jogged in {", ".join(filter(None, JOG_FRAMES))}'
                 )
             twist = np.array([v.x, v.y, v.z, w.x, w.y, w.z])
             given = self._given(message)
-            self._jog(twist, lambda box: box.jog_tool(twist, given, FRAMES[frame]))
+            self._jog(twist, lambda box: box.jog_tool(twist, given, JOG_FRAMES[frame]))
         except RobotsError as error:
             self._node.refuse('teach_twist', error, stream=True)
 
