@@ -19,6 +19,10 @@ class InvalidInputError(RobotsError, ValueError):
     """An argument of the wrong shape, not finite, or outside its range."""
 
 
+class JointNamesError(InvalidInputError):
+    """A message that lacks a joint of the robot, or names one twice."""
+
+
 class UnknownRobotError(RobotsError, LookupError):
     """No installed plugin has that robot name, or the URDF cannot be made a robot."""
 

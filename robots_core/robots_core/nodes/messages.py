@@ -13,7 +13,7 @@ from geometry_msgs.msg import Pose as PoseMessage
 from geometry_msgs.msg import PoseStamped
 from sensor_msgs.msg import JointState
 
-from robots_core.errors import InvalidInputError
+from robots_core.errors import InvalidInputError, JointNamesError
 from robots_core.pose import Pose
 from robots_core.validation import Array
 
@@ -38,15 +38,15 @@ def joint_indices(names: Sequence[str], wanted: Sequence[str], what: str) -> lis
     """Where each wanted joint stands in a message; order and additional joints do not matter.
 
     Raises:
-        InvalidInputError: a wanted joint is missing or named twice.
+        JointNamesError: a wanted joint is missing or named twice.
     """
     if list(names) == list(wanted):
         return list(range(len(wanted)))
     if len(set(names)) != len(names):
-        raise InvalidInputError(f'{what} names a joint twice: {", ".join(names)}')
+        raise JointNamesError(f'{what} names a joint twice: {", ".join(names)}')
     missing = [name for name in wanted if name not in names]
     if missing:
-        raise InvalidInputError(
+        raise JointNamesError(
             f'{what} lacks joint {missing[0]}: it has {", ".join(names) or "no joints"}; '
             f'needed are {", ".join(wanted)}'
         )

@@ -13,7 +13,7 @@ from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from robots_core.errors import PlanningError, RobotsError
+from robots_core.errors import InvalidInputError, JointNamesError, PlanningError, RobotsError
 from robots_core.nodes.messages import MotionResult, joint_indices, stamp_id
 from robots_core.nodes.robot_node import RobotNode
 from robots_core.validation import Array
@@ -21,7 +21,8 @@ from robots_planning.trajectory import Trajectory
 from robots_planning.waypoints import trajectory_through
 
 # The action's error codes.
-SUCCESSFUL, INVALID_GOAL, PATH_TOLERANCE_VIOLATED, GOAL_TOLERANCE_VIOLATED = 0, -1, -4, -5
+SUCCESSFUL, INVALID_GOAL, INVALID_JOINTS = 0, -1, -2
+PATH_TOLERANCE_VIOLATED, GOAL_TOLERANCE_VIOLATED = -4, -5
 ACTION = 'follow_joint_trajectory'
 
 
@@ -44,9 +45,12 @@ def waypoints_trajectory(message: Any, names: list[str], start: Array) -> Trajec
     """The motion of a trajectory_msgs/JointTrajectory of somebody else, joints matched by name.
 
     Raises:
-        InvalidInputError: missing joints, points of different kinds, or times that make no motion.
+        JointNamesError: a joint is missing or named twice.
+        InvalidInputError: no points, points of different kinds, or times that make no motion.
     """
     indices = joint_indices(message.joint_names, names, ACTION)
+    if not message.points:
+        raise InvalidInputError(f'{ACTION}: a trajectory needs at least one point, got none')
     time = np.array([p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points])
     rows: list[Array | None] = []
     for field in ('positions', 'velocities', 'accelerations'):
@@ -101,7 +105,7 @@ class FollowJointTrajectory:
         if error is None:
             outcome = outcome_of(await self._done, canceled=self._canceled)
         elif isinstance(error, RobotsError):
-            outcome = Outcome(INVALID_GOAL, error.message)
+            outcome = refusal_of(error)
         else:
             raise error
         self._motion = ''
@@ -129,6 +133,11 @@ class FollowJointTrajectory:
     def destroy(self) -> None:
         """End the server with its node."""
         self._server.destroy()
+
+
+def refusal_of(error: RobotsError) -> Outcome:
+    """Why a goal is not begun, as an answer to it."""
+    return Outcome(INVALID_JOINTS if isinstance(error, JointNamesError) else INVALID_GOAL, error.message)
 
 
 def outcome_of(result: MotionResult, *, canceled: bool) -> Outcome:
