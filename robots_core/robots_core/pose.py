@@ -1,75 +1,21 @@
-"""Pose of a frame: position and orientation, with orientation angles and pose error."""
+"""Pose of a frame: position and orientation, and the error from one pose to another."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from robots_core.errors import InvalidInputError
+from robots_core.orientation import (
+    angles_from_orientation,
+    orientation_from_angles,
+    quaternion_of,
+    rotation_from_quaternion,
+    rotation_vector,
+)
 from robots_core.validation import Array, finite_vector, read_only, rotation_matrix
-
-ORIENTATION_CONVENTIONS: Final[dict[str, Literal['ZYX', 'XYZ', 'ZYZ', 'xyz']]] = {
-    'zyx': 'ZYX',  # KUKA A-B-C: about z, then the new y, then the new x
-    'xyz': 'XYZ',  # Staubli and Modelica Cardan: about x, the new y, the new z
-    'zyz': 'ZYZ',  # Euler: about z, the new y, the new z
-    'XYZ': 'xyz',  # Mitsubishi: about the fixed x, y and z
-}
-"""Orientation-angle conventions and SciPy's name for each (capitals: intrinsic rotations)."""
-
-
-def orientation_from_angles(angles: ArrayLike, convention: str = 'zyx') -> Array:
-    """Orientation matrix of three orientation angles.
-
-    Args:
-        angles: (3,) rad, in the order of the convention's name.
-        convention: One of `ORIENTATION_CONVENTIONS`.
-
-    Returns:
-        T, (3, 3): maps coordinates of the rotated frame to the reference frame.
-
-    Raises:
-        InvalidInputError: an unknown convention, or angles that are not three finite numbers.
-    """
-    phi = finite_vector(angles, 3, 'orientation angles')
-    return Rotation.from_euler(_scipy_sequence(convention), phi).as_matrix()
-
-
-def angles_from_orientation(T: ArrayLike, convention: str = 'zyx') -> Array:
-    """Orientation angles of a matrix, inverse of `orientation_from_angles`.
-
-    In gimbal lock, where only a sum or difference of two angles is determined, the third is zero.
-
-    Returns:
-        (3,) rad.
-
-    Raises:
-        InvalidInputError: an unknown convention, or `T` is not a rotation matrix.
-    """
-    rotation = Rotation.from_matrix(rotation_matrix(T))
-    return rotation.as_euler(_scipy_sequence(convention), suppress_warnings=True)
-
-
-def _scipy_sequence(convention: str) -> Literal['ZYX', 'XYZ', 'ZYZ', 'xyz']:
-    if convention not in ORIENTATION_CONVENTIONS:
-        raise InvalidInputError(
-            f'unknown orientation convention {convention!r}; conventions are '
-            f'{", ".join(ORIENTATION_CONVENTIONS)}'
-        )
-    return ORIENTATION_CONVENTIONS[convention]
-
-
-def rotation_vector(T: Array) -> Array:
-    """Rotation vector (axis times angle, rad, angle in [0, pi]) of an orientation matrix, (3,)."""
-    return Rotation.from_matrix(T).as_rotvec()
-
-
-def rotation_from_vector(vector: Array) -> Array:
-    """Orientation matrix (3, 3) of a rotation vector (axis times angle, rad), (3,)."""
-    return Rotation.from_rotvec(vector).as_matrix()
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +57,7 @@ class Pose:
         norm = float(np.linalg.norm(xyzw))
         if norm < 1e-9:
             raise InvalidInputError(f'the quaternion has length {norm:.3g}; a rotation has length 1')
-        return cls(finite_vector(r, 3, 'r'), Rotation.from_quat(xyzw / norm).as_matrix())
+        return cls(finite_vector(r, 3, 'r'), rotation_from_quaternion(xyzw / norm))
 
     def angles(self, convention: str = 'zyx') -> Array:
         """Orientation angles, (3,) rad."""
@@ -119,7 +65,7 @@ class Pose:
 
     def quaternion(self) -> Array:
         """Orientation as quaternion (x, y, z, w), (4,), with w >= 0."""
-        return Rotation.from_matrix(self.T).as_quat(canonical=True)
+        return quaternion_of(self.T)
 
     def __matmul__(self, other: Pose) -> Pose:
         """Chain: `other` is seen from this frame; the result is seen from this frame's reference."""

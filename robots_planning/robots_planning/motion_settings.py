@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from robots_core.errors import InvalidInputError
+from robots_core.orientation import rotation_from_quaternion
 from robots_core.pose import Pose
 from robots_core.robot_model.analytic.configuration import Configuration
 from robots_core.validation import finite_vector, positive
@@ -96,7 +96,7 @@ def frame(values: tuple[float, ...], name: str) -> Pose:
         raise InvalidInputError(
             f'{name} = {list(values)} has a quaternion of length {norm:.6g}, a rotation has length 1'
         )
-    return Pose(numbers[:3], Rotation.from_quat(numbers[3:]).as_matrix())
+    return Pose(numbers[:3], rotation_from_quaternion(numbers[3:] / norm))
 
 
 def known_configuration(text: str, name: str = 'configuration') -> Configuration | None:

@@ -7,7 +7,8 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from robots_core.pose import Pose, rotation_vector
+from robots_core.orientation import rotation_vector
+from robots_core.pose import Pose
 from robots_core.validation import Array
 
 # Path points to find the nearest among, and parts of the way between two of them: that between two parts of a

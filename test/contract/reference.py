@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from robots_core import BaseRobotModel
-from robots_core.pose import rotation_vector
+from robots_core.orientation import rotation_vector
 
 STEP = 1e-5
 # Central differences at STEP: truncation h^2/6 f''' of about 2e-11, rounding eps/h of about 2e-11 per metre;

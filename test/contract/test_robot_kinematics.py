@@ -7,7 +7,7 @@ import pytest
 
 from robots_core import BaseRobotModel, Pose
 from robots_core.errors import NoAnalyticInverseKinematicsError
-from robots_core.pose import rotation_vector
+from robots_core.orientation import rotation_vector
 
 from .reference import DIFFERENCE_TOLERANCE, DescribedRobot, derivative, twist
 

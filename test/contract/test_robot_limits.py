@@ -14,7 +14,7 @@ from robots_core import (
     UrdfRobotModel,
 )
 from robots_core.errors import InvalidInputError, JointLimitError
-from robots_core.pose import ORIENTATION_CONVENTIONS
+from robots_core.orientation import ORIENTATION_CONVENTIONS
 
 ARRAYS = (
     'lower',

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from robots_core import Pose
-from robots_core.pose import (
+from robots_core.orientation import (
     ORIENTATION_CONVENTIONS,
     angles_from_orientation,
     orientation_from_angles,

@@ -8,7 +8,7 @@ import pytest
 from robots_core import BaseRobotModel, Pose, available_robot_models, load_robot_model
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.errors import InvalidInputError
-from robots_core.pose import rotation_vector
+from robots_core.orientation import rotation_vector
 
 TOOL = Pose.from_angles([0.1, -0.25, 0.4], [0.3, -1.0, 2.0])
 STEP = 1e-5

@@ -24,11 +24,12 @@ def test_an_ideal_drive_is_where_its_reference_is():
 
 
 def test_a_second_order_drive_answers_a_step_as_its_transfer_function():
-    bandwidth, damping = np.array([5.0, 12.0]), np.array([0.4, 1.3])
-    drive = SecondOrderDrive(np.zeros(2), period=0.004, bandwidth=bandwidth, damping=damping)
-    answers = np.array([drive.step(np.ones(2))[0] for _ in range(200)])
+    # Complex eigenvalues, real ones, and those that meet or nearly do.
+    bandwidth, damping = np.array([5.0, 12.0, 15.0, 15.0]), np.array([0.4, 1.3, 1.0, 1.0 + 1e-12])
+    drive = SecondOrderDrive(np.zeros(4), period=0.004, bandwidth=bandwidth, damping=damping)
+    answers = np.array([drive.step(np.ones(4))[0] for _ in range(200)])
     times = 0.004 * np.arange(201)
-    for axis in range(2):
+    for axis in range(4):
         w, D = 2.0 * np.pi * bandwidth[axis], damping[axis]
         _, expected = lti([w**2], [1.0, 2.0 * D * w, w**2]).step(T=times)
         np.testing.assert_allclose(answers[:, axis], expected[1:], atol=1e-9)

@@ -15,7 +15,7 @@ from robots_core.blocks.function_dynamics import FunctionDynamics
 from robots_core.blocks.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.payload import Payload
 from robots_core.errors import InvalidInputError
-from robots_core.pose import rotation_from_vector
+from robots_core.orientation import rotation_from_vector
 
 BLOCKS = (FunctionDynamics, NumericalDynamics)
 LOAD = Payload(

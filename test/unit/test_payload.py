@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from robots_core import Pose
 from robots_core.blocks.payload import Payload
 from robots_core.errors import InvalidInputError
-from robots_core.pose import rotation_from_vector
+from robots_core.orientation import rotation_from_vector
 
 numbers = st.floats(-2.0, 2.0)
 vectors = st.tuples(numbers, numbers, numbers).map(np.array)

@@ -1,4 +1,4 @@
-"""Pose: conventions by example, and what is refused. Its laws are in test/property/test_pose_laws.py."""
+"""Pose: examples, and what is refused. Its laws are in test/property/test_pose_laws.py."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import pytest
 
 from robots_core import Pose
 from robots_core.errors import InvalidInputError
-from robots_core.pose import ORIENTATION_CONVENTIONS, angles_from_orientation, orientation_from_angles
 
 HALF_TURN = np.diag([-1.0, -1.0, 1.0])
 EXACT = 1e-12  # a handful of products of numbers of size one
@@ -17,40 +16,8 @@ def _x(angle: float) -> np.ndarray:
     return np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
 
 
-def _y(angle: float) -> np.ndarray:
-    return np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
-
-
 def _z(angle: float) -> np.ndarray:
     return np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
-
-
-def test_each_convention_turns_as_its_makers_say():
-    a, b, c = 0.3, -0.7, 1.9
-    expected = {
-        'zyx': _z(a) @ _y(b) @ _x(c),
-        'xyz': _x(a) @ _y(b) @ _z(c),
-        'zyz': _z(a) @ _y(b) @ _z(c),
-        'XYZ': _z(c) @ _y(b) @ _x(a),
-    }
-    assert set(expected) == set(ORIENTATION_CONVENTIONS)
-    for convention, T in expected.items():
-        np.testing.assert_allclose(orientation_from_angles([a, b, c], convention), T, atol=EXACT)
-
-
-def test_unknown_convention_is_refused_with_the_known_ones():
-    for call in (orientation_from_angles, lambda _, name: angles_from_orientation(np.eye(3), name)):
-        with pytest.raises(InvalidInputError, match=r"'abc'.*zyx, xyz, zyz, XYZ"):
-            call([0, 0, 0], 'abc')
-
-
-@pytest.mark.parametrize('convention', ORIENTATION_CONVENTIONS)
-@pytest.mark.parametrize('middle', [0.0, np.pi / 2, -np.pi / 2, np.pi])
-def test_gimbal_lock_gives_angles_of_the_same_orientation(convention: str, middle: float):
-    T = orientation_from_angles([0.4, middle, 0.9], convention)
-    angles = angles_from_orientation(T, convention)
-    # Near the lock an angle is known to the square root of the rounding only; the orientation is exact.
-    np.testing.assert_allclose(orientation_from_angles(angles, convention), T, atol=1e-7)
 
 
 def test_pose_is_read_only_and_keeps_no_array_of_the_caller():

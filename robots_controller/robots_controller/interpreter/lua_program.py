@@ -28,7 +28,8 @@ from robots_controller.interpreter.program_state import (
 from robots_controller.interpreter.shared_data import SharedData
 from robots_controller.interpreter.taught_points import SUFFIX
 from robots_core.errors import InvalidInputError, ProgramError
-from robots_core.pose import ORIENTATION_CONVENTIONS, Pose
+from robots_core.orientation import ORIENTATION_CONVENTIONS
+from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.robot_command_state import RobotCommandState
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from robots_core.pose import rotation_from_vector
+from robots_core.orientation import rotation_from_vector
 from robots_core.validation import Array, finite_vector, read_only, rotation_matrix
 
 

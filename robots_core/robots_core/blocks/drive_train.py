@@ -6,7 +6,6 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import expm
 
 from robots_core.errors import InvalidInputError
 from robots_core.validation import Array, finite_vector, positive
@@ -110,13 +109,7 @@ class SecondOrderDrive(DriveTrain):
         self._state[0] = finite_vector(position, n, 'q')
         positive(period, 'period', 's')
         w = 2.0 * np.pi * _per_axis(bandwidth, n, 'bandwidth')
-        D = _per_axis(damping, n, 'damping')
-        transition = np.empty((2, 2, n))
-        for axis in range(n):
-            transition[:, :, axis] = expm(
-                np.array([[0.0, 1.0], [-(w[axis] ** 2), -2.0 * D[axis] * w[axis]]]) * period
-            )
-        self._transition = transition
+        self._transition = _transition(w, _per_axis(damping, n, 'damping'), period)
 
     @property
     def position(self) -> Array:
@@ -137,6 +130,21 @@ class SecondOrderDrive(DriveTrain):
         self._state = np.einsum('ijn,jn->in', self._transition, state)
         self._state[0] += q_ref
         return self._state[0], self._state[1]
+
+
+def _transition(w: Array, D: Array, period: float) -> Array:
+    """How position and velocity after a period follow from those before, (2, 2, n).
+
+    The exponential of [[0, 1], [-w^2, -2 D w]] period, of its two eigenvalues, which may be complex or meet.
+    """
+    root = w * np.sqrt(D * D - 1.0 + 0j)
+    z = 2.0 * root * period  # how far the eigenvalues are apart
+    met = z == 0.0
+    spread = np.where(met, 1.0, -np.expm1(-z) / np.where(met, 1.0, z))
+    fast = np.exp(root * period - D * w * period)
+    mean = (0.5 * fast * (1.0 + np.exp(-z))).real
+    slope = (period * fast * spread).real
+    return np.array([[mean + D * w * slope, slope], [-w * w * slope, mean - D * w * slope]])
 
 
 def _per_axis(values: ArrayLike, n: int, name: str) -> Array:

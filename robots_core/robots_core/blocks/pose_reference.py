@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.pose import Pose, rotation_from_vector
+from robots_core.orientation import rotation_from_vector
+from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector, positive
 
 # A sample is extrapolated for this many intervals between samples: one that is late does not stop the robot.

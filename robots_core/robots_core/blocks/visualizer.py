@@ -10,12 +10,12 @@ from collections.abc import Sequence
 import numpy as np
 import trimesh
 import viser
-from scipy.spatial.transform import Rotation
 
 from robots_core.blocks.collision.scene import AttachedObject, Scene, SceneObject
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.tool_trace import ToolTrace
 from robots_core.errors import InvalidInputError
+from robots_core.orientation import quaternion_of
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.shapes import Geometry, Shape, triangle_mesh
@@ -257,4 +257,4 @@ def _bind(family: int, host: str, port: int) -> int:
 
 
 def _wxyz(T: Array) -> Array:
-    return Rotation.from_matrix(T).as_quat(scalar_first=True)
+    return np.roll(quaternion_of(T), 1)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from robots_core.pose import Pose, rotation_vector
+from robots_core.orientation import rotation_vector
+from robots_core.pose import Pose
 from robots_core.validation import read_only
 from robots_planning.trajectory_generators.cartesian_path import CartesianPath, no_pieces
 

@@ -7,7 +7,8 @@ from typing import Literal
 import numpy as np
 
 from robots_core.errors import InvalidInputError
-from robots_core.pose import Pose, rotation_vector
+from robots_core.orientation import rotation_vector
+from robots_core.pose import Pose
 from robots_core.validation import Array, read_only
 from robots_planning.trajectory_generators.cartesian_path import (
     CartesianPath,

@@ -8,7 +8,6 @@ from math import atan2, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from robots_core.blocks.inverse_kinematics.chain import SerialChain
 from robots_core.blocks.inverse_kinematics.damped_kernel import (
@@ -22,6 +21,7 @@ from robots_core.blocks.inverse_kinematics.damped_kernel import (
 from robots_core.blocks.inverse_kinematics.ik_result import IkBatch, IkResult
 from robots_core.blocks.inverse_kinematics.redundancy import Redundancy, redundancy_arrays
 from robots_core.errors import InvalidInputError
+from robots_core.orientation import rotation_vector
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import ROTATION_TOLERANCE, Array, positive, read_only
@@ -219,7 +219,7 @@ def pose_error(r: Array, T: Array, r_target: Array, T_target: Array) -> Array:
     sine = sqrt(x * x + y * y + z * z)  # twice the sine and twice the cosine of the angle
     cosine = E[0, 0] + E[1, 1] + E[2, 2] - 1.0
     if cosine < -1.9 and sine < 0.6:  # near half a turn the axis is lost in rounding
-        error[3:] = Rotation.from_matrix(E).as_rotvec()
+        error[3:] = rotation_vector(E)
         return error
     factor = atan2(sine, cosine) / sine if sine > 1e-12 else 0.5
     error[3], error[4], error[5] = factor * x, factor * y, factor * z

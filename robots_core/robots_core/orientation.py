@@ -1,0 +1,149 @@
+"""Orientations: matrices from and to orientation angles, quaternions and rotation vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import atan2, cos, hypot, sin
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robots_core.errors import InvalidInputError
+from robots_core.validation import Array, finite_vector, rotation_matrix
+
+ORIENTATION_CONVENTIONS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        'zyx': 'KUKA A-B-C: about z, then the new y, then the new x',
+        'xyz': 'Staubli and Modelica Cardan: about x, the new y, the new z',
+        'zyz': 'Euler: about z, the new y, the new z',
+        'XYZ': 'Mitsubishi: about the fixed x, y and z',
+    }
+)
+"""Orientation-angle conventions: each one's name and meaning (capitals: about fixed axes)."""
+
+# Closer to gimbal lock than this, rad, two angles are not told apart.
+_LOCKED = 1e-7
+
+
+def orientation_from_angles(angles: ArrayLike, convention: str = 'zyx') -> Array:
+    """Orientation matrix of three orientation angles.
+
+    Args:
+        angles: (3,) rad, in the order of the convention's name.
+        convention: One of `ORIENTATION_CONVENTIONS`.
+
+    Returns:
+        T, (3, 3): maps coordinates of the rotated frame to the reference frame.
+
+    Raises:
+        InvalidInputError: an unknown convention, or angles that are not three finite numbers.
+    """
+    i, j, k = _axes(convention)
+    a, b, c = finite_vector(angles, 3, 'orientation angles').tolist()
+    if convention.isupper():
+        return _about(k, c) @ _about(j, b) @ _about(i, a)
+    return _about(i, a) @ _about(j, b) @ _about(k, c)
+
+
+def angles_from_orientation(T: ArrayLike, convention: str = 'zyx') -> Array:
+    """Orientation angles of a matrix, inverse of `orientation_from_angles`.
+
+    In gimbal lock, where only a sum or difference of two angles is determined, the third is zero (within
+    1e-7 rad of it, at most that).
+
+    Returns:
+        (3,) rad; the second in [0, pi] where the first and the third axis are the same, else in
+        [-pi/2, pi/2].
+
+    Raises:
+        InvalidInputError: an unknown convention, or `T` is not a rotation matrix.
+    """
+    axes = _axes(convention)
+    T = rotation_matrix(T)
+    # T about fixed axes is the transpose of the turns back about the moved ones.
+    angles = -_moved_axes_angles(T.T, *axes) if convention.isupper() else _moved_axes_angles(T, *axes)
+    return angles + 0.0  # without the sign of zeros
+
+
+def _axes(convention: str) -> tuple[int, int, int]:
+    if convention not in ORIENTATION_CONVENTIONS:
+        raise InvalidInputError(
+            f'unknown orientation convention {convention!r}; conventions are '
+            f'{", ".join(ORIENTATION_CONVENTIONS)}'
+        )
+    i, j, k = ('xyz'.index(axis) for axis in convention.lower())
+    return i, j, k
+
+
+def _about(axis: int, angle: float) -> Array:
+    """Orientation after a turn about a coordinate axis, (3, 3)."""
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    T = np.eye(3)
+    T[u, u] = T[v, v] = cos(angle)
+    T[v, u] = sin(angle)
+    T[u, v] = -T[v, u]
+    return T
+
+
+def _moved_axes_angles(T: Array, i: int, j: int, k: int) -> Array:
+    """Angles a, b, c (3,) of T = Rot(i, a) Rot(j, b) Rot(k, c)."""
+    first = 3 - i - j
+    e = 1.0 if (j - i) % 3 == 1 else -1.0  # i x j = e first
+    # Where the last axis points, seen along the first, tells a; in gimbal lock, along it, j tells it.
+    along_j, along_first = T[j, k], T[first, k]
+    if hypot(along_j, along_first) < _LOCKED:
+        a = atan2(e * T[first, j], T[j, j])
+    elif k == i:
+        a = atan2(along_j, -e * along_first)
+    else:
+        a = atan2(-e * along_j, along_first)
+    rest = _about(i, -a) @ T  # Rot(j, b) Rot(k, c)
+    last = 3 - j - k
+    f = 1.0 if (k - j) % 3 == 1 else -1.0  # j x k = f last
+    b = atan2(f * rest[last, k], rest[k, k])
+    c = atan2(f * rest[j, last], rest[j, j])
+    return np.array([a, b, c])
+
+
+def rotation_from_quaternion(quaternion: Array) -> Array:
+    """Orientation matrix (3, 3) of a quaternion (x, y, z, w) of length 1, (4,)."""
+    x, y, z, w = quaternion.tolist()
+    return np.array(
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+            [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+            [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    )
+
+
+def quaternion_of(T: Array) -> Array:
+    """Quaternion (x, y, z, w) of an orientation matrix, (4,), with w >= 0: Shepperd 1978."""
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = T.tolist()
+    # Each row is the quaternion times four times one of its components: that of the largest is exact.
+    rows = (
+        (1.0 + xx - yy - zz, yx + xy, zx + xz, zy - yz),
+        (yx + xy, 1.0 - xx + yy - zz, zy + yz, xz - zx),
+        (zx + xz, zy + yz, 1.0 - xx - yy + zz, yx - xy),
+        (zy - yz, xz - zx, yx - xy, 1.0 + xx + yy + zz),
+    )
+    largest = max(range(4), key=lambda i: rows[i][i])
+    row = np.array(rows[largest])
+    return row / (hypot(*row) if row[3] >= 0.0 else -hypot(*row))
+
+
+def rotation_vector(T: Array) -> Array:
+    """Rotation vector (axis times angle, rad, angle in [0, pi]) of an orientation matrix, (3,)."""
+    x, y, z, w = quaternion_of(T).tolist()
+    length = hypot(x, y, z)
+    return np.array([x, y, z]) * (2.0 if length == 0.0 else 2.0 * atan2(length, w) / length)
+
+
+def rotation_from_vector(vector: Array) -> Array:
+    """Orientation matrix (3, 3) of a rotation vector (axis times angle, rad), (3,)."""
+    x, y, z = vector.tolist()
+    half = 0.5 * hypot(x, y, z)
+    part = 0.5 if half == 0.0 else 0.5 * sin(half) / half
+    return rotation_from_quaternion(np.array([part * x, part * y, part * z, cos(half)]))
