@@ -12,6 +12,7 @@ from types import FrameType
 from robots_controller.simulation.cell_parts import COLLISION_MARGIN, cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_controller.simulation.simulation_run import SimulationRun
+from robots_core.blocks.pose_following import METHODS
 from robots_core.validation import positive
 
 LONGEST_TIME = 3600.0  # s of simulated time
@@ -29,6 +30,8 @@ def simulate(
     goal_tolerance: float | None = None,
     collision_margin: float = COLLISION_MARGIN,
     points_file: Path | str = '',
+    references: Path | str = '',
+    guided: str = METHODS[0],
     longest: float = LONGEST_TIME,
     on_progress: Callable[[float, int], None] | None = None,
 ) -> SimulationRun:
@@ -51,6 +54,9 @@ def simulate(
             default.
         collision_margin: Distance that motions keep, m.
         points_file: Taught points; '' for the file beside the program.
+        references: Bag of what guides the robot where the program lets others guide it, see
+            `read_guide_recording`; '' for nothing.
+        guided: Inverse kinematics that follows its `reference_pose`, one of `METHODS`.
         longest: The program fails if it has not ended after this simulated time, s.
         on_progress: Told about 25 times a simulated second: time in s, line of the program.
 
@@ -71,6 +77,8 @@ def simulate(
         goal_tolerance=goal_tolerance,
         collision_margin=collision_margin,
         points_file=points_file,
+        references=references,
+        guided=guided,
     )
     cell = SimulatedCell(
         parts, bag=None if bag is None else Path(bag), longest=longest, on_progress=on_progress

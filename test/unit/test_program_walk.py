@@ -53,6 +53,12 @@ def test_every_bad_motion_is_told_with_its_line_not_only_the_first(tmp_path: Pat
     assert 'singular' in lines[2]
 
 
+@pytest.mark.parametrize('function', ['followReference', 'jog'])
+def test_a_walk_goes_on_where_others_would_guide_the_robot(tmp_path: Path, function: str):
+    (line,) = told(walk(tmp_path, START + f'{function}(60)\nptpJointSpaceAngles(400, -90, 90, 0, 30, 0)\n'))
+    assert line.startswith('p.lua:3: ptpJointSpaceAngles: A1')
+
+
 def test_problems_of_subprograms_are_told_with_their_file(tmp_path: Path):
     (tmp_path / 'sub.lua').write_text('\nptpJointSpaceAngles(400, -90, 90, 0, 30, 0)\n')
     (line,) = told(walk(tmp_path, START + 'call("sub")\n' + START))

@@ -238,8 +238,8 @@ def test_motions_that_collide_are_refused():
 @pytest.mark.parametrize(
     ('function', 'reason'),
     [
-        ('followReference', 'a simulation has no sensor whose reference_pose could guide the robot'),
-        ('jog', 'a simulation has nobody who could jog the robot'),
+        ('followReference', 'a simulation has no sensor; --references names a recording of one'),
+        ('jog', 'a simulation has nobody who jogs; --references names a recording of one'),
     ],
 )
 def test_a_robot_that_nobody_can_guide_is_an_error(tmp_path: Path, function: str, reason: str):

@@ -6,6 +6,7 @@ from typing import Any
 
 from robots_controller.interpreter.motion_command import MotionCommand
 from robots_controller.simulation.simulated_cell import SimulatedCell
+from robots_planning.robot_command_state import RobotCommandState
 
 
 class WalkedCell(SimulatedCell):
@@ -22,3 +23,7 @@ class WalkedCell(SimulatedCell):
     def _on_command(self, command: MotionCommand) -> None:
         self.files[command] = self._program.line_file
         super()._on_command(command)
+
+    def _on_guided(self, state: RobotCommandState) -> None:
+        # Nobody knows where a sensor or a person would lead the robot: it stands meanwhile.
+        self._log.command_state(state.value)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from robots_controller.controller import MotionOutcome
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.interpreter.motion_command import MotionCommand, OutputChange
 from robots_controller.interpreter.program_state import RunState
@@ -21,10 +22,12 @@ from robots_controller.simulation.events import (
     ProgramStateChanged,
     TextPrinted,
 )
+from robots_controller.simulation.guide_recording import GuidingMessage
 from robots_controller.simulation.recording import Recording
 from robots_controller.simulation.simulated_bag import START, SimulatedBag
 from robots_controller.simulation.simulated_clock import SimulatedClock
 from robots_controller.simulation.simulated_motions import MotionEnd, motion_settings
+from robots_controller.streamed_reference import StreamPoint
 from robots_controller.told_place import TellingPace, told_place
 from robots_core.errors import RobotsError
 from robots_planning.motion_settings import MotionSettings, settings_as_text
@@ -214,16 +217,32 @@ class CellLog:
         message = ros.planned_trajectory(stamp, self._joints, planned.motion.trajectory)
         self._write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', message)
 
-    def result(self, end: MotionEnd) -> None:
-        """A command has its result."""
+    def result(self, end: MotionEnd | MotionOutcome) -> None:
+        """A command has its result, or a stream of references has ended."""
         if self._bag is None:
             return
-        now = START + self._clock.nanoseconds
-        ended = f'{now // ros.NANOSECONDS}.{now % ros.NANOSECONDS:09d}'
+        ended = ros.id_of(START + self._clock.nanoseconds)
         values: Mapping[str, object] = {'id': end.id, **end.details, 'ended': ended}
         level = ros.OK if end.ok else ros.ERROR
         status = ros.diagnostic_status('motion', end.message, self._robot, level, values)
         self._write('motion_result', STATUS_TYPE, status)
+
+    def guided(self, message: GuidingMessage, type_name: str) -> None:
+        """What guides the robot was heard."""
+        if self._bag is not None:
+            before = self._cost.switch('recording')
+            self._bag.write_serialized(message.topic, type_name, self._clock.nanoseconds, message.data)
+            self._cost.switch(before)
+
+    def streamed(self, point: StreamPoint, period: float) -> str:
+        """A point, `period` (s) before the next one, goes to the controller; returns its id."""
+        stamp = START + self._clock.nanoseconds
+        if self._bag is not None:
+            after = round(ros.NANOSECONDS * period)
+            row = (after, point.position, point.velocity, point.acceleration)
+            message = ros.joint_trajectory(stamp, self._joints, [row])
+            self._write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', message)
+        return ros.id_of(stamp)
 
     def finished(self, *, done: bool) -> None:
         """The planner has sent a motion, or all have reached their targets."""

@@ -10,10 +10,12 @@ from robots_controller.controller import Controller
 from robots_controller.controller_settings import ControllerSettings
 from robots_controller.io_signals import channel_labels
 from robots_controller.plc_script import PlcScript, read_plc_script
+from robots_controller.simulation.guide_recording import GuideRecording, read_guide_recording
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.drive_level import drive_train
 from robots_core.blocks.drive_train import DriveTrain
+from robots_core.blocks.pose_following import METHODS
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import positive
@@ -39,6 +41,8 @@ class CellParts:
         io_labels: Names of inputs and outputs.
         scene: Path of the scene, '' for none.
         io: Path of the PLC's script, '' for none.
+        references: What guides the robot; None for nothing.
+        guided: Inverse kinematics that follows `reference_pose`, one of `METHODS`.
         period: Of the controller, s.
     """
 
@@ -54,6 +58,8 @@ class CellParts:
     io_labels: Mapping[str, Sequence[str]]
     scene: str
     io: str
+    references: GuideRecording | None
+    guided: str
     period: float
 
 
@@ -68,6 +74,8 @@ def cell_parts(
     goal_tolerance: float | None = None,
     collision_margin: float = COLLISION_MARGIN,
     points_file: Path | str = '',
+    references: Path | str = '',
+    guided: str = METHODS[0],
 ) -> CellParts:
     """The parts of a cell.
 
@@ -81,6 +89,8 @@ def cell_parts(
         goal_tolerance: Largest error of an axis that has reached its target, rad (m).
         collision_margin: Distance that motions keep, m.
         points_file: Taught points; '' for the file beside the program.
+        references: Recording of what guides the robot (see `read_guide_recording`); '' for none.
+        guided: Inverse kinematics that follows `reference_pose`, one of `METHODS`.
 
     Raises:
         RobotsError: an unknown robot or level, a file that is not valid, a number out of range.
@@ -105,5 +115,7 @@ def cell_parts(
         io_labels=channel_labels(list(script.signals.values())),
         scene=str(scene),
         io=str(io),
+        references=read_guide_recording(references, model.axes_data.names) if references else None,
+        guided=guided,
         period=period,
     )

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
+from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.results import Proximity
 from robots_core.blocks.collision_detection import CollisionDetection
+from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
+
+# As collision_node.
+MARGIN: Final = 0.002  # m
+REACTION_TIME: Final = 0.1  # s
 
 
 @dataclass(frozen=True)
@@ -33,13 +40,13 @@ class CollisionWatch:
 
     Args:
         detection: Knows the robot and the scene.
-        margin: Distance to keep, m.
+        axes: The robot's limits.
     """
 
-    def __init__(self, detection: CollisionDetection, margin: float) -> None:
-        self._detection, self._margin = detection, margin
+    def __init__(self, detection: CollisionDetection, axes: AxesData) -> None:
+        self._detection, self._margin, self._acceleration = detection, MARGIN, axes.acceleration
         self._q: Array | None = None
-        self._seen = Clearness(np.inf, 'nothing to collide with', near=False, values={'margin': margin})
+        self._seen = Clearness(np.inf, 'nothing to collide with', near=False, values={'margin': MARGIN})
 
     def look(self, q: Array) -> Clearness:
         """The distances at joint positions (n,)."""
@@ -49,6 +56,12 @@ class CollisionWatch:
             if closest is not None:
                 self._seen = self._clearness(closest)
         return self._seen
+
+    def ahead(self, q: Array, q_dot: Array) -> bool:
+        """Something is in the way of a robot that moves without a path, (n,) each, while it could brake."""
+        time = REACTION_TIME + float((np.abs(q_dot) / self._acceleration).max())
+        way = JointPath.straight(q, q + time * q_dot)
+        return self._detection.first_approach(way, margin=self._margin) is not None
 
     def _clearness(self, closest: Proximity) -> Clearness:
         values: dict[str, object] = {

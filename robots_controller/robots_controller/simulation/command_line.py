@@ -23,6 +23,7 @@ from robots_controller.report import write_report
 from robots_controller.simulate import LONGEST_TIME, simulate
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.drive_level import DRIVE_LEVELS
+from robots_core.blocks.pose_following import METHODS
 from robots_core.errors import RobotsError
 
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
@@ -73,6 +74,12 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument('--points', default='', metavar='FILE', help='taught points, in the place of the own')
     parser.add_argument(
+        '--references', default='', metavar='BAG', help='recording of what guides or jogs the robot'
+    )
+    parser.add_argument(
+        '--guided', default=METHODS[0], choices=METHODS, help='follow its reference_pose by this kinematics'
+    )
+    parser.add_argument(
         '--longest', type=float, default=LONGEST_TIME, help='longest simulated time of the program, s'
     )
     options = parser.parse_args(arguments)
@@ -111,6 +118,8 @@ def run(options: argparse.Namespace, console: Console) -> int:
             rate=options.rate,
             goal_tolerance=options.goal_tolerance,
             points_file=options.points,
+            references=options.references,
+            guided=options.guided,
             longest=options.longest,
             on_progress=on_progress,
         )

@@ -37,6 +37,11 @@ def stamp(nanoseconds: int) -> Any:
     return message('builtin_interfaces/msg/Time', *divmod(nanoseconds, NANOSECONDS))
 
 
+def id_of(nanoseconds: int) -> str:
+    """Id of the command with this stamp, as nodes write it."""
+    return f'{nanoseconds // NANOSECONDS}.{nanoseconds % NANOSECONDS:09d}'
+
+
 def header(nanoseconds: int, frame: str = '') -> Any:
     """std_msgs/Header."""
     return message('std_msgs/msg/Header', stamp(nanoseconds), frame)

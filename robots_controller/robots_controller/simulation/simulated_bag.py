@@ -94,8 +94,15 @@ class SimulatedBag:
             nanoseconds: Since the start of the program.
             message: As `ros_messages` makes them.
         """
+        self.write_serialized(
+            topic, type_name, nanoseconds, ros.typestore().serialize_cdr(message, type_name)
+        )
+
+    def write_serialized(
+        self, topic: str, type_name: str, nanoseconds: int, data: bytes | memoryview
+    ) -> None:
+        """The same of a message that is serialized already."""
         self.write_samples()
-        data = ros.typestore().serialize_cdr(message, type_name)
         self._writer.write(self._connection(topic, type_name), START + nanoseconds, data)
 
     def progress(self, nanoseconds: int, progress: float) -> None:

@@ -11,23 +11,25 @@ from typing import Final
 
 import numpy as np
 
-from robots_controller.controller import Controller, ControllerState
+from robots_controller.controller import Controller, ControllerState, MotionOutcome
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.interpreter.program_state import MotionCommand, OutputChange, RunState
 from robots_controller.simulation.cell_log import CellLog
 from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.collision_watch import CollisionWatch
 from robots_controller.simulation.cost import Cost
+from robots_controller.simulation.endlessness import Endlessness
 from robots_controller.simulation.recording import Recording
 from robots_controller.simulation.simulated_bag import START, SimulatedBag
 from robots_controller.simulation.simulated_clock import NANOSECONDS, SimulatedClock
+from robots_controller.simulation.simulated_guide import SimulatedGuide
 from robots_controller.simulation.simulated_motions import MotionEnd, SimulatedMotions
 from robots_controller.simulation.simulated_plc import SimulatedPlc
 from robots_controller.simulation.simulated_switches import SimulatedSwitches
 from robots_controller.simulation.simulation_run import SimulationRun
-from robots_core.errors import PlanningError, ProgramError
+from robots_core.errors import ProgramError
 from robots_core.pose import Pose
-from robots_core.validation import read_only
+from robots_core.validation import Array, read_only
 from robots_planning.order_planner import PlannedOrders
 from robots_planning.robot_command_state import RobotCommandState
 
@@ -37,13 +39,7 @@ PROGRESS_RATE: Final = 25.0  # Hz
 # As collision_node, which a live cell has where there is a scene.
 WATCH_RATE: Final = 25.0  # Hz
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
-# A robot that stands for this long in the middle of a motion, with nothing left that could change that.
-STUCK_TIME: Final = 10.0  # s
-
-GUIDES: Final = {
-    RobotCommandState.TRAJECTORY: 'a simulation has no sensor whose reference_pose could guide the robot',
-    RobotCommandState.TEACH: 'a simulation has nobody who could jog the robot',
-}
+STOPPED: Final = 'stopped by ~/stop'
 
 
 class SimulatedCell:
@@ -119,9 +115,17 @@ class SimulatedCell:
         self._switches = SimulatedSwitches(
             lambda q: Pose(*robot.direct_kinematics(q)), self._program.switch_output
         )
+        self._guide = SimulatedGuide(
+            parts.references,
+            robot,
+            parts.controller,
+            method=parts.guided,
+            on_message=self._log.guided,
+            on_point=self._log.streamed,
+        )
         self._watch = None
-        if parts.scene and bag is not None and parts.planning.collision is not None:
-            self._watch = CollisionWatch(parts.planning.collision, parts.planning.collision_margin)
+        if parts.scene and parts.planning.collision is not None:
+            self._watch = CollisionWatch(parts.planning.collision, axes)
         self._watch_every = max(1, round(1.0 / (WATCH_RATE * period)))
         self._feedback_every = max(1, round(1.0 / (FEEDBACK_RATE * period)))
         self._progress_every = max(1, round(1.0 / (PROGRESS_RATE * period)))
@@ -129,7 +133,7 @@ class SimulatedCell:
         self._last_stamp = 0
         self._settled = False
         self._changed = False
-        self._stands_since = 0.0
+        self._endlessness = Endlessness(longest, self._recording)
         self._interrupted = self._over = self._running = False
         self._error: ProgramError | None = None
 
@@ -222,7 +226,7 @@ class SimulatedCell:
                 return
         # A line is told some periods after it was reached, not after its wait.
         told = not self._log.status_due
-        if self._settled and told and self._skip(min(wait, self._plc.next_time)):
+        if self._settled and told and self._skip(min(wait, self._next_event())):
             return
         clock.nanoseconds = next_tick
         self._tick()
@@ -246,24 +250,23 @@ class SimulatedCell:
             self._bag.write_samples_in_time()
         return True
 
+    def _next_event(self) -> float:
+        """When the PLC or who guides the robot does something by itself, s."""
+        return min(self._plc.next_time, self._guide.next_time)
+
     def _guard_against_endlessness(self, wait: float) -> None:
-        now = self._clock.now()
         if self._changed:  # the program will know what to do
             return
-        if now >= self._longest:
-            self._give_up(f'it has not ended after {self._longest:g} s')
-            self._over = True
-            return
-        if wait < math.inf or self._plc.next_time < math.inf:
-            self._stands_since = now
-        elif self._stands() and not self._motions.any:
-            if self._clock.waiting:
-                self._give_up('it waits for ever: nothing is left that could change')
-        elif self._recording.standing(2):
-            if now - self._stands_since > STUCK_TIME:
-                self._give_up('the robot stands in the middle of a motion, and nothing lets it go on')
-        else:
-            self._stands_since = now
+        now = self._clock.now()
+        reason = self._endlessness.reason(
+            now,
+            expected=min(wait, self._next_event()) < math.inf,
+            at_rest=self._stands() and not self._motions.any,
+            waiting=self._clock.waiting,
+        )
+        if reason:
+            self._give_up(reason)
+        self._over = now >= self._longest
 
     def _give_up(self, reason: str) -> None:
         if self._error is None:
@@ -283,6 +286,7 @@ class SimulatedCell:
         position = self._drives.position
         self._motions.begin(now)
         cost.switch('controller')
+        self._guide.step(self._clock.nanoseconds)
         due = cycle % self._feedback_every == 0
         reference = controller.step(now, position if due else None)
         assert reference is not None
@@ -298,10 +302,10 @@ class SimulatedCell:
             self._log.progress(controller.progress, due=cycle % self._progress_every == 0)
             self._bag.write_samples_in_time()
         if self._watch is not None and cycle % self._watch_every == 0:
-            self._log.clearness(self._watch.look(q))
+            self._look_around(self._watch, q, q_dot)
         cost.switch('other')
         while controller.outcomes:
-            self._motions.end(controller.outcomes.popleft())
+            self._end_motion(controller.outcomes.popleft())
         self._switches.reach(self._motions.running, controller.progress)
         for channel, value in self._plc.step(now):
             self._log.input(self._program.io, channel, value, self._plc.images[channel.image])
@@ -309,6 +313,16 @@ class SimulatedCell:
         self._log.status_in_time(self._program)
         if self._on_progress is not None and cycle % self._progress_every == 0:
             self._on_progress(now, self._program.line)
+
+    def _look_around(self, watch: CollisionWatch, q: Array, q_dot: Array) -> None:
+        if self._bag is not None:
+            self._log.clearness(watch.look(q))
+        if self._controller.state is ControllerState.STREAMING and watch.ahead(q, q_dot):
+            self._controller.stop(STOPPED)
+
+    def _end_motion(self, outcome: MotionOutcome) -> None:
+        if not self._motions.end(outcome):
+            self._log.result(outcome)
 
     def _close(self) -> None:
         self._program.stop()
@@ -371,11 +385,11 @@ class SimulatedCell:
         self.cost.switch('other')
 
     def _motions_abort(self) -> None:
-        self._motions.abort('stopped by ~/stop')
+        self._motions.abort(STOPPED)
 
     def _on_guided(self, state: RobotCommandState) -> None:
-        if state is not RobotCommandState.IDLE:
-            raise PlanningError(GUIDES[state])
+        self._guide.hand_over(state, self._clock.nanoseconds, self._motions.tool)
+        self._log.command_state(state.value)
 
     def _on_hold(self, held: bool) -> None:  # noqa: FBT001  # a callback's only argument
         self._controller.paused = held

@@ -116,6 +116,12 @@ class SimulatedMotions:
         """A command has no result yet."""
         return bool(self.commands)
 
+    @property
+    def tool(self) -> Pose:
+        """Tool of the last command, a pose in tool0."""
+        records = self._records
+        return records[next(reversed(records))].settings.tool_pose if records else Pose.identity()
+
     # -- what the program wants -------------------------------------------------------------------
 
     def command(self, id_: str, command: MotionCommand) -> None:
@@ -164,11 +170,11 @@ class SimulatedMotions:
             if standing:
                 self._note_start(id_, now)
 
-    def end(self, outcome: MotionOutcome) -> None:
-        """A motion of the controller has ended."""
+    def end(self, outcome: MotionOutcome) -> bool:
+        """A motion of the controller has ended; False if it is none of the program's."""
         motion = self._book.ended(outcome.id, ok=outcome.ok, at=float(next(self._order)))
         if motion is None:
-            return
+            return False
         progress = 1.0 if outcome.ok else float(outcome.details.get('progress', 1.0))
         for id_, passed in motion.passed(progress):
             message = PASSED if passed else outcome.message
@@ -176,6 +182,7 @@ class SimulatedMotions:
         self._end(outcome.id, ok=outcome.ok, message=outcome.message, details=outcome.details)
         if outcome.ok and self.running:
             self._note_start(self.running, self._now())
+        return True
 
     # -- inside -----------------------------------------------------------------------------------
 

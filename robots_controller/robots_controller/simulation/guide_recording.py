@@ -1,0 +1,154 @@
+"""GuideRecording: what sensors and persons that guided a robot said, read from a bag."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from robots_controller.bag_file import Bag, read_bag
+from robots_controller.bag_reading import seconds
+from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.pose import Pose
+from robots_core.validation import Array, finite_vector
+from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.teach_box import JOG_FRAMES, JogAxes
+
+NANOSECONDS: Final = 1_000_000_000
+GUIDES: Final[Mapping[RobotCommandState, tuple[str, ...]]] = {
+    RobotCommandState.TRAJECTORY: ('reference_pose', 'reference_twist'),
+    RobotCommandState.TEACH: ('teach_twist', 'teach_joints'),
+}
+"""Topics that guide a robot, by its command state; beside poses a twist says how they move."""
+# A stamp that is farther from when its message was sent is of another clock.
+SAME_CLOCK: Final = 1.0  # s
+
+
+@dataclass(frozen=True, eq=False)
+class GuidingMessage:
+    """A message that guides the robot. Times are in ns since the robot was handed over.
+
+    Attributes:
+        topic: One of `GUIDES`.
+        time: When it came.
+        valid: When what it says was so, by its stamp.
+        data: The whole message, serialized.
+        value: A `Pose`, a twist (6,) in m/s and rad/s, or the joints' velocities (n,) in rad/s (m/s).
+        frame: Of a twist to jog with.
+    """
+
+    topic: str
+    time: int
+    valid: int
+    data: bytes = field(repr=False)
+    value: Pose | Array
+    frame: JogAxes = 'base'
+
+
+@dataclass(frozen=True, eq=False)
+class GuideRecording:
+    """What guides a robot from when it is handed over.
+
+    Attributes:
+        path: The bag.
+        messages: In order.
+        types: package/msg/Name of their topics.
+    """
+
+    path: Path
+    messages: tuple[GuidingMessage, ...] = field(repr=False)
+    types: Mapping[str, str]
+
+    def check(self, state: RobotCommandState) -> None:
+        """Check that it can guide a robot in a command state.
+
+        Raises:
+            RobotsError: it holds nothing for it.
+        """
+        needed = GUIDES[state][:1] if state is RobotCommandState.TRAJECTORY else GUIDES[state]
+        if not self.types.keys() & set(needed):
+            raise RobotsError(
+                f'{self.path} holds no {" or ".join(needed)}, only {", ".join(sorted(self.types))}'
+            )
+
+
+def read_guide_recording(path: Path | str, joints: Sequence[str]) -> GuideRecording:
+    """Read what guided a robot, from a recording of a sensor or of a whole cell.
+
+    It begins where the recorded cell handed its robot over for the first time (its `command_state` says so),
+    or with the first message that guides.
+
+    Args:
+        path: A rosbag2 folder, or one .mcap or .db3 file.
+        joints: Names of the robot's n joints.
+
+    Raises:
+        RobotsError: not a readable bag, or a message in it that is not valid.
+    """
+    bag = read_bag(path)
+    topics = [f'/{topic}' for state in GUIDES for topic in GUIDES[state]]
+    found = bag.deserialized([*topics, '/command_state'])
+    start = _start(bag, [stamp for topic in topics for stamp, _ in found[topic]], found['/command_state'])
+    values = {topic: enumerate(found[topic], 1) for topic in topics}
+    messages = []
+    for topic, stamp, data in bag.messages:
+        if topic not in values:
+            continue
+        number, (_, message) = next(values[topic])
+        if stamp < start:
+            continue
+        try:
+            value, frame = _value(topic, message, joints)
+        except (AttributeError, RobotsError) as error:
+            raise RobotsError(f'{bag.path}: message {number} of {topic}: {error}') from error
+        told = round(seconds(message.header.stamp) * NANOSECONDS)
+        valid = min(told, stamp) if abs(told - stamp) < SAME_CLOCK * NANOSECONDS else stamp
+        messages.append(GuidingMessage(topic[1:], stamp - start, valid - start, data, value, frame))
+    types = {message.topic: bag.topics[f'/{message.topic}'].type for message in messages}
+    return GuideRecording(bag.path, tuple(messages), types)
+
+
+def _start(bag: Bag, stamps: Sequence[int], states: Sequence[tuple[int, Any]]) -> int:
+    handed_over = [stamp for stamp, state in states if state.data in {*GUIDES}]
+    first = handed_over[0] if handed_over else min(stamps, default=None)
+    if first is None or max(stamps, default=first - 1) < first:
+        topics = ', '.join(topic for state in GUIDES for topic in GUIDES[state])
+        raise RobotsError(
+            f'{bag.path} holds nothing that guides a robot: needed is one of {topics}; it holds '
+            f'{", ".join(sorted(bag.topics)) or "nothing"}'
+        )
+    return first
+
+
+def _value(topic: str, message: Any, joints: Sequence[str]) -> tuple[Pose | Array, JogAxes]:
+    match topic:
+        case '/reference_pose':
+            p, o = message.pose.position, message.pose.orientation
+            return Pose.from_quaternion([p.x, p.y, p.z], [o.x, o.y, o.z, o.w]), 'base'
+        case '/teach_joints':
+            return _velocities(message, joints), 'base'
+    v, w = message.twist.linear, message.twist.angular
+    twist = finite_vector([v.x, v.y, v.z, w.x, w.y, w.z], 6, 'twist')
+    return twist, _frame(message.header.frame_id) if topic == '/teach_twist' else 'base'
+
+
+def _velocities(message: Any, joints: Sequence[str]) -> Array:
+    missing = [name for name in joints if name not in message.name]
+    if missing or len(message.velocity) != len(message.name):
+        raise InvalidInputError(
+            f'it has {len(message.velocity)} velocities of {", ".join(message.name) or "no joint"}; '
+            f'needed is one of each of {", ".join(joints)}'
+        )
+    columns = [list(message.name).index(name) for name in joints]
+    return finite_vector(np.asarray(message.velocity)[columns], len(joints), 'velocity')
+
+
+def _frame(frame: str) -> JogAxes:
+    if frame not in JOG_FRAMES:
+        raise InvalidInputError(
+            f'frame {frame!r} is unknown; tools are jogged in {", ".join(filter(None, JOG_FRAMES))}'
+        )
+    return JOG_FRAMES[frame]
