@@ -1,9 +1,11 @@
-"""What opens a report: V8 with a stub of the browser everywhere, and the browsers of this machine."""
+"""What opens a report: the headless Chromium that comes with kaleido, and the browsers of this machine."""
 
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -29,6 +31,26 @@ LOOK = """(() => [...document.querySelectorAll('canvas')].map((canvas) => {
 }))()"""
 
 
+# What kaleido calls for each line that comes in; its own draws plots. Handlers are there before the page is.
+SCOPE = """var kaleido_scopes = {plotly: ({data}) => new Promise((resolve) => {
+  const errors = [], frame = document.createElement('iframe');
+  frame.style.cssText = 'width: 1400px; height: 1000px';
+  document.body.appendChild(frame);
+  const view = frame.contentWindow;
+  frame.contentDocument.open();
+  view.addEventListener('error', (event) => errors.push(String(event.message || event.target)), true);
+  view.addEventListener('unhandledrejection', (event) => errors.push(String(event.reason)));
+  view.console.error = (...words) => errors.push(words.join(' '));
+  view.addEventListener('load', () => view.requestAnimationFrame(() => view.requestAnimationFrame(() => {
+    const loaded = view.performance.getEntriesByType('resource').map((entry) => entry.name);
+    const result = JSON.stringify({errors: [...errors, ...loaded], colours: view.eval(data.look)});
+    resolve({code: 0, message: '', result, format: 'json'});
+  })));
+  frame.contentDocument.write(data.page);
+  frame.contentDocument.close();
+})};"""
+
+
 @dataclass(frozen=True)
 class Opened:
     """What a browser made of a page.
@@ -40,6 +62,39 @@ class Opened:
 
     errors: list[str]
     colours: list[tuple[str, int]]
+
+
+def open_in_kaleido(path: Path, folder: Path) -> Opened:
+    """Open a page in the headless Chromium of kaleido, which needs no library of the system.
+
+    Args:
+        path: The page.
+        folder: Empty; the browser finds its script there.
+    """
+    spec = importlib.util.find_spec('kaleido')
+    assert spec is not None
+    assert spec.submodule_search_locations
+    home = Path(spec.submodule_search_locations[0]) / 'executable'
+    for name, script in (('kaleido_scopes.js', SCOPE), ('nothing.js', '')):
+        (folder / 'js').mkdir(parents=True, exist_ok=True)
+        (folder / 'js' / name).write_text(script, encoding='utf-8')
+    nothing = (folder / 'js' / 'nothing.js').as_uri()
+    places = {'LD_LIBRARY_PATH': 'lib', 'FONTCONFIG_PATH': 'etc/fonts', 'XDG_DATA_HOME': 'xdg'}
+    page = json.dumps({'data': {'page': path.read_text(encoding='utf-8'), 'look': LOOK}, 'format': 'json'})
+    done = subprocess.run(
+        [home / 'bin' / 'kaleido', 'plotly', '--no-sandbox', f'--plotlyjs={nothing}', f'--mathjax={nothing}'],
+        input=f'{page}\n',
+        cwd=folder,
+        env={**os.environ, **{name: str(home / place) for name, place in places.items()}},
+        capture_output=True,
+        text=True,
+        timeout=DEADLINE,
+        check=True,
+    )
+    started, opened = (json.loads(line) for line in done.stdout.splitlines()[:2])
+    assert started['code'] == opened['code'] == 0, done.stdout
+    told = json.loads(opened['result'])
+    return Opened(told['errors'], [(label, count) for label, count in told['colours']])
 
 
 def open_page(browser: str, path: Path, profile: Path) -> Opened:

@@ -1,4 +1,4 @@
-"""The page's own script, run in V8 with a stub of the browser, and in a browser where there is one."""
+"""The page's own script, run in V8 with a stub of the browser, and in headless browsers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from robots_controller.report.comparison_page import comparison_page
 from robots_core.errors import RobotsError
 
 from .report_bags import tending_bag
-from .report_browsers import BROWSERS, open_page
+from .report_browsers import BROWSERS, open_in_kaleido, open_page
 
 STUB = Path(__file__).with_name('dom_stub.js')
 HOSTILE = '-- </script><img src=x onerror=alert(1)>'
@@ -118,17 +118,24 @@ def test_the_robot_is_drawn(page: Page):
     assert calls['drawArrays'] == 1 + len(page.data['world']['robots'])
 
 
-@pytest.mark.parametrize('opener', ['V8', *BROWSERS])
+@pytest.mark.parametrize('script', ['throw new Error("it broke")', 'console.error("it broke")'])
+def test_browsers_tell_what_goes_wrong(script: str, tmp_path: Path):
+    path = tmp_path / 'page.html'
+    path.write_text(f'<canvas aria-label="empty"></canvas><script>{script}</script>', encoding='utf-8')
+    opened = open_in_kaleido(path, tmp_path / 'browser')
+    assert 'it broke' in opened.errors[0]
+    assert opened.colours == [('empty', 1)]
+
+
+@pytest.mark.parametrize('browser', ['kaleido', *BROWSERS])
 @pytest.mark.parametrize('kind', ['report', 'comparison'])
-def test_it_opens_without_an_error(opener: str, kind: str, texts: dict[str, str], tmp_path: Path):
+def test_it_opens_without_an_error(browser: str, kind: str, texts: dict[str, str], tmp_path: Path):
     path = tmp_path / 'report.html'
     path.write_text(texts[kind], encoding='utf-8')
-    data = Page(texts[kind]).data  # raises what its script raises
-    if opener == 'V8':
-        return
-    opened = open_page(opener, path, tmp_path / 'profile')
+    folder = tmp_path / 'browser'
+    opened = open_in_kaleido(path, folder) if browser == 'kaleido' else open_page(browser, path, folder)
     assert opened.errors == []
-    plots = {panel['title'] for panel in data['panels']}
+    plots = {panel['title'] for panel in Page(texts[kind]).data['panels']}
     assert {label for label, _ in opened.colours} == {*plots, 'robot'}
     for label, colours in opened.colours:
         # Frame, ticks and text alone have some shades of grey: the robot's light has hundreds.
