@@ -10,9 +10,7 @@ from typing import Any, Final
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
-from robots_controller.io_map import IoMap, read_io_map
-from robots_controller.io_signals import channel_labels
-from robots_controller.plc_script import PlcScript, read_plc_script
+from robots_controller.cell_io import read_cell_io
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drive_level import check_level
 from robots_core.blocks.pose_following import METHODS
@@ -105,7 +103,8 @@ def cell_graph(
     if guided and guided not in METHODS:
         raise RobotsError(f'unknown inverse kinematics {guided!r}; valid are {", ".join(METHODS)}')
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
-    names = _channel_names(io, io_map)
+    labels = read_cell_io(io, io_map).labels
+    names = {f'{image.removesuffix("s")}_names': list(names) for image, names in labels.items()}
     if scene:
         read_scene(scene)
 
@@ -131,21 +130,3 @@ def cell_graph(
         *([node('robots_controller', 'plc_node', script=io)] if io else []),
         *([node('robots_controller', 'io_bridge_node', io_map=io_map)] if io_map else []),
     )
-
-
-def _channel_names(io: str, io_map: str) -> dict[str, list[str]]:
-    """Parameters of the Lua node: the names that the files give to channels."""
-    script = read_plc_script(io) if io else PlcScript(())
-    rows = read_io_map(io_map) if io_map else IoMap()
-    both = {c.image for c in script.inputs} & {row.channel.image for row in rows.inputs}
-    if both:
-        raise RobotsError(
-            f'{io} and {io_map} both set {", ".join(sorted(both))}; only one can publish that topic'
-        )
-    signals = {**script.signals, **rows.signals}
-    for label in script.signals.keys() & rows.signals.keys():
-        here, there = script.signals[label], rows.signals[label]
-        if here != there:
-            raise RobotsError(f'{label!r} is {here.name} in {io} and {there.name} in {io_map}')
-    labels = channel_labels(list(signals.values()))
-    return {f'{image.removesuffix("s")}_names': names for image, names in labels.items()}

@@ -25,6 +25,7 @@ def simulate(
     drive: str = 'second_order',
     scene: Path | str = '',
     io: Path | str = '',
+    io_map: Path | str = '',
     bag: Path | str | None = None,
     rate: float = 250.0,
     goal_tolerance: float | None = None,
@@ -48,6 +49,8 @@ def simulate(
         drive: How much of a machine the drives are: `ideal`, `second_order` or `rigid_body`.
         scene: What the robot keeps clear of (YAML, see `read_scene`); '' for nothing but itself.
         io: Script of the PLC that the program works with (YAML, see `read_plc_script`); '' for none.
+        io_map: Map of inputs and outputs to topics of a PLC (YAML, see `read_io_map`); '' for none. Channels
+            have its names; its inputs keep their fail-safe values, as nobody publishes those topics.
         bag: Folder to write a bag to, with the topics of a live recording; must not exist.
         rate: References per second, Hz.
         goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
@@ -73,6 +76,7 @@ def simulate(
         drive=drive,
         scene=scene,
         io=io,
+        io_map=io_map,
         rate=rate,
         goal_tolerance=goal_tolerance,
         collision_margin=collision_margin,

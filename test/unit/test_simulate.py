@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from robots_controller.bag_file import read_bag
 from robots_controller.simulate import simulate
 from robots_controller.simulation.events import (
     CommandStateChanged,
@@ -274,6 +275,8 @@ def test_a_program_without_end_is_ended(tmp_path: Path):
         ({'robot': 'nobody'}, 'unknown robot'),
         ({'drive': 'magic'}, 'magic'),
         ({'io': 'missing.yaml'}, 'missing.yaml'),
+        ({'io_map': 'missing.yaml'}, 'missing.yaml'),
+        ({'references': 'missing'}, 'missing does not exist'),
         ({'scene': 'missing.yaml'}, 'missing.yaml'),
         ({'rate': float('nan')}, 'rate'),
         ({'longest': -1.0}, 'longest'),
@@ -291,3 +294,30 @@ def test_a_program_that_is_not_lua_is_refused(tmp_path: Path):
 
 def test_lines_are_those_of_the_program(welding: SimulationRun):
     assert [e.line for e in welding.events if isinstance(e, LineReached)] == [3, 4, 5, 6, 7, 8, 9, 10, 11, 12]
+
+
+# -- the map of a PLC that is not there -------------------------------------------------------------------
+
+
+def test_a_map_gives_names_and_fail_safe_values(tmp_path: Path):
+    (tmp_path / 'map.yaml').write_text(
+        'signals: {door_closed: digital_input.2}\n'
+        'inputs:\n'
+        '  - {channel: door_closed, topic: a, type: Bool, timeout: 0.5, fail_safe: true}\n'
+        '  - {channel: analog_input.1, topic: b, type: Float64, timeout: 0.5, fail_safe: 2.5}\n'
+        '  - {channel: digital_input.1, topic: c, type: Bool}\n'
+    )
+    text = 'print(tostring(getDigitalInput(1)) .. tostring(getDigitalInput(2)) .. getAnalogInput(1))'
+    run = run_text(tmp_path, text, io_map=tmp_path / 'map.yaml', bag=tmp_path / 'bag')
+    assert run.printed == ('falsetrue2.5',)
+    found = read_bag(tmp_path / 'bag').deserialized(['/digital_inputs', '/parameter_events'])
+    assert found['/digital_inputs'][0][1].data.tolist() == [0, 1]
+    (event,) = (message for _, message in found['/parameter_events'])
+    assert event.new_parameters[0].value.string_array_value == ['', 'door_closed']
+
+
+def test_a_map_and_a_script_that_set_the_same_inputs_are_refused(tmp_path: Path):
+    (tmp_path / 'map.yaml').write_text('inputs: [{channel: digital_input.9, topic: a, type: Bool}]')
+    io = PROGRAMS / 'io' / 'press_tending.yaml'
+    with pytest.raises(RobotsError, match='both set digital_inputs; only one can publish that topic'):
+        run_text(tmp_path, 'wait(1)', io=io, io_map=tmp_path / 'map.yaml')

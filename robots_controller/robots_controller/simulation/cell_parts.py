@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from robots_controller.cell_io import read_cell_io
 from robots_controller.controller import Controller
 from robots_controller.controller_settings import ControllerSettings
-from robots_controller.io_signals import channel_labels
-from robots_controller.plc_script import PlcScript, read_plc_script
+from robots_controller.plc_script import PlcScript
 from robots_controller.simulation.guide_recording import GuideRecording, read_guide_recording
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
@@ -70,6 +70,7 @@ def cell_parts(
     drive: str,
     scene: Path | str = '',
     io: Path | str = '',
+    io_map: Path | str = '',
     rate: float = 250.0,
     goal_tolerance: float | None = None,
     collision_margin: float = COLLISION_MARGIN,
@@ -85,6 +86,7 @@ def cell_parts(
         drive: Level of the drives, one of `DRIVE_LEVELS`.
         scene: What the robot keeps clear of (see `read_scene`).
         io: Script of a PLC (see `plc_script`).
+        io_map: Map of inputs and outputs to topics of a PLC, which nobody publishes here (see `io_map`).
         rate: References per second, Hz.
         goal_tolerance: Largest error of an axis that has reached its target, rad (m).
         collision_margin: Distance that motions keep, m.
@@ -97,7 +99,7 @@ def cell_parts(
     """
     period = 1.0 / positive(rate, 'rate', 'Hz')
     model = load_robot_model(robot)
-    script = read_plc_script(io) if io else PlcScript(())
+    cell_io = read_cell_io(io, io_map)
     collision = CollisionDetection(model)
     if scene:
         collision.set_scene(read_scene(scene))
@@ -111,8 +113,8 @@ def cell_parts(
         drives=drive_train(drive, model, model.home, period=period),
         controller=Controller(model.axes_data, ControllerSettings(period=period, **tolerance)),
         planning=PathPlanning(model, collision=collision, collision_margin=collision_margin),
-        plc_script=script,
-        io_labels=channel_labels(list(script.signals.values())),
+        plc_script=cell_io.offline,
+        io_labels=cell_io.labels,
         scene=str(scene),
         io=str(io),
         references=read_guide_recording(references, model.axes_data.names) if references else None,

@@ -66,6 +66,7 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument('--scene', default='', metavar='FILE', help='what the robot keeps clear of (YAML)')
     parser.add_argument('--io', default='', metavar='FILE', help='play a PLC: YAML script of its inputs')
+    parser.add_argument('--io-map', default='', metavar='FILE', help="a PLC's map: names, fail-safe values")
     parser.add_argument('--bag', type=Path, metavar='FOLDER', help='write a bag; the folder must not exist')
     parser.add_argument('--report', type=Path, metavar='FILE', help='write a report, one HTML page')
     parser.add_argument('--rate', type=float, default=250.0, help='references per second, Hz')
@@ -114,6 +115,7 @@ def run(options: argparse.Namespace, console: Console) -> int:
             drive=options.drive,
             scene=options.scene,
             io=options.io,
+            io_map=options.io_map,
             bag=bag,
             rate=options.rate,
             goal_tolerance=options.goal_tolerance,
