@@ -20,6 +20,7 @@ from robots_planning.trajectory_generators.time_law import TimeLaw, smooth_law_a
 from robots_planning.trajectory_generators.two_pass import Grid, MotionLimits, two_pass
 
 GRID = 240  # points of the speed profile over the path, at least
+GRID_ROUNDING = 1e-9  # of a point: what rounding of the knots must not add
 POINTS_PER_KNOT = 4  # so that the trajectory's quintics follow those of the joint path
 # Points closer than this are one: the quintic between them would divide rounding by its fifth power.
 CLOSEST_POINTS = 2e-4  # s
@@ -50,15 +51,21 @@ def speed_grid(knots: Array) -> Array:
     """Path grid that holds all knots, subdivided evenly so that it has at least about `GRID` intervals."""
     total = 0
     for i in range(knots.size - 1):
-        total += max(ceil((knots[i + 1] - knots[i]) * GRID), POINTS_PER_KNOT)
+        total += _parts(knots[i + 1] - knots[i])
     s, row = np.empty(total + 1), 0
     for i in range(knots.size - 1):
-        parts = max(ceil((knots[i + 1] - knots[i]) * GRID), POINTS_PER_KNOT)
+        parts = _parts(knots[i + 1] - knots[i])
         for part in range(parts):
             s[row] = knots[i] + (knots[i + 1] - knots[i]) * part / parts
             row += 1
     s[row] = knots[-1]
     return s
+
+
+@compiled()
+def _parts(interval: float) -> int:
+    """In how many parts an interval of the path is divided."""
+    return max(ceil(interval * GRID - GRID_ROUNDING), POINTS_PER_KNOT)
 
 
 @compiled()
