@@ -9,17 +9,30 @@ from pathlib import Path
 from .cell_process import CellProcess
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'
-# Text of a program and what stands in its place, so that things are done once, or sooner.
+# Text of a program and what stands in its place, so that things are done once, nearer, or sooner.
 SHORTENED = {
-    'palletizing.lua': {'ROWS, COLUMNS, LAYERS, GAP = 2, 2, 2,': 'ROWS, COLUMNS, LAYERS, GAP = 1, 2, 1,'},
-    'press_tending.lua': {'PATIENCE = 2, 10': 'PATIENCE = 1, 10'},
+    'palletizing.lua': {
+        'ROWS, COLUMNS, LAYERS, GAP = 2, 2, 2,': 'ROWS, COLUMNS, LAYERS, GAP = 1, 2, 1,',
+        'PALLET = {1.20, -1.30, 0.10,': 'PALLET = {1.20, -0.60, 0.10,',
+    },
+    'press_tending.lua': {
+        'PATIENCE = 2, 10': 'PATIENCE = 1, 10',
+        'FEEDER = {0.30, 1.60, 0.70, 90,': 'FEEDER = {1.60, 0.80, 0.70, 30,',
+        'TRAY = {0.30, -1.60, 0.70, -90,': 'TRAY = {1.60, -0.80, 0.70, -30,',
+        # The wrist stays as it is at all three places.
+        'ptpJointSpaceAngles(0, -100, 110, 0, 80, 0)': 'ptpJointSpaceAngles(0, -100, 110, 0, 80, -180)',
+    },
+    'three_axis_grasp.lua': {'setSpeed(0.3)': 'setSpeed(0.8)', 'wait(1)': 'wait(0.3)'},
     'wheel_test.lua': {
-        'TRACK, RAMP = 0.80, 0.05': 'TRACK, RAMP = 0.25, 0.05',
+        'TRACK, RAMP = 0.80, 0.05': 'TRACK, RAMP = 0.10, 0.05',
+        'LIFT = 1.80, 0.70, 0.15': 'LIFT = 1.80, 0.70, 0.05',
         'ipairs {0, 0.2}': 'ipairs {0.2}',
     },
     'rover_placement.lua': {
+        'LIFT = 0.10': 'LIFT = 0.05',
         'wait(1) --': 'wait(0.3) --',
         'setSpeed(nil, 0.05, 20)': 'setSpeed(nil, 0.1, 20)',
+        'setSpeed(0.5) --': 'setSpeed(1) --',
     },
 }
 

@@ -111,7 +111,7 @@ def test_press_tending(live_runs: LiveRuns) -> None:
 
 def test_wheel_test(live_runs: LiveRuns) -> None:
     run = run_program(live_runs, 'wheel_test.lua', 'kuka_kr210_r3100')
-    speed, ramp, track = 0.05, 0.05, 0.25  # m/s, m
+    speed, ramp, track = 0.05, 0.05, 0.10  # m/s, m
     (on, *_), (off, *_) = changes(run.bag, 'digital_outputs')
     (motion,) = (m for m in run.motions if m.start < on < m.end)
     assert motion.start < off < motion.end
