@@ -35,6 +35,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robots_controller.cell_graph import NodeDescription
 from robots_core import load_robot_model
 from robots_core.nodes.middleware import choose_transports
+from robots_core.nodes.qos import REFERENCE
 
 HERE = Path(__file__).parent
 MOVES = 20
@@ -46,23 +47,26 @@ class Timing:
     """One run: deviations of the period (us), and what the publishing process took of the CPU.
 
     Both its share and its time per reference (us): who cannot keep the rate on a busy machine has less to do.
+    And whether a thread of it is scheduled first in, first out.
     """
 
     deviation: np.ndarray
     cpu_share: float
     cpu_time: float
+    realtime: bool
 
 
 class Receiver(Node):
     """Collects when each `joint_reference` was sent, by the middleware's own stamp.
 
-    Each side is read once, by this; a standing robot's `joint_states` come from here too.
+    Each side is read once, by this, as drives read it; a standing robot's `joint_states` come from here too.
     """
 
     def __init__(self, names: tuple[str, ...], home: np.ndarray) -> None:
         super().__init__('receiver')
         self.stamps: list[int] = []
-        self.create_subscription(JointTrajectory, 'joint_reference', self._on_message, QoSProfile(depth=1000))
+        reading = QoSProfile(depth=1000, reliability=REFERENCE.reliability)
+        self.create_subscription(JointTrajectory, 'joint_reference', self._on_message, reading)
         feedback = self.create_publisher(JointState, 'joint_states', QoSProfile(depth=1))
         state = JointState(name=list(names), position=home.tolist())
         self.create_timer(1.0 / FEEDBACK_RATE, lambda: feedback.publish(state))
@@ -75,6 +79,11 @@ class Receiver(Node):
 def cpu_seconds(pid: int) -> float:
     fields = Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
+
+
+def realtime(pid: int) -> bool:
+    threads = (int(task.name) for task in Path(f'/proc/{pid}/task').iterdir())
+    return any(os.sched_getscheduler(thread) == os.SCHED_FIFO for thread in threads)
 
 
 @contextlib.contextmanager
@@ -101,7 +110,8 @@ def measure(receiver: Receiver, pid: int, rate: float, seconds: float) -> Timing
     time.sleep(seconds)
     used, elapsed = cpu_seconds(pid) - cpu, time.monotonic() - start
     stamps = np.array(receiver.stamps)
-    return Timing(np.abs(np.diff(stamps) / 1e3 - 1e6 / rate), used / elapsed, 1e6 * used / stamps.size)
+    deviation = np.abs(np.diff(stamps) / 1e3 - 1e6 / rate)
+    return Timing(deviation, used / elapsed, 1e6 * used / stamps.size, realtime(pid))
 
 
 def node_command(node: NodeDescription) -> list[str]:
@@ -200,6 +210,8 @@ def main() -> None:
     row('CPU share', '%', [[100.0 * run.cpu_share for run in side] for side in sides])
     ratios['cpu'] = row('CPU time per reference', 'us', [[run.cpu_time for run in side] for side in sides])
     console.print(table)
+    granted = all(run.realtime for run in controller)
+    console.print(f'FIFO scheduling of the controller: {"granted" if granted else "not permitted here"}')
     delays = run_delays(options.robot)
     console.print(
         f'Lua motion call to first changed reference at 250 Hz, {delays.size} moves: '

@@ -23,14 +23,15 @@ from robots_controller.controller_settings import ControllerSettings
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_controller.streamed_reference import StreamPoint
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.nodes.messages import MotionResult, joint_values, stamp_id
+from robots_core.nodes.joint_state_reader import JointStateReader
+from robots_core.nodes.messages import MotionResult, stamp_id
 from robots_core.nodes.polled_subscription import PolledSubscription
 from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE, subscribe_state
 from robots_core.nodes.reference_stream import ReferenceStream
 from robots_core.nodes.robot_node import HEALTH_PERIOD, RobotNode
 from robots_core.nodes.run import run
 from robots_core.periodic_thread import PeriodicThread, ask_for_realtime
-from robots_core.validation import Array, finite_vector, fraction
+from robots_core.validation import Array, fraction
 from robots_planning.nodes.trajectory_messages import join_time, trajectory_from_message
 from robots_planning.trajectory import Trajectory
 from robots_planning.verification import verify
@@ -95,9 +96,11 @@ class ControllerNode(RobotNode):
         self._references = ReferenceStream(self, 'joint_reference', self._names, time_from_start=1.0 / rate)
         self._progress_publisher = self.create_publisher(Float64, 'motion_progress', STATE)
         self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
-        self._feedback: PolledSubscription[JointState] = PolledSubscription(
-            self, JointState, 'joint_states', SENSOR
+        self._feedback: PolledSubscription[bytes] = PolledSubscription(
+            self, JointState, 'joint_states', SENSOR, raw=True
         )
+        self._joint_states = JointStateReader(self._names)
+        self._position: Array | None = None
         self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND)
         subscribe_state(self, Float64, 'override', self._on_override)
         self.create_subscription(
@@ -129,26 +132,29 @@ class ControllerNode(RobotNode):
         controller, mailbox = self._controller, self._mailbox
         while mailbox:
             mailbox.popleft()(now)
-        self._cycle += 1
-        settling = controller.state is ControllerState.SETTLING
-        feedback_due = self._cycle % (self._settling_every if settling else self._feedback_every) == 0
-        feedback = self._take_feedback() if feedback_due else None
-        reference = controller.step(now, feedback)
+        reference = controller.step(now, self._position)
         if reference is not None:
             self._references.publish(reference, now)
         while controller.outcomes:
             self._publish_result(controller.outcomes.popleft())
         self._publish_progress()
+        self._cycle += 1
+        # For the next period: nothing that can wait delays a reference.
+        self._position = self._take_feedback() if self._feedback_due() else None
         if self._cycle % self._health_every == 0:
             self._watch_health()
 
+    def _feedback_due(self) -> bool:
+        if self._cycle % self._feedback_every == 0:
+            return True
+        return self._cycle % self._settling_every == 0 and self._controller.state is ControllerState.SETTLING
+
     def _take_feedback(self) -> Array | None:
-        message = self._feedback.take()
-        if message is None:
+        raw = self._feedback.take()
+        if raw is None:
             return None
         try:
-            position = joint_values(message.name, message.position, self._names, 'joint_states')
-            return finite_vector(position, len(self._names), 'joint_states')
+            return self._joint_states.position(raw)
         except InvalidInputError as error:
             self.refuse('joint_states', error, stream=True)
             return None

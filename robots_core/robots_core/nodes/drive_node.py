@@ -17,7 +17,7 @@ from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.messages import doubles, joint_values
 from robots_core.nodes.payload_parameter import payload_from_parameters
 from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import STATE, STREAM
+from robots_core.nodes.qos import REFERENCE, STATE
 from robots_core.nodes.robot_node import RobotNode, bounded
 from robots_core.nodes.run import run
 from robots_core.periodic_thread import PeriodicThread
@@ -88,7 +88,7 @@ class DriveNode(RobotNode):
         self._velocity: Array = np.zeros(axes.num_axes)
         self._extrapolated = 0
         self._references: PolledSubscription[JointTrajectory] = PolledSubscription(
-            self, JointTrajectory, 'joint_reference', STREAM
+            self, JointTrajectory, 'joint_reference', REFERENCE
         )
         self._message = JointState(name=list(axes.names))
         self._publisher = self.create_publisher(JointState, 'joint_states', STATE)

@@ -31,6 +31,12 @@ SENSOR: Final = QoSProfile(
 )
 """Subscribers of a robot's sensors: fits every driver, those that send sensor data unacknowledged too."""
 
+REFERENCE: Final = SENSOR
+"""Subscribers of `joint_reference`: the next one comes before a lost one could be sent again.
+
+So its publisher need not ask them again and again what they have received.
+"""
+
 COMMAND: Final = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
     depth=100,
