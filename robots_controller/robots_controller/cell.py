@@ -30,7 +30,7 @@ from robots_controller.nodes.bag_recorder import BagRecorder
 from robots_controller.nodes.cell_monitor import CellMonitor
 from robots_controller.program_header import ProgramHeader, read_program_header
 from robots_core.blocks.drive_level import DRIVE_LEVELS
-from robots_core.blocks.pose_following import METHODS
+from robots_core.blocks.following_methods import METHODS
 from robots_core.errors import RobotsError
 from robots_core.nodes.middleware import choose_transports
 from robots_core.robot_choice import load_robot_model

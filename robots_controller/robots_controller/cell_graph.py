@@ -13,7 +13,7 @@ from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 from robots_controller.cell_io import read_cell_io
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drive_level import check_level
-from robots_core.blocks.pose_following import METHODS
+from robots_core.blocks.following_methods import METHODS
 from robots_core.errors import RobotsError
 
 DEFAULT_ROBOT: Final = 'bello_bot'

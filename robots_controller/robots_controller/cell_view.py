@@ -23,7 +23,7 @@ from robots_controller.cell_events import (
     ProgramStatus,
 )
 from robots_core.pose import Pose
-from robots_planning.order_book import PASSED
+from robots_planning.motion_results import PASSED
 
 MARGIN = ' ' * 8
 REPEAT_TIME = 5.0  # s

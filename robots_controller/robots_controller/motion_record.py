@@ -14,10 +14,9 @@ from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
+from robots_planning.motion_results import PASSED
 from robots_planning.motion_settings import MotionSettings, settings_from_text
-from robots_planning.order_book import PASSED
-from robots_planning.pathplanning import JOINT_STATES, Shape
-from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.robot_command_state import JOINT_STATES, RobotCommandState, Shape
 from robots_planning.trajectory import Trajectory
 
 OK: Final = 0  # DiagnosticStatus.OK

@@ -134,11 +134,37 @@ def quaternion_of(T: Array) -> Array:
     return row / (hypot(*row) if row[3] >= 0.0 else -hypot(*row))
 
 
+def quaternions_of(T: Array) -> Array:
+    """As `quaternion_of`, of orientation matrices (m, 3, 3): (m, 4)."""
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = np.moveaxis(T, 0, -1)
+    rows = np.array(
+        [
+            [1.0 + xx - yy - zz, yx + xy, zx + xz, zy - yz],
+            [yx + xy, 1.0 - xx + yy - zz, zy + yz, xz - zx],
+            [zx + xz, zy + yz, 1.0 - xx - yy + zz, yx - xy],
+            [zy - yz, xz - zx, yx - xy, 1.0 + xx + yy + zz],
+        ]
+    )
+    largest = np.einsum('iim->im', rows).argmax(axis=0)
+    row: Array = rows[largest, :, np.arange(len(T))]
+    row /= np.where(row[:, 3] < 0.0, -1.0, 1.0)[:, None] * np.linalg.norm(row, axis=1, keepdims=True)
+    return row
+
+
 def rotation_vector(T: Array) -> Array:
     """Rotation vector (axis times angle, rad, angle in [0, pi]) of an orientation matrix, (3,)."""
     x, y, z, w = quaternion_of(T).tolist()
     length = hypot(x, y, z)
     return np.array([x, y, z]) * (2.0 if length == 0.0 else 2.0 * atan2(length, w) / length)
+
+
+def rotation_vectors(T: Array) -> Array:
+    """As `rotation_vector`, of orientation matrices (m, 3, 3): (m, 3)."""
+    quaternions = quaternions_of(T)
+    length = np.linalg.norm(quaternions[:, :3], axis=1)
+    still = length == 0.0
+    factor = np.where(still, 2.0, 2.0 * np.arctan2(length, quaternions[:, 3]) / np.where(still, 1.0, length))
+    return factor[:, None] * quaternions[:, :3]
 
 
 def rotation_from_vector(vector: Array) -> Array:

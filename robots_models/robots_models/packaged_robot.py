@@ -43,4 +43,5 @@ class PackagedRobot(UrdfRobotModel):
                 home=self.HOME,
                 orientation_convention=self.ORIENTATION_CONVENTION,
                 gravity=gravity,
+                shapes_on_demand=True,
             )

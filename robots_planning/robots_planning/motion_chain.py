@@ -16,7 +16,8 @@ from robots_planning.blending import Measure, blend_with_corners, joint_distance
 from robots_planning.chain_limits import SectionLimits, chain_limits
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.order_book import MotionOrder
-from robots_planning.pathplanning import JOINT_STATES, PathPlanning, PlannedMotion, in_base
+from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base
+from robots_planning.robot_command_state import JOINT_STATES
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 from robots_planning.trajectory_generators.cartesian_line import CartesianLine

@@ -5,14 +5,12 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Final
 
 from robots_planning.motion_settings import MotionSettings
-from robots_planning.pathplanning import Shape, Target
-from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.pathplanning import Target
+from robots_planning.robot_command_state import RobotCommandState, Shape
 from robots_planning.trajectory import Trajectory
 
-PASSED: Final = 'passed'  # result of a motion that ran through to the next one
 LONGEST_CHAIN = 32  # motions that run through in one; the last of so many stops
 
 

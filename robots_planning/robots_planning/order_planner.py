@@ -9,7 +9,8 @@ from robots_core.errors import PlanningError, RobotsError
 from robots_core.validation import Array
 from robots_planning.motion_chain import MotionChain
 from robots_planning.order_book import MotionOrder, OrderBook, RunningMotion
-from robots_planning.pathplanning import JOINT_STATES, PathPlanning, PlannedMotion
+from robots_planning.pathplanning import PathPlanning, PlannedMotion
+from robots_planning.robot_command_state import JOINT_STATES
 
 # A motion that takes the place of the running one does so this much later, which planning and messages take.
 REPLACE_LEAD = 0.15  # s

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from robots_core.orientation import rotation_vector
+from robots_core.orientation import quaternions_of, rotation_vector, rotation_vectors
 from robots_core.pose import Pose
 from robots_core.validation import Array
 
@@ -56,7 +55,7 @@ def line_deviation(r: Array, T: Array, start: Pose, end: Pose) -> tuple[float, f
     turn = rotation_vector(end.T @ start.T.T)
     angle = float(np.linalg.norm(turn))
     k = turn / angle if angle > 0.0 else np.zeros(3)
-    quaternion = Rotation.from_matrix(T @ start.T.T).as_quat(canonical=True)
+    quaternion = quaternions_of(T @ start.T.T)
     across = quaternion[:, :3] - (quaternion[:, :3] @ k)[:, None] * k
     away = 2.0 * np.arcsin(np.minimum(np.linalg.norm(across, axis=1), 1.0))
     return _with_ends(r, T, (start, end), distance, away)
@@ -110,8 +109,9 @@ def _around(path: SampledPath, near: Array, r: Array, T: Array) -> tuple[Array, 
         part = np.clip(((wanted - features[rows, begin]) * chord).sum(axis=1) / length, 0.0, 1.0)[:, None]
         start, way = points[rows, begin], points[rows, begin + 1] - points[rows, begin]
         distance = np.linalg.norm(r - start - part * way, axis=1)
-        turn = _rotation_vectors(orientations[rows, begin + 1], orientations[rows, begin])
-        away = np.linalg.norm(_rotation_vectors(T, orientations[rows, begin]) - part * turn, axis=1)
+        back = orientations[rows, begin].transpose(0, 2, 1)
+        turn = rotation_vectors(orientations[rows, begin + 1] @ back)
+        away = np.linalg.norm(rotation_vectors(T @ back) - part * turn, axis=1)
         closer = distance + TURNING_RADIUS * away < best + TURNING_RADIUS * turned
         best, turned = np.where(closer, distance, best), np.where(closer, away, turned)
     return best, turned
@@ -123,8 +123,3 @@ def _features(r: Array, T: Array) -> Array:
     Where a path crosses itself the orientation tells which of its parts is meant, and of a turn alone all.
     """
     return np.concatenate([r, TURNING_RADIUS * T.reshape(-1, 9)], axis=1)
-
-
-def _rotation_vectors(T: Array, reference: Array) -> Array:
-    """Rotation vectors (m, 3) from one orientation to another."""
-    return Rotation.from_matrix(T @ reference.transpose(0, 2, 1)).as_rotvec()

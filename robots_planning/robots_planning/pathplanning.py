@@ -6,7 +6,7 @@ import contextlib
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final, Literal, cast
+from typing import Any, Final, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +18,7 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.motion_settings import IDENTITY, MotionSettings, known_configuration
 from robots_planning.path_deviation import SampledPath
-from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.robot_command_state import JOINT_STATES, RobotCommandState, Shape
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.cartesian_generator import Planner
 from robots_planning.trajectory_generators.circular_cartesian import CircularCartesian
@@ -35,14 +35,12 @@ from robots_planning.verification import VerificationReport, verify
 
 WARM_UP_STEP = 0.01  # rad, m
 MOST_GENERATORS = 16  # kept for the settings that were used last
-JOINT_STATES: Final = (RobotCommandState.PTPJOINT_JOINT, RobotCommandState.PTPJOINT_CARTESIAN)
 JOINT_GENERATORS: Final[dict[str, type[JointSpaceGenerator]]] = {
     'linear_joint': LinearJoint,
     'linear_joint_axes': LinearJointAxes,
 }
 CURVES: Final[dict[str, type[PosesGenerator]]] = {'circle': CircularCartesian, 'spline': SplineCartesian}
 
-Shape = Literal['line', 'circle', 'spline']
 Target = Pose | ArrayLike | tuple[Pose, ...]
 Generator = JointSpaceGenerator | LinearCartesianLimited | LinearCartesianDynamicProgramming | PosesGenerator
 

@@ -8,7 +8,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.blocks.pose_following import METHODS, pose_following
+from robots_core.blocks.following_methods import METHODS
+from robots_core.blocks.pose_following import pose_following
 from robots_core.blocks.pose_reference import PoseReference
 from robots_core.errors import UnreachablePoseError
 from robots_core.pose import Pose

@@ -13,7 +13,7 @@ from robots_controller.bag_comparison import compare_bags
 from robots_controller.bag_file import Bag, read_bag
 from robots_controller.bag_tolerances import BagTolerances, TopicTolerance
 from robots_controller.simulate import simulate
-from robots_planning.order_book import PASSED
+from robots_planning.motion_results import PASSED
 
 from .bag_checks import changes
 from .live_runs import LiveRuns

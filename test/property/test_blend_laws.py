@@ -14,7 +14,8 @@ from robots_core.errors import RobotsError
 from robots_planning import MotionSettings, PathPlanning, RobotCommandState, verify
 from robots_planning.motion_chain import MotionChain
 from robots_planning.order_book import MotionOrder
-from robots_planning.pathplanning import Shape, Target
+from robots_planning.pathplanning import Target
+from robots_planning.robot_command_state import Shape
 from robots_planning.trajectory_generators.circular_arc import CircularArc
 from robots_planning.verification import LINE_TOLERANCE
 

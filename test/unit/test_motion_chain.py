@@ -12,7 +12,8 @@ from robots_core.errors import PlanningError
 from robots_planning import MotionSettings, PathPlanning, RobotCommandState, verify
 from robots_planning.motion_chain import MotionChain
 from robots_planning.order_book import MotionOrder
-from robots_planning.pathplanning import Shape, Target
+from robots_planning.pathplanning import Target
+from robots_planning.robot_command_state import Shape
 
 JOINTS, LINE = RobotCommandState.PTPJOINT_JOINT, RobotCommandState.PTPCARTESIAN
 ZONE = 0.03  # m

@@ -12,9 +12,11 @@ from robots_core.orientation import (
     angles_from_orientation,
     orientation_from_angles,
     quaternion_of,
+    quaternions_of,
     rotation_from_quaternion,
     rotation_from_vector,
     rotation_vector,
+    rotation_vectors,
 )
 
 EXACT = 1e-12  # a handful of products of numbers of size one
@@ -85,3 +87,11 @@ def test_vectors_and_quaternions_are_those_of_scipy(angle: float):
         np.testing.assert_allclose(rotation_vector(T), vector, atol=EXACT)
         np.testing.assert_allclose(quaternion_of(T), reference.as_quat(canonical=True), atol=EXACT)
         np.testing.assert_allclose(rotation_from_quaternion(reference.as_quat()), T, atol=EXACT)
+
+
+def test_many_at_once_are_the_same_as_one_by_one():
+    rotations = Rotation.random(500, rng=5)
+    half_turns = Rotation.from_rotvec(np.pi * np.eye(3))
+    T = Rotation.concatenate([rotations, half_turns, Rotation.identity(1)]).as_matrix()
+    np.testing.assert_allclose(quaternions_of(T), [quaternion_of(one) for one in T], atol=EXACT)
+    np.testing.assert_allclose(rotation_vectors(T), [rotation_vector(one) for one in T], atol=EXACT)

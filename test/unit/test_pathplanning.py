@@ -15,7 +15,7 @@ from robots_planning import (
     PathPlanning,
     RobotCommandState,
 )
-from robots_planning.pathplanning import Shape
+from robots_planning.robot_command_state import Shape
 from robots_planning.verification import LINE_TOLERANCE
 
 

@@ -162,6 +162,17 @@ def test_mesh_that_is_missing_or_broken_is_refused(tmp_path: Path):
         UrdfRobotModel(write_arm(tmp_path, mesh='broken.stl'))
 
 
+def test_shapes_on_demand_are_read_when_they_are_asked_for(tmp_path: Path):
+    file = write_arm(tmp_path)
+    robot = UrdfRobotModel(file, shapes_on_demand=True)
+    (tmp_path / 'meshes' / 'cube.stl').write_text('nothing of a mesh')
+    assert len(robot.collision_model.shapes) == 1
+    with pytest.raises(UnknownRobotError, match='cannot be read'):
+        _ = robot.visualization
+    with pytest.raises(UnknownRobotError, match='not found'):
+        UrdfRobotModel(write_arm(tmp_path, mesh='none.stl'), shapes_on_demand=True)
+
+
 def test_missing_urdf_is_refused():
     with pytest.raises(UnknownRobotError, match=r"'/no/where\.urdf' not found"):
         UrdfRobotModel('/no/where.urdf')

@@ -13,8 +13,8 @@ from robots_core.errors import RobotsError, UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
-from robots_planning.pathplanning import JOINT_STATES, PathPlanning, PlannedMotion, Shape, Target
-from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.pathplanning import PathPlanning, PlannedMotion, Target
+from robots_planning.robot_command_state import JOINT_STATES, RobotCommandState, Shape
 from robots_planning.trajectory import Trajectory
 from robots_planning.verification import verify
 

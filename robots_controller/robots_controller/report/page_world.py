@@ -14,7 +14,8 @@ from robots_core.blocks.collision.scene import AttachedObject, SceneObject
 from robots_core.blocks.visualizer import CREASE, reach
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.robot_model.shapes import Shape, triangle_mesh
+from robots_core.robot_model.shapes import Shape
+from robots_core.robot_model.triangle_mesh import triangle_mesh
 from robots_core.validation import Array
 
 POSES_PER_SECOND: Final = 30.0

@@ -15,7 +15,7 @@ from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.drive_level import drive_train
 from robots_core.blocks.drive_train import DriveTrain
-from robots_core.blocks.pose_following import METHODS
+from robots_core.blocks.following_methods import METHODS
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import positive

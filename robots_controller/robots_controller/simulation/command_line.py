@@ -23,7 +23,7 @@ from robots_controller.report import write_report
 from robots_controller.simulate import LONGEST_TIME, simulate
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.drive_level import DRIVE_LEVELS
-from robots_core.blocks.pose_following import METHODS
+from robots_core.blocks.following_methods import METHODS
 from robots_core.errors import RobotsError
 
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130

@@ -19,11 +19,12 @@ from robots_core.errors import PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
+from robots_planning.motion_results import PASSED
 from robots_planning.motion_settings import CHECKS, MotionSettings
-from robots_planning.order_book import PASSED, MotionOrder, OrderBook, RunningMotion
+from robots_planning.order_book import MotionOrder, OrderBook, RunningMotion
 from robots_planning.order_planner import OrderPlanner, PlannedOrders
-from robots_planning.pathplanning import PathPlanning, Shape, Target
-from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.pathplanning import PathPlanning, Target
+from robots_planning.robot_command_state import RobotCommandState, Shape
 from robots_planning.standing_robot import check_standing
 from robots_planning.trajectory import Trajectory
 

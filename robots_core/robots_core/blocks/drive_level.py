@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from importlib import import_module
 from typing import Final, Literal, get_args
 
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.drive_train import DriveTrain, IdealDrive, SecondOrderDrive
-from robots_core.blocks.dynamics import NOTHING
-from robots_core.blocks.payload import Payload
-from robots_core.blocks.rigid_body_drive import RigidBodyDrive
+from robots_core.blocks.payload import NOTHING, Payload
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 
@@ -49,7 +49,11 @@ def drive_train(
         return IdealDrive(q, period=period)
     if level == 'second_order':
         return SecondOrderDrive(q, period=period, bandwidth=bandwidth, damping=damping)
-    return RigidBodyDrive(robot, q, period=period, payload=payload, feed_forward=feed_forward)
+    # Who moves no masses loads no compiler.
+    rigid_body_drive: Callable[..., DriveTrain] = import_module(
+        'robots_core.blocks.rigid_body_drive'
+    ).RigidBodyDrive
+    return rigid_body_drive(robot, q, period=period, payload=payload, feed_forward=feed_forward)
 
 
 def check_level(level: str) -> None:

@@ -8,11 +8,9 @@ import numpy as np
 
 from robots_core.blocks.base_motion import BaseMotion
 from robots_core.blocks.friction_kernel import accelerations
-from robots_core.blocks.payload import Payload
+from robots_core.blocks.payload import NOTHING, Payload
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_motion, finite_state, finite_vector
-
-NOTHING = Payload(0.0)
 
 
 class Dynamics(ABC):

@@ -9,10 +9,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from robots_core.blocks.dynamics import NOTHING
 from robots_core.blocks.free_floating_dynamics import check_base_body
 from robots_core.blocks.numerical_dynamics import NumericalDynamics
-from robots_core.blocks.payload import Payload
+from robots_core.blocks.payload import NOTHING, Payload
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, positive, read_only

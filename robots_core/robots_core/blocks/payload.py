@@ -71,3 +71,6 @@ def united(
     d = c2 - c1
     steiner = m1 * m2 / mass * (d @ d * np.eye(3) - np.outer(d, d))
     return mass, c1 + m2 / mass * d, inertia1 + inertia2 + steiner
+
+
+NOTHING = Payload(0.0)

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from robots_core.blocks.axis_following import AxisFollowing
+from robots_core.blocks.following_methods import METHODS
 from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKinematic
 from robots_core.blocks.inverse_kinematics.constrained import (
     ConstrainedInverseKinematics,
@@ -20,7 +21,6 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 
-METHODS: Final = ('constrained', 'damped_least_squares', 'analytical')
 TOLERANCES: Final = (1e-8, 1e-8)  # m and rad: below what a drive resolves
 
 

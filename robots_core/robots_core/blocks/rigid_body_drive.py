@@ -11,11 +11,10 @@ from numpy.typing import ArrayLike
 from robots_core.blocks import rigid_body_kernel as kernel
 from robots_core.blocks.base_motion import BaseMotion
 from robots_core.blocks.drive_train import DriveTrain
-from robots_core.blocks.dynamics import NOTHING
 from robots_core.blocks.feed_forward import FeedForward
 from robots_core.blocks.inverse_kinematics.chain_dynamics import mass_matrix_and_bias
 from robots_core.blocks.loaded_chain import loaded_chain
-from robots_core.blocks.payload import Payload
+from robots_core.blocks.payload import NOTHING, Payload
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.drive_data import DriveData

@@ -15,7 +15,8 @@ from geometry_msgs.msg import PoseStamped, TwistStamped
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.blocks.pose_following import METHODS, FollowedStep, pose_following
+from robots_core.blocks.following_methods import METHODS
+from robots_core.blocks.pose_following import FollowedStep, pose_following
 from robots_core.blocks.pose_reference import PoseReference, moved
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter

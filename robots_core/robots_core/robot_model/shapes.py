@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from robots_core.pose import Pose
@@ -94,18 +93,3 @@ class Shape:
     pose: Pose
     colour: tuple[float, float, float, float] = (0.7, 0.7, 0.7, 1.0)
     name: str = ''
-
-
-def triangle_mesh(geometry: Geometry) -> trimesh.Trimesh:
-    """The surface of a geometry as triangles, in its own frame, metres."""
-    match geometry:
-        case Box(size):
-            return trimesh.creation.box(extents=size)
-        case Cylinder(radius, length):
-            return trimesh.creation.cylinder(radius=radius, height=length, sections=32)
-        case Capsule(radius, length):
-            return trimesh.creation.capsule(height=length, radius=radius, count=[16, 32])
-        case Sphere(radius):
-            return trimesh.creation.icosphere(subdivisions=2, radius=radius)
-        case Mesh(vertices, faces):
-            return trimesh.Trimesh(vertices, faces, process=False)

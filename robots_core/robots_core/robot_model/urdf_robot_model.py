@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from functools import cached_property
 from importlib import import_module
 from math import isfinite
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 import pinocchio as pin
-import yourdfpy
 from numpy.typing import ArrayLike
 
 from robots_core.errors import UnknownRobotError
@@ -24,9 +22,10 @@ from robots_core.robot_model.chain_links import links_of
 from robots_core.robot_model.collision_model import CollisionModel
 from robots_core.robot_model.pinocchio_models import PinocchioKinematicModel, PinocchioRigidDynamicsModel
 from robots_core.robot_model.robot_visualization import RobotVisualization
+from robots_core.robot_model.shapes import Shape
 from robots_core.robot_model.structural_data import StructuralData
 from robots_core.robot_model.urdf_chain import pinocchio_xml, read_urdf_chain
-from robots_core.robot_model.urdf_shapes import urdf_shapes, with_absolute_meshes
+from robots_core.robot_model.urdf_meshes import with_absolute_meshes
 from robots_core.validation import Array, finite_motion, finite_state, finite_vector, read_only
 
 EARTH_GRAVITY: Final = (0.0, 0.0, -9.81)  # m/s^2, of a base that stands upright
@@ -50,6 +49,8 @@ class UrdfRobotModel(BaseRobotModel):
         home: Posture to start from, (n,) rad; by default zero, or mid-range where zero is not allowed.
         orientation_convention: Orientation-angle convention of the maker.
         gravity: Acceleration of free fall in the base frame, (3,) m/s^2; zero for a robot in orbit.
+        shapes_on_demand: Meshes are not read before shapes are asked for, nor what reads them loaded: for
+            files that are known to be sound. By default one that cannot be read is refused at once.
 
     Raises:
         UnknownRobotError: the file is missing, or holds no serial chain.
@@ -69,6 +70,7 @@ class UrdfRobotModel(BaseRobotModel):
         home: ArrayLike | None = None,
         orientation_convention: str = 'zyx',
         gravity: ArrayLike = EARTH_GRAVITY,
+        shapes_on_demand: bool = False,
     ) -> None:
         path = Path(urdf)
         if not path.is_file():
@@ -83,14 +85,8 @@ class UrdfRobotModel(BaseRobotModel):
         self._structural_data = structural_data or StructuralData(source=path.name)
         self._orientation_convention = orientation_convention
 
-        parsed = yourdfpy.URDF.load(
-            io.BytesIO(chain.xml.encode()),
-            build_scene_graph=False,
-            load_meshes=False,
-            load_collision_meshes=False,
-        )
-        self._name = name or parsed.robot.name or path.stem
         model = pin.buildModelFromXML(pinocchio_xml(chain))
+        self._name = name or model.name
         if tuple(model.names)[1:] != chain.joints:
             raise UnknownRobotError(
                 f'joints {list(model.names)[1:]} do not form one chain {list(chain.joints)}'
@@ -103,15 +99,12 @@ class UrdfRobotModel(BaseRobotModel):
         self._links = links_of(model, self._tool0)
         self._kinematic_model = PinocchioKinematicModel(model)
         self._rigid_dynamics_model = PinocchioRigidDynamicsModel(model, model.inertias[0])
-        self._visualization = RobotVisualization(urdf_shapes(parsed, model, path.parent, 'visual'))
-        stored = path.with_name('allowed_pairs.yaml')
-        self._collision_model = CollisionModel(
-            urdf_shapes(parsed, model, path.parent, 'collision'),
-            AllowedPairs.read(stored) if stored.is_file() else None,
-        )
+        self._allowed_pairs_file = path.with_name('allowed_pairs.yaml')
         self._home = read_only(
             self._axes_data.check_position(self._default_home() if home is None else home, 'home')
         )
+        if not shapes_on_demand:
+            _ = self._visualization, self._collision_model
 
     def _default_home(self) -> Array:
         axes = self._axes_data
@@ -230,6 +223,21 @@ class UrdfRobotModel(BaseRobotModel):
         # Who asks for no kinematics loads no compiler.
         function: Callable[..., bool] = import_module('robots_core.robot_model.compiled_kinematics').tool_pose
         return function
+
+    @cached_property
+    def _visualization(self) -> RobotVisualization:
+        return RobotVisualization(self._shapes('visual'))
+
+    @cached_property
+    def _collision_model(self) -> CollisionModel:
+        file = self._allowed_pairs_file
+        return CollisionModel(self._shapes('collision'), AllowedPairs.read(file) if file.is_file() else None)
+
+    def _shapes(self, kind: Literal['visual', 'collision']) -> tuple[Shape, ...]:
+        # Who asks for no shapes loads nothing that reads meshes.
+        urdf_shapes = import_module('robots_core.robot_model.urdf_shapes').urdf_shapes
+        shapes: tuple[Shape, ...] = urdf_shapes(self._description, self._model, kind)
+        return shapes
 
     @cached_property
     def _analytic_solver(self) -> AnalyticSolver:

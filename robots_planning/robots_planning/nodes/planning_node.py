@@ -29,16 +29,17 @@ from robots_core.nodes.run import run
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.pose import Pose
 from robots_core.validation import Array
+from robots_planning.motion_results import PASSED
 from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, checked
 from robots_planning.nodes.command_inbox import CommandInbox
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory, waypoints_trajectory
 from robots_planning.nodes.jogging import Jogging
 from robots_planning.nodes.settings_publisher import SettingsPublisher
 from robots_planning.nodes.trajectory_messages import BASE_FRAME, trajectory_message
-from robots_planning.order_book import PASSED, MotionOrder, OrderBook, RunningMotion
+from robots_planning.order_book import MotionOrder, OrderBook, RunningMotion
 from robots_planning.order_planner import OrderPlanner, PlannedOrders
-from robots_planning.pathplanning import PathPlanning, Shape, Target
-from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.pathplanning import PathPlanning, Target
+from robots_planning.robot_command_state import RobotCommandState, Shape
 from robots_planning.standing_robot import check_standing
 
 LOOK_PERIOD = 0.1  # s between looks for a first reference

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -12,8 +13,7 @@ import yaml
 from robots_core.blocks.collision.scene import OBJECT_COLOUR, AttachedObject, Scene, SceneObject
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.pose import Pose
-from robots_core.robot_model.mesh_file import read_mesh
-from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Sphere
+from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
 from robots_core.validation import Array, finite_vector, fraction
 
 GEOMETRIES = {
@@ -112,6 +112,8 @@ class _SceneFile:
             if 'scale' in parts:
                 scale = self._checked(parts['scale'], _number)
             path = self._path.parent / str(file)
+            # Who has no mesh loads nothing that reads them.
+            read_mesh: Callable[..., Mesh] = import_module('robots_core.robot_model.mesh_file').read_mesh
             return self._checked(parts['file'], lambda _: read_mesh(path, scale))
         if kind == 'box':
             return self._checked(parts['size'], _box)

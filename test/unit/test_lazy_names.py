@@ -1,0 +1,68 @@
+"""Packages hand their names on without loading what nobody asked for."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from pkgutil import walk_packages
+from subprocess import run
+from types import ModuleType
+
+import pytest
+
+import robots_core
+import robots_core.blocks
+import robots_planning
+
+PACKAGES = (robots_core, robots_core.blocks, robots_planning)
+# Reading meshes, SciPy and compiled functions take most of the time that a process needs to start.
+MESHES = ('trimesh', 'yourdfpy', 'networkx')
+SCIPY = ('scipy.spatial', 'scipy.linalg', 'scipy.interpolate')
+COMPILER = ('numba',)
+
+
+@pytest.mark.parametrize('package', PACKAGES, ids=lambda package: package.__name__)
+def test_every_name_is_what_its_module_defines(package: ModuleType):
+    for module in walk_packages(package.__path__, f'{package.__name__}.'):
+        if '.nodes' not in module.name:
+            import_module(module.name)
+    assert set(package.__all__) <= set(dir(package))
+    for name in package.__all__:
+        assert not isinstance(getattr(package, name), ModuleType), name
+
+
+def test_a_name_that_no_module_has_is_refused():
+    with pytest.raises(ImportError, match='NoBlock'):
+        from robots_core.blocks import NoBlock  # noqa: F401, PLC0415
+
+
+@pytest.mark.parametrize(
+    ('module', 'unneeded'),
+    [
+        ('robots_core', (*MESHES, *SCIPY, *COMPILER, 'numpy', 'pinocchio')),
+        ('robots_core.nodes.drive_node', (*MESHES, *SCIPY, *COMPILER)),
+        ('robots_core.nodes.direct_kinematics_node', (*MESHES, *SCIPY, *COMPILER)),
+        ('robots_core.nodes.inverse_kinematics_node', (*MESHES, *SCIPY)),
+        ('robots_core.nodes.dynamics_node', (*MESHES, *SCIPY)),
+        ('robots_controller.nodes.controller_node', (*MESHES, *SCIPY)),
+        ('robots_controller.nodes.lua_program_node', (*MESHES, *SCIPY)),
+        ('robots_controller.nodes.io_bridge_node', (*MESHES, *SCIPY, *COMPILER)),
+        ('robots_controller.nodes.plc_node', (*MESHES, *SCIPY, *COMPILER)),
+        ('robots_controller.cell', (*MESHES, *SCIPY)),
+    ],
+)
+def test_a_process_loads_nothing_that_it_does_not_need(module: str, unneeded: tuple[str, ...]):
+    program = f'import sys, {module}; print(*sorted(set({unneeded!r}) & set(sys.modules)))'
+    loaded = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
+    assert loaded.stdout.split() == []
+
+
+def test_a_robot_with_its_kinematics_and_dynamics_needs_no_meshes():
+    program = (
+        'import sys; from robots_core import load_robot_model; robot = load_robot_model("kuka_kr210_r2700");'
+        'robot.direct_kinematics(robot.home); robot.jacobian(robot.home);'
+        'robot.rigid_dynamics(robot.home, robot.home, robot.home);'
+        f'print(*sorted(set({MESHES!r}) & set(sys.modules)))'
+    )
+    loaded = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
+    assert loaded.stdout.split() == []
