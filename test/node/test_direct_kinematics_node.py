@@ -9,6 +9,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import JointState
 
 from robots_core import Pose, load_robot_model
@@ -25,7 +26,7 @@ TOOL = [0.1, 0.0, 0.3, 0.0, 0.7071067811865476, 0.0, 0.7071067811865476]
 class Bench:
     """A node under test, fed and listened to by another."""
 
-    def __init__(self, runner: Any, **parameters: Any) -> None:
+    def __init__(self, runner: Any, *, qos: QoSProfile = STATE, **parameters: Any) -> None:
         self.runner = runner
         overrides = [Parameter(name, value=value) for name, value in parameters.items()]
         overrides.append(Parameter('robot_model', value=ROBOT))
@@ -39,7 +40,7 @@ class Bench:
         tester.create_subscription(
             DiagnosticArray, '/diagnostics', lambda message: self.health.extend(message.status), COMMAND
         )
-        self.publisher = tester.create_publisher(JointState, 'joint_states', STATE)
+        self.publisher = tester.create_publisher(JointState, 'joint_states', qos)
         runner.wait_for(lambda: self.publisher.get_subscription_count() == 1, what='the node listens')
 
     def send(self, q: np.ndarray, names: tuple[str, ...] | None = None) -> JointState:
@@ -66,6 +67,12 @@ def _assert_same(first: Pose, second: Pose) -> None:
 
 def test_pose_of_newest_joint_states_is_published(ros_nodes: Any):
     bench = Bench(ros_nodes)
+    q = bench.robot.home + 0.1
+    _assert_same(bench.pose_of(bench.send(q)), Pose(*bench.robot.direct_kinematics(q)))
+
+
+def test_a_driver_that_sends_best_effort_is_heard(ros_nodes: Any):
+    bench = Bench(ros_nodes, qos=qos_profile_sensor_data)
     q = bench.robot.home + 0.1
     _assert_same(bench.pose_of(bench.send(q)), Pose(*bench.robot.direct_kinematics(q)))
 

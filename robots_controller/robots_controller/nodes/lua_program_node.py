@@ -28,7 +28,7 @@ from robots_controller.nodes.program_status import ProgramStatus
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.nodes.messages import joint_values
 from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import STATE, STREAM
+from robots_core.nodes.qos import SENSOR, STATE, STREAM
 from robots_core.nodes.robot_node import RobotNode, bounded
 from robots_core.nodes.run import run
 from robots_core.pose import Pose
@@ -130,7 +130,7 @@ class LuaProgramNode(RobotNode):
         self._command_state_publisher = self.create_publisher(String, 'command_state', STATE)
         self._override_publisher = self.create_publisher(Float64, 'override', STATE)
         self._feedback: PolledSubscription[JointState] = PolledSubscription(
-            self, JointState, 'joint_states', STREAM
+            self, JointState, 'joint_states', SENSOR
         )
         self._measured: Array | None = None
         self._files: dict[MotionCommand, str] = {}  # the programs of motions that were not sent yet

@@ -27,7 +27,7 @@ from robots_core.nodes.messages import (
     stamp_id,
 )
 from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import COMMAND, STATE, STREAM
+from robots_core.nodes.qos import COMMAND, SENSOR, STATE, STREAM
 from robots_core.nodes.robot_node import RobotNode, bounded
 from robots_core.nodes.run import run
 from robots_core.nodes.watched_scene import WatchedScene
@@ -103,7 +103,7 @@ class CollisionNode(RobotNode):
         self._stop = self.create_client(Trigger, f'{controller}/stop')
         self._scene = WatchedScene(self, self._on_scene)
         self._joint_states: PolledSubscription[JointState] = PolledSubscription(
-            self, JointState, 'joint_states', STREAM
+            self, JointState, 'joint_states', SENSOR
         )
         self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND)
         self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)

@@ -13,7 +13,7 @@ from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.errors import RobotsError
 from robots_core.nodes.messages import joint_values, pose_stamped_message
 from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import STATE, STREAM
+from robots_core.nodes.qos import SENSOR, STATE
 from robots_core.nodes.robot_node import RobotNode, bounded
 from robots_core.nodes.run import run
 from robots_core.pose import Pose
@@ -42,7 +42,7 @@ class DirectKinematicsNode(RobotNode):
         self._kinematics = DirectKinematics(self.robot, tool=pose_from_parameter(tool))
         self._publisher = self.create_publisher(PoseStamped, 'tcp_pose', STATE)
         self._joint_states: PolledSubscription[JointState] = PolledSubscription(
-            self, JointState, 'joint_states', STREAM
+            self, JointState, 'joint_states', SENSOR
         )
         self.create_timer(1.0 / rate, self._publish)
         self.add_post_set_parameters_callback(self._use_parameters)

@@ -23,7 +23,7 @@ from robots_core.nodes.base_motion_message import base_motion_from_message
 from robots_core.nodes.messages import doubles, joint_indices
 from robots_core.nodes.payload_parameter import payload_from_parameters, payload_from_values
 from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import STATE, STREAM, subscribe_state
+from robots_core.nodes.qos import REFERENCE, SENSOR, STATE, subscribe_state
 from robots_core.nodes.robot_node import RobotNode, bounded
 from robots_core.nodes.run import run
 from robots_core.pose import Pose
@@ -85,8 +85,8 @@ class DynamicsNode(RobotNode):
         self._mass_matrix = self.create_publisher(Float64MultiArray, 'mass_matrix', STATE)
         self._tool_wrench = self.create_publisher(WrenchStamped, 'tcp_wrench', STATE)
         self._base_wrench = self.create_publisher(WrenchStamped, 'base_wrench', STATE)
-        kind = JointState if self._source == 'joint_states' else JointTrajectory
-        self._motions: PolledSubscription[Any] = PolledSubscription(self, kind, self._source, STREAM)
+        kind, qos = (JointState, SENSOR) if self._source == 'joint_states' else (JointTrajectory, REFERENCE)
+        self._motions: PolledSubscription[Any] = PolledSubscription(self, kind, self._source, qos)
         self.create_timer(1.0 / rate, self._publish)
         self.add_post_set_parameters_callback(self._use_parameters)
         self.ready()

@@ -21,7 +21,7 @@ STREAM: Final = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.VOLATILE,
 )
-"""Subscribers that only want the newest sample: fits publishers of state and any robot driver's."""
+"""Subscribers that only want the newest sample, and not to miss the last: fits publishers of state."""
 
 SENSOR: Final = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,

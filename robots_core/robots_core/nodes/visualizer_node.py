@@ -15,7 +15,7 @@ from robots_core.blocks.visualizer import Visualizer
 from robots_core.errors import RobotsError
 from robots_core.nodes.messages import joint_values
 from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import COMMAND, STATE, STREAM
+from robots_core.nodes.qos import COMMAND, SENSOR, STATE
 from robots_core.nodes.robot_node import RobotNode, bounded
 from robots_core.nodes.run import run
 from robots_core.nodes.transforms import LinkTransforms
@@ -56,7 +56,7 @@ class VisualizerNode(RobotNode):
         self._description = self.create_publisher(String, 'robot_description', STATE)
         self._description.publish(String(data=self.robot.description))
         self._joint_states: PolledSubscription[JointState] = PolledSubscription(
-            self, JointState, 'joint_states', STREAM
+            self, JointState, 'joint_states', SENSOR
         )
         # The page is for people: it keeps wall-clock time even where the suite runs on simulated time.
         self.create_timer(1.0 / rate, self._update, clock=Clock(clock_type=ClockType.STEADY_TIME))
