@@ -9,17 +9,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_controller.bag_file import read_bag
+from robots_controller.bag_file import Bag, read_bag
+from robots_controller.joint_rows import POINT_FIELDS, JointRows
+from robots_controller.message_rows import NANOSECONDS
 from robots_core.errors import RobotsError
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 
 
-def read_messages(path: Path, topics: Collection[str]) -> dict[str, list[tuple[float, Any]]]:
+def read_messages(bag: Bag | Path, topics: Collection[str]) -> dict[str, list[tuple[float, Any]]]:
     """Messages of some topics.
 
     Args:
-        path: A rosbag2 folder, or one .mcap or .db3 file.
+        bag: A bag, or where it is: a rosbag2 folder, or one .mcap or .db3 file.
         topics: Full topic names.
 
     Returns:
@@ -29,11 +31,10 @@ def read_messages(path: Path, topics: Collection[str]) -> dict[str, list[tuple[f
     Raises:
         RobotsError: what is wrong with the bag.
     """
-    bag = read_bag(path)
-    start = bag.messages[0][1] if bag.messages else 0
+    found = bag if isinstance(bag, Bag) else read_bag(bag)
     return {
-        topic: [(1e-9 * (stamp - start), message) for stamp, message in messages]
-        for topic, messages in bag.deserialized(topics).items()
+        topic: [(found.since_start(stamp), message) for stamp, message in messages]
+        for topic, messages in found.deserialized(topics).items()
     }
 
 
@@ -42,51 +43,66 @@ def seconds(stamp: Any) -> float:
     return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
 
 
-def reference_trajectory(references: Sequence[Any]) -> Trajectory:
-    """The references of a controller, one JointTrajectory message each, as one trajectory.
+def reference_trajectory(references: Sequence[Any] | JointRows) -> Trajectory:
+    """The references of a controller as one trajectory.
 
     Their stamps are the instants when they were due: multiples of the controller's period, with gaps where
     messages were lost. A controller that was held up goes on from where it was: its references follow each
     other by one period whatever the clock says (see `late_references`).
 
+    Args:
+        references: JointTrajectory messages of one point, or their rows.
+
     Raises:
         RobotsError: less than two references.
     """
-    ticks, late = _steps(references)
-    points = [message.points[0] for message in references]
-    return Trajectory(
-        _period(references) * np.concatenate([[0], np.cumsum(np.where(late, 1, ticks))]),
-        np.array([p.positions for p in points]),
-        np.array([p.velocities for p in points]),
-        np.array([p.accelerations for p in points]),
-    )
+    rows = _rows(references)
+    ticks, late = _steps(rows)
+    position, velocity, acceleration = _whole(rows)
+    time = rows.period * np.concatenate([[0], np.cumsum(np.where(late, 1, ticks))])
+    return Trajectory(time, position, velocity, acceleration)
 
 
-def late_references(references: Sequence[Any]) -> Array:
+def late_references(references: Sequence[Any] | JointRows) -> Array:
     """How late each reference of a moving robot came after the one before, (m,) s; 0 for those in time.
 
     Raises:
         RobotsError: less than two references.
     """
-    ticks, late = _steps(references)
-    return np.concatenate([[0.0], _period(references) * np.where(late, ticks - 1, 0)])
+    rows = _rows(references)
+    ticks, late = _steps(rows)
+    return np.concatenate([[0.0], rows.period * np.where(late, ticks - 1, 0)])
 
 
-def _period(references: Sequence[Any]) -> float:
-    return seconds(references[0].points[0].time_from_start)
+def _rows(references: Sequence[Any] | JointRows) -> JointRows:
+    if isinstance(references, JointRows):
+        return references
+    points = [message.points[0] for message in references]
+    stamps = [message.header.stamp for message in references]
+    due = np.array([stamp.sec * NANOSECONDS + stamp.nanosec for stamp in stamps], np.int64)
+    position, velocity, acceleration = (
+        np.array([getattr(point, name) for point in points]) for name in POINT_FIELDS
+    )
+    period = seconds(points[0].time_from_start) if points else 0.0
+    return JointRows(due, due, (position, velocity, acceleration), period)
 
 
-def _steps(references: Sequence[Any]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+def _whole(rows: JointRows) -> tuple[Array, Array, Array]:
+    position, velocity, acceleration = rows.values
+    if position is None or velocity is None or acceleration is None:
+        raise RobotsError('joint_reference lacks positions, velocities or accelerations')
+    return position, velocity, acceleration
+
+
+def _steps(rows: JointRows) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Periods from each reference to the next, and whether the robot did not move on meanwhile."""
-    if len(references) < 2:
-        raise RobotsError(f'{len(references)} references make no trajectory, at least 2 are needed')
-    period = _period(references)
-    due = np.array([seconds(message.header.stamp) for message in references])
-    ticks = np.maximum(np.round(np.diff(due) / period).astype(np.int64), 1)
+    if rows.stamp.size < 2:
+        raise RobotsError(f'{rows.stamp.size} references make no trajectory, at least 2 are needed')
+    position, velocity, _ = _whole(rows)
+    ticks = np.maximum(np.round(np.diff(rows.stamp) / (NANOSECONDS * rows.period)).astype(np.int64), 1)
     late = np.zeros(ticks.size, dtype=bool)
     for gap in np.flatnonzero(ticks > 1).tolist():
-        before, after = references[gap].points[0], references[gap + 1].points[0]
-        way = np.subtract(after.positions, before.positions)
-        one = 0.5 * period * np.add(before.velocities, after.velocities)
+        way = position[gap + 1] - position[gap]
+        one = 0.5 * rows.period * (velocity[gap] + velocity[gap + 1])
         late[gap] = np.linalg.norm(way - one) < np.linalg.norm(way - ticks[gap] * one)
     return ticks, late

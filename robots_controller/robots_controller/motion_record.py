@@ -121,6 +121,9 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
     """
     plans = {_stamp_id(m): (time, m) for time, m in messages['joint_trajectory'] if len(m.points) > 1}
     results = {status_values(m).get('id'): (time, m) for time, m in messages['motion_result']}
+    settings, program = _Timeline(messages['motion_settings']), _Timeline(messages['program_status'])
+    # Those that a status tells of; the first one that does counts.
+    places = {told['motion']: told for told in reversed(program.values) if 'motion' in told}
     commands = sorted(
         ((time, topic, message) for topic in COMMAND_TOPICS for time, message in messages[topic]),
         key=lambda item: seconds(item[2].header.stamp),
@@ -130,7 +133,21 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
     end = 0.0
     for time, topic, message in commands:
         result = results.get(_stamp_id(message), (time, None))
-        chain.append(_command(messages, robot, (time, topic, message), result[1]))
+        told = settings.at(time)
+        place = places.get(_stamp_id(message), {})
+        now = program.at(time)
+        chain.append(
+            _command(
+                robot,
+                (topic, message),
+                result[1],
+                settings_from_text(told) if told else MotionSettings(),
+                (
+                    place.get('motion_file', now.get('file', '')),
+                    int(place.get('motion_line', now.get('line')) or 0),
+                ),
+            )
+        )
         planned = plans.get(chain[-1].id)
         if planned is None and chain[-1].message == PASSED:
             continue
@@ -156,14 +173,32 @@ def status_values(status: Any) -> dict[str, str]:
     return {item.key: item.value for item in status.values}
 
 
+class _Timeline:
+    """What statuses said, by time.
+
+    Args:
+        messages: (time in s, status), in order.
+    """
+
+    def __init__(self, messages: Sequence[tuple[float, Any]]) -> None:
+        self._times = [time for time, _ in messages]
+        self.values = [status_values(message) for _, message in messages]
+
+    def at(self, time: float) -> dict[str, str]:
+        """The last one until a time, s; empty if there is none."""
+        index = bisect_right(self._times, time) - 1
+        return self.values[index] if index >= 0 else {}
+
+
 def _command(
-    messages: Messages, robot: BaseRobotModel, sent: tuple[float, str, Any], result: Any
+    robot: BaseRobotModel,
+    sent: tuple[str, Any],
+    result: Any,
+    settings: MotionSettings,
+    place: tuple[str, int],
 ) -> CommandRecord:
-    time, topic, message = sent
+    topic, message = sent
     state, shape = COMMAND_TOPICS[topic]
-    told = _before(messages['motion_settings'], time)
-    settings = settings_from_text(status_values(told)) if told is not None else MotionSettings()
-    file, line = _place(messages['program_status'], _stamp_id(message), time)
     ok = result is not None and result.level == OK
     q, pose = None, Pose.identity()
     if not ok:
@@ -179,8 +214,8 @@ def _command(
         pose = settings.in_base(tool) @ settings.tool_pose.inverse()
     return CommandRecord(
         id=_stamp_id(message),
-        file=file,
-        line=line,
+        file=place[0],
+        line=place[1],
         state=state,
         shape=shape,
         settings=settings,
@@ -206,23 +241,6 @@ def _trajectory(message: Any, robot: BaseRobotModel) -> Trajectory:
         for name in ('positions', 'velocities', 'accelerations')
     )
     return Trajectory(time - time[0], position, velocity, acceleration)
-
-
-def _place(statuses: Sequence[tuple[float, Any]], id_: str, time: float) -> tuple[str, int]:
-    """File and line of a command: those that the program's status tells of it, or where the program was."""
-    for _, status in statuses:
-        values = status_values(status)
-        if values.get('motion') == id_:
-            return values['motion_file'], int(values['motion_line'])
-    now = _before(statuses, time)
-    values = status_values(now) if now is not None else {}
-    return values.get('file', ''), int(values.get('line') or 0)
-
-
-def _before(messages: Sequence[tuple[float, Any]], time: float) -> Any:
-    """The last message until a time; None if there is none."""
-    index = bisect_right([t for t, _ in messages], time) - 1
-    return messages[index][1] if index >= 0 else None
 
 
 def _stamp_id(message: Any) -> str:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from robots_controller.bag_reading import late_references, read_messages, reference_trajectory, seconds
+from robots_controller.bag_file import Bag, read_bag
+from robots_controller.bag_reading import late_references, read_messages, reference_trajectory
+from robots_controller.joint_rows import joint_rows
 from robots_controller.motion_record import (
     MOTION_TOPICS,
     CommandRecord,
@@ -24,6 +24,7 @@ from robots_controller.motion_record import (
 )
 from robots_controller.reference_use import QUANTITIES, ReferenceUse
 from robots_controller.tool_path import ToolPath
+from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -39,6 +40,7 @@ ZONE_TOLERANCE = 1e-3  # of the zone
 # motion: this is what that makes of torques at their limit.
 RATIO_TOLERANCE = {'position': 1e-5, 'velocity': 1e-5, 'acceleration': 1e-5, 'torque': 1e-3}
 TOPICS = (*MOTION_TOPICS, 'joint_reference', 'joint_states')
+"""What is read."""
 
 
 @dataclass(frozen=True)
@@ -165,8 +167,9 @@ def motion_report(bag: Path, robot_name: str, *, namespace: str = '/') -> Motion
         RobotsError: not a readable bag, or an unknown robot.
     """
     prefix = namespace.rstrip('/') + '/'
-    recorded = read_messages(bag, [prefix + topic for topic in TOPICS])
-    messages = {topic: recorded[prefix + topic] for topic in TOPICS}
+    recorded = read_bag(bag)
+    found = read_messages(recorded, [prefix + topic for topic in MOTION_TOPICS])
+    messages = {topic: found[prefix + topic] for topic in MOTION_TOPICS}
     robot = load_robot_model(robot_name)
     motions = recorded_motions(messages, robot)
     statuses = [status_values(message) for _, message in messages['program_status']]
@@ -175,7 +178,7 @@ def motion_report(bag: Path, robot_name: str, *, namespace: str = '/') -> Motion
     rows: list[MotionRow] = []
     latest = 0.0
     if any(_succeeded(motion) for motion in motions):
-        judge = _Judge(robot, messages['joint_reference'], messages['joint_states'], program)
+        judge = _Judge(robot, recorded, prefix, program)
         for motion in motions:
             rows += judge.rows(motion)
         latest = judge.latest
@@ -187,19 +190,17 @@ def motion_report(bag: Path, robot_name: str, *, namespace: str = '/') -> Motion
 class _Judge:
     """Compares motions with the references and the feedback of their time."""
 
-    def __init__(
-        self,
-        robot: BaseRobotModel,
-        references: Sequence[tuple[float, Any]],
-        joint_states: Sequence[tuple[float, Any]],
-        program: str,
-    ) -> None:
-        self._robot, self._joint_states, self._program = robot, joint_states, program
-        messages = [message for _, message in references]
-        self._times = [time for time, _ in references]
-        self._trajectory = reference_trajectory(messages)
-        self._late = late_references(messages)
-        self._use = ReferenceUse(robot, self._trajectory, seconds(messages[0].points[0].time_from_start))
+    def __init__(self, robot: BaseRobotModel, bag: Bag, prefix: str, program: str) -> None:
+        self._robot, self._program = robot, program
+        references = joint_rows(bag, f'{prefix}joint_reference', robot)
+        states = joint_rows(bag, f'{prefix}joint_states', robot)
+        self._times, self._state_times = (
+            [bag.since_start(stamp) for stamp in rows.sent.tolist()] for rows in (references, states)
+        )
+        self._positions = states.values[0]
+        self._trajectory = reference_trajectory(references)
+        self._late = late_references(references)
+        self._use = ReferenceUse(robot, self._trajectory, references.period)
         self.latest = 0.0
 
     def rows(self, motion: MotionRecord) -> list[MotionRow]:
@@ -253,10 +254,9 @@ class _Judge:
         return rows
 
     def _feedback_at(self, time: float) -> Array:
-        index = max(0, bisect_right([t for t, _ in self._joint_states], time) - 1)
-        message = self._joint_states[index][1]
-        names = self._robot.axes_data.names
-        return np.array([message.position[message.name.index(name)] for name in names])
+        if self._positions is None:
+            raise RobotsError('the bag holds no joint_states with positions; a report needs them')
+        return np.asarray(self._positions[max(0, bisect_right(self._state_times, time) - 1)])
 
 
 def _checked(row: MotionRow) -> MotionRow:

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from robots_controller.message_rows import MessageRows, marks
 from robots_controller.simulation import ros_messages as ros
-from robots_controller.simulation.message_rows import MessageRows, marks
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -38,6 +38,10 @@ def test_references_are_those_that_serialization_makes(samples: list[tuple[int, 
     for stamp, value, row in zip(stamps.tolist(), values, filled, strict=True):
         message = ros.joint_trajectory(stamp, names, [(4_000_000, *value)])
         assert row.tobytes() == bytes(ros.typestore().serialize_cdr(message, kind))
+    read = rows.read([row.tobytes() for row in filled])
+    assert read is not None
+    assert read[0].tolist() == stamps.tolist()
+    assert np.array_equal(np.stack(read[1], axis=1), values)
 
 
 def test_a_message_without_header_has_no_stamp():

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rosbags.rosbag2 import StoragePlugin, Writer
 
 from robots_controller.bag_file import read_bag
 from robots_controller.simulation import ros_messages as ros
 from robots_controller.simulation.events import CommandStateChanged
 from robots_controller.simulation.simulation_run import SimulationRun
+from robots_controller.testing import BAG_START, write_bag
 from robots_core import Pose, load_robot_model
 from robots_core.errors import RobotsError
 from robots_planning.teach_box import JogAxes
@@ -26,24 +26,16 @@ SPEED, ACCELERATION = 4.0 * np.pi * RADIUS / TURN, (4.0 * np.pi / TURN) ** 2 * R
 # The reference of a period is where the robot is at its end, and poses are extrapolated until the next one,
 # with the mean speed since the one before.
 BEHIND = SPEED * PERIOD + ACCELERATION / RATE**2
-START = 5_000_000_000  # ns, when the recording begins
 POSE, TWIST = 'geometry_msgs/msg/PoseStamped', 'geometry_msgs/msg/TwistStamped'
-JOINTS, STRING = 'sensor_msgs/msg/JointState', 'std_msgs/msg/String'
 MOVE = 'ptpJointSpaceAngles(0, -90, 90, 0, 90, 0)\n'
 ROBOT_MODEL = load_robot_model(ROBOT)
 READY = np.radians([0.0, -90.0, 90.0, 0.0, 90.0, 0.0])
-Messages = Iterable[tuple[str, str, int, Any]]
+Messages = Iterable[tuple[float, str, Any]]
 
 
-def write_bag(path: Path, messages: Messages) -> Path:
-    """A bag of (topic, type, ns since its start, message)."""
-    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        connections: dict[str, Any] = {}
-        for topic, kind, time, message in messages:
-            if topic not in connections:
-                connections[topic] = writer.add_connection(topic, kind, typestore=ros.typestore())
-            writer.write(connections[topic], START + time, ros.typestore().serialize_cdr(message, kind))
-    return path
+def stamped(k: int) -> int:
+    """Stamp of the k-th message, ns."""
+    return BAG_START + round(1e9 * k / RATE)
 
 
 def circle(time: float) -> Pose:
@@ -58,40 +50,35 @@ def circle(time: float) -> Pose:
 
 def sensor(duration: float = 2.5) -> Messages:
     for k in range(int(duration * RATE)):
-        time = round(1e9 * k / RATE)
-        yield '/reference_pose', POSE, time, ros.pose_stamped(START + time, circle(k / RATE))
+        yield k / RATE, '/reference_pose', ros.pose_stamped(stamped(k), circle(k / RATE))
 
 
-def twist(time: int, values: Iterable[float], frame: str = 'base') -> Any:
+def twist(stamp: int, values: Iterable[float], frame: str = 'base') -> Any:
     numbers = [
         ros.message('geometry_msgs/msg/Vector3', *map(float, part))
         for part in np.reshape(list(values), (2, 3))
     ]
-    return ros.message(
-        TWIST, ros.header(START + time, frame), ros.message('geometry_msgs/msg/Twist', *numbers)
-    )
+    return ros.message(TWIST, ros.header(stamp, frame), ros.message('geometry_msgs/msg/Twist', *numbers))
 
 
 def no_pose() -> Any:
     point = ros.message('geometry_msgs/msg/Point', 1.0, 0.0, 1.0)
     quaternion = ros.message('geometry_msgs/msg/Quaternion', 0.0, 0.0, 0.0, 0.0)
     return ros.message(
-        POSE, ros.header(START, 'base'), ros.message('geometry_msgs/msg/Pose', point, quaternion)
+        POSE, ros.header(BAG_START, 'base'), ros.message('geometry_msgs/msg/Pose', point, quaternion)
     )
 
 
 def jogs(velocity: list[float], duration: float = 1.0) -> Messages:
     names = ROBOT_MODEL.axes_data.names
     for k in range(int(duration * RATE)):
-        time = round(1e9 * k / RATE)
-        message = ros.joint_state(START + time, names[::-1], np.zeros(6), np.array(velocity[::-1]))
-        yield '/teach_joints', JOINTS, time, message
+        message = ros.joint_state(stamped(k), names[::-1], np.zeros(6), np.array(velocity[::-1]))
+        yield k / RATE, '/teach_joints', message
 
 
 def tool_jogs(values: list[float], frame: JogAxes, duration: float = 1.0) -> Messages:
     for k in range(int(duration * RATE)):
-        time = round(1e9 * k / RATE)
-        yield '/teach_twist', TWIST, time, twist(time, values, frame)
+        yield k / RATE, '/teach_twist', twist(stamped(k), values, frame)
 
 
 def states(run: SimulationRun) -> list[str]:
@@ -200,9 +187,9 @@ def test_a_bag_has_what_guided_the_robot_and_guides_it_again(tmp_path: Path):
 
 
 def test_a_recorded_cell_guides_from_where_it_handed_its_robot_over(tmp_path: Path):
-    early = [('/command_state', STRING, 0, ros.text('IDLE')), *sensor(1.0)]
-    later = [('/command_state', STRING, 500_000_000, ros.text('TRAJECTORY'))]
-    bag = write_bag(tmp_path / 'cell', sorted(early + later, key=lambda message: message[2]))
+    early = [(0.0, '/command_state', ros.text('IDLE')), *sensor(1.0)]
+    later = [(0.5, '/command_state', ros.text('TRAJECTORY'))]
+    bag = write_bag(tmp_path / 'cell', early + later)
     run = run_text(tmp_path, f'{MOVE}followReference(2)', references=bag)
     time, r = tool_path(run)
     wanted = np.array([circle(0.5 + t).r for t in time])
@@ -230,19 +217,19 @@ def test_a_guided_robot_stops_before_it_collides(tmp_path: Path):
     ('messages', 'reason'),
     [
         (
-            [('/other', STRING, 0, ros.text('x'))],
+            [(0.0, '/other', ros.text('x'))],
             'guides a robot: needed is one of reference_pose, .*; it holds /other',
         ),
         (
-            [('/teach_twist', TWIST, 0, twist(0, np.zeros(6), 'mars'))],
+            [(0.0, '/teach_twist', twist(BAG_START, np.zeros(6), 'mars'))],
             r"message 1 of /teach_twist: frame 'mars' is unknown; tools are jogged in base, tool",
         ),
         (
-            [('/reference_pose', POSE, 0, no_pose())],
+            [(0.0, '/reference_pose', no_pose())],
             'message 1 of /reference_pose: the quaternion has length 0',
         ),
         (
-            [('/teach_joints', JOINTS, 0, ros.joint_state(START, ['A1'], np.zeros(1), np.zeros(1)))],
+            [(0.0, '/teach_joints', ros.joint_state(BAG_START, ['A1'], np.zeros(1), np.zeros(1)))],
             'message 1 of /teach_joints: .*needed is one of each of A1, A2',
         ),
     ],

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 from typing import Final, Literal
-
-import numpy as np
 
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.report.recorded_run import RecordedRun
@@ -86,11 +85,13 @@ def time_spans(run: RecordedRun) -> tuple[Span, ...]:
     cuts.update(time for motion in motions for time in (motion.start, motion.end))
     edges = sorted(cut for cut in cuts if 0.0 <= cut <= run.duration)
     times = [point.time for point in run.program]
+    starts = [motion.start for motion in motions]
     spans: list[Span] = []
     for start, end in pairwise(edges):
         middle = 0.5 * (start + end)
-        under_way = next((m for m in motions if m.start <= middle < m.end), None)
-        index = int(np.searchsorted(times, middle, side='right')) - 1
+        latest = bisect_right(starts, middle) - 1
+        under_way = motions[latest] if latest >= 0 and middle < motions[latest].end else None
+        index = bisect_right(times, middle) - 1
         activity: Activity = 'waiting'
         if under_way is not None:
             file, line, activity = under_way.file, under_way.line, 'moving'

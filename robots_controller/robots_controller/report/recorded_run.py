@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from robots_controller.bag_file import Bag, read_bag
-from robots_controller.bag_reading import seconds
+from robots_controller.joint_rows import JointRows, joint_rows
 from robots_controller.report.recorded_io import IO_KINDS, IO_TOPICS, IoChannel, io_channels
 from robots_controller.report.recorded_motion import MOTION_TOPICS, RecordedMotion, recorded_motions
 from robots_core.errors import InvalidInputError, RobotsError
@@ -20,7 +20,6 @@ from robots_core.validation import Array, read_only
 
 ENDED: Final = ('FINISHED', 'FAILED', 'STOPPED')
 UNKNOWN_STATE: Final = 'unknown'
-STREAMS: Final = ('joint_reference', 'joint_states', 'min_distance')
 PARAMETERS: Final = '/parameter_events'
 NANOSECONDS: Final = 1e-9  # s
 
@@ -105,17 +104,20 @@ def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/', source: 
     """
     recorded = read_bag(bag)
     prefix = namespace.rstrip('/') + '/'
-    topics = (*STREAMS, *IO_TOPICS, *MOTION_TOPICS)
+    topics = ('min_distance', *IO_TOPICS, *MOTION_TOPICS)
     found = recorded.deserialized([*(prefix + topic for topic in topics), PARAMETERS])
     parameters = [message for _, message in found[PARAMETERS]]
     messages = {topic: found[prefix + topic] for topic in topics}
-    if not messages['joint_reference']:
+    if not any(topic == f'{prefix}joint_reference' for topic, _, _ in recorded.messages):
         there = ', '.join(sorted(recorded.topics)) or 'nothing'
         raise RobotsError(f'{bag} holds no {prefix}joint_reference; a report needs it. It holds {there}')
     model = load_robot_model(robot or _robot_name(recorded, messages))
-    origin = _program_start(messages['program_status'], messages['joint_reference'][0][0])
+    references, states = (
+        joint_rows(recorded, prefix + topic, model) for topic in ('joint_reference', 'joint_states')
+    )
+    origin = _program_start(messages['program_status'], int(references.sent[0]))
     program = _program(messages['program_status'], origin)
-    time, reference = _references(messages['joint_reference'], model, origin)
+    time, reference = _references(references, origin)
     ends = (point.time for point in program if point.state in ENDED)
     end = next(ends, max(float(time[-1]), 0.0))
     inside = (time >= 0.0) & (time <= end)
@@ -123,7 +125,7 @@ def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/', source: 
         inside[np.argmin(np.abs(time))] = True
     time = read_only(time[inside])
     position, velocity, acceleration = (read_only(values[inside]) for values in reference)
-    q, q_dot, effort = _feedback(messages['joint_states'], model, origin, time)
+    q, q_dot, effort = _feedback(states, origin, time)
     last = _values(messages['program_status'][-1][1]) if messages['program_status'] else {}
     return RecordedRun(
         source=source or str(bag),
@@ -194,57 +196,39 @@ def _since(
     return {topic: [(_time(stamp, origin), m) for stamp, m in messages[topic]] for topic in MOTION_TOPICS}
 
 
-def _references(
-    messages: Sequence[tuple[int, Any]], robot: BaseRobotModel, origin: int
-) -> tuple[Array, tuple[Array, Array, Array]]:
-    columns = _columns(messages[0][1].joint_names, robot, 'joint_reference')
-    points = [message.points[0] for _, message in messages]
-    time = np.array([_stamped(stamp, message, origin) for stamp, message in messages])
+def _references(rows: JointRows, origin: int) -> tuple[Array, tuple[Array, Array, Array]]:
+    time = _due(rows, origin)
     keep = np.concatenate([[True], np.diff(np.maximum.accumulate(time)) > 0.0])
-    position, velocity, acceleration = (
-        np.array([getattr(point, name) for point in points])[keep][:, columns]
-        for name in ('positions', 'velocities', 'accelerations')
-    )
-    return time[keep], (position, velocity, acceleration)
+    position, velocity, acceleration = rows.values
+    if position is None or velocity is None or acceleration is None:
+        raise RobotsError('joint_reference lacks positions, velocities or accelerations; a report needs them')
+    return time[keep], (position[keep], velocity[keep], acceleration[keep])
 
 
-def _feedback(
-    messages: Sequence[tuple[int, Any]], robot: BaseRobotModel, origin: int, time: Array
-) -> tuple[Array, Array, Array | None]:
-    if not messages:
+def _feedback(rows: JointRows, origin: int, time: Array) -> tuple[Array, Array, Array | None]:
+    if not rows.sent.size:
         raise RobotsError('the bag holds no joint_states; a report needs them')
-    columns = _columns(messages[0][1].name, robot, 'joint_states')
-    at = np.array([_stamped(stamp, message, origin) for stamp, message in messages])
+    at = _due(rows, origin)
     order = np.argsort(at, kind='stable')
 
-    def on_grid(name: str) -> Array | None:
-        rows = [getattr(message, name) for _, message in messages]
-        if any(len(row) < len(columns) for row in rows):
+    def on_grid(values: Array | None) -> Array | None:
+        if values is None:
             return None
-        values = np.array(rows)[order][:, columns]
-        return read_only(np.stack([np.interp(time, at[order], column) for column in values.T], axis=1))
+        columns = [np.interp(time, at[order], column) for column in values[order].T]
+        return read_only(np.stack(columns, axis=1))
 
-    q, q_dot = on_grid('position'), on_grid('velocity')
+    q, q_dot, effort = map(on_grid, rows.values)
     if q is None:
         raise RobotsError('joint_states lack positions; a report needs them')
     if q_dot is None:
         q_dot = read_only(np.gradient(q, time, axis=0) if time.size > 1 else np.zeros_like(q))
-    return q, q_dot, on_grid('effort')
+    return q, q_dot, effort
 
 
-def _columns(names: Sequence[str], robot: BaseRobotModel, topic: str) -> list[int]:
-    missing = [name for name in robot.axes_data.names if name not in names]
-    if missing:
-        raise InvalidInputError(
-            f'{topic} of the bag lacks joint {missing[0]} of {robot.name}: it has {", ".join(names)}'
-        )
-    return [list(names).index(name) for name in robot.axes_data.names]
-
-
-def _stamped(stamp: int, message: Any, origin: int) -> float:
-    """When a sample was due; when it was sent if its stamp is of another clock."""
-    sent, due = _time(stamp, origin), seconds(message.header.stamp) - NANOSECONDS * origin
-    return due if abs(due - sent) < 1.0 else sent
+def _due(rows: JointRows, origin: int) -> Array:
+    """When samples were due, (k,) s; when they were sent if their stamps are of another clock."""
+    sent, due = (NANOSECONDS * (times - origin) for times in (rows.sent, rows.stamp))
+    return np.where(np.abs(due - sent) < 1.0, due, sent)
 
 
 def _time(stamp: int, origin: int) -> float:

@@ -81,11 +81,9 @@ def energy(time: Array, power: Array) -> Array:
 
 def _offset(run: RecordedRun) -> Array:
     """Position of the tool in tool0, (m, 3) m."""
-    offset = np.zeros((run.time.size, 3))
-    for motion in run.motions:
-        if motion.moved:
-            offset[run.time >= motion.start] = motion.command.settings.tool_pose.r
-    return offset
+    moved = [motion for motion in run.motions if motion.moved]
+    tools = np.array([np.zeros(3), *(motion.command.settings.tool_pose.r for motion in moved)])
+    return np.asarray(tools[np.searchsorted([motion.start for motion in moved], run.time, side='right')])
 
 
 def _frames(robot: BaseRobotModel, q: Array) -> tuple[Array, Array]:

@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from robots_controller.bag_qos import bag_qos
 from robots_controller.lasting_writer import LastingWriter
+from robots_controller.message_rows import MessageRows, marks
 from robots_controller.simulation import ros_messages as ros
-from robots_controller.simulation.message_rows import MessageRows, marks
 from robots_controller.simulation.recording import Recording
 from robots_core.errors import RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel

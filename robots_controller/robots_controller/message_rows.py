@@ -1,4 +1,4 @@
-"""MessageRows: many messages that differ in their stamp and some numbers alone, serialized at once."""
+"""MessageRows: many messages that differ in their stamp and some numbers alone, written and read at once."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def marks(count: int, number: int) -> Array:
 
 
 class MessageRows:
-    """A template of a message, filled row by row.
+    """A template of a message, filled row by row, or read so.
 
     Args:
         typestore: Knows the type.
@@ -65,3 +65,34 @@ class MessageRows:
             doubles = np.ascontiguousarray(numbers, '<f8').reshape(count, size)
             rows[:, offset : offset + 8 * size] = doubles.view(np.uint8)
         return rows
+
+    def read(self, messages: Sequence[bytes]) -> tuple[NDArray[np.int64], list[Array]] | None:
+        """What `fill` was given for messages of anybody; None where they differ in anything else.
+
+        Args:
+            messages: k, serialized, the first like the template but for what was filled in.
+
+        Returns:
+            (k,) stamps in ns, 0 without a header; and for each group (k, size).
+        """
+        size = len(messages[0])
+        if size < self._template.size or any(len(message) != size for message in messages):
+            return None
+        rows = np.frombuffer(b''.join(messages), np.uint8).reshape(len(messages), size)
+        fixed = np.ones(size, bool)
+        if self._stamped:
+            fixed[STAMP_OFFSET : STAMP_OFFSET + 8] = False
+        for offset, count in self._places:
+            fixed[offset : offset + 8 * count] = False
+        same = (rows[:, fixed] == rows[0, fixed]).all()
+        if not (same and (rows[0, :STAMP_OFFSET] == self._template[:STAMP_OFFSET]).all()):
+            return None
+        stamps = np.zeros(len(messages), np.int64)
+        if self._stamped:
+            words = np.ascontiguousarray(rows[:, STAMP_OFFSET : STAMP_OFFSET + 8]).view('<u4')
+            stamps = words[:, 0].astype(np.int64) * NANOSECONDS + words[:, 1]
+        values = [
+            np.ascontiguousarray(rows[:, offset : offset + 8 * count]).view('<f8').astype(np.float64)
+            for offset, count in self._places
+        ]
+        return stamps, values
