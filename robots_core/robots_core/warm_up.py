@@ -28,6 +28,7 @@ def main() -> None:
     robot = load_robot_model(available_robot_models()[0])
     home = robot.home
     pose = Pose(*robot.direct_kinematics(home))
+    robot.rigid_dynamics(home, home, home)
     DampedLeastSquares(robot).solve(pose, home)
     DampedLeastSquares(robot).solve_many(pose.r[None], pose.T[None], home)
     ConstrainedInverseKinematics(robot, PERIOD).step(pose, home, 0.0 * home)

@@ -7,15 +7,13 @@ from math import cos, sin
 import numba as nb
 
 from robots_core.robot_model.analytic.compiled import compiled
-from robots_core.robot_model.analytic.vectors import Matrix, add, product, times
+from robots_core.robot_model.analytic.vectors import Matrix, Vector, add, product, times
 from robots_core.validation import Array
 
-_Links = nb.float64[:, ::1]
-# Exactly what most callers have is found fastest; the second takes all other arrays of numbers like these.
-_SIGNATURES = tuple(
-    nb.boolean(_Links, positions, nb.float64[::1], nb.float64[:, ::1])
-    for positions in (nb.float64[::1], nb.types.Array(nb.float64, 1, 'A', readonly=True))
-)
+_Rows = nb.float64[:, ::1]
+_Vector = nb.float64[::1]
+# Whatever array of numbers like these: one signature for all of them is found faster than one for each kind.
+_Numbers = nb.types.Array(nb.float64, 1, 'A', readonly=True)
 
 
 @compiled()
@@ -30,29 +28,33 @@ def _turned_about_z(R: Matrix, angle: float) -> Matrix:
     )
 
 
-@compiled(*_SIGNATURES)
+@compiled()
+def _link(links: Array, i: int) -> tuple[Matrix, Vector]:
+    """Rotation and translation of a row of `links_of`."""
+    return (
+        (links[i, 0], links[i, 1], links[i, 2]),
+        (links[i, 3], links[i, 4], links[i, 5]),
+        (links[i, 6], links[i, 7], links[i, 8]),
+    ), (links[i, 9], links[i, 10], links[i, 11])
+
+
+@compiled(nb.boolean(_Rows, _Numbers, _Vector, _Rows), nogil=False)
 def tool_pose(links: Array, q: Array, r: Array, T: Array) -> bool:
     """Fill position r (3,) and orientation T (3, 3) of the tool at q; False if q is not n finite numbers."""
     n = q.size
     if n != links.shape[0] - 1:
         return False
     total = 0.0
-    R, t = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0)
-    for i in range(n + 1):
-        t = add(t, times(R, (links[i, 9], links[i, 10], links[i, 11])))
-        link = (
-            (links[i, 0], links[i, 1], links[i, 2]),
-            (links[i, 3], links[i, 4], links[i, 5]),
-            (links[i, 6], links[i, 7], links[i, 8]),
-        )
-        R = product(R, link)
-        if i == n:
-            break
+    R, t = _link(links, 0)
+    for i in range(n):
         total += q[i]
         if links[i, 12] != 0.0:
             t = add(t, times(R, (0.0, 0.0, q[i])))
         else:
             R = _turned_about_z(R, q[i])
+        turn, way = _link(links, i + 1)
+        t = add(t, times(R, way))
+        R = product(R, turn)
     r[0], r[1], r[2] = t
     for row in range(3):
         T[row, 0], T[row, 1], T[row, 2] = R[row]

@@ -11,6 +11,7 @@ from typing import Final, Literal
 
 import numpy as np
 import pinocchio as pin
+from numpy import empty
 from numpy.typing import ArrayLike
 
 from robots_core.errors import UnknownRobotError
@@ -97,6 +98,8 @@ class UrdfRobotModel(BaseRobotModel):
         self._n = model.nv
         self._tool0 = model.getFrameId(chain.tip, pin.FrameType.BODY)
         self._links = links_of(model, self._tool0)
+        self._tool_pose: Callable[..., bool] = self._load_tool_pose
+        self._torque_sum: Callable[..., bool] = self._load_torque_sum
         self._kinematic_model = PinocchioKinematicModel(model)
         self._rigid_dynamics_model = PinocchioRigidDynamicsModel(model, model.inertias[0])
         self._allowed_pairs_file = path.with_name('allowed_pairs.yaml')
@@ -165,7 +168,7 @@ class UrdfRobotModel(BaseRobotModel):
 
     def direct_kinematics(self, q: Array) -> tuple[Array, Array]:
         """See `BaseRobotModel.direct_kinematics`."""
-        r, T = np.empty(3), np.empty((3, 3))
+        r, T = empty(3), empty((3, 3))
         # What is no array of n finite numbers is left to the complete check, which takes longer than this.
         try:
             done = self._tool_pose(self._links, q, r, T)
@@ -190,39 +193,48 @@ class UrdfRobotModel(BaseRobotModel):
 
     def jacobian_der(self, q: Array, q_dot: Array) -> Array:
         """See `BaseRobotModel.jacobian_der`."""
-        q, q_dot = finite_state(q, q_dot, self._n)
-        pin.computeJointJacobiansTimeVariation(self._model, self._data, q, q_dot)
-        J_der: Array = pin.getFrameJacobianTimeVariation(self._model, self._data, self._tool0, _WORLD)
+        model, data = self._model, self._data
+        try:  # as above
+            pin.computeJointJacobiansTimeVariation(model, data, q, q_dot)
+            finite = isfinite(sum(q.tolist(), sum(q_dot.tolist())))
+        except (AttributeError, TypeError, ValueError):
+            finite = False
+        if not finite:
+            q, q_dot = finite_state(q, q_dot, self._n)
+            pin.computeJointJacobiansTimeVariation(model, data, q, q_dot)
+        J_der: Array = pin.getFrameJacobianTimeVariation(model, data, self._tool0, _WORLD)
         return J_der
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""
-        # The torques of velocity and gravity are finite if q and q_dot are: one check in the place of three.
-        model, data = self._model, self._data
+        # Torques are finite if all that they come from is: one check in the place of three.
+        model, data, tau = self._model, self._data, empty(self._n)
         try:
             M: Array = pin.crba(model, data, q)
             tau_aux: Array = pin.nonLinearEffects(model, data, q, q_dot)
-            finite = q.shape == q_dot.shape == q_ddot.shape and isfinite(
-                sum(tau_aux.tolist(), sum(q_ddot.tolist()))
-            )
+            same = q.shape == q_dot.shape == q_ddot.shape
+            done = same and self._torque_sum(M, q_ddot, tau_aux, tau)
         except (AttributeError, TypeError, ValueError):
-            finite = False
-        if not finite:
+            done = False
+        if not done:
             q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
             M, tau_aux = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, q_dot)
-        tau: Array = M.dot(q_ddot)  # on a few values half the time of the operator
-        tau += tau_aux
+            self._torque_sum(M, q_ddot, tau_aux, tau)
         return tau, M, tau_aux
 
     def inverse_kinematics_analytic(self, r: Array, T: Array, *, q_near: Array | None = None) -> Array:
         """See `BaseRobotModel.inverse_kinematics_analytic`; the form is found from the lines of the axes."""
         return self._analytic_solver.solve(r, T, q_near)
 
-    @cached_property
-    def _tool_pose(self) -> Callable[..., bool]:
-        # Who asks for no kinematics loads no compiler.
-        function: Callable[..., bool] = import_module('robots_core.robot_model.compiled_kinematics').tool_pose
-        return function
+    # Who asks for neither kinematics nor torques loads no compiler: these two stand in the place of what is
+    # compiled until it is called. A cached property would take longer to find on each call.
+    def _load_tool_pose(self, *arrays: Array) -> bool:
+        self._tool_pose = import_module('robots_core.robot_model.compiled_kinematics').tool_pose
+        return self._tool_pose(*arrays)
+
+    def _load_torque_sum(self, *arrays: Array) -> bool:
+        self._torque_sum = import_module('robots_core.robot_model.compiled_dynamics').torque_sum
+        return self._torque_sum(*arrays)
 
     @cached_property
     def _visualization(self) -> RobotVisualization:

@@ -224,7 +224,7 @@ def _solve(arms: Any, r: Array, T: Array, near: Array, found: Array, parallel: b
     return count
 
 
-@compiled(_signature)
+@compiled(_signature, nogil=False)
 def solve_spherical_wrist(arms: Any, r: Array, T: Array, near: Array, found: Array) -> int:
     """All postures of an arm with a spherical wrist.
 
@@ -241,7 +241,7 @@ def solve_spherical_wrist(arms: Any, r: Array, T: Array, near: Array, found: Arr
     return int(_solve(arms, r, T, near, found, False))
 
 
-@compiled(_signature)
+@compiled(_signature, nogil=False)
 def solve_parallel_axes(arms: Any, r: Array, T: Array, near: Array, found: Array) -> int:
     """All postures of an arm of the Universal Robots kind; as `solve_spherical_wrist`."""
     return int(_solve(arms, r, T, near, found, True))
