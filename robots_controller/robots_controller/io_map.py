@@ -11,7 +11,7 @@ from typing import Final, Literal
 
 from robots_controller.field_path import FieldPath
 from robots_controller.io_image import Channel, Direction
-from robots_controller.io_signals import parse_channel, read_signals
+from robots_controller.io_signals import channel_at, read_signals
 from robots_controller.yaml_section import YamlSection, located, parse_yaml, read_text
 from robots_core.errors import InvalidInputError
 
@@ -151,12 +151,7 @@ def _rows(item: YamlSection, direction: Direction, signals: Mapping[str, Channel
 
 
 def _channel(section: YamlSection, key: str, direction: Direction, signals: Mapping[str, Channel]) -> Channel:
-    try:
-        channel = parse_channel(section.text(key), signals)
-    except InvalidInputError as error:
-        if 'line' in error.details:
-            raise
-        raise section.error(error.message, key) from None
+    channel = channel_at(section, section.text(key), section.line_of(key), signals)
     if channel.direction != direction:
         raise section.error(f'{channel.name} stands below {direction}s', key)
     return channel

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Final, get_args
 
 from robots_controller.io_image import IMAGES, Channel, Direction, IoImage, Kind
-from robots_controller.yaml_section import YamlSection
+from robots_controller.yaml_section import YamlSection, located
 from robots_core.errors import InvalidInputError
 
 LARGEST_INDEX: Final = 4096  # a typing error must not make an image of a billion channels
@@ -33,6 +33,18 @@ def parse_channel(text: str, signals: Mapping[str, Channel]) -> Channel:
     kinds: dict[str, Kind] = {kind: kind for kind in get_args(Kind)}
     directions: dict[str, Direction] = {direction: direction for direction in get_args(Direction)}
     return Channel(kinds[match[1]], directions[match[2]], int(match[3]))
+
+
+def channel_at(section: YamlSection, text: str, line: int, signals: Mapping[str, Channel]) -> Channel:
+    """The channel of a file, by `parse_channel`.
+
+    Raises:
+        InvalidInputError: it is none; with file and line.
+    """
+    try:
+        return parse_channel(text, signals)
+    except InvalidInputError as error:
+        raise located(section.file, line, error.message) from None
 
 
 def read_signals(section: YamlSection) -> dict[str, Channel]:

@@ -11,9 +11,8 @@ from types import MappingProxyType
 from typing import Final, Literal
 
 from robots_controller.io_image import Channel
-from robots_controller.io_signals import parse_channel, read_signals
+from robots_controller.io_signals import channel_at, read_signals
 from robots_controller.yaml_section import YamlSection, located, parse_yaml, read_text
-from robots_core.errors import InvalidInputError
 
 LONGEST_TIME: Final = 86400.0  # s
 SHORTEST_PERIOD: Final = 0.001  # s
@@ -170,7 +169,7 @@ def _trigger(item: YamlSection, signals: Mapping[str, Channel]) -> tuple[Compari
             'when',
         )
     line = item.line_of('when')
-    channel = _channel(item, match[1], line, signals)
+    channel = channel_at(item, match[1], line, signals)
     if match[2] == 'changes':
         return Comparison(channel, 'changes'), math.inf
     if match[2]:
@@ -189,7 +188,7 @@ def _condition(item: YamlSection, text: str, line: int, signals: Mapping[str, Ch
             f"if is {text!r}; valid are 'input is on', 'input is off', 'analog_output.1 above 2.5' and "
             f"'analog_output.1 below 2.5'",
         )
-    channel = _channel(item, match[1], line, signals)
+    channel = channel_at(item, match[1], line, signals)
     if match[2]:
         if channel.kind == 'analog':
             raise located(item.file, line, f'{match[1]} is analog; it can be above or below a number')
@@ -204,19 +203,12 @@ def _bound(item: YamlSection, channel: Channel, relation: str, text: str, line: 
 
 
 def _setting(section: YamlSection, key: str, signals: Mapping[str, Channel]) -> tuple[Channel, float]:
-    channel = _channel(section, key, section.line_of(key), signals)
+    channel = channel_at(section, key, section.line_of(key), signals)
     if channel.direction == 'output':
         raise section.error(f'{key} is an output, which the robot program sets; a PLC sets inputs', key)
     if channel.kind == 'digital':
         return channel, float(section.switch(key))
     return channel, section.number(key)
-
-
-def _channel(section: YamlSection, text: str, line: int, signals: Mapping[str, Channel]) -> Channel:
-    try:
-        return parse_channel(text, signals)
-    except InvalidInputError as error:
-        raise located(section.file, line, error.message) from None
 
 
 def _number(section: YamlSection, text: str, line: int) -> float:

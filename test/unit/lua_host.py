@@ -75,6 +75,14 @@ class LuaHost:
         assert error is not None, 'the program did not fail'
         return error
 
+    def refuses(self, call: str, message: str) -> None:
+        """A call fails with its line, its function and a message, and nothing happens."""
+        error = self.fails(f'\n\n{call}')
+        assert str(error).startswith(f'test.lua:3: {call.partition("(")[0]}: ')
+        assert message in str(error)
+        assert self.commands == []
+        assert self.outputs == []
+
     def wait_for_print(self) -> None:
         assert self.spoken.acquire(timeout=DEADLINE)
 

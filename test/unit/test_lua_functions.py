@@ -145,12 +145,7 @@ def test_print_is_that_of_lua(tmp_path: Path):
     ],
 )
 def test_wrong_arguments_are_explained(tmp_path: Path, call: str, message: str):
-    host = LuaHost(tmp_path)
-    error = host.fails(f'\n\n{call}')
-    assert str(error).startswith(f'test.lua:3: {call.partition("(")[0]}: ')
-    assert message in str(error)
-    assert host.commands == []
-    assert host.outputs == []
+    LuaHost(tmp_path).refuses(call, message)
 
 
 def test_motion_error_is_told_in_degrees_with_its_line(tmp_path: Path):

@@ -85,7 +85,7 @@ class ProgramRun:
             error.__cause__ = sandbox.host_error
         else:
             error = self._error(failure)
-            self._functions.end_pulses(all_of_them=True)
+            self._functions.pulses.end(all_of_them=True)
             if error is not None and self._state.motions:
                 self._events.abort()
         return error, bool(failure)
@@ -124,7 +124,7 @@ class ProgramRun:
     def attention(self) -> int | None:
         """What the program shall attend to."""
         state = self._state
-        self._functions.end_pulses()
+        self._functions.pulses.end()
         with state.condition:
             if not state.needs_attention():
                 return None
@@ -148,7 +148,7 @@ class ProgramRun:
             self._state.hold()
             if self._state.run_state is not RunState.PAUSED:
                 break
-            self._functions.end_pulses()
+            self._functions.pulses.end()
         self._debugger.set_depth(stack.depth)
         self._held(CallStack())
         return self.poll()

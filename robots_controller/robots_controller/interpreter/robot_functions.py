@@ -20,6 +20,7 @@ from robots_controller.interpreter.lua_functions import (
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, Result, Waiting
 from robots_controller.interpreter.motion_command import Kind, MotionCommand, OutputChange
 from robots_controller.interpreter.motion_target import MotionTarget, RobotView
+from robots_controller.interpreter.output_pulses import OutputPulses
 from robots_controller.interpreter.program_events import ProgramEvents
 from robots_controller.interpreter.program_state import ProgramState
 from robots_controller.interpreter.taught_points import TaughtPoint, read_points, write_points
@@ -69,7 +70,7 @@ class RobotFunctions:
         self._subprogram = subprogram
         self._motion_ended = motion_ended
         self._settings: dict[str, object] = {}
-        self._pulses: dict[int, float] = {}
+        self.pulses = OutputPulses(state, lambda index, value: self._set_output('digital', index, value))
         self._interrupted: list[MotionCommand] = []
         sizes = state.io
         self._sizes = Sizes(
@@ -98,7 +99,7 @@ class RobotFunctions:
             'getAnalogInput': lambda a: self._input('analog', a),
             'waitDigitalInput': self._wait_digital_input,
             'waitAnalogInput': self._wait_analog_input,
-            'pulseDigitalOutput': self._pulse,
+            'pulseDigitalOutput': lambda a: self.pulses.start(int(a.values[0]), a.values[1]),
             'onDigitalInput': self._on_digital_input,
             'call': self._call,
             'teach': self._teach,
@@ -132,7 +133,7 @@ class RobotFunctions:
     def finish(self) -> Waiting:
         """Wait until the robot stands and the last pulse is over."""
         yield from self._standstill()
-        yield from self.state.waiting(lambda: not self._pulses)
+        yield from self.state.waiting(lambda: not self.pulses.any)
         return None
 
     # -- motions --------------------------------------------------------------------------------
@@ -367,21 +368,6 @@ class RobotFunctions:
     def _set_output(self, kind: Kind, index: int, value: float) -> None:
         if self.state.set_output(kind, index, value):
             self.events.output(OutputChange(kind, index, value, self.line))
-
-    def _pulse(self, arguments: Arguments) -> None:
-        index, duration = int(arguments.values[0]), arguments.values[1]
-        self._set_output('digital', index, 1.0)
-        self._pulses[index] = self.state.clock.now() + duration
-        self.state.set_alarm(min(self._pulses.values()))
-
-    def end_pulses(self, *, all_of_them: bool = False) -> None:
-        """Switch off the outputs whose pulse is over."""
-        now = self.state.clock.now()
-        for index, end in list(self._pulses.items()):
-            if all_of_them or end <= now:
-                del self._pulses[index]
-                self._set_output('digital', index, 0.0)
-        self.state.set_alarm(min(self._pulses.values(), default=None))
 
     def _on_digital_input(self, arguments: Arguments) -> Result:
         index, value, _ = arguments.values
