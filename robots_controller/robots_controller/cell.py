@@ -20,6 +20,14 @@ from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.markup import escape
 
+from robots_controller.cell_arguments import (
+    EXIT_FAILED,
+    EXIT_INTERRUPTED,
+    EXIT_OK,
+    add_cell_arguments,
+    exit_code,
+    take_from_program,
+)
 from robots_controller.cell_events import Event, MotionEnded, MotionPlanned, NodeHealth, ProgramStatus
 from robots_controller.cell_graph import DEFAULT_ROBOT, cell_graph
 from robots_controller.cell_view import CellView
@@ -28,8 +36,6 @@ from robots_controller.motion_report import motion_report
 from robots_controller.node_processes import NodeProcesses
 from robots_controller.nodes.bag_recorder import BagRecorder
 from robots_controller.nodes.cell_monitor import CellMonitor
-from robots_controller.program_header import ProgramHeader, read_program_header
-from robots_core.blocks.drive_level import DRIVE_LEVELS
 from robots_core.blocks.following_methods import METHODS
 from robots_core.errors import RobotsError
 from robots_core.nodes.middleware import choose_transports
@@ -39,7 +45,6 @@ START_TIMEOUT = 60.0  # s, for all nodes to be ready on a slow machine
 SERVICE_TIMEOUT = 10.0  # s
 SETTLING_TIME = 2.0  # s after all are ready, in which another cell would have been noticed
 REST_TIMEOUT = 5.0  # s, for the robot to stop on its path
-LOG_WIDTH = 120
 POLL = 0.05  # s between looks at processes and events
 
 # What a report needs; the recorder is subscribed to these before the program starts.
@@ -58,7 +63,6 @@ REPORTED_TOPICS = (
     'ptpjoint_joint',
     'splinecartesian',
 )
-EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 
 
 @dataclass(frozen=True)
@@ -90,16 +94,7 @@ def main() -> None:
     # Started in the background, a process ignores SIGINT; ended by a supervisor, it gets SIGTERM.
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.default_int_handler)
-    # A log file has no width of its own; the table needs this much.
-    console = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else LOG_WIDTH)
-    try:
-        code = run_cell(parse_options(sys.argv[1:]), console)
-    except RobotsError as error:
-        print(f'error: {error}', file=sys.stderr)
-        code = EXIT_BAD_INPUT
-    except KeyboardInterrupt:
-        code = EXIT_INTERRUPTED
-    sys.exit(code)
+    sys.exit(exit_code(lambda console: run_cell(parse_options(sys.argv[1:]), console)))
 
 
 def parse_options(arguments: Sequence[str]) -> CellOptions:
@@ -109,40 +104,26 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         RobotsError: a program that does not exist.
     """
     parser = argparse.ArgumentParser(prog='cell', description=__doc__)
-    parser.add_argument('--robot', default='', help="the robot's name, or urdf:/path/to/robot.urdf")
     parser.add_argument(
         '--program', default='', help='Lua robot program to run; its header names robot, scene and io'
     )
     parser.add_argument('--namespace', default='/', help='ROS namespace of all nodes')
+    add_cell_arguments(parser)
     parser.add_argument('--record', type=Path, metavar='FOLDER', help='record a bag below this folder')
     parser.add_argument('--once', action='store_true', help='end when the program has ended')
     parser.add_argument('--view', action='store_true', help='with --once: stay, so that the page stays open')
-    parser.add_argument('--rate', type=float, default=250.0, help='references per second, Hz')
-    parser.add_argument(
-        '--drive', default='second_order', choices=DRIVE_LEVELS, help='how much of a machine the drives are'
-    )
-    parser.add_argument(
-        '--goal-tolerance', type=float, help='largest error of an axis that has reached its target, rad'
-    )
     parser.add_argument('--port', type=int, default=8080, help='first port to try for the browser page')
-    parser.add_argument('--scene', default='', metavar='FILE', help='what the robot keeps clear of (YAML)')
     parser.add_argument(
         '--guided', default='', choices=METHODS, help='follow reference_pose by this inverse kinematics'
     )
-    parser.add_argument('--io', default='', metavar='FILE', help='play a PLC: YAML script of its inputs')
     parser.add_argument('--debug-port', type=int, default=0, help='port for editors; 0 for none')
-    parser.add_argument('--io-map', default='', metavar='FILE', help='connect a PLC: YAML map to its topics')
     options = parser.parse_args(arguments)
-    if options.program and not Path(options.program).is_file():
-        raise RobotsError(f'program {options.program!r} not found; programs are Lua files, see programs/')
     if options.once and not options.program:
         raise RobotsError('--once needs a --program to run')
-    header = read_program_header(options.program) if options.program else ProgramHeader()
-    chosen = header.replaced_by(robot=options.robot, scene=options.scene, io=options.io)
-    robot = chosen.robot or DEFAULT_ROBOT
+    take_from_program(options)
     return CellOptions(
-        robot=robot,
-        note=header.note(options.program, robot),
+        robot=options.robot or DEFAULT_ROBOT,
+        note=options.note,
         program=str(Path(options.program).resolve()) if options.program else '',
         namespace='/' + options.namespace.strip('/'),
         record=options.record,
@@ -152,9 +133,9 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         drive=options.drive,
         goal_tolerance=options.goal_tolerance,
         port=options.port,
-        io=str(Path(chosen.io).resolve()) if chosen.io else '',
+        io=str(Path(options.io).resolve()) if options.io else '',
         io_map=str(Path(options.io_map).resolve()) if options.io_map else '',
-        scene=str(Path(chosen.scene).resolve()) if chosen.scene else '',
+        scene=str(Path(options.scene).resolve()) if options.scene else '',
         guided=options.guided,
         debug_port=options.debug_port,
     )

@@ -17,17 +17,21 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress, SpinnerColumn, TextColumn
 
+from robots_controller.cell_arguments import (
+    EXIT_FAILED,
+    EXIT_INTERRUPTED,
+    EXIT_OK,
+    add_cell_arguments,
+    exit_code,
+    take_from_program,
+)
 from robots_controller.motion_report import motion_report
-from robots_controller.program_header import read_program_header
 from robots_controller.report import write_report
 from robots_controller.simulate import LONGEST_TIME, simulate
 from robots_controller.simulation.simulation_run import SimulationRun
-from robots_core.blocks.drive_level import DRIVE_LEVELS
 from robots_core.blocks.following_methods import METHODS
 from robots_core.errors import RobotsError
 
-EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
-LOG_WIDTH = 120
 DRAW_PERIOD = 0.1  # s of the machine's time between two drawings of the bar
 
 
@@ -37,15 +41,7 @@ def main() -> None:
         signal.signal(number, _interrupt)
     # Started in the background, a process ignores SIGINT.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    console = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else LOG_WIDTH)
-    try:
-        code = run(parse_options(sys.argv[1:]), console)
-    except RobotsError as error:
-        print(f'error: {error}', file=sys.stderr)
-        code = EXIT_BAD_INPUT
-    except KeyboardInterrupt:
-        code = EXIT_INTERRUPTED
-    sys.exit(code)
+    sys.exit(exit_code(lambda console: run(parse_options(sys.argv[1:]), console)))
 
 
 def _interrupt(_signal: int, _frame: FrameType | None) -> None:
@@ -60,19 +56,9 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     """
     parser = argparse.ArgumentParser(prog='simulate', description=__doc__)
     parser.add_argument('program', help='Lua robot program to run')
-    parser.add_argument('--robot', default='', help="the robot's name, or urdf:/path/to/robot.urdf")
-    parser.add_argument(
-        '--drive', default='second_order', choices=DRIVE_LEVELS, help='how much of a machine the drives are'
-    )
-    parser.add_argument('--scene', default='', metavar='FILE', help='what the robot keeps clear of (YAML)')
-    parser.add_argument('--io', default='', metavar='FILE', help='play a PLC: YAML script of its inputs')
-    parser.add_argument('--io-map', default='', metavar='FILE', help="a PLC's map: names, fail-safe values")
+    add_cell_arguments(parser)
     parser.add_argument('--bag', type=Path, metavar='FOLDER', help='write a bag; the folder must not exist')
     parser.add_argument('--report', type=Path, metavar='FILE', help='write a report, one HTML page')
-    parser.add_argument('--rate', type=float, default=250.0, help='references per second, Hz')
-    parser.add_argument(
-        '--goal-tolerance', type=float, help='largest error of an axis that has reached its target, rad'
-    )
     parser.add_argument('--points', default='', metavar='FILE', help='taught points, in the place of the own')
     parser.add_argument(
         '--references', default='', metavar='BAG', help='recording of what guides or jogs the robot'
@@ -84,14 +70,9 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
         '--longest', type=float, default=LONGEST_TIME, help='longest simulated time of the program, s'
     )
     options = parser.parse_args(arguments)
-    if not Path(options.program).is_file():
-        raise RobotsError(f'program {options.program!r} not found; programs are Lua files, see programs/')
-    header = read_program_header(options.program)
-    chosen = header.replaced_by(robot=options.robot, scene=options.scene, io=options.io)
-    if not chosen.robot:
+    take_from_program(options)
+    if not options.robot:
         raise RobotsError(f'{options.program} does not say which robot it is for; --robot does')
-    options.robot, options.scene, options.io = chosen.robot, chosen.scene, chosen.io
-    options.note = header.note(options.program, chosen.robot)
     return options
 
 

@@ -1,0 +1,61 @@
+"""What the command lines of `cell` and `simulate` have in common."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+from rich.console import Console
+
+from robots_controller.program_header import ProgramHeader, read_program_header
+from robots_core.blocks.drive_level import DRIVE_LEVELS
+from robots_core.errors import RobotsError
+
+EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
+LOG_WIDTH: Final = 120  # characters; a log file has no width of its own, and tables need this much
+
+
+def add_cell_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say what a cell is made of."""
+    parser.add_argument('--robot', default='', help="the robot's name, or urdf:/path/to/robot.urdf")
+    parser.add_argument(
+        '--drive', default='second_order', choices=DRIVE_LEVELS, help='how much of a machine the drives are'
+    )
+    parser.add_argument('--scene', default='', metavar='FILE', help='what the robot keeps clear of (YAML)')
+    parser.add_argument('--io', default='', metavar='FILE', help='play a PLC: YAML script of its inputs')
+    parser.add_argument('--io-map', default='', metavar='FILE', help='connect a PLC: YAML map to its topics')
+    parser.add_argument('--rate', type=float, default=250.0, help='references per second, Hz')
+    parser.add_argument(
+        '--goal-tolerance', type=float, help='largest error of an axis that has reached its target, rad'
+    )
+
+
+def take_from_program(options: argparse.Namespace) -> None:
+    """Take the robot, scene and io that were not given from the program; `options.note` is for a person.
+
+    Raises:
+        RobotsError: a program that does not exist.
+    """
+    header = ProgramHeader()
+    if options.program:
+        if not Path(options.program).is_file():
+            raise RobotsError(f'program {options.program!r} not found; programs are Lua files, see programs/')
+        header = read_program_header(options.program)
+    chosen = header.replaced_by(robot=options.robot, scene=options.scene, io=options.io)
+    options.robot, options.scene, options.io = chosen.robot, chosen.scene, chosen.io
+    options.note = header.note(options.program, chosen.robot)
+
+
+def exit_code(run: Callable[[Console], int]) -> int:
+    """Run with a console; what is wrong with the input, and Ctrl-C, end it with codes of their own."""
+    console = Console(highlight=False, soft_wrap=True, width=None if sys.stdout.isatty() else LOG_WIDTH)
+    try:
+        return run(console)
+    except RobotsError as error:
+        print(f'error: {error}', file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
