@@ -18,7 +18,8 @@ from typing import Any
 from websockets.sync.client import ClientConnection, connect
 
 CHROMES = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
-BROWSERS = [path for name in CHROMES if (path := shutil.which(name))][:1]
+KALEIDO = 'kaleido'
+BROWSERS = [KALEIDO, *[path for name in CHROMES if (path := shutil.which(name))][:1]]
 DEADLINE = 60.0  # s
 # Colours of every canvas of the page: of plots those that are neither white nor transparent, of the view all.
 LOOK = """(() => [...document.querySelectorAll('canvas')].map((canvas) => {
@@ -64,13 +65,19 @@ class Opened:
     colours: list[tuple[str, int]]
 
 
-def open_in_kaleido(path: Path, folder: Path) -> Opened:
-    """Open a page in the headless Chromium of kaleido, which needs no library of the system.
+def open_page(browser: str, path: Path, folder: Path) -> Opened:
+    """Open a page in a headless browser.
 
     Args:
+        browser: One of `BROWSERS`.
         path: The page.
-        folder: Empty; the browser finds its script there.
+        folder: The browser's own.
     """
+    return _open_in_kaleido(path, folder) if browser == KALEIDO else _open_in_chrome(browser, path, folder)
+
+
+def _open_in_kaleido(path: Path, folder: Path) -> Opened:
+    """Open a page in the headless Chromium of kaleido, which needs no library of the system."""
     spec = importlib.util.find_spec('kaleido')
     assert spec is not None
     assert spec.submodule_search_locations
@@ -97,7 +104,7 @@ def open_in_kaleido(path: Path, folder: Path) -> Opened:
     return Opened(told['errors'], [(label, count) for label, count in told['colours']])
 
 
-def open_page(browser: str, path: Path, profile: Path) -> Opened:
+def _open_in_chrome(browser: str, path: Path, profile: Path) -> Opened:
     """Open a page in a headless browser over the Chrome DevTools protocol."""
     options = ['--headless=new', '--no-sandbox', '--no-first-run', '--disable-background-networking']
     options += ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader']

@@ -46,7 +46,7 @@ def test_its_report_opens_without_an_error(program: Path, tmp_path: Path):
     path = tmp_path / 'report.html'
     Page(path.read_text(encoding='utf-8'))  # raises what its script raises
     for browser in BROWSERS:
-        opened = open_page(browser, path, tmp_path / 'profile')
+        opened = open_page(browser, path, tmp_path / f'browser_{Path(browser).name}')
         assert opened.errors == []
         # Every plot is drawn, and the robot shaded.
         assert all(colours > 2 for _, colours in opened.colours)

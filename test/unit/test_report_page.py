@@ -16,7 +16,7 @@ from robots_controller.report.comparison_page import comparison_page
 from robots_core.errors import RobotsError
 
 from .report_bags import tending_bag
-from .report_browsers import BROWSERS, open_in_kaleido, open_page
+from .report_browsers import BROWSERS, open_page
 
 STUB = Path(__file__).with_name('dom_stub.js')
 HOSTILE = '-- </script><img src=x onerror=alert(1)>'
@@ -118,22 +118,22 @@ def test_the_robot_is_drawn(page: Page):
     assert calls['drawArrays'] == 1 + len(page.data['world']['robots'])
 
 
-@pytest.mark.parametrize('script', ['throw new Error("it broke")', 'console.error("it broke")'])
-def test_browsers_tell_what_goes_wrong(script: str, tmp_path: Path):
+@pytest.mark.parametrize('browser', BROWSERS)
+@pytest.mark.parametrize('script', ['throw new Error("it broke")', 'Promise.reject("it broke")'])
+def test_browsers_tell_what_goes_wrong(browser: str, script: str, tmp_path: Path):
     path = tmp_path / 'page.html'
     path.write_text(f'<canvas aria-label="empty"></canvas><script>{script}</script>', encoding='utf-8')
-    opened = open_in_kaleido(path, tmp_path / 'browser')
+    opened = open_page(browser, path, tmp_path / 'browser')
     assert 'it broke' in opened.errors[0]
     assert opened.colours == [('empty', 1)]
 
 
-@pytest.mark.parametrize('browser', ['kaleido', *BROWSERS])
+@pytest.mark.parametrize('browser', BROWSERS)
 @pytest.mark.parametrize('kind', ['report', 'comparison'])
 def test_it_opens_without_an_error(browser: str, kind: str, texts: dict[str, str], tmp_path: Path):
     path = tmp_path / 'report.html'
     path.write_text(texts[kind], encoding='utf-8')
-    folder = tmp_path / 'browser'
-    opened = open_in_kaleido(path, folder) if browser == 'kaleido' else open_page(browser, path, folder)
+    opened = open_page(browser, path, tmp_path / 'browser')
     assert opened.errors == []
     plots = {panel['title'] for panel in Page(texts[kind]).data['panels']}
     assert {label for label, _ in opened.colours} == {*plots, 'robot'}
