@@ -84,8 +84,10 @@ lint: $(VENV_STAMP)  ## Lint, format and type checks
 .PHONY: test
 test: build lint  ## Lint, types and all tests
 	@$(RUN) python -m pytest -n auto --dist worksteal test/contract test/property test/unit
-	@# What keeps time has the machine to itself.
-	@$(RUN) python -m pytest test/bag test/cell test/node
+	@# Nodes wait for each other most of the time.
+	@$(RUN) python -m pytest -n 2 --dist worksteal test/node
+	@# Whole cells keep time: they have the machine to themselves.
+	@$(RUN) python -m pytest test/bag test/cell
 
 .PHONY: benchmark-controller
 benchmark-controller: build  ## The controller's timing side by side with a bare rclpy timer
