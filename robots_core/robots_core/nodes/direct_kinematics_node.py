@@ -40,6 +40,7 @@ class DirectKinematicsNode(RobotNode):
             'rate', 50.0, 'highest publishing rate, Hz', check=bounded(0.1, MAX_RATE, 'Hz'), read_only=True
         )
         self._kinematics = DirectKinematics(self.robot, tool=pose_from_parameter(tool))
+        self._kinematics.forward(self.robot.home)  # a ready node has loaded what it needs
         self._publisher = self.create_publisher(PoseStamped, 'tcp_pose', STATE)
         self._joint_states: PolledSubscription[JointState] = PolledSubscription(
             self, JointState, 'joint_states', SENSOR
