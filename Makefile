@@ -127,6 +127,15 @@ benchmark-planning: build .venv/benchmark/.installed  ## Planners side by side w
 benchmark-programs: build  ## Delays of motion calls and inputs, Lua statements per second next to bare Lua
 	@$(RUN) python test/benchmark/benchmark_programs.py
 
+# A folder of its own: the package is large, and nobody else needs it.
+.venv/example_robots/.installed: requirements-example-robots.txt $(VENV_STAMP)
+	@.venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade --no-deps --target .venv/example_robots -r $<
+	@touch $@
+
+.PHONY: load-example-robots
+load-example-robots: build .venv/example_robots/.installed  ## Load all robots of the package example-robot-data (131 MB, once)
+	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/example_robots"; python test/benchmark/load_example_robots.py
+
 .PHONY: plots
 plots: build .venv/benchmark/.installed  ## A picture per planner, every axis over its limits, in out/plots
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/plot_planners.py

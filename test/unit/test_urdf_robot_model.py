@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -232,6 +233,39 @@ def test_sliding_axis_moves_in_metres(tmp_path: Path):
     low, _ = robot.direct_kinematics(np.array([1.0, 0.0, 0.0]))
     high, _ = robot.direct_kinematics(np.array([1.0, 0.5, 0.0]))
     np.testing.assert_allclose(high - low, [0.0, 0.0, 0.5], atol=EXACT)
+
+
+def test_one_axis_is_a_robot(tmp_path: Path):
+    robot = UrdfRobotModel(write_arm(tmp_path), tip='pole')
+    q, q_dot = np.array([0.7]), np.array([-1.3])
+    r, _ = robot.direct_kinematics(q)
+    c, s = np.cos(0.7), np.sin(0.7)
+    np.testing.assert_allclose(r, [c, s, 0.25], atol=EXACT)
+    J, J_der = robot.jacobian(q), robot.jacobian_der(q, q_dot)
+    np.testing.assert_allclose(J, np.array([[-s, c, 0.0, 0.0, 0.0, 1.0]]).T, atol=EXACT)
+    np.testing.assert_allclose(J_der, -1.3 * np.array([[-c, -s, 0.0, 0.0, 0.0, 0.0]]).T, atol=EXACT)
+    tau, M, tau_aux = robot.rigid_dynamics(q, q_dot, q_dot)
+    np.testing.assert_allclose(tau, M @ q_dot + tau_aux, atol=EXACT)
+    assert M.shape == (1, 1)
+
+
+@pytest.mark.parametrize('index', [0, 1, 2])
+@pytest.mark.parametrize(
+    'bad', [np.full(3, np.nan), np.array([0.0, np.inf, 0.0]), np.zeros(2), np.zeros((3, 1)), 'left', None]
+)
+def test_what_is_no_motion_is_refused_by_name(arm: UrdfRobotModel, index: int, bad: object):
+    motion: list[Any] = [np.array([1.0, 0.3, 0.2])] * 3
+    motion[index] = bad
+    name = ('q', 'q_dot', 'q_ddot')[index]
+    with pytest.raises(InvalidInputError, match=rf'^{name}\b(\[\d\] is| must)'):
+        arm.rigid_dynamics(*motion)
+    if index < 2:
+        with pytest.raises(InvalidInputError, match=rf'^{name}\b(\[\d\] is| must)'):
+            arm.jacobian_der(*motion[:2])
+    if index == 0:
+        for call in (arm.direct_kinematics, arm.jacobian):
+            with pytest.raises(InvalidInputError, match=r'^q\b(\[\d\] is| must)'):
+                call(bad)
 
 
 def test_gravity_can_be_chosen(tmp_path: Path):

@@ -110,5 +110,5 @@ def test_joint_to_a_missing_link_is_refused():
 
 
 def test_no_links_at_all_are_refused():
-    with pytest.raises(UnknownRobotError, match='no root link among its 0 links'):
+    with pytest.raises(UnknownRobotError, match='the URDF has no links'):
         LinkTree(etree.fromstring('<robot/>')).base(None)

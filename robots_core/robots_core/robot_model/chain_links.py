@@ -26,7 +26,8 @@ def links_of(model: pin.Model, tool0: int) -> Array:
     rows = []
     before = pin.SE3.Identity()
     for joint in range(1, model.njoints):
-        column = pin.getJointJacobian(model, data, joint, pin.ReferenceFrame.LOCAL)[:, joint - 1]
+        columns = pin.getJointJacobian(model, data, joint, pin.ReferenceFrame.LOCAL)
+        column = columns.reshape(6, model.nv)[:, joint - 1]  # a single column is handed out as a vector
         slides = not column[3:].any()
         axis = column[:3] if slides else column[3:]
         turned = pin.SE3(pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), axis).matrix(), np.zeros(3))

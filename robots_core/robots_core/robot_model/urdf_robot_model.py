@@ -189,7 +189,7 @@ class UrdfRobotModel(BaseRobotModel):
         if not finite:
             q = finite_vector(q, self._n, 'q')
             J = pin.computeFrameJacobian(self._model, self._data, q, self._tool0, _WORLD)
-        return J
+        return J if self._n > 1 else J.reshape(6, 1)  # Pinocchio hands out a single column as a vector
 
     def jacobian_der(self, q: Array, q_dot: Array) -> Array:
         """See `BaseRobotModel.jacobian_der`."""
@@ -203,7 +203,7 @@ class UrdfRobotModel(BaseRobotModel):
             q, q_dot = finite_state(q, q_dot, self._n)
             pin.computeJointJacobiansTimeVariation(model, data, q, q_dot)
         J_der: Array = pin.getFrameJacobianTimeVariation(model, data, self._tool0, _WORLD)
-        return J_der
+        return J_der if self._n > 1 else J_der.reshape(6, 1)
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""

@@ -62,9 +62,9 @@ class LinkTree:
         """
         if base is not None:
             return self._known(base, 'base')
+        if not self.links:
+            raise UnknownRobotError('the URDF has no links: a xacro file that only defines some?')
         roots = [link for link in self.links if link not in self._parent_joint]
-        if not roots:
-            raise UnknownRobotError(f'the URDF has no root link among its {len(self.links)} links')
         if len(roots) > 1:
             raise UnknownRobotError(
                 f'the URDF has {len(roots)} root links, {", ".join(roots)}: choose one as base'
