@@ -114,7 +114,9 @@ class InverseKinematicsNode(RobotNode):
             self, JointTrajectory, 'joint_reference', STREAM
         )
         subscribe_state(self, String, 'command_state', self._on_command_state)
-        self._stream = ReferenceStream(self, 'joint_trajectory', self._names, time_from_start=self._dt)
+        self._stream = ReferenceStream(
+            self, 'joint_trajectory', self._names, time_from_start=self._dt, qos=STREAM
+        )
         self.create_timer(REPORT_PERIOD, self._report)
         sys.setswitchinterval(SWITCH_INTERVAL)
         gc.freeze()

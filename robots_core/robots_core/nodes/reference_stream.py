@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -32,10 +33,20 @@ class ReferenceStream:
         topic: Topic name.
         names: Joint names, n of them.
         time_from_start: The point's time, s.
+        qos: Of the topic. Commands must not be latched: who comes late would obey an old one, and who takes
+            the topic for a latched one would not hear its other publishers.
     """
 
-    def __init__(self, node: Node, topic: str, names: Sequence[str], *, time_from_start: float) -> None:
-        self._publisher = node.create_publisher(JointTrajectory, topic, STATE)
+    def __init__(
+        self,
+        node: Node,
+        topic: str,
+        names: Sequence[str],
+        *,
+        time_from_start: float,
+        qos: QoSProfile = STATE,
+    ) -> None:
+        self._publisher = node.create_publisher(JointTrajectory, topic, qos)
         self._publish = self._publisher.handle.publish_raw  # without the publisher's checks of its argument
         self._clock = node.get_clock()
         self._simulated = bool(node.get_parameter('use_sim_time').value)

@@ -165,7 +165,7 @@ class Jogging:
             self._box.place(q)
         if self._stream is None:
             self._stream = ReferenceStream(
-                self._node, 'joint_trajectory', self._names, time_from_start=1.0 / RATE
+                self._node, 'joint_trajectory', self._names, time_from_start=1.0 / RATE, qos=STREAM
             )
         self._references.take()  # older than this jog
         self._mailbox.clear()
