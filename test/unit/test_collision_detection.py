@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -48,6 +49,25 @@ def test_a_ball_at_the_flange_touches_it(robot: BaseRobotModel):
     assert found.in_contact
     assert found.distance == 0.0
     assert not detection.in_contact(turned(robot, 1.0))
+
+
+@pytest.mark.parametrize('engine', ['fcl', 'coal'])
+@pytest.mark.parametrize('around', [(), (SceneObject('ball', Sphere(0.1), Pose.identity()),)])
+def test_a_robot_without_shapes_meets_nothing(tmp_path: Path, engine: str, around: tuple[SceneObject, ...]):
+    file = tmp_path / 'bare.urdf'
+    file.write_text(
+        '<robot name="bare"><link name="base"/><link name="arm"/>'
+        '<joint name="turn" type="continuous"><parent link="base"/><child link="arm"/>'
+        '<limit velocity="1" effort="1"/></joint></robot>'
+    )
+    robot = load_robot_model(f'urdf:{file}')
+    detection = CollisionDetection(robot, scene=Scene(around), engine=engine)
+    assert detection.contacts(robot.home) == ()
+    assert detection.distance(robot.home) is None
+    way = JointPath.straight(robot.home, robot.home + 1.0)
+    assert detection.first_approach(way) is None
+    assert detection.closest_approach(way) is None
+    detection.check(way)
 
 
 def test_distance_to_a_ball_is_that_of_geometry(robot: BaseRobotModel):

@@ -89,6 +89,7 @@ class SolidSet:
 
 
 def _solid_arrays(solids: Sequence[Solid], frames: Indices) -> SolidArrays:
+    # Shapes are told, since a robot without shapes has no row to tell them.
     vertices: list[Array] = []
     rows: list[tuple[float, float, float, int]] = []
     centres: list[Array] = []
@@ -110,9 +111,9 @@ def _solid_arrays(solids: Sequence[Solid], frames: Indices) -> SolidArrays:
         centres += [centre for centre, _ in balls]
         radii += [ball for _, ball in balls]
         sizes.append(len(corners))
-    bounds = np.array([solid.bounds for solid in solids])
+    bounds = np.array([solid.bounds for solid in solids]).reshape(-1, 2, 3)
     parts: PartArrays = (
-        np.concatenate(vertices),
+        np.concatenate([np.empty((0, 3)), *vertices]),
         _offsets([len(corners) for corners in vertices]),
         np.array([row[0] for row in rows]),
         np.array([row[1] for row in rows]),
@@ -122,13 +123,13 @@ def _solid_arrays(solids: Sequence[Solid], frames: Indices) -> SolidArrays:
     return (
         parts,
         _offsets(sizes),
-        np.array(centres),
+        np.array(centres).reshape(-1, 3),
         np.array(radii),
         0.5 * (bounds[:, 0] + bounds[:, 1]),
         0.5 * (bounds[:, 1] - bounds[:, 0]),
         frames,
-        np.array([solid.pose.T for solid in solids]),
-        np.array([solid.pose.r for solid in solids]),
+        np.array([solid.pose.T for solid in solids]).reshape(-1, 3, 3),
+        np.array([solid.pose.r for solid in solids]).reshape(-1, 3),
     )
 
 
