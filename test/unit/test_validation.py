@@ -33,6 +33,7 @@ def test_finite_vector_takes_any_sequence_of_numbers():
         (None, 'shape|numbers'),
         ('abc', 'q must be 3 numbers'),
         ([1, [2], 3], 'q must be 3 numbers'),
+        (np.array([1.0, 2.0j, 3.0]), 'q must be 3 numbers'),
         ([1, 2, np.nan], r'q\[2\] is nan.*finite'),
         ([-np.inf, 2, 3], r'q\[0\] is -inf.*finite'),
     ],
