@@ -37,7 +37,7 @@ def finite_vector(values: ArrayLike, size: int, name: str) -> Array:
         and isfinite(sum(values.tolist()))
     ):
         return values
-    if np.iscomplexobj(values):  # of which numpy would take the real part
+    if isinstance(values, np.ndarray) and values.dtype.kind == 'c':  # of which numpy would take the real part
         raise InvalidInputError(f'{name} must be {size} numbers, got {values!r}')
     try:
         array = np.asarray(values, dtype=np.float64)
