@@ -34,6 +34,7 @@ from robots_planning.motion_settings import MotionSettings, settings_as_text
 from robots_planning.order_planner import PlannedOrders
 from robots_planning.robot_command_state import RobotCommandState
 
+LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
 STATUS_TYPE: Final = 'diagnostic_msgs/msg/DiagnosticStatus'
 COMMAND_TYPES: Final = {
     'ptpjoint_joint': 'sensor_msgs/msg/JointState',
@@ -133,6 +134,8 @@ class CellLog:
 
     def printed(self, text: str, line: int) -> None:
         """The program printed."""
+        if len(text) > LONGEST_TEXT:
+            text = f'{text[:LONGEST_TEXT]}... ({len(text)} characters)'
         self._events.append(TextPrinted(self._clock.now(), line, text))
         if self._bag is not None:
             log = ros.log(START + self._clock.nanoseconds, 'lua_program_node.print', text)

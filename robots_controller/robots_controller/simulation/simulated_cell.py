@@ -14,6 +14,7 @@ import numpy as np
 from robots_controller.controller import Controller, ControllerState, MotionOutcome
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.interpreter.program_state import MotionCommand, OutputChange, RunState
+from robots_controller.simulation import ros_messages as ros
 from robots_controller.simulation.cell_log import CellLog
 from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.collision_watch import CollisionWatch
@@ -38,7 +39,6 @@ FEEDBACK_RATE: Final = 125.0  # Hz
 PROGRESS_RATE: Final = 25.0  # Hz
 # As collision_node, which a live cell has where there is a scene.
 WATCH_RATE: Final = 25.0  # Hz
-LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
 STOPPED: Final = 'stopped by ~/stop'
 
 
@@ -99,7 +99,7 @@ class SimulatedCell:
             on_hold=self._on_hold,
             on_override=self._on_override,
             on_output=self._on_output,
-            on_print=self._on_print,
+            on_print=self._log.printed,
             on_line=lambda line: self._log.line(self._program, line),
             on_finished=lambda _: self._clock.program_ended(),
         )
@@ -368,7 +368,7 @@ class SimulatedCell:
         # The stamp is the command's id: unique even while time stands still.
         self._last_stamp = max(START + self._clock.nanoseconds, self._last_stamp + 1)
         stamp = self._last_stamp
-        id_ = f'{stamp // NANOSECONDS}.{stamp % NANOSECONDS:09d}'
+        id_ = ros.id_of(stamp)
         self._log.motion_sent(self._program, id_, command.line, stamp - START)
         self._log.command_state(self._program.command_state.value)
         self._log.command(stamp, command)
@@ -402,11 +402,6 @@ class SimulatedCell:
         self._log.status(self._program, self._clock.nanoseconds)
         self._log.output(self._program.io, change)
         self._plc.hear(change)
-
-    def _on_print(self, text: str, line: int) -> None:
-        if len(text) > LONGEST_TEXT:
-            text = f'{text[:LONGEST_TEXT]}... ({len(text)} characters)'
-        self._log.printed(text, line)
 
     # -- the motions' callbacks -------------------------------------------------------------------
 
