@@ -14,7 +14,7 @@ from robots_planning import verify
 from robots_planning.trajectory_generators.cartesian_line import CartesianLine
 from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
-from robots_planning.trajectory_generators.time_optimal import TimeOptimalTiming, ToolLimits, path_grid
+from robots_planning.trajectory_generators.time_optimal import TimeOptimalTiming, ToolLimits
 
 ROBOTS = ('kuka_kr210_r2700', 'ur5e', 'manutec_r3', 'bello_bot')
 FINE = 1e-4  # s
@@ -174,12 +174,3 @@ def test_a_robot_that_cannot_hold_itself_names_axis_and_place(robot: BaseRobotMo
     assert details['joint'] in robot.axes_data.names
     assert abs(float(details['value'])) > float(details['bound'])
     assert 0.0 <= float(details['fraction']) <= 1.0
-
-
-def test_the_grid_holds_the_knots() -> None:
-    knots = np.array([0.0, 0.1, 0.1001, 1.0])
-    grid = path_grid(knots)
-    assert (np.diff(grid) > 0.0).all()
-    assert np.isin(knots, grid).all()
-    assert grid[0] == 0.0
-    assert grid[-1] == 1.0

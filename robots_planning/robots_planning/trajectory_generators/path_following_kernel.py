@@ -17,11 +17,13 @@ from robots_planning.trajectory_generators.quintic import quintic_coefficients, 
 
 FIRST_STEP = 1.0 / 16.0
 LONGEST_STEP = 1.0 / 8.0
-SHORTEST_STEP = 1e-7  # of the path; a joint path that needs finer knots jumps
+SHORTEST_STEP = 1e-8  # of the path; a joint path that needs finer knots jumps
 MOST_KNOTS = 4000
 # Between knots the tool may leave the path by this much, in m and rad; 1e-5 is what users are promised.
 PATH_TOLERANCE = 2e-7
-CORRECTION_TOLERANCE = 1e-10  # m and rad, at the knots
+# And the axes by this much, rad (m): close to a singularity the tool hardly tells.
+JOINT_TOLERANCE = 1e-5
+CORRECTION_TOLERANCE = 1e-13  # m and rad, at the knots; of the axes, that over the smallest singular value
 CORRECTION_STEPS = 5
 LARGEST_KNOT_MOTION = 0.25  # rad (m) of one axis from knot to knot; more may hide a change of configuration
 LOST_MOTION = 1e-7  # part of the tool's motion along the path that may be missing in a singular posture
@@ -135,9 +137,23 @@ def _advance(chain: ChainArrays, path: PathArrays, knots: Knots, i: int, guess: 
             + 5.0 / 32.0 * h * (q_s[i, k] - q_s[j, k])
             + h * h / 64.0 * (q_ss[i, k] + q_ss[j, k])
         )
-    error = np.empty(6)
-    deviation = path_error(chain, path, 0.5 * (s[i] + s[j]), guess, error)
+    deviation = _deviation(chain, path, 0.5 * (s[i] + s[j]), guess)
     return deviation if deviation <= PATH_TOLERANCE else -1.0
+
+
+@compiled()
+def _deviation(chain: ChainArrays, path: PathArrays, s: float, q: Array) -> float:
+    """How far a posture is from the path at `s`: of the tool, or of the axes as part of what they may be."""
+    n = q.size
+    J, P, error, step = np.empty((6, n)), np.empty((n, 6)), np.empty(6), np.empty(n)
+    deviation = _error_and_jacobian(chain, path, s, q, (np.empty(3), np.empty((3, 3)), J), error)
+    if deviation > PATH_TOLERANCE:
+        return deviation
+    pseudo_inverse(J, P)
+    multiply(P, error, step)
+    for k in range(n):
+        deviation = max(deviation, abs(step[k]) * PATH_TOLERANCE / JOINT_TOLERANCE)
+    return deviation
 
 
 @compiled()

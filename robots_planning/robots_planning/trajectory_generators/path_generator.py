@@ -84,9 +84,10 @@ class PathGenerator(TrajectoryGenerator):
     def _fastest(self, routes: list[Route], path: CartesianPath) -> tuple[Trajectory, Route]:
         """The route that takes least time; those that cannot are not timed."""
         plans: list[tuple[Trajectory, Route]] = []
+        timed: dict[RoutePiece, Trajectory] = {}
         for least, _, route in sorted((self._least_time(route), k, route) for k, route in enumerate(routes)):
             if not plans or least < plans[-1][0].duration:
-                plans.append((self._timed(route, path), route))
+                plans.append((self._timed(route, path, timed), route))
                 plans = [min(plans, key=lambda plan: plan[0].duration)]
         return plans[0]
 
@@ -101,5 +102,9 @@ class PathGenerator(TrajectoryGenerator):
             time += float(np.where(way > ramp, fast, slow).max())
         return time
 
-    def _timed(self, route: Route, path: CartesianPath) -> Trajectory:
-        return one_after_another([self.timing.trajectory(piece.joints, piece.tool(path)) for piece in route])
+    def _timed(self, route: Route, path: CartesianPath, timed: dict[RoutePiece, Trajectory]) -> Trajectory:
+        """Its pieces one after another; those that `timed` has of another route are not timed again."""
+        for piece in route:
+            if piece not in timed:
+                timed[piece] = self.timing.trajectory(piece.joints, piece.tool(path))
+        return one_after_another([timed[piece] for piece in route])

@@ -44,6 +44,7 @@ class PathInverseKinematics:
         self._tool = tool
         self._chain = SerialChain.of(robot, tool)
         self._limits = np.array([self._axes.lower, self._axes.upper])
+        self._endless = np.array([[-np.inf], [np.inf]]) * np.ones(robot.num_axes)
         n = robot.num_axes
         self._knots = (
             np.empty(MOST_KNOTS + 1),
@@ -63,7 +64,7 @@ class PathInverseKinematics:
             PlanningError: the path leaves the axis limits or the reach, or crosses a singularity; names the
                 fraction of the path, the joint, its value and bound, and what would help.
         """
-        result, count = self._fill(path, start)
+        result, count = self._fill(path, start, self._limits)
         s, q, _, _ = self._knots
         if result == FOLLOWED:
             return self._followed(count)
@@ -73,19 +74,23 @@ class PathInverseKinematics:
             raise self._outside(path, s[count - 1 : count + 1], q[count - 1 : count + 1])
         raise self._blocked(path, float(s[count - 1]), q[count - 1].copy())
 
-    def follow_far(self, path: CartesianPath, start: Array) -> tuple[JointPath, float] | None:
+    def follow_far(
+        self, path: CartesianPath, start: Array, *, limited: bool = True
+    ) -> tuple[JointPath, float] | None:
         """As `follow`, as far as it goes: the joint path of that part of the path, and s where it ends.
+
+        Not `limited`, the axes may leave their limits.
 
         Returns:
             Both; None if it goes nowhere.
         """
-        _, count = self._fill(path, start)
+        _, count = self._fill(path, start, self._limits if limited else self._endless)
         return None if count < 2 else (self._followed(count), float(self._knots[0][count - 1]))
 
-    def _fill(self, path: CartesianPath, start: Array) -> tuple[int, int]:
+    def _fill(self, path: CartesianPath, start: Array, limits: Array) -> tuple[int, int]:
         """Fill the knots; what `follow` of the kernel returns."""
         begin = np.array(start, dtype=np.float64)
-        return follow(self._chain.arrays, self._limits, path.arrays, begin, self._knots)
+        return follow(self._chain.arrays, limits, path.arrays, begin, self._knots)
 
     def _followed(self, count: int) -> JointPath:
         """The joint path of the first knots, over an s of its own."""

@@ -151,11 +151,9 @@ class PostureGraph:
             start = before[0].joints.q[-1]
         routes: list[Route] = []
         middle = 0.5 * (place + 1.0)
-        for posture in self._analytic.solve_all(path.pose(middle), turns=True):
+        for posture in self._turning(path, middle, place, start):
             back = self._back_from(path, middle, place, posture)
-            if back is None or not stands_still(
-                self._chain, self._limits, path.arrays, place, start, back.joints.q[-1]
-            ):
+            if back is None:
                 continue
             ahead = self._kinematics.follow_far(path.part(middle, 1.0), posture)
             if ahead is not None and ahead[1] == 1.0:
@@ -163,11 +161,32 @@ class PostureGraph:
                 routes.append((*before, *_turn(start, back), _joined(back, onward)))
         return routes
 
+    def _turning(self, path: CartesianPath, middle: float, place: float, start: Array) -> list[Array]:
+        """Postures at `middle` from whose way back to `place` the axes can turn to `start` on the spot.
+
+        Postures whole turns apart share a way, which is followed once.
+        """
+        assert self._analytic is not None
+        ways: list[tuple[Array, Array | None]] = []
+        turning = []
+        for posture in self._analytic.solve_all(path.pose(middle), turns=True):
+            way = next((way for way in ways if _whole_turns(posture - way[0])), None)
+            if way is None:
+                back = self._back_from(path, middle, place, posture, limited=False)
+                way = (posture, None if back is None else back.joints.q[-1])
+                ways.append(way)
+            first, end = way
+            if end is not None and stands_still(
+                self._chain, self._limits, path.arrays, place, start, end + (posture - first)
+            ):
+                turning.append(posture)
+        return turning
+
     def _back_from(
-        self, path: CartesianPath, middle: float, place: float, posture: Array
+        self, path: CartesianPath, middle: float, place: float, posture: Array, *, limited: bool = True
     ) -> RoutePiece | None:
         """From a posture at `middle` back to `place`, or into the singularity there as near as it goes."""
-        followed = self._kinematics.follow_far(path.part(middle, place), posture)
+        followed = self._kinematics.follow_far(path.part(middle, place), posture, limited=limited)
         if followed is None:
             return None
         joints, share = followed
@@ -207,6 +226,11 @@ class PostureGraph:
         search = DampedLeastSquares(self._robot, tool=self._tool, restarts=0)
         results = [search.solve(pose, rng.uniform(low, high)) for _ in range(OTHER_STARTS)]
         return [result.q for result in results if result.converged]
+
+
+def _whole_turns(way: Array) -> bool:
+    turns = way / (2.0 * np.pi)
+    return float(np.abs(turns - np.round(turns)).max()) < SMALLEST_TURN
 
 
 def _part(path: CartesianPath, begin: float, end: float) -> CartesianPath:

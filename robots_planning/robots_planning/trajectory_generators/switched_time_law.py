@@ -47,6 +47,12 @@ class SwitchedTimeLaw:
         times: Array = self._t + 0.5 * self.window
         return times
 
+    @property
+    def at_grid(self) -> tuple[Array, Array, Array]:
+        """Without window: s_dot at grid points, (m,); s_ddot at begins and ends of intervals, (m - 1,)."""
+        speed, begin = self._pieces[:, 2], self._pieces[:-1, 3]
+        return speed, begin, begin + np.diff(self._t) * self._pieces[:-1, 4]
+
     def s_of(self, t: Array) -> tuple[Array, Array, Array]:
         """s, s_dot and s_ddot at increasing times `t` (m,), each (m,)."""
         values = np.empty((3, len(t)))

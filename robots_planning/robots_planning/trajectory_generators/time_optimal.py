@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -15,21 +16,21 @@ from robots_core.errors import InvalidInputError, PlanningError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
+from robots_planning.trajectory_generators.even_path import EvenPath
 from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_dynamics import torque_rows, torque_use
 from robots_planning.trajectory_generators.quintic import quintic_coefficients, quintic_uses, quintics_at
 from robots_planning.trajectory_generators.speed_profile import fastest_speeds
 from robots_planning.trajectory_generators.switched_time_law import SwitchedTimeLaw
 
-GRID = 300  # points of the speed profile over the path, at least
-END_PARTS = 8  # of the first and of the last interval of the profile
-LEAST_PARTS = 8  # of the profile between two knots of the path, which are closer where the path is curved
 # Ramps of acceleration: this part of the duration each, which is what all of them together cost.
 RAMP = 3e-4
 SHORTEST_RAMP = 5e-5  # s; shorter ones would magnify the rounding of positions
 LONGEST_STEP = 0.006  # s between points of the trajectory
 CHECKS_PER_STEP = 5
 TORQUE_CHECK = 2  # one in so many checks
+# Torques are looked at where the profile uses more than this part of their limits.
+TORQUE_LOOK = 0.7
 RESERVE = 3e-4  # of the limits, at first, so that most trajectories need no second round
 # Ramps tried with jerk limits, as parts of what the largest jump of acceleration needs: a shorter one costs
 # less time everywhere, and more where the motion is slowed down for its jerk.
@@ -115,16 +116,19 @@ class TimeOptimalTiming:
 
     def _plans(self, path: JointPath, tool: ToolLimits | None, shortest: float) -> list[Trajectory]:
         """Trajectories inside the limits whose ramps of acceleration last `shortest` (s) or more."""
-        s = path_grid(path.s)
-        q, q_s, q_ss = path.evaluate(s)
+        even = EvenPath(path, self._velocity, self._acceleration)
+        if tool is not None:
+            tool = replace(tool, derivatives=partial(even.derivatives, tool.derivatives))
+        s = even.grid
+        q, q_s, q_ss = even.evaluate(s)
         limits = self._limits(s, q, q_s, q_ss, tool)
         weight = np.abs(limits[0][:, :, 0]).max(axis=1)
         scale = np.full(len(s), 1.0 - RESERVE)
         plans = []
         for _ in range(ROUNDS):
-            law = self._law(s, limits, scale, q, shortest)
-            trajectory = self._sampled(path, law, weight)
-            times, use, jerk = self._use(trajectory, law, tool)
+            law = self._law(s, limits, scale, even, shortest)
+            trajectory = self._sampled(even, law, weight)
+            times, use, jerk = self._use(trajectory, law, tool, limits[0])
             worst = float(use.max())
             if self._jerk is not None:
                 plans.append(self._slowed(trajectory, law, worst))
@@ -188,20 +192,22 @@ class TimeOptimalTiming:
             row[:] = np.column_stack([M @ first, tau - rest, rest]) / effort[:, None]
 
     def _law(
-        self, s: Array, limits: tuple[Array, Array], scale: Array, q: Array, shortest: float
+        self, s: Array, limits: tuple[Array, Array], scale: Array, path: EvenPath, shortest: float
     ) -> SwitchedTimeLaw:
         u, difference = np.empty(len(s)), np.empty(len(s) - 1)
         failed = fastest_speeds(s, limits[0], limits[1] * scale**2, scale, u, difference)
         if failed >= 0:
-            raise self._too_heavy(float(s[failed]), q[failed])
+            place = s[failed : failed + 1]
+            raise self._too_heavy(float(path.s_of(place)[0][0]), path.evaluate(place)[0][0])
         stuck = int(np.argmin(u[1:-1])) + 1
         if not u[stuck] > 0.0:
+            fraction = float(path.s_of(s[stuck : stuck + 1])[0][0])
             raise PlanningError(
-                f'the limits leave no speed at {100.0 * s[stuck]:.1f} % of the path', fraction=float(s[stuck])
+                f'the limits leave no speed at {100.0 * fraction:.1f} % of the path', fraction=fraction
             )
         return SwitchedTimeLaw(s, u, difference, self._ramp, shortest)
 
-    def _sampled(self, path: JointPath, law: SwitchedTimeLaw, weight: Array) -> Trajectory:
+    def _sampled(self, path: EvenPath, law: SwitchedTimeLaw, weight: Array) -> Trajectory:
         times = law.sample_times(LONGEST_STEP, weight)
         if len(path.seams):
             times = with_times(times, law.times_of(path.seams))
@@ -213,9 +219,16 @@ class TimeOptimalTiming:
         return Trajectory(t, q, q_s * s_dot[:, None], q_ss * (s_dot**2)[:, None] + q_s * s_ddot[:, None])
 
     def _use(
-        self, trajectory: Trajectory, law: SwitchedTimeLaw, tool: ToolLimits | None
+        self,
+        trajectory: Trajectory,
+        law: SwitchedTimeLaw,
+        tool: ToolLimits | None,
+        rows: Array | None = None,
     ) -> tuple[Array, Array, Array]:
-        """Times between the points, the largest use of a limit there, and that of the jerk limits."""
+        """Times between the points, the largest use of a limit there, and that of the jerk limits.
+
+        With the `rows` of the limits torques are looked at where they may be large, else everywhere.
+        """
         points = trajectory.time
         parts = np.arange(CHECKS_PER_STEP) / CHECKS_PER_STEP
         times = (points[:-1, None] + np.diff(points)[:, None] * parts).ravel()
@@ -237,11 +250,27 @@ class TimeOptimalTiming:
             use = np.maximum(use, np.abs(acceleration / tool.acceleration).max(axis=1))
         if self._effort is not None:
             # Torques follow the accelerations, which are looked at everywhere.
-            some = slice(None, None, TORQUE_CHECK)
-            q, q_dot, q_ddot = (np.empty((len(times[some]), trajectory.num_axes)) for _ in range(3))
+            some = np.arange(0, len(times), TORQUE_CHECK)
+            if rows is not None and self._jerk is None:
+                some = some[self._heavy(law, rows[:, -trajectory.num_axes :], times[some])]
+            q, q_dot, q_ddot = (np.empty((len(some), trajectory.num_axes)) for _ in range(3))
             quintics_at(points, coefficients, times[some], q, q_dot, q_ddot)
             use[some] = np.maximum(use[some], self._torque_use(q, q_dot, q_ddot))
         return times, use, jerk
+
+    @staticmethod
+    def _heavy(law: SwitchedTimeLaw, rows: Array, times: Array) -> Array:
+        """Whether the torques of the profile are large near by, at times (k,); from their rows, (m, n, 3)."""
+        speed, begin, end = law.at_grid
+        parts = [
+            np.abs(part[:, :, 0] * x[:, None] + part[:, :, 1] * (v**2)[:, None] + part[:, :, 2]).max(axis=1)
+            for part, v, x in ((rows[:-1], speed[:-1], begin), (rows[1:], speed[1:], end))
+        ]
+        heavy = np.concatenate([[False], np.maximum(*parts) > TORQUE_LOOK, [False]])
+        heavy[1:-1] |= heavy[:-2] | heavy[2:]
+        index = np.searchsorted(law.grid_times, times)
+        chosen: Array = heavy[np.clip(index, 1, len(heavy) - 2)]
+        return chosen
 
     def _torque_use(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
         effort = self._effort
@@ -286,19 +315,6 @@ def _dynamics_of(robot: BaseRobotModel) -> ChainDynamics | None:
         except InvalidInputError:
             _DYNAMICS[robot] = None
     return _DYNAMICS[robot]
-
-
-def path_grid(knots: Array) -> Array:
-    """Path grid that holds all knots, each interval subdivided evenly; the outermost evenly in time."""
-    parts = np.maximum(np.ceil(np.diff(knots) * GRID).astype(int), LEAST_PARTS)
-    begins = np.repeat(knots[:-1], parts)
-    steps = np.repeat(np.diff(knots) / parts, parts)
-    number = np.arange(len(begins)) - np.repeat(np.cumsum(parts) - parts, parts)
-    grid = begins + number * steps
-    # From and to rest the way grows with the square of time.
-    squares = (np.arange(1, END_PARTS) / END_PARTS) ** 2
-    first, last = grid[1], 1.0 - grid[-1]
-    return np.concatenate([grid[:1], first * squares, grid[1:], 1.0 - last * squares[::-1], [1.0]])
 
 
 def _local_excess(law: SwitchedTimeLaw, times: Array, use: Array) -> Array:
