@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +31,7 @@ from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
 
 ROBOTS = ('kuka_kr210_r2700', 'staubli_tx2_90', 'ur5e', 'manutec_r3', 'mitsubishi_rv7frl', 'kuka_lbr_iiwa14')
+SIX_AXES = ROBOTS[:-1]
 LENGTH = 0.5  # m
 CONVERGED = 5000
 FINE = 1e-4  # s
@@ -213,6 +214,69 @@ def dynamic_programming(count: int, repetitions: int) -> None:
     console.print(table)
 
 
+def singular_lines(robot: BaseRobotModel, count: int) -> Iterator[tuple[np.ndarray, Pose]]:
+    """Starts and targets: by thirds out of a straight wrist, from near it, and passing it on the way.
+
+    How near is spread evenly over the powers of ten from 1e-7 to 0.1 rad.
+    """
+    rng, axes, kinematics = np.random.default_rng(7), robot.axes_data, PathInverseKinematics(robot)
+    for number in range(count):
+        q = np.clip(robot.home + 0.6 * rng.normal(size=robot.num_axes), axes.lower, axes.upper)
+        near, way, turn = 10.0 ** rng.uniform(-7.0, -1.0), rng.normal(size=3), 0.3 * rng.normal(size=3)
+        q[4] = 0.0 if number % 3 == 0 else near
+        way *= LENGTH / np.linalg.norm(way)
+        if number % 3 == 2:
+            # Back to where the line begins.
+            part, pose = rng.uniform(0.1, 0.9), kinematics.pose(q)
+            begin = Pose(pose.r - part * way, Rotation.from_rotvec(-part * turn).as_matrix() @ pose.T)
+            try:
+                q = kinematics.follow(CartesianLine(pose, begin), q).q[-1]
+            except RobotsError:
+                continue
+        pose = kinematics.pose(q)
+        yield q, Pose(pose.r + way, Rotation.from_rotvec(turn).as_matrix() @ pose.T)
+
+
+def any_lines(robot: BaseRobotModel, count: int) -> Iterator[tuple[np.ndarray, Pose]]:
+    """Starts and targets at random, singular or not."""
+    rng, axes = np.random.default_rng(8), robot.axes_data
+    for _ in range(count):
+        q = np.clip(robot.home + 0.6 * rng.normal(size=robot.num_axes), axes.lower, axes.upper)
+        pose, way = Pose(*robot.direct_kinematics(q)), rng.normal(size=3)
+        turn = Rotation.from_rotvec(0.3 * rng.normal(size=3)).as_matrix()
+        yield q, Pose(pose.r + LENGTH * way / np.linalg.norm(way), turn @ pose.T)
+
+
+def all_lines(count: int) -> None:
+    table = Table(
+        title=f'{LENGTH} m lines of six-axis robots that can be planned, torque limits included: '
+        'ms per whole plan'
+    )
+    for column in ('lines', 'number', 'median', '90 %', '99 %', 'most'):
+        table.add_column(column, justify='right')
+    for name, lines in (('at random', any_lines), ('around singularities', singular_lines)):
+        times = []
+        for robot in map(load_robot_model, SIX_AXES):
+            planner = LinearCartesianDynamicProgramming(robot)
+            for q, target in lines(robot, 3 * count):
+
+                def plan(
+                    q: np.ndarray = q,
+                    target: Pose = target,
+                    planner: LinearCartesianDynamicProgramming = planner,
+                ) -> object:
+                    return planner.generate(q, target)
+
+                try:
+                    plan()
+                except RobotsError:
+                    continue
+                times += milliseconds([plan], 3)
+        figures = [*np.percentile(times, [50.0, 90.0, 99.0]), max(times)]
+        table.add_row(name, str(len(times)), *(f'{value:.1f}' for value in figures))
+    console.print(table)
+
+
 def two_pass(count: int, repetitions: int) -> None:
     table = Table(
         title=f'{LENGTH} m lines, velocity and acceleration limits of the axes: LinearCartesianLimited over '
@@ -286,6 +350,7 @@ def main() -> None:
     arguments = parser.parse_args()
     logging.disable(logging.CRITICAL)  # toppra reports its steps
     dynamic_programming(arguments.lines, arguments.repetitions)
+    all_lines(10 * arguments.lines)
     two_pass(arguments.lines, arguments.repetitions)
     joint_moves(arguments.lines, arguments.repetitions)
 
