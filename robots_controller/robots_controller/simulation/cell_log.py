@@ -83,6 +83,34 @@ class CellLog:
         self._progress = -1.0
         self._settings: MotionSettings | None = None
 
+    def begin(
+        self, program: LuaProgram, labels: Mapping[str, Sequence[str]], inputs: Mapping[str, int]
+    ) -> None:
+        """Tell what is so at the start.
+
+        Args:
+            program: The program.
+            labels: Names of inputs and outputs, by image; in a live cell they are parameters of a node.
+            inputs: Images of the inputs that the PLC sets, and how many inputs it tells of each.
+        """
+        if self._bag is not None and labels:
+            names = {f'{image.removesuffix("s")}_names': names for image, names in labels.items()}
+            event = ros.string_parameters(START + self._clock.nanoseconds, '/lua_program_node', names)
+            self._write('/parameter_events', 'rcl_interfaces/msg/ParameterEvent', event)
+        if self._bag is not None:
+            status = ros.diagnostic_status(
+                'forced inputs', 'no input is forced', '/lua_program_node', ros.OK, {}
+            )
+            self._write('forced_inputs', STATUS_TYPE, status)
+        for image in ('digital_outputs', 'analog_outputs'):
+            self.image(program.io, image)
+        self.command_state(program.command_state.value)
+        self.finished(done=False)
+        for image, size in inputs.items():
+            self.image(program.io, image, size=size)
+        for image in ('digital_inputs', 'analog_inputs'):
+            self.image(program.io, image, 'lua_program_node/')
+
     # -- the program ------------------------------------------------------------------------------
 
     def state(self, program: LuaProgram, state: RunState, error: str = '') -> None:
@@ -269,21 +297,6 @@ class CellLog:
                 'min_distance', 'std_msgs/msg/Float64', ros.message('std_msgs/msg/Float64', seen.distance)
             )
             self._write('collision_status', STATUS_TYPE, status)
-
-    def channel_names(self, labels: Mapping[str, Sequence[str]]) -> None:
-        """Tell the names of inputs and outputs, by image, as the parameters of a live cell's node."""
-        if self._bag is not None and labels:
-            names = {f'{image.removesuffix("s")}_names': names for image, names in labels.items()}
-            event = ros.string_parameters(START + self._clock.nanoseconds, '/lua_program_node', names)
-            self._write('/parameter_events', 'rcl_interfaces/msg/ParameterEvent', event)
-
-    def nothing_forced(self) -> None:
-        """Tell that no input is forced, which is so in every simulation."""
-        if self._bag is not None:
-            status = ros.diagnostic_status(
-                'forced inputs', 'no input is forced', '/lua_program_node', ros.OK, {}
-            )
-            self._write('forced_inputs', STATUS_TYPE, status)
 
     def _write(self, topic: str, type_name: str, message: Any, nanoseconds: int | None = None) -> None:
         assert self._bag is not None

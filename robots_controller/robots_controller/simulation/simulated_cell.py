@@ -163,18 +163,9 @@ class SimulatedCell:
     # -- the run ----------------------------------------------------------------------------------
 
     def _begin(self) -> None:
-        log, io = self._log, self._program.io
-        log.channel_names(self._parts.io_labels)
-        log.nothing_forced()
-        for image in ('digital_outputs', 'analog_outputs'):
-            log.image(io, image)
-        log.command_state(self._program.command_state.value)
-        log.finished(done=False)
+        log = self._log
         self._plc.begin()
-        for image, size in self._plc.images.items():
-            log.image(io, image, size=size)
-        for image in ('digital_inputs', 'analog_inputs'):
-            log.image(io, image, 'lua_program_node/')
+        log.begin(self._program, self._parts.io_labels, self._plc.images)
         log.state(self._program, RunState.OPENED)
         self._tick()  # the program finds a robot that stands and tells where
         log.state(self._program, RunState.RUNNING)
