@@ -135,8 +135,8 @@ class MotionChain:
         if isinstance(generator, PosesGenerator) and isinstance(goal, tuple):
             return generator.follow(generator.path(generator.path_kinematics.pose(start), goal), start)
         if isinstance(generator, LINES) and isinstance(goal, Pose):
-            pose = Pose(*self._robot.direct_kinematics(start)) @ settings.tool_pose
-            return generator.follow(CartesianLine(pose, goal), start)
+            # As the motion alone computes it: rounding may decide between postures.
+            return generator.follow(CartesianLine(generator.path_kinematics.pose(start), goal), start)
         raise InvalidInputError(f'{state} has no path that could run through')
 
     def _zone(self, settings: MotionSettings, order: MotionOrder) -> tuple[float, Measure]:

@@ -83,6 +83,11 @@ class EvenPath:
         return np.concatenate([even[:1], first * squares, even[1:-1], 1.0 - last * squares[::-1], even[-1:]])
 
     @property
+    def ends(self) -> Array:
+        """Positions at both ends, (2, n)."""
+        return self._path.q[[0, -1]]
+
+    @property
     def seams(self) -> Array:
         """Sigma of the path's seams, which are knots, (j,)."""
         return np.asarray(np.interp(self._path.seams, self._s, self._sigma))

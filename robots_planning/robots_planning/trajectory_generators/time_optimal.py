@@ -216,6 +216,7 @@ class TimeOptimalTiming:
         s[0], s[-1] = 0.0, 1.0
         s_dot[[0, -1]] = s_ddot[[0, -1]] = 0.0
         q, q_s, q_ss = path.evaluate(s)
+        q[[0, -1]] = path.ends  # without rounding: what follows begins exactly there
         return Trajectory(t, q, q_s * s_dot[:, None], q_ss * (s_dot**2)[:, None] + q_s * s_ddot[:, None])
 
     def _use(
