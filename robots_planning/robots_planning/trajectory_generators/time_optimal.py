@@ -338,10 +338,12 @@ def _local_excess(law: SwitchedTimeLaw, times: Array, use: Array) -> Array:
 
 
 def with_times(times: Array, others: Array) -> Array:
-    """Increasing times with others among them, but for those that nearly coincide with one already there."""
-    after = np.clip(np.searchsorted(times, others), 1, len(times) - 1)
-    distance = np.minimum(others - times[after - 1], times[after] - others)
-    return np.union1d(times, others[distance > CLOSEST_SEAM])
+    """Increasing times with others among them; those that nearly coincide with one of the others give way."""
+    inner = others[(others > times[0] + CLOSEST_SEAM) & (others < times[-1] - CLOSEST_SEAM)]
+    bounds = np.concatenate([[-np.inf], inner, [np.inf]])
+    after = np.searchsorted(inner, times) + 1
+    distance = np.minimum(times - bounds[after - 1], bounds[after] - times)
+    return np.union1d(times[distance > CLOSEST_SEAM], inner)
 
 
 def slower(trajectory: Trajectory, use: float) -> Trajectory:
