@@ -164,7 +164,7 @@ def test_random_chains(  # noqa: PLR0917  # hypothesis gives every drawn value a
     if jerk_limited:
         assert report.uses['jerk'].ratio <= 1.0
     np.testing.assert_allclose(trajectory.position[0], chain.start, atol=1e-12)
-    np.testing.assert_allclose(trajectory.position[-1], chain.q, atol=1e-12)  # the same search, from the same start
+    np.testing.assert_allclose(trajectory.position[-1], chain.q, atol=1e-12)  # the same search
 
     # Through every zone, and on a motion's own path outside.
     q = trajectory.sample(np.linspace(0.0, trajectory.duration, SAMPLES))[0]
