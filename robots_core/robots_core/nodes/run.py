@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import os
 import sys
 from collections.abc import Callable
 
@@ -37,7 +38,15 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
     # wait has a thread of its own.
     executor = SingleThreadedExecutor()
     node: Node | None = None
-    with interrupt(executor.wake) as stopping:
+
+    def wake() -> None:
+        if node is None:
+            # Models and compiled code may take long to load, and nothing is there yet that wants closing.
+            sys.stdout.flush()
+            os._exit(0)
+        executor.wake()
+
+    with interrupt(wake) as stopping:
         try:
             node = make_node()
             # A logger looks for its caller, the first time through all modules: not while a robot moves.
