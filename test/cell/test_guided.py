@@ -70,7 +70,7 @@ def test_a_sensor_guides_a_live_robot_as_a_simulated_one(
 ) -> None:
     program = tmp_path / 'guided.lua'
     program.write_text(PROGRAM)
-    end = REST + TURN + 0.5
+    end = REST + TURN + 1.5
     times = np.arange(0.0, end, 1.0 / RATE).tolist()
     layout = T['std_msgs/msg/MultiArrayLayout']([], 0)
     done = (end, '/digital_inputs', T['std_msgs/msg/UInt8MultiArray'](layout, np.array([1], np.uint8)))
