@@ -14,6 +14,8 @@ from robots_core.validation import Array, positive
 GAIN = 0.5  # part of the position error that is removed per period
 # Part of the deceleration used for approaching the reference; the rest is for a reference that moves.
 APPROACH_SHARE = 0.8
+# An error of rounding: removing it would take speeds that positions are too coarse for, without end.
+ROUNDING = 1e-14  # rad (m)
 
 
 class AxisFollowing:
@@ -93,9 +95,11 @@ def _follow(
     for i in range(n):
         # What is left of the error if the axis moves as the reference does from now on.
         error = q_reference[i] - q[i] - 0.5 * dt * (q_dot[i] + q_dot_reference[i])
-        towards = min(
-            GAIN / dt * abs(error), fastest_stoppable(abs(error), APPROACH_SHARE * limits[4, i], dt)
-        )
+        towards = 0.0
+        if abs(error) > ROUNDING:
+            towards = min(
+                GAIN / dt * abs(error), fastest_stoppable(abs(error), APPROACH_SHARE * limits[4, i], dt)
+            )
         wanted = q_dot_reference[i] + (towards if error > 0.0 else -towards)
         end = min(max(wanted, low[i]), high[i])
         state[0, i] = q[i] + 0.5 * dt * (q_dot[i] + end)
