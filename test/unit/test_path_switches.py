@@ -82,6 +82,13 @@ def test_motions_of_a_chain_have_their_own_ends():
 def test_delay_is_that_of_the_speed_so_far():
     switches = PathSwitches([([switch('distance_before_end', 0.5)], LINE[-1])], TIME, LINE)
     assert switches.delay(10.0, 0.50) is None
-    assert switches.delay(10.1, 0.55) == pytest.approx(0.4, abs=ROUNDING)
-    assert switches.delay(10.2, 0.55) is None  # held
-    assert switches.delay(10.3, 0.80) == 0.0
+    assert switches.delay(10.4, 0.55) == pytest.approx(0.2 * 8.0, abs=ROUNDING)  # half as fast as planned
+    assert switches.delay(10.8, 0.55) is None  # held
+    assert switches.delay(12.8, 0.80) == 0.0
+
+
+def test_progress_that_comes_late_in_a_burst_does_not_hasten_the_switch():
+    switches = PathSwitches([([switch('distance_before_end', 0.5)], LINE[-1])], TIME, LINE)
+    switches.delay(10.0, 0.50)
+    # Told a hundredth of the time after the one before: as fast as planned the robot is, and no faster.
+    assert switches.delay(10.001, 0.55) == pytest.approx(0.2 * TIME[-1], abs=ROUNDING)

@@ -40,6 +40,7 @@ class PathSwitches:
             self._waiting += [(_progress(switch, time, way, start, end), switch) for switch in switches]
             start = end
         self._waiting.sort(key=lambda item: item[0])
+        self._duration = float(time[-1])
         self._last: tuple[float, float] | None = None
 
     @property
@@ -56,6 +57,8 @@ class PathSwitches:
     def delay(self, now: float, progress: float) -> float | None:
         """Seconds until the next switch is due, if the robot goes on as between the last two calls.
 
+        Calls may come late and then one upon the other: the robot is taken for no faster than planned.
+
         Args:
             now: Time, s.
             progress: Where the robot is now, 0..1.
@@ -67,7 +70,7 @@ class PathSwitches:
         at = self.next_progress
         if last is None or at is None or progress <= last[1] or now <= last[0]:
             return None
-        return max(0.0, (at - progress) * (now - last[0]) / (progress - last[1]))
+        return max(0.0, (at - progress) * max((now - last[0]) / (progress - last[1]), self._duration))
 
 
 def switches_on_path(
