@@ -97,6 +97,8 @@ class Cell:
             if program is HOME:
                 self.end('FINISHED')
                 self.results.clear()
+                # On a busy machine the last references of this motion come after the program's end.
+                self.wait(lambda: self.stands_at(0, -90, 90, 0, 90, 0), 'the robot stands at home')
                 self.references.clear()
 
     def end(self, state: str) -> dict[str, str]:
@@ -114,6 +116,11 @@ class Cell:
 
     def set_input(self, value: int) -> None:
         self.inputs.publish(UInt8MultiArray(data=[value]))
+
+    def stands_at(self, *angles: float) -> bool:
+        """The newest reference rests at these angles, deg."""
+        _, (q, q_dot, _) = self.references[-1]
+        return not q_dot.any() and np.allclose(np.degrees(q), angles, rtol=0.0, atol=1e-6)
 
     def angles(self) -> np.ndarray:
         """Recorded references, (m, n) deg."""
