@@ -35,6 +35,7 @@ RETURN_GAIN = 5.0
 LEASH = (0.002, 0.01)  # m, rad
 RAMP_TIME = 0.25  # s, in which a jogged tool gains its highest speed
 OUT_OF_REACH = 'out of reach'  # of a tool: no axis is at a limit, but the arm is stretched or singular
+STANDSTILL = 1e-12  # rad/s (m/s)
 SHARES = (1.0, 0.7, 0.4, 0.2, 0.0)  # of a wanted velocity, until the tool is slow enough
 NO_TWIST = np.zeros(6)
 
@@ -219,7 +220,11 @@ class TeachBox:
             end = np.clip(q_dot + part * missing, self._low, self._high)
             if self._tool_speed(q + 0.5 * dt * (q_dot + end), end) <= (1.0 - SPEED_RESERVE) * self._speeds[0]:
                 break
-        self._state = np.array([q + 0.5 * dt * (q_dot + end), end, (end - q_dot) / dt])
+        # At a limit speeds only halve from step to step; an axis that no position shows moving stands.
+        end = np.where(np.abs(end) < STANDSTILL, 0.0, end)
+        # It stops at the limit but for rounding.
+        there = np.clip(q + 0.5 * dt * (q_dot + end), axes.lower, axes.upper)
+        self._state = np.array([there, end, (end - q_dot) / dt])
         return self._result(jogging=True, limits=limits)
 
     def _step_tool(self, frame: JogAxes) -> TeachStep:
