@@ -36,6 +36,10 @@ LEASH = (0.002, 0.01)  # m, rad
 RAMP_TIME = 0.25  # s, in which a jogged tool gains its highest speed
 OUT_OF_REACH = 'out of reach'  # of a tool: no axis is at a limit, but the arm is stretched or singular
 STANDSTILL = 1e-12  # rad/s (m/s)
+JOG_RATE = 125.0  # Hz, of a robot that follows a teach box
+# Behind a jogged robot the reference is by what smoothing and a few late periods make; farther away, the
+# controller does not follow, and going on would make it jump when it does.
+JOG_DEVIATION = 0.05  # rad (m)
 SHARES = (1.0, 0.7, 0.4, 0.2, 0.0)  # of a wanted velocity, until the tool is slow enough
 NO_TWIST = np.zeros(6)
 

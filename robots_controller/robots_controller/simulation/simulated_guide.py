@@ -20,17 +20,15 @@ from robots_controller.simulation.guide_recording import (
     GuidingMessage,
 )
 from robots_controller.streamed_reference import StreamPoint
+from robots_core.blocks.following_methods import LARGEST_DEVIATION, RATE
 from robots_core.errors import PlanningError, TrajectoryRefusedError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.realtime_movement import MovementState, RealtimeMovement
 from robots_planning.robot_command_state import RobotCommandState
-from robots_planning.teach_box import TeachBox
+from robots_planning.teach_box import JOG_DEVIATION, JOG_RATE, TeachBox
 
-# As inverse_kinematics_node and planning_node.
-SENSOR_RATE: Final = 250.0  # Hz
-JOG_RATE: Final = 125.0  # Hz
 ROUNDING: Final = 1e-9  # s
 NOBODY: Final[Mapping[RobotCommandState, str]] = MappingProxyType(
     {
@@ -38,7 +36,6 @@ NOBODY: Final[Mapping[RobotCommandState, str]] = MappingProxyType(
         RobotCommandState.TEACH: 'a simulation has nobody who jogs; --references names a recording of one',
     }
 )
-LARGEST_DEVIATION: Final = {'sensor': 0.1, 'jog': 0.05}  # rad (m), of the controller's reference
 
 
 class _Follower(ABC):
@@ -81,7 +78,7 @@ class _SensorFollower(_Follower):
     """As inverse_kinematics_node."""
 
     def __init__(self, robot: BaseRobotModel, method: str) -> None:
-        super().__init__(SENSOR_RATE)
+        super().__init__(RATE)
         self._movement = RealtimeMovement(robot, self.period, robot.home, method=method)
         self._q = robot.home
 
@@ -94,7 +91,7 @@ class _SensorFollower(_Follower):
             self._movement.put_twist(message.value, valid)
 
     def step(self, now: float, reference: Array) -> Array | None:
-        away = np.abs(reference[0] - self._q).max() > LARGEST_DEVIATION['sensor']
+        away = np.abs(reference[0] - self._q).max() > LARGEST_DEVIATION
         if away or not self.streaming:
             self._movement.place(reference[0], reference[1] if self.streaming else None)
         step = self._movement.step(now)
@@ -138,7 +135,7 @@ class _JogFollower(_Follower):
     def step(self, now: float, reference: Array) -> Array | None:
         if not self.streaming:
             return None
-        if np.abs(reference[0] - self._box.q).max() > LARGEST_DEVIATION['jog']:
+        if np.abs(reference[0] - self._box.q).max() > JOG_DEVIATION:
             self.streaming = False  # the controller does not follow: it was stopped
             return None
         step = self._box.step(now)

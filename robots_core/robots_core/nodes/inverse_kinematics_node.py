@@ -15,7 +15,7 @@ from geometry_msgs.msg import PoseStamped, TwistStamped
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.blocks.following_methods import METHODS
+from robots_core.blocks.following_methods import LARGEST_DEVIATION, METHODS, RATE
 from robots_core.blocks.pose_following import FollowedStep, pose_following
 from robots_core.blocks.pose_reference import PoseReference, moved
 from robots_core.errors import InvalidInputError, RobotsError
@@ -62,7 +62,7 @@ class InverseKinematicsNode(RobotNode):
         super().__init__('inverse_kinematics_node', **options)
         method = self.parameter('method', METHODS[0], f'one of {", ".join(METHODS)}', read_only=True)
         rate = self.parameter(
-            'rate', 250.0, 'joint references per second, Hz', bounds=(10.0, 1000.0), read_only=True
+            'rate', RATE, 'joint references per second, Hz', bounds=(10.0, 1000.0), read_only=True
         )
         timeout = self.parameter(
             'timeout', 0.2, 'a reference older than this is stale, s', bounds=(0.01, 10.0), read_only=True
@@ -76,7 +76,7 @@ class InverseKinematicsNode(RobotNode):
         )
         self._largest_deviation = self.parameter(
             'largest_deviation',
-            0.1,
+            LARGEST_DEVIATION,
             "largest distance of the controller's reference to the one sent, rad",
             bounds=(1e-4, 3.0),
             read_only=True,

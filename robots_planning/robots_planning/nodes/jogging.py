@@ -23,12 +23,7 @@ from robots_core.nodes.robot_node import RobotNode
 from robots_core.periodic_thread import PeriodicThread
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.teach_box import JOG_FRAMES, TeachBox
-
-RATE = 125.0  # Hz
-# Behind a jogged robot the reference is by what smoothing and a few late periods make; farther away, the
-# controller does not follow, and going on would make it jump when it does.
-LARGEST_DEVIATION = 0.05  # rad (m)
+from robots_planning.teach_box import JOG_DEVIATION, JOG_FRAMES, JOG_RATE, TeachBox
 
 
 class Jogging:
@@ -79,7 +74,7 @@ class Jogging:
         self._make_box = partial(
             TeachBox,
             node.robot,
-            1.0 / RATE,
+            1.0 / JOG_RATE,
             speed_fraction=speed,
             tool_speed=tool_speed,
             timeout=self._timeout,
@@ -165,14 +160,14 @@ class Jogging:
             self._box.place(q)
         if self._stream is None:
             self._stream = ReferenceStream(
-                self._node, 'joint_trajectory', self._names, time_from_start=1.0 / RATE, qos=STREAM
+                self._node, 'joint_trajectory', self._names, time_from_start=1.0 / JOG_RATE, qos=STREAM
             )
         self._references.take()  # older than this jog
         self._mailbox.clear()
         self._mailbox.append(put)
         self._thread = PeriodicThread(
             partial(self._step, self._box, self._stream),
-            period=1.0 / RATE,
+            period=1.0 / JOG_RATE,
             name='jogging',
             on_error=self._node.thread_failed,
         )
@@ -200,7 +195,7 @@ class Jogging:
         message = self._references.take()
         if message is None:
             return True
-        return float(np.abs(self._position(message) - box.q).max()) <= LARGEST_DEVIATION
+        return float(np.abs(self._position(message) - box.q).max()) <= JOG_DEVIATION
 
     def _tell(self, limits: Sequence[str]) -> None:
         self._limits = tuple(limits)
