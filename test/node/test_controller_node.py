@@ -44,10 +44,12 @@ class Bench:
         self.controller = ControllerNode(**options, parameter_overrides=[robot, ordinary])
         node = self.node = nodes.create_node('planner')
         self.references: list[np.ndarray] = []
+        self.times: list[float] = []  # of the references, s
         self.results: list[MotionResult] = []
         self.progress: list[float] = []
         self.health: dict[str, tuple[bytes, str]] = {}
         self.positions: list[np.ndarray] = []
+        self.newest_state = 0.0  # s
         self.trajectories = node.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
         self.override = node.create_publisher(Float64, 'override', STATE)
         node.create_subscription(JointTrajectory, 'joint_reference', self._on_reference, MANY)
@@ -66,9 +68,11 @@ class Bench:
 
     def _on_reference(self, message: JointTrajectory) -> None:
         self.references.append(np.array(message.points[0].positions))
+        self.times.append(float(stamp_id(message.header.stamp)))
 
     def _on_joint_states(self, message: JointState) -> None:
         self.positions.append(np.array(message.position))
+        self.newest_state = float(stamp_id(message.header.stamp))
 
     def _on_health(self, message: DiagnosticArray) -> None:
         for status in message.status:
@@ -93,6 +97,11 @@ class Bench:
 
     def result(self) -> MotionResult:
         self.wait(lambda: self.results, 'motion_result')
+        # On a busy machine the last references and states come after it.
+        now = 1e-9 * self.node.get_clock().now().nanoseconds
+        self.wait(lambda: self.times[-1] >= now, 'the references until now')
+        if self.drive._thread.alive:
+            self.wait(lambda: self.newest_state >= now, 'the states until now')
         return self.results.pop(0)
 
     def call(self, service: str) -> None:
@@ -174,10 +183,11 @@ def test_half_the_override_takes_twice_the_time(bench: Bench) -> None:
     bench.override.publish(Float64(data=0.5))
     bench.wait(lambda: bench.controller._controller.override == 0.5, 'override')
     bench.send(HOME, AWAY)
-    result = bench.result()
-    assert result.ok
-    # 2 s of path, then smoothing and settling, which the override does not touch.
-    assert 2.0 <= float(result.details['duration']) <= 2.5
+    assert bench.result().ok
+    moves = np.ptp([bench.references[:-1], bench.references[1:]], axis=0).max(axis=1) > 0.0
+    times = np.array(bench.times)[1:][moves]
+    # 2 s of path, then smoothing, which the override does not touch.
+    assert 1.9 <= times[-1] - times[0] <= 2.2
 
 
 @pytest.mark.parametrize('value', [1.5, -0.1, float('nan')])
