@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -342,3 +344,16 @@ def test_outputs_switch_on_the_path(ros_nodes: Any, tmp_path: Path):
     bench.answer(bench.command_id())
     ros_nodes.wait_for(lambda: bench.digital[-1][:2] == [1, 1], what='the second output')
     bench.wait_for_state('FINISHED')
+
+
+@pytest.mark.usefixtures('ros_domain')
+def test_nothing_is_loaded_while_the_robot_moves():
+    program = (
+        'import sys, rclpy; from rclpy.parameter import Parameter;'
+        'from robots_controller.nodes.lua_program_node import LuaProgramNode; rclpy.init();'
+        'node = LuaProgramNode(parameter_overrides=[Parameter("robot_model", value="kuka_kr210_r2700")]);'
+        'before = set(sys.modules); node.robot.direct_kinematics(node.robot.home);'
+        'print(*sorted(set(sys.modules) - before))'
+    )
+    loaded = subprocess.run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
+    assert loaded.stdout.split() == []

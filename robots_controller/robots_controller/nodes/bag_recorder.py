@@ -22,7 +22,8 @@ from robots_core.nodes.polled_subscription import PolledSubscription
 
 DISCOVERY_PERIOD = 0.1  # s
 WRITE_PERIOD = 0.02  # s
-QUEUE_DEPTH = 1000  # messages of one topic between two writes
+# Messages of one topic between two writes: a busy disk may hold one up for seconds, at 1 kHz.
+QUEUE_DEPTH = 10_000
 FLUSH_PERIOD = 1.0  # s; what a kill may cost
 
 

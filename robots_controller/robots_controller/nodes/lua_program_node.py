@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
@@ -66,6 +67,8 @@ class LuaProgramNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('lua_program_node', **options)
+        # Kinematics load their compiled code when they are first used: in a motion, this node would be deaf.
+        self.robot.direct_kinematics(np.array(self.robot.home))
         self.parameter('program', '', "the robot program's path, read at ~/open")
         convention = self.parameter(
             'orientation_convention',
