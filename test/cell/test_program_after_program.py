@@ -39,13 +39,16 @@ class Operator:
         self.nodes = nodes
         self.node = nodes.create_node('operator')
         self.status: dict[str, str] = {}
+        self._clients: dict[str, Any] = {}
         self.node.create_subscription(DiagnosticStatus, 'program_status', self._on_status, STATE)
 
     def _on_status(self, message: DiagnosticStatus) -> None:
         self.status = diagnostic_values(message)
 
     def _call(self, service_type: Any, name: str, request: Any) -> Any:
-        client = self.node.create_client(service_type, f'lua_program_node/{name}')
+        if name not in self._clients:
+            self._clients[name] = self.node.create_client(service_type, f'lua_program_node/{name}')
+        client = self._clients[name]
         self.nodes.wait_for(client.service_is_ready, what=name)
         future = client.call_async(request)
         return self.nodes.wait_for(lambda: future.done() and future.result(), what=name)

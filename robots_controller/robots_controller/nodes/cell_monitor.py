@@ -41,6 +41,7 @@ from robots_core.validation import Array, read_only
 # Topics arrive in any order; after this long everything that was sent before has arrived.
 ORDERING_TIME = 0.06  # s
 SERVICE_WAIT = 5.0  # s
+SERVICES = ('lua_program_node/open', 'lua_program_node/run', 'controller_node/stop')
 
 LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 VOLATILE = QoSProfile(depth=100, durability=DurabilityPolicy.VOLATILE)
@@ -66,7 +67,8 @@ class CellMonitor(Node):
     def __init__(self, *, namespace: str, **options: Any) -> None:
         super().__init__('cell_monitor', namespace=namespace, **options)
         self._outputs: dict[str, list[float]] = {}
-        self._trigger_clients: dict[str, Any] = {}
+        # From the beginning: the answer to a client that has only just come may not find it.
+        self._trigger_clients: Final = {name: self.create_client(Trigger, name) for name in SERVICES}
         self._lock = threading.Lock()
         self._events: list[tuple[float, int, Event]] = []
         self._count = itertools.count()
@@ -93,9 +95,7 @@ class CellMonitor(Node):
         return taken
 
     def call(self, service: str) -> Future:
-        """Call a Trigger service below the namespace; the future holds its response."""
-        if service not in self._trigger_clients:
-            self._trigger_clients[service] = self.create_client(Trigger, service)
+        """Call one of `SERVICES` below the namespace; the future holds its response."""
         client = self._trigger_clients[service]
         client.wait_for_service(timeout_sec=SERVICE_WAIT)
         future: Future = client.call_async(Trigger.Request())
