@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robots_core import BaseRobotModel, Pose, UrdfRobotModel, load_robot_model
-from robots_core.blocks import AnalyticalInverseKinematic, Configuration
+from robots_core import BaseRobotModel, Configuration, Pose, UrdfRobotModel, load_robot_model
+from robots_core.blocks import AnalyticalInverseKinematic
 from robots_core.errors import InvalidInputError, NoAnalyticInverseKinematicsError, UnreachablePoseError
 
 ACCURACY = 1e-9  # m and rad

@@ -5,8 +5,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from robots_core import BaseRobotModel, Pose, load_robot_model
-from robots_core.blocks import AnalyticalInverseKinematic, Configuration
+from robots_core import BaseRobotModel, Configuration, Pose, load_robot_model
+from robots_core.blocks import AnalyticalInverseKinematic
 from robots_core.errors import InvalidInputError, PlanningError, UnreachablePoseError
 from robots_planning import LinearJoint, LinearJointAxes, Trajectory, verify
 from robots_planning.trajectory_generators.joint_space import JointSpaceGenerator

@@ -1,0 +1,21 @@
+from .motion_settings import MotionSettings as MotionSettings
+from .pathplanning import PathPlanning as PathPlanning
+from .pathplanning import PlannedMotion as PlannedMotion
+from .realtime_movement import MovementState as MovementState
+from .realtime_movement import RealtimeMovement as RealtimeMovement
+from .realtime_movement import RealtimeStep as RealtimeStep
+from .robot_command_state import RobotCommandState as RobotCommandState
+from .teach_box import TeachBox as TeachBox
+from .teach_box import TeachStep as TeachStep
+from .trajectory import Trajectory as Trajectory
+from .trajectory_generators.circular_cartesian import CircularCartesian as CircularCartesian
+from .trajectory_generators.linear_cartesian_dynamic_programming import (
+    LinearCartesianDynamicProgramming as LinearCartesianDynamicProgramming,
+)
+from .trajectory_generators.linear_cartesian_limited import LinearCartesianLimited as LinearCartesianLimited
+from .trajectory_generators.linear_joint import LinearJoint as LinearJoint
+from .trajectory_generators.linear_joint_axes import LinearJointAxes as LinearJointAxes
+from .trajectory_generators.spline_cartesian import SplineCartesian as SplineCartesian
+from .verification import LimitUse as LimitUse
+from .verification import VerificationReport as VerificationReport
+from .verification import verify as verify
