@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError
@@ -109,33 +110,18 @@ def _moved_axes_angles(T: Array, i: int, j: int, k: int) -> Array:
 
 def rotation_from_quaternion(quaternion: Array) -> Array:
     """Orientation matrix (3, 3) of a quaternion (x, y, z, w) of length 1, (4,)."""
-    x, y, z, w = quaternion.tolist()
-    return np.array(
-        [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-            [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-            [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-        ]
-    )
+    T: Array = pin.Quaternion(quaternion).toRotationMatrix()
+    return T
 
 
 def quaternion_of(T: Array) -> Array:
-    """Quaternion (x, y, z, w) of an orientation matrix, (4,), with w >= 0: Shepperd 1978."""
-    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = T.tolist()
-    # Each row is the quaternion times four times one of its components: that of the largest is exact.
-    rows = (
-        (1.0 + xx - yy - zz, yx + xy, zx + xz, zy - yz),
-        (yx + xy, 1.0 - xx + yy - zz, zy + yz, xz - zx),
-        (zx + xz, zy + yz, 1.0 - xx - yy + zz, yx - xy),
-        (zy - yz, xz - zx, yx - xy, 1.0 + xx + yy + zz),
-    )
-    largest = max(range(4), key=lambda i: rows[i][i])
-    row = np.array(rows[largest])
-    return row / (hypot(*row) if row[3] >= 0.0 else -hypot(*row))
+    """Quaternion (x, y, z, w) of an orientation matrix, (4,), with w >= 0."""
+    quaternion: Array = pin.Quaternion(T).coeffs()
+    return quaternion if quaternion[3] >= 0.0 else -quaternion
 
 
 def quaternions_of(T: Array) -> Array:
-    """As `quaternion_of`, of orientation matrices (m, 3, 3): (m, 4)."""
+    """As `quaternion_of`, of orientation matrices (m, 3, 3): (m, 4). Shepperd 1978."""
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = np.moveaxis(T, 0, -1)
     rows = np.array(
         [
@@ -145,6 +131,7 @@ def quaternions_of(T: Array) -> Array:
             [zy - yz, xz - zx, yx - xy, 1.0 + xx + yy + zz],
         ]
     )
+    # Each row is the quaternion times four times one of its components: that of the largest is exact.
     largest = np.einsum('iim->im', rows).argmax(axis=0)
     row: Array = rows[largest, :, np.arange(len(T))]
     row /= np.where(row[:, 3] < 0.0, -1.0, 1.0)[:, None] * np.linalg.norm(row, axis=1, keepdims=True)
@@ -153,9 +140,9 @@ def quaternions_of(T: Array) -> Array:
 
 def rotation_vector(T: Array) -> Array:
     """Rotation vector (axis times angle, rad, angle in [0, pi]) of an orientation matrix, (3,)."""
-    x, y, z, w = quaternion_of(T).tolist()
-    length = hypot(x, y, z)
-    return np.array([x, y, z]) * (2.0 if length == 0.0 else 2.0 * atan2(length, w) / length)
+    turn = pin.AngleAxis(T)
+    vector: Array = turn.angle * turn.axis
+    return vector
 
 
 def rotation_vectors(T: Array) -> Array:
@@ -169,7 +156,5 @@ def rotation_vectors(T: Array) -> Array:
 
 def rotation_from_vector(vector: Array) -> Array:
     """Orientation matrix (3, 3) of a rotation vector (axis times angle, rad), (3,)."""
-    x, y, z = vector.tolist()
-    half = 0.5 * hypot(x, y, z)
-    part = 0.5 if half == 0.0 else 0.5 * sin(half) / half
-    return rotation_from_quaternion(np.array([part * x, part * y, part * z, cos(half)]))
+    T: Array = pin.exp3(vector)
+    return T
