@@ -19,6 +19,7 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.controller import Controller, ControllerState, MotionOutcome
+from robots_controller.controller_rates import ControllerRates, cycles
 from robots_controller.controller_settings import ControllerSettings
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_controller.streamed_reference import StreamPoint
@@ -36,11 +37,6 @@ from robots_planning.nodes.trajectory_messages import join_time, trajectory_from
 from robots_planning.trajectory import Trajectory
 from robots_planning.verification import verify
 
-PROGRESS_RATE = 25.0  # Hz
-# Feedback tells that the robot is alive and follows; looking more often only costs time, but at the end of a
-# motion, which waits until the robot stands.
-FEEDBACK_RATE = 50.0  # Hz
-SETTLING_RATE = 250.0  # Hz
 HEALTH_RATE = 10.0  # Hz
 # A callback may hold the interpreter for this long before the loop gets its turn.
 SWITCH_INTERVAL = 1e-4  # s
@@ -84,10 +80,8 @@ class ControllerNode(RobotNode):
         self._planner_seen = False
         self._refusal: RobotsError | None = None
         self._refusal_time = -math.inf
-        self._progress_every = max(1, round(rate / PROGRESS_RATE))
-        self._feedback_every = max(1, round(rate / FEEDBACK_RATE))
-        self._settling_every = max(1, round(rate / SETTLING_RATE))
-        self._health_every = max(1, round(rate / HEALTH_RATE))
+        self._rates = ControllerRates(rate)
+        self._health_every = cycles(rate, HEALTH_RATE)
         self._refresh_every = max(1, round(rate * HEALTH_PERIOD))
         self._cycle = 0
         self._last_progress = -1.0
@@ -140,14 +134,10 @@ class ControllerNode(RobotNode):
         self._publish_progress()
         self._cycle += 1
         # For the next period: nothing that can wait delays a reference.
-        self._position = self._take_feedback() if self._feedback_due() else None
+        due = self._rates.feedback_due(self._cycle, controller.state)
+        self._position = self._take_feedback() if due else None
         if self._cycle % self._health_every == 0:
             self._watch_health()
-
-    def _feedback_due(self) -> bool:
-        if self._cycle % self._feedback_every == 0:
-            return True
-        return self._cycle % self._settling_every == 0 and self._controller.state is ControllerState.SETTLING
 
     def _take_feedback(self) -> Array | None:
         raw = self._feedback.take()
@@ -171,7 +161,7 @@ class ControllerNode(RobotNode):
     def _publish_progress(self) -> None:
         progress = self._controller.progress
         ends = progress in (0.0, 1.0)  # both are told, whatever the rate
-        if progress != self._last_progress and (ends or self._cycle % self._progress_every == 0):
+        if progress != self._last_progress and (ends or self._cycle % self._rates.progress_every == 0):
             self._last_progress = progress
             self._progress_publisher.publish(Float64(data=progress))
 

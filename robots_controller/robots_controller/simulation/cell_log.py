@@ -81,6 +81,7 @@ class CellLog:
         self._pace = TellingPace()
         self._motion: dict[str, object] = {}
         self._progress = -1.0
+        self._last_stamp = 0
         self._settings: MotionSettings | None = None
 
     def begin(
@@ -139,10 +140,16 @@ class CellLog:
         if self._status_due:
             self._tell_status(program, program.run_state, nanoseconds=nanoseconds)
 
-    def motion_sent(self, program: LuaProgram, id_: str, line: int, nanoseconds: int) -> None:
-        """Tell which line of which file a motion is of, at that time since the start."""
-        self._motion = {'motion': id_, 'motion_file': program.line_file, 'motion_line': line}
-        self._tell_status(program, program.run_state, nanoseconds=nanoseconds)
+    def commanded(self, program: LuaProgram, command: MotionCommand) -> str:
+        """Tell of a motion, and of which line of which file it is; returns its id."""
+        # The stamp is the id: unique even while time stands still.
+        stamp = self._last_stamp = max(START + self._clock.nanoseconds, self._last_stamp + 1)
+        id_ = ros.id_of(stamp)
+        self._motion = {'motion': id_, 'motion_file': program.line_file, 'motion_line': command.line}
+        self._tell_status(program, program.run_state, nanoseconds=stamp - START)
+        self.command_state(program.command_state.value)
+        self._command(stamp, command)
+        return id_
 
     def _tell_status(
         self, program: LuaProgram, state: RunState, error: str = '', nanoseconds: int | None = None
@@ -208,8 +215,7 @@ class CellLog:
 
     # -- motions ----------------------------------------------------------------------------------
 
-    def command(self, nanoseconds: int, command: MotionCommand) -> None:
-        """A motion is commanded; its stamp is its id."""
+    def _command(self, nanoseconds: int, command: MotionCommand) -> None:
         if self._bag is None:
             return
         # Commands of one instant have stamps of their own: each comes after its settings by these.

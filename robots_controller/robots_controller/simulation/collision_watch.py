@@ -16,6 +16,7 @@ from robots_core.validation import Array
 # As collision_node.
 MARGIN: Final = 0.002  # m
 REACTION_TIME: Final = 0.1  # s
+WATCH_RATE: Final = 25.0  # Hz
 
 
 @dataclass(frozen=True)

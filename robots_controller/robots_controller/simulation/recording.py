@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots_controller.simulation.events import Event
-from robots_core.validation import Array
+from robots_controller.simulation.simulated_clock import NANOSECONDS
+from robots_core.validation import Array, read_only
 
 INITIAL_SIZE: Final = 4096  # samples; 16 s at 250 Hz
 
@@ -30,6 +31,22 @@ class Recording:
         self.reference: Array = np.zeros((INITIAL_SIZE, 3, num_axes))
         # Positions, velocities and torques of the drives.
         self.state: Array = np.zeros((INITIAL_SIZE, 3 if torque else 2, num_axes))
+
+    @property
+    def time(self) -> Array:
+        """Times of the samples, (k,) s, read-only."""
+        return read_only(self.nanoseconds[: self.count] / NANOSECONDS)
+
+    @property
+    def references(self) -> Array:
+        """Positions, velocities and accelerations of the references, (k, 3, n), read-only."""
+        return read_only(self.reference[: self.count])
+
+    @property
+    def states(self) -> tuple[Array, Array, Array | None]:
+        """Positions, velocities and, where known, torques of the drives, (k, n) each, read-only."""
+        parts = [read_only(part) for part in np.moveaxis(self.state[: self.count], 1, 0)]
+        return parts[0], parts[1], parts[2] if len(parts) > 2 else None
 
     def add(self, nanoseconds: int, reference: Array, q: Array, q_dot: Array, torque: Array | None) -> None:
         """Add a sample."""

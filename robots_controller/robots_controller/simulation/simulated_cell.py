@@ -12,16 +12,16 @@ from typing import Final
 import numpy as np
 
 from robots_controller.controller import Controller, ControllerState, MotionOutcome
+from robots_controller.controller_rates import ControllerRates, cycles
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.interpreter.program_state import MotionCommand, OutputChange, RunState
-from robots_controller.simulation import ros_messages as ros
 from robots_controller.simulation.cell_log import CellLog
 from robots_controller.simulation.cell_parts import CellParts
-from robots_controller.simulation.collision_watch import CollisionWatch
+from robots_controller.simulation.collision_watch import WATCH_RATE, CollisionWatch
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.endlessness import Endlessness
 from robots_controller.simulation.recording import Recording
-from robots_controller.simulation.simulated_bag import START, SimulatedBag
+from robots_controller.simulation.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import NANOSECONDS, SimulatedClock
 from robots_controller.simulation.simulated_guide import SimulatedGuide
 from robots_controller.simulation.simulated_motions import MotionEnd, SimulatedMotions
@@ -34,11 +34,6 @@ from robots_core.validation import Array, read_only
 from robots_planning.order_planner import PlannedOrders
 from robots_planning.robot_command_state import RobotCommandState
 
-# As in a live cell: the controller looks at the feedback, and tells its progress, so many times a second.
-FEEDBACK_RATE: Final = 125.0  # Hz
-PROGRESS_RATE: Final = 25.0  # Hz
-# As collision_node, which a live cell has where there is a scene.
-WATCH_RATE: Final = 25.0  # Hz
 STOPPED: Final = 'stopped by ~/stop'
 
 
@@ -126,11 +121,9 @@ class SimulatedCell:
         self._watch = None
         if parts.scene and parts.planning.collision is not None:
             self._watch = CollisionWatch(parts.planning.collision, axes)
-        self._watch_every = max(1, round(1.0 / (WATCH_RATE * period)))
-        self._feedback_every = max(1, round(1.0 / (FEEDBACK_RATE * period)))
-        self._progress_every = max(1, round(1.0 / (PROGRESS_RATE * period)))
+        self._watch_every = cycles(1.0 / period, WATCH_RATE)
+        self._rates = ControllerRates(1.0 / period)
         self._cycle = -1
-        self._last_stamp = 0
         self._settled = False
         self._changed = False
         self._endlessness = Endlessness(longest, self._recording)
@@ -230,9 +223,9 @@ class SimulatedCell:
         until = min(until, self._longest)
         last = math.floor(until / self._parts.period) - 1
         # Time without feedback ends with a period that has it: it must not seem to be lost.
-        last -= last % self._feedback_every + 1
+        last -= last % self._rates.feedback_every + 1
         count = last - self._cycle
-        if count < self._feedback_every:
+        if count < self._rates.feedback_every:
             return False
         self._recording.repeat(count, self._period_ns)
         self._cycle = last
@@ -278,7 +271,7 @@ class SimulatedCell:
         self._motions.begin(now)
         cost.switch('controller')
         self._guide.step(self._clock.nanoseconds)
-        due = cycle % self._feedback_every == 0
+        due = self._rates.feedback_due(cycle, controller.state)
         reference = controller.step(now, position if due else None)
         assert reference is not None
         cost.switch('drives')
@@ -290,7 +283,7 @@ class SimulatedCell:
         cost.switch('recording')
         self._recording.add(self._clock.nanoseconds, reference, q, q_dot, self._drives.torque)
         if self._bag is not None:
-            self._log.progress(controller.progress, due=cycle % self._progress_every == 0)
+            self._log.progress(controller.progress, due=cycle % self._rates.progress_every == 0)
             self._bag.write_samples_in_time()
         if self._watch is not None and cycle % self._watch_every == 0:
             self._look_around(self._watch, q, q_dot)
@@ -302,7 +295,7 @@ class SimulatedCell:
             self._log.input(self._program.io, channel, value, self._plc.images[channel.image])
             self._changed = True
         self._log.status_in_time(self._program)
-        if self._on_progress is not None and cycle % self._progress_every == 0:
+        if self._on_progress is not None and cycle % self._rates.progress_every == 0:
             self._on_progress(now, self._program.line)
 
     def _look_around(self, watch: CollisionWatch, q: Array, q_dot: Array) -> None:
@@ -327,8 +320,7 @@ class SimulatedCell:
 
     def _result(self) -> SimulationRun:
         parts, recording = self._parts, self._recording
-        k = recording.count
-        state = recording.state[:k]
+        position, velocity, torque = recording.states
         failed = self._error is not None
         return SimulationRun(
             program=Path(parts.program),
@@ -338,11 +330,11 @@ class SimulatedCell:
             io=parts.io,
             period=parts.period,
             axes=parts.robot.axes_data.names,
-            time=read_only(recording.nanoseconds[:k] / NANOSECONDS),
-            reference=read_only(recording.reference[:k]),
-            position=read_only(state[:, 0]),
-            velocity=read_only(state[:, 1]),
-            torque=read_only(state[:, 2]) if state.shape[1] > 2 else None,
+            time=recording.time,
+            reference=recording.references,
+            position=position,
+            velocity=velocity,
+            torque=torque,
             motions=self._motions.records,
             events=tuple(recording.events),
             state='FAILED' if failed else self._program.run_state.value,
@@ -356,13 +348,7 @@ class SimulatedCell:
     # -- the program's callbacks ------------------------------------------------------------------
 
     def _on_command(self, command: MotionCommand) -> None:
-        # The stamp is the command's id: unique even while time stands still.
-        self._last_stamp = max(START + self._clock.nanoseconds, self._last_stamp + 1)
-        stamp = self._last_stamp
-        id_ = ros.id_of(stamp)
-        self._log.motion_sent(self._program, id_, command.line, stamp - START)
-        self._log.command_state(self._program.command_state.value)
-        self._log.command(stamp, command)
+        id_ = self._log.commanded(self._program, command)
         self._commands.append(partial(self._plan, id_, command))
 
     def _plan(self, id_: str, command: MotionCommand) -> None:
