@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import subprocess
 import sys
 import time
+from io import StringIO
 from pathlib import Path
 
 import pytest
@@ -84,6 +86,22 @@ def test_make_simulates_a_program_with_bag_and_report():
         '--report "$folder/report.html"',
     ):
         assert text in command
+
+
+def test_a_bar_tells_the_line_the_time_and_how_fast_it_goes(tmp_path: Path):
+    program = tmp_path / 'long.lua'
+    program.write_text(
+        'for i = 1, 60 do\n  ptpJointSpaceAngles(20, -90, 90, 0, 90, 0)\n'
+        '  ptpJointSpaceAngles(-20, -90, 90, 0, 90, 0)\nend'
+    )
+    options = parse_options([str(program), '--robot', 'kuka_kr210_r2700', '--drive', 'ideal'])
+    shown = StringIO()
+    assert run(options, Console(file=shown, force_terminal=True, width=100, color_system=None)) == EXIT_OK
+    told = re.findall(r'line ([23]), (\d+\.\d) s, (\d+) times real time', shown.getvalue())
+    times = [float(time) for _, time, _ in told]
+    assert len(set(times)) > 1
+    assert times == sorted(times)
+    assert all(int(factor) > 0 for _, _, factor in told)
 
 
 def test_ctrl_c_leaves_a_bag_and_a_report(tmp_path: Path):
