@@ -85,3 +85,22 @@ def _random_curve(robot: BaseRobotModel, rng: np.random.Generator) -> tuple[np.n
     q = np.clip(robot.home + 0.5 * rng.normal(size=7), axes.lower + 0.03, axes.upper - 0.03)
     ways = rng.uniform(-0.2, 0.2, (2, 3))
     return q, poses_from(Pose(*robot.direct_kinematics(q)), ways, [0.1, 0.0, 0.1])
+
+
+def test_a_spline_of_thousands_of_poses_is_planned_or_refused_with_how_far_it_goes():
+    robot = load_robot_model('kuka_kr210_r2700')
+    q = np.radians([0.0, -90.0, 90.0, 0.0, 60.0, 0.0])
+    start = Pose(*robot.direct_kinematics(q))
+
+    def poses(number: int) -> list[Pose]:
+        angles = np.linspace(0.0, 6.0, number + 1)[1:]
+        return [Pose(start.r + 0.1 * np.array([0.0, np.sin(a), np.cos(a) - 1.0]), start.T) for a in angles]
+
+    few, many = (SplineCartesian(robot).generate(q, poses(number)) for number in (100, 3000))
+    # The same circle, though more of it is told.
+    assert many.duration == pytest.approx(few.duration, rel=1e-2)
+    with pytest.raises(
+        PlanningError, match=r'more than 4000 supporting points.* 80.0 % of its 0.600 m'
+    ) as told:
+        SplineCartesian(robot).generate(q, poses(5000))
+    assert told.value.details['fraction'] == pytest.approx(0.8, abs=1e-3)

@@ -38,6 +38,7 @@ FOLLOWED = 0
 SINGULAR_START = 1
 BLOCKED = 2
 OUTSIDE = 3
+TOO_FAR = 4
 
 Knots = tuple[Array, Array, Array, Array]
 """s (k,), q, q' and q'' (k, n)."""
@@ -79,13 +80,23 @@ def follow(
         s[count] = end
         deviation = _advance(chain, path, knots, here, guess)
         step = next_step(end - s[here], deviation)
-        if deviation >= 0.0:
-            if leaves_limits(limits, knots, here):
-                return OUTSIDE, count
+        outcome = judge(limits, knots, here, step, deviation)
+        if outcome == FOLLOWED:
             count += 1
-        elif step < SHORTEST_STEP or count >= MOST_KNOTS:
-            return BLOCKED, count
+        elif outcome != TOO_FAR:
+            return outcome, count
     return FOLLOWED, count
+
+
+@compiled()
+def judge(limits: Array, knots: Knots, i: int, step: float, deviation: float) -> int:
+    """FOLLOWED if knot i + 1 stands, TOO_FAR if another one comes before it, or why the path ends there."""
+    if deviation < 0.0:
+        return BLOCKED if step < SHORTEST_STEP else TOO_FAR
+    if leaves_limits(limits, knots, i):
+        return OUTSIDE
+    last = i + 1 == MOST_KNOTS  # there is no room for another one
+    return BLOCKED if last and knots[0][i + 1] < 1.0 else FOLLOWED
 
 
 @compiled()

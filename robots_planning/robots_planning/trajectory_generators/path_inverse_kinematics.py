@@ -72,7 +72,15 @@ class PathInverseKinematics:
             raise self._singular(path, 0.0, q[0].copy())
         if result == OUTSIDE:
             raise self._outside(path, s[count - 1 : count + 1], q[count - 1 : count + 1])
-        raise self._blocked(path, float(s[count - 1]), q[count - 1].copy())
+        fraction = float(s[count - 1])
+        if count == MOST_KNOTS:
+            raise PlanningError(
+                f'the {path.kind} takes more than {MOST_KNOTS} supporting points, which end at '
+                f'{100.0 * fraction:.1f} % of its {path.describe_length()}: split it into shorter ones, or '
+                f'leave out poses',
+                fraction=fraction,
+            )
+        raise self._blocked(path, fraction, q[count - 1].copy())
 
     def follow_far(
         self, path: CartesianPath, start: Array, *, limited: bool = True

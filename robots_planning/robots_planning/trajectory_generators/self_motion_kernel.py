@@ -13,17 +13,15 @@ from robots_core.validation import Array
 from robots_planning.trajectory_generators.cartesian_path_kernel import PathArrays, pose_on_path
 from robots_planning.trajectory_generators.least_motion import multiply, multiply_transposed, pseudo_inverse
 from robots_planning.trajectory_generators.path_following_kernel import (
-    BLOCKED,
     FOLLOWED,
     LARGEST_KNOT_MOTION,
-    MOST_KNOTS,
-    OUTSIDE,
     PATH_TOLERANCE,
     SHORTEST_STEP,
     SINGULAR_START,
+    TOO_FAR,
     Knots,
     correct,
-    leaves_limits,
+    judge,
     next_break,
     next_step,
     path_error,
@@ -289,12 +287,11 @@ def follow_guide(
         s[count] = end
         deviation = _advance_guided(chain, path, guide, knots, here)
         step = next_step(end - s[here], deviation)
-        if deviation >= 0.0:
-            if leaves_limits(limits, knots, here):
-                return OUTSIDE, count
+        outcome = judge(limits, knots, here, step, deviation)
+        if outcome == FOLLOWED:
             count += 1
-        elif step < SHORTEST_STEP or count >= MOST_KNOTS:
-            return BLOCKED, count
+        elif outcome != TOO_FAR:
+            return outcome, count
     return FOLLOWED, count
 
 
