@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from robots_core.blocks.following_methods import METHODS
 from robots_core.blocks.pose_following import pose_following
-from robots_core.blocks.pose_reference import PoseReference
+from robots_core.blocks.reference_following import ReferenceFollowing
 from robots_core.errors import UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -66,10 +66,11 @@ class RealtimeStep:
 
 
 class RealtimeMovement:
-    """Follows reference poses that come at any rate, by one of the inverse kinematics.
+    """Follows a reference that comes at any rate, by one of the inverse kinematics.
 
-    Poses are extrapolated between samples and a little beyond (`PoseReference`), followed inside all limits
-    (`PoseFollowing`), and whatever is asked for, the robot can always be braked. Without a fresh pose it is.
+    Poses are extrapolated between samples and a little beyond, twists alone lead the tool on
+    (`ReferenceFollowing`), inside all limits (`PoseFollowing`), and whatever is asked for, the robot can
+    always be braked. Without a fresh sample it is.
 
     An instance keeps scratch memory and the state of the motion: use one per thread.
 
@@ -79,7 +80,7 @@ class RealtimeMovement:
         q: Where it stands, (n,), rad (m).
         tool: Pose of the tool centre point in tool0, which follows the reference.
         method: 'constrained' (all limits, torques too), 'damped_least_squares' or 'analytical'.
-        timeout: Without a pose for this long the reference is stale, s.
+        timeout: Without a sample for this long the reference is stale, s.
         tolerances: A reference that is further away (m, rad) than this is not feasible.
 
     Raises:
@@ -107,8 +108,7 @@ class RealtimeMovement:
         self._following = pose_following(
             method, robot, positive(dt, 'dt', 's'), Pose.identity() if tool is None else tool
         )
-        self._reference = PoseReference(timeout=timeout)
-        self._dt = dt
+        self._reference = ReferenceFollowing(self._following, timeout=timeout)
         self.place(q)
 
     def place(self, q: ArrayLike, q_dot: ArrayLike | None = None) -> None:
@@ -119,31 +119,38 @@ class RealtimeMovement:
         moving = still if q_dot is None else finite_vector(q_dot, axes.num_axes, 'q_dot')
         self._state = np.array([start, moving, still])
         self._movement = MovementState.STALE if moving.any() else MovementState.IDLE
+        self._reference.place()
 
     def put(self, pose: Pose, time: float) -> None:
         """Take a reference pose of the tool in the base frame that was valid at a time, s."""
         self._reference.put(pose, time)
 
     def put_twist(self, twist: ArrayLike, time: float) -> None:
-        """Take how the reference moves, (6,): m/s, rad/s, base frame; without it poses are differentiated."""
+        """Take how the reference moves, (6,): m/s, rad/s, base frame.
+
+        Poses without it are differentiated; without poses the tool follows it from where it is (servoing).
+
+        Raises:
+            InvalidInputError: not six finite numbers.
+        """
         self._reference.put_twist(twist, time)
 
     def let_go(self) -> None:
         """Forget the reference: the robot brakes to a stop, until another one comes."""
-        self._reference = PoseReference(timeout=self._reference.timeout)
+        self._reference.forget()
 
     def step(self, now: float) -> RealtimeStep:
         """Motion of the next period; now in s, on the clock of the poses."""
         q, q_dot = self._state[0], self._state[1]
-        if not self._reference.fresh_pose(now):
+        if not self._reference.fresh(now):
             return self._brake()
-        pose, twist = self._reference.at(now + self._dt, now)
         self._movement = MovementState.FOLLOWING
         try:
-            step = self._following.follow(pose, twist, q, q_dot)
+            step = self._reference.follow(now, q, q_dot)
         except UnreachablePoseError as error:
             braked = self._following.brake(q, q_dot)
-            errors = self._following.pose(braked[0]).distance_to(pose)
+            assert self._reference.target is not None
+            errors = self._following.pose(braked[0]).distance_to(self._reference.target)
             return self._result(braked, False, errors, 0.0, (error.message,))
         errors = (step.position_error, step.orientation_error)
         near = errors[0] <= self._tolerances[0] and errors[1] <= self._tolerances[1]

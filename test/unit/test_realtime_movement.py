@@ -42,6 +42,30 @@ def test_a_reference_that_moves_is_followed(robot: BaseRobotModel, posture: np.n
     assert max(reached.distance_to(moved(start, TWIST, now + DT))) < 1e-6
 
 
+@pytest.mark.parametrize('method', ['constrained', 'damped_least_squares', 'analytical'])
+def test_a_twist_alone_leads_the_tool_on(robot: BaseRobotModel, posture: np.ndarray, method: str) -> None:
+    movement = RealtimeMovement(robot, DT, posture, method=method)
+    start, count = Pose(*robot.direct_kinematics(posture)), 250
+    for k in range(count):
+        if k % 10 == 0:  # 25 Hz
+            movement.put_twist(TWIST, k * DT)
+        step = movement.step(k * DT)
+        assert step.state is MovementState.FOLLOWING
+    # It gains its speed first: the way is that of the twist but for some milliseconds, and no other.
+    behind = moved(start, TWIST, count * DT).error_to(Pose(*robot.direct_kinematics(step.q)))
+    lost = -behind[:3] @ TWIST[:3] / (TWIST[:3] @ TWIST[:3])
+    assert 0.0 <= lost < 0.1
+    np.testing.assert_allclose(behind, -lost * TWIST, atol=1e-4)
+    while step.state is not MovementState.IDLE:
+        k += 1
+        step = movement.step(k * DT)
+    assert k * DT < count * DT + 1.0  # the timeout, and the way to brake
+    movement.place(posture)
+    movement.put_twist(TWIST, k * DT)
+    again = movement.step(k * DT)
+    np.testing.assert_allclose(again.q, posture, atol=np.abs(again.q_dot).max() * DT + 1e-12)
+
+
 def test_a_stale_reference_stops_and_a_fresh_one_goes_on(robot: BaseRobotModel, posture: np.ndarray) -> None:
     movement = RealtimeMovement(robot, DT, posture)
     start = Pose(*robot.direct_kinematics(posture))

@@ -112,6 +112,23 @@ def test_the_tool_follows_the_sensor(tmp_path: Path, method: str):
     assert not run.velocity[-1].any()
 
 
+def test_the_tool_is_led_by_twists_alone(tmp_path: Path):
+    velocity = np.array([0.0, 0.05, 0.0, 0.0, 0.0, 0.0])
+    twists = ((k / RATE, '/reference_twist', twist(stamped(k), velocity)) for k in range(int(2 * RATE)))
+    run = run_text(
+        tmp_path, f'{MOVE}print(followReference(3))', references=write_bag(tmp_path / 'sensor', twists)
+    )
+    assert run.ok, run.error
+    time, r = tool_path(run)
+    there = np.searchsorted(time, 1.0)
+    np.testing.assert_allclose(
+        (r[there + 100] - r[there]) / (time[there + 100] - time[there]), velocity[:3], atol=1e-4
+    )
+    # Two seconds of it, and the timeout until it brakes.
+    assert r[-1, 1] - r[0, 1] == pytest.approx(2.2 * 0.05, abs=0.005)
+    assert not run.velocity[-1].any()
+
+
 @pytest.mark.parametrize('rate', [100.0, 250.0, 1000.0])
 def test_any_rate_of_the_controller_does(tmp_path: Path, rate: float):
     bag = write_bag(tmp_path / 'sensor', sensor())
@@ -244,7 +261,11 @@ def test_recordings_that_cannot_guide_are_said(tmp_path: Path, messages: Any, re
     ('function', 'messages', 'reason'),
     [
         ('jog', sensor(0.1), 'jog: .*sensor holds no teach_twist or teach_joints, only reference_pose'),
-        ('followReference', jogs([0.1] * 6, 0.1), 'holds no reference_pose, only teach_joints'),
+        (
+            'followReference',
+            jogs([0.1] * 6, 0.1),
+            'holds no reference_pose or reference_twist, only teach_joints',
+        ),
     ],
 )
 def test_what_a_recording_lacks_is_said_at_the_line(

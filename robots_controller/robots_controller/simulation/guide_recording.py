@@ -22,7 +22,7 @@ GUIDES: Final[Mapping[RobotCommandState, tuple[str, ...]]] = {
     RobotCommandState.TRAJECTORY: ('reference_pose', 'reference_twist'),
     RobotCommandState.TEACH: ('teach_twist', 'teach_joints'),
 }
-"""Topics that guide a robot, by its command state; beside poses a twist says how they move."""
+"""Topics that guide a robot, by its command state; a twist beside poses says how they move."""
 # A stamp that is farther from when its message was sent is of another clock.
 SAME_CLOCK: Final = 1.0  # s
 
@@ -68,7 +68,7 @@ class GuideRecording:
         Raises:
             RobotsError: it holds nothing for it.
         """
-        needed = GUIDES[state][:1] if state is RobotCommandState.TRAJECTORY else GUIDES[state]
+        needed = GUIDES[state]
         if not self.types.keys() & set(needed):
             raise RobotsError(
                 f'{self.path} holds no {" or ".join(needed)}, only {", ".join(sorted(self.types))}'

@@ -17,7 +17,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.following_methods import LARGEST_DEVIATION, METHODS, RATE
 from robots_core.blocks.pose_following import FollowedStep, pose_following
-from robots_core.blocks.pose_reference import PoseReference, moved
+from robots_core.blocks.reference_following import ReferenceFollowing
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
 from robots_core.nodes.messages import joint_values, pose_from_message
@@ -27,7 +27,6 @@ from robots_core.nodes.reference_stream import ReferenceStream
 from robots_core.nodes.robot_node import RobotNode
 from robots_core.nodes.run import run
 from robots_core.periodic_thread import PeriodicThread
-from robots_core.pose import Pose
 from robots_core.validation import Array
 
 REPORT_PERIOD = 0.1  # s
@@ -37,8 +36,6 @@ CONTROLLER_RATE = 25.0  # Hz
 SWITCH_INTERVAL = 1e-4  # s, as the controller's
 # Stamps from the near future come from clocks that differ a little.
 FUTURE = 0.05  # s
-# While servoing, the pose that the twist leads to runs ahead of the robot by no more.
-LEASH = (0.01, 0.02)  # m, rad
 
 
 class InverseKinematicsNode(RobotNode):
@@ -89,12 +86,11 @@ class InverseKinematicsNode(RobotNode):
         )
         self._method, self._dt = method, 1.0 / rate
         self._following = pose_following(method, self.robot, self._dt, pose_from_parameter(tool))
-        self._reference = PoseReference(timeout=timeout)
+        self._reference = ReferenceFollowing(self._following, timeout=timeout)
         self._names = list(self.robot.axes_data.names)
         self._state: Array | None = None
         self._controller_state: Array | None = None
         self._streaming = False
-        self._servo_pose: Pose | None = None
         self._command_state: str | None = None
         self._oldest = math.inf
         self._step_result: FollowedStep | None = None
@@ -136,13 +132,12 @@ class InverseKinematicsNode(RobotNode):
         self._take_references(now)
         if self._cycle % self._controller_every == 0:
             self._take_controller_state()
-        wanted = self._command_state in (None, 'TRAJECTORY') and (
-            self._reference.fresh_pose(now) or self._reference.fresh_twist(now)
-        )
+        wanted = self._command_state in (None, 'TRAJECTORY') and self._reference.fresh(now)
         if wanted and not self._streaming and self._controller_state is not None:
             self._take_controller_state()
             self._state = self._controller_state
-            self._streaming, self._servo_pose, self._ended = True, None, ''
+            self._reference.place()
+            self._streaming, self._ended = True, ''
         if not self._streaming or self._state is None:
             return
         start = time.thread_time()
@@ -163,21 +158,11 @@ class InverseKinematicsNode(RobotNode):
 
     def _follow(self, now: float, q: Array, q_dot: Array) -> Array | None:
         """State (3, n) at the end of the period; None if there is nothing to follow."""
-        due = now + self._dt
-        if self._reference.fresh_pose(now):
-            pose, twist = self._reference.at(due, now)
-            self._servo_pose = None
-        else:
-            twist = self._reference.twist(now)
-            pose = moved(self._servo_pose or self._following.pose(q), twist, self._dt)
-            self._servo_pose = pose
         try:
-            step = self._following.follow(pose, twist, q, q_dot)
+            step = self._reference.follow(now, q, q_dot)
         except RobotsError as error:
             self._refuse_input('reference_pose', error)
             return None
-        if step.position_error > LEASH[0] or step.orientation_error > LEASH[1]:
-            self._servo_pose = None
         self._step_result = step
         return step.state
 
@@ -226,7 +211,8 @@ class InverseKinematicsNode(RobotNode):
         if not self._streaming or self._state is None:
             return
         if np.abs(state[0] - self._state[0]).max() > self._largest_deviation:
-            self._state, self._servo_pose = state, None
+            self._state = state
+            self._reference.place()
             self._refuse_input('joint_reference', InvalidInputError('the controller does not follow'))
 
     def _controller_reference(self, message: JointTrajectory) -> Array:
