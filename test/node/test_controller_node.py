@@ -44,7 +44,7 @@ class Bench:
         self.controller = ControllerNode(**options, parameter_overrides=[robot, ordinary])
         node = self.node = nodes.create_node('planner')
         self.references: list[np.ndarray] = []
-        self.times: list[float] = []  # of the references, s
+        self.newest_reference = 0.0  # s
         self.results: list[MotionResult] = []
         self.progress: list[float] = []
         self.health: dict[str, tuple[bytes, str]] = {}
@@ -68,7 +68,7 @@ class Bench:
 
     def _on_reference(self, message: JointTrajectory) -> None:
         self.references.append(np.array(message.points[0].positions))
-        self.times.append(float(stamp_id(message.header.stamp)))
+        self.newest_reference = float(stamp_id(message.header.stamp))
 
     def _on_joint_states(self, message: JointState) -> None:
         self.positions.append(np.array(message.position))
@@ -99,7 +99,7 @@ class Bench:
         self.wait(lambda: self.results, 'motion_result')
         # On a busy machine the last references and states come after it.
         now = 1e-9 * self.node.get_clock().now().nanoseconds
-        self.wait(lambda: self.times[-1] >= now, 'the references until now')
+        self.wait(lambda: self.newest_reference >= now, 'the references until now')
         if self.drive._thread.alive:
             self.wait(lambda: self.newest_state >= now, 'the states until now')
         return self.results.pop(0)
@@ -185,9 +185,8 @@ def test_half_the_override_takes_twice_the_time(bench: Bench) -> None:
     bench.send(HOME, AWAY)
     assert bench.result().ok
     moves = np.ptp([bench.references[:-1], bench.references[1:]], axis=0).max(axis=1) > 0.0
-    times = np.array(bench.times)[1:][moves]
-    # 2 s of path, then smoothing, which the override does not touch.
-    assert 1.9 <= times[-1] - times[0] <= 2.2
+    # 2 s of path, then smoothing, which the override does not touch; late periods are of the same length.
+    assert 1.9 <= moves.sum() / 250.0 <= 2.1
 
 
 @pytest.mark.parametrize('value', [1.5, -0.1, float('nan')])

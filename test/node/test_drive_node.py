@@ -18,7 +18,7 @@ from robots_core.blocks.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.payload import Payload
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.nodes.messages import doubles
+from robots_core.nodes.messages import doubles, stamp_id
 from robots_core.nodes.qos import COMMAND, STATE
 
 NAME = 'kuka_kr210_r2700'
@@ -68,10 +68,15 @@ class Bench:
         return self.states[-1]
 
     def next_states(self, count: int) -> list[JointState]:
-        """States from now on; one may be under way that is older."""
-        seen = len(self.states) + 1
-        self.nodes.wait_for(lambda: len(self.states) >= seen + count, what=f'{count} states')
-        return self.states[seen : seen + count]
+        """States sent from now on, but for one that may be under way; older ones may still come in."""
+        now = 1e-9 * self.drive.get_clock().now().nanoseconds
+
+        def sent() -> list[JointState]:
+            newer = [state for state in self.states if float(stamp_id(state.header.stamp)) >= now]
+            return newer[1 : 1 + count]
+
+        self.nodes.wait_for(lambda: len(sent()) == count, what=f'{count} states')
+        return sent()
 
 
 @pytest.mark.parametrize('level', DRIVE_LEVELS)
