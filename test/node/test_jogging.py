@@ -36,7 +36,9 @@ class Bench:
         self.nodes = nodes
         robot, ordinary = Parameter('robot_model', value='bello_bot'), Parameter('realtime_priority', value=0)
         options: dict[str, Any] = {'context': nodes.context}
-        for kind, parameters in ((DriveNode, [robot]), (ControllerNode, [robot, ordinary])):
+        # The test's own threads may hold up the stream of a planner that shares their interpreter.
+        patient = Parameter('stream_timeout', value=0.5)
+        for kind, parameters in ((DriveNode, [robot]), (ControllerNode, [robot, ordinary, patient])):
             nodes.add(kind(**options, parameter_overrides=parameters))
         # Within one participant, the middleware does not assert the planner's liveliness.
         planner_nodes.add(PlanningNode(context=planner_nodes.context, parameter_overrides=[robot]))

@@ -26,6 +26,8 @@ from robots_planning.nodes.planning_node import PlanningNode
 ROBOT = 'kuka_kr210_r2700'
 HOME = 'ptpJointSpaceAngles(0, -90, 90, 0, 90, 0)\n'
 AWAY = 'ptpJointSpaceAngles(60, -60, 70, 0, 60, 0)\n'
+# For what happens on the way: a busy machine notices late that the robot moves.
+SLOWLY = 'setSpeed(0.2)\n'
 # None of the samples may be lost to a test that looks at all of them.
 EVERY = QoSProfile(depth=10_000, durability=STATE.durability, reliability=STATE.reliability)
 
@@ -154,6 +156,7 @@ def cell(ros_nodes: Any, more_ros_nodes: Any, tmp_path: Path) -> Cell:
 def test_an_input_interrupts_the_motion_which_then_goes_on(cell: Cell) -> None:
     cell.start(
         'onDigitalInput(1, true, function() setDigitalOutput(1, 1) wait(1) setDigitalOutput(1, 0) end)\n'
+        + SLOWLY
         + AWAY
     )
     cell.until_moving()
@@ -177,6 +180,7 @@ def test_an_input_interrupts_the_motion_which_then_goes_on(cell: Cell) -> None:
 def test_a_handler_that_aborts_ends_the_motion_where_it_stands(cell: Cell) -> None:
     cell.start(
         'onDigitalInput(1, true, function() return "abort" end)\n'
+        + SLOWLY
         + AWAY
         + 'setDigitalOutput(2, 1)\nwait(0.1)\n'
         + HOME
@@ -195,7 +199,13 @@ def test_a_handler_that_aborts_ends_the_motion_where_it_stands(cell: Cell) -> No
 
 
 def test_a_handler_that_moves_ends_the_motion_and_it_is_commanded_anew(cell: Cell) -> None:
-    cell.start('onDigitalInput(1, true, function() ' + HOME.strip() + ' setDigitalOutput(3, 1) end)\n' + AWAY)
+    cell.start(
+        'onDigitalInput(1, true, function() '
+        + HOME.strip()
+        + ' setDigitalOutput(3, 1) end)\n'
+        + SLOWLY
+        + AWAY
+    )
     cell.until_moving()
     cell.set_input(1)
     cell.output_change(3, 1)
@@ -210,7 +220,7 @@ def test_a_handler_that_moves_ends_the_motion_and_it_is_commanded_anew(cell: Cel
 
 
 def test_a_stop_leaves_the_robot_on_its_path_and_the_program_runs_again(cell: Cell) -> None:
-    cell.start(AWAY)
+    cell.start(SLOWLY + AWAY)
     cell.until_moving()
     cell.call('stop')
     cell.end('STOPPED')
