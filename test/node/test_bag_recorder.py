@@ -31,13 +31,18 @@ executor.spin()
 """
 
 
-def saved(path: Path) -> int:
-    """How many messages the bag says to have; 0 before there is one."""
+def saved(path: Path, topic: str = '') -> int:
+    """How many messages the bag says to have, in all or of a topic; 0 before there is one."""
     try:
         metadata = yaml.safe_load((path / 'metadata.yaml').read_text())
     except FileNotFoundError:
         return 0
-    return int(metadata['rosbag2_bagfile_information']['message_count'])
+    information = metadata['rosbag2_bagfile_information']
+    topics = {
+        item['topic_metadata']['name']: item['message_count']
+        for item in information['topics_with_message_count']
+    }
+    return int(topics.get(topic, 0) if topic else information['message_count'])
 
 
 def readable(path: Path) -> int:
@@ -58,6 +63,7 @@ def test_a_killed_recorder_leaves_a_whole_bag(ros_nodes: Any, tmp_path: Path, co
     process = subprocess.Popen([sys.executable, '-P', '-c', RECORDER, str(path)])
     try:
         seen = 0
+        ros_nodes.wait_for(lambda: saved(path, '/mode'), what='a bag with the latched topic')
         for _ in range(count):  # a bag that was written over `count` times
             before = seen
             ros_nodes.wait_for(lambda before=before: saved(path) > before, what='a longer bag')
