@@ -15,6 +15,7 @@ from rosbags.rosbag2 import Reader
 from std_msgs.msg import Float64, String
 
 from robots_controller.bag_file import read_bag
+from robots_controller.nodes.bag_recorder import BagRecorder
 from robots_core.errors import RobotsError
 from robots_core.nodes.qos import STATE
 
@@ -104,3 +105,23 @@ def test_a_kill_in_the_middle_of_a_write_costs_what_came_since_the_one_before(ro
         except RobotsError as error:
             pytest.fail(f'cut at {cut}: {error}')
         assert len(bag.messages) >= count, cut
+
+
+def test_nothing_is_lost_while_the_writer_is_held_up(ros_nodes: Any, tmp_path: Path):
+    """As 4.5 s at 1 kHz in which the machine is busy with something else."""
+    count = 4500
+    level = ros_nodes.create_node('source').create_publisher(Float64, 'level', QoSProfile(depth=count))
+    recorder = ros_nodes.add(BagRecorder(tmp_path / 'bag', namespace='/', context=ros_nodes.context))
+    ros_nodes.wait_for(lambda: recorder.records(['level']), what='the recorder')
+    with recorder._writing:
+        for number in range(count):
+            level.publish(Float64(data=float(number)))
+    last = float(count - 1)
+
+    def written() -> list[float]:
+        found = read_bag(tmp_path / 'bag').deserialized(['/level'])['/level']
+        return [message.data for _, message in found]
+
+    ros_nodes.wait_for(lambda: saved(tmp_path / 'bag', '/level') and written()[-1] == last, what='all of it')
+    recorder.close()
+    assert written() == [float(number) for number in range(count)]

@@ -22,8 +22,9 @@ from robots_core.nodes.polled_subscription import PolledSubscription
 
 DISCOVERY_PERIOD = 0.1  # s
 WRITE_PERIOD = 0.02  # s
-# Messages of one topic between two writes: a busy disk may hold one up for seconds, at 1 kHz.
-QUEUE_DEPTH = 10_000
+# Messages of one topic between two writes: as many as Fast DDS keeps by default, 5 s at 1 kHz in which a
+# busy machine may not get to writing.
+QUEUE_DEPTH = 5000
 FLUSH_PERIOD = 1.0  # s; what a kill may cost
 
 
