@@ -38,7 +38,8 @@ FOLLOWED = 0
 SINGULAR_START = 1
 BLOCKED = 2
 OUTSIDE = 3
-TOO_FAR = 4
+FULL = 4
+TOO_FAR = 5
 
 Knots = tuple[Array, Array, Array, Array]
 """s (k,), q, q' and q'' (k, n)."""
@@ -59,7 +60,8 @@ def follow(
 
     Returns:
         FOLLOWED, or why not: SINGULAR_START, BLOCKED behind the last knot, OUTSIDE: one knot more is filled,
-        at which an axis is outside its limits. And the number of knots.
+        at which an axis is outside its limits, FULL: there is no room for what follows. And the number of
+        knots.
     """
     s, q, q_s, q_ss = knots
     breaks = path[0]
@@ -95,8 +97,7 @@ def judge(limits: Array, knots: Knots, i: int, step: float, deviation: float) ->
         return BLOCKED if step < SHORTEST_STEP else TOO_FAR
     if leaves_limits(limits, knots, i):
         return OUTSIDE
-    last = i + 1 == MOST_KNOTS  # there is no room for another one
-    return BLOCKED if last and knots[0][i + 1] < 1.0 else FOLLOWED
+    return FULL if i + 1 == MOST_KNOTS and knots[0][i + 1] < 1.0 else FOLLOWED
 
 
 @compiled()

@@ -14,6 +14,7 @@ from robots_planning.trajectory_generators.cartesian_path import CartesianPath
 from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_following_kernel import (
     FOLLOWED,
+    FULL,
     MOST_KNOTS,
     OUTSIDE,
     SINGULAR_START,
@@ -73,7 +74,7 @@ class PathInverseKinematics:
         if result == OUTSIDE:
             raise self._outside(path, s[count - 1 : count + 1], q[count - 1 : count + 1])
         fraction = float(s[count - 1])
-        if count == MOST_KNOTS:
+        if result == FULL:
             raise PlanningError(
                 f'the {path.kind} takes more than {MOST_KNOTS} supporting points, which end at '
                 f'{100.0 * fraction:.1f} % of its {path.describe_length()}: split it into shorter ones, or '
