@@ -347,7 +347,7 @@ def test_outputs_switch_on_the_path(ros_nodes: Any, tmp_path: Path):
 
 
 @pytest.mark.usefixtures('ros_domain')
-def test_nothing_is_loaded_while_the_robot_moves():
+def test_kinematics_are_loaded_with_the_node_not_in_its_first_motion():
     program = (
         'import sys, rclpy; from rclpy.parameter import Parameter;'
         'from robots_controller.nodes.lua_program_node import LuaProgramNode; rclpy.init();'

@@ -169,7 +169,7 @@ def test_an_input_interrupts_the_motion_which_then_goes_on(cell: Cell) -> None:
     stood = [(time, q[0] / np.radians(60.0)) for time, (q, q_dot, _) in cell.references if not q_dot.any()]
     times, parts = np.array([(time, part) for time, part in stood if 0.01 < part < 0.99]).T
     assert times[0] > begin
-    assert times[-1] > begin + 0.98
+    assert times[-1] > begin + 1.0 - 0.01  # a reference comes every 4 ms
     assert parts[0] > 0.3
     assert np.ptp(parts) < 1e-12
     assert [result.message for result in cell.results] == ['reached']
