@@ -100,6 +100,26 @@ def test_wrong_shapes_are_refused(robot: BaseRobotModel):
         _assert_refused(robot, q, robot.home)
 
 
+def test_numbers_mean_the_same_whatever_array_they_come_in(robot: BaseRobotModel):
+    n = robot.num_axes
+    q = np.arange(1.0, n + 1.0)
+    apart = np.repeat(q, 2)[::2]
+    calls = (
+        robot.direct_kinematics,
+        robot.jacobian,
+        lambda q: robot.jacobian_der(q, q),
+        lambda q: robot.rigid_dynamics(q, q, q),
+        robot.kinematic_model.frame_axes,
+        robot.rigid_dynamics_model.mass_matrix,
+    )
+    kinds = (q.astype(np.int64), q.astype(np.int32), q.astype(np.float32), q.astype('>f8'), apart)
+    for call in calls:
+        expected = call(q)
+        for same in kinds:
+            for mine, its in zip(call(same), expected, strict=True):
+                np.testing.assert_array_equal(mine, its)
+
+
 def _assert_refused(robot: BaseRobotModel, bad: np.ndarray, good: np.ndarray) -> None:
     calls = (
         lambda: robot.direct_kinematics(bad),

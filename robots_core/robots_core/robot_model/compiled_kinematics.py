@@ -6,7 +6,7 @@ from math import cos, sin
 
 import numba as nb
 
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.robot_model.analytic.compiled import compiled, entry_point
 from robots_core.robot_model.analytic.vectors import Matrix, Vector, add, product, times
 from robots_core.validation import Array
 
@@ -38,8 +38,8 @@ def _link(links: Array, i: int) -> tuple[Matrix, Vector]:
     ), (links[i, 9], links[i, 10], links[i, 11])
 
 
-@compiled(nb.boolean(_Rows, _Numbers, _Vector, _Rows), nogil=False)
-def tool_pose(links: Array, q: Array, r: Array, T: Array) -> bool:
+@compiled(nb.boolean(_Rows, _Numbers, _Vector, _Rows), nogil=False, nrt=False)
+def _tool_pose(links: Array, q: Array, r: Array, T: Array) -> bool:
     """Fill position r (3,) and orientation T (3, 3) of the tool at q; False if q is not n finite numbers."""
     n = q.size
     if n != links.shape[0] - 1:
@@ -59,3 +59,7 @@ def tool_pose(links: Array, q: Array, r: Array, T: Array) -> bool:
     for row in range(3):
         T[row, 0], T[row, 1], T[row, 2] = R[row]
     return total - total == 0.0
+
+
+# Called several times per sample, and half of what a call takes is Numba's look at what comes in.
+tool_pose = entry_point(_tool_pose)

@@ -27,7 +27,7 @@ from robots_core.robot_model.shapes import Shape
 from robots_core.robot_model.structural_data import StructuralData
 from robots_core.robot_model.urdf_chain import pinocchio_xml, read_urdf_chain
 from robots_core.robot_model.urdf_meshes import with_absolute_meshes
-from robots_core.validation import Array, finite_motion, finite_state, finite_vector, read_only
+from robots_core.validation import FLOAT64, Array, finite_motion, finite_state, finite_vector, read_only
 
 EARTH_GRAVITY: Final = (0.0, 0.0, -9.81)  # m/s^2, of a base that stands upright
 _WORLD: Final = pin.LOCAL_WORLD_ALIGNED
@@ -171,19 +171,20 @@ class UrdfRobotModel(BaseRobotModel):
         r, T = empty(3), empty((3, 3))
         # What is no array of n finite numbers is left to the complete check, which takes longer than this.
         try:
-            done = self._tool_pose(self._links, q, r, T)
-        except TypeError:
-            done = False
-        if not done:
-            self._tool_pose(self._links, finite_vector(q, self._n, 'q'), r, T)
+            if q.dtype is FLOAT64 and q.ndim == 1 and self._tool_pose(self._links, q, r, T):
+                return r, T
+        except (AttributeError, TypeError):
+            pass
+        self._tool_pose(self._links, finite_vector(q, self._n, 'q'), r, T)
         return r, T
 
     def jacobian(self, q: Array) -> Array:
         """See `BaseRobotModel.jacobian`."""
-        # Pinocchio tells arrays of another size; the sum what is no number in one row.
+        # Pinocchio tells arrays of another size, but misreads another byte order; the sum tells what is no
+        # number in one row.
         try:
             J: Array = pin.computeFrameJacobian(self._model, self._data, q, self._tool0, _WORLD)
-            finite = isfinite(sum(q.tolist()))
+            finite = q.dtype is FLOAT64 and isfinite(sum(q.tolist()))
         except (AttributeError, TypeError, ValueError):
             finite = False
         if not finite:
@@ -196,7 +197,7 @@ class UrdfRobotModel(BaseRobotModel):
         model, data = self._model, self._data
         try:  # as above
             pin.computeJointJacobiansTimeVariation(model, data, q, q_dot)
-            finite = isfinite(sum(q.tolist(), sum(q_dot.tolist())))
+            finite = q.dtype is q_dot.dtype is FLOAT64 and isfinite(sum(q.tolist(), sum(q_dot.tolist())))
         except (AttributeError, TypeError, ValueError):
             finite = False
         if not finite:

@@ -11,25 +11,41 @@ from numpy.typing import NDArray
 Function = TypeVar('Function', bound=Callable[..., Any])
 
 
-def compiled(*signatures: Any, nogil: bool = True) -> Callable[[Function], Function]:
+def compiled(*signatures: Any, nogil: bool = True, nrt: bool = True) -> Callable[[Function], Function]:
     """Compile a function by Numba; with signatures at once, without when it is first called.
 
-    Other threads run meanwhile if `nogil`; letting them takes a twentieth of a microsecond per call.
+    Other threads run meanwhile if `nogil`; letting them takes a twentieth of a microsecond per call. So does
+    counting the references to each array, by Numba's runtime: what makes none itself does without (`nrt`).
     The code is kept beside the source, or in the user's cache folder where that cannot be written to (or
     in $NUMBA_CACHE_DIR). Where none can be written, it is compiled anew in every process.
     """
 
     def decorate(function: Function) -> Function:
         chosen = [list(signatures)] if signatures else []
+        options = {'nogil': nogil, '_nrt': nrt}
         try:
-            result: Function = numba.njit(*chosen, cache=True, nogil=nogil)(function)
+            result: Function = numba.njit(*chosen, cache=True, **options)(function)
         except RuntimeError as error:
             if 'cannot cache' not in str(error):
                 raise
-            result = numba.njit(*chosen, nogil=nogil)(function)
+            result = numba.njit(*chosen, **options)(function)
         return result
 
     return decorate
+
+
+def entry_point(kernel: Function) -> Function:
+    """The machine code of a kernel with one signature, without Numba's choice by the arguments' types.
+
+    A call takes 0.07 microseconds less. What is no array is a TypeError; for types and numbers of dimensions
+    of those that come in the caller answers.
+    """
+    overloads = getattr(kernel, 'overloads', None)  # none where NUMBA_DISABLE_JIT leaves Python's function
+    if not overloads:
+        return kernel
+    (only,) = overloads.values()
+    code: Function = only.entry_point
+    return code
 
 
 @compiled()
