@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Final
 
-from robots_controller.controller import ControllerState
+from robots_controller.controller import Controller, ControllerState
 
 PROGRESS_RATE: Final = 25.0  # Hz
-# Feedback tells that the robot is alive and follows; looking more often only costs time, but at the end of a
-# motion, which waits until the robot stands.
+# Feedback tells that the robot is alive and, while it moves, that it follows; looking more often only costs
+# time, but at the end of a motion, which waits until the robot stands.
+HOLDING_RATE: Final = 10.0  # Hz
 FEEDBACK_RATE: Final = 50.0  # Hz
 SETTLING_RATE: Final = 250.0  # Hz
 
@@ -23,15 +24,21 @@ class ControllerRates:
     def __init__(self, rate: float) -> None:
         self.progress_every = cycles(rate, PROGRESS_RATE)
         """Progress is told each so many cycles."""
-        self.feedback_every = cycles(rate, FEEDBACK_RATE)
-        """The feedback is looked at each so many cycles, or more often."""
+        # The rarer ones are multiples of this.
         self._settling_every = cycles(rate, SETTLING_RATE)
+        looks = rate / self._settling_every
+        self._feedback_every = self._settling_every * cycles(looks, FEEDBACK_RATE)
+        self.holding_every = self._settling_every * cycles(looks, HOLDING_RATE)
+        """The feedback of a robot that stands is looked at each so many cycles."""
 
-    def feedback_due(self, cycle: int, state: ControllerState) -> bool:
+    def feedback_due(self, cycle: int, controller: Controller) -> bool:
         """The controller looks at the feedback in this cycle."""
-        if cycle % self.feedback_every == 0:
+        if cycle % self._settling_every != 0:  # most cycles are done with here
+            return False
+        state = controller.state
+        if state is ControllerState.SETTLING:
             return True
-        return state is ControllerState.SETTLING and cycle % self._settling_every == 0
+        return cycle % (self.holding_every if state is ControllerState.HOLDING else self._feedback_every) == 0
 
 
 def cycles(rate: float, times: float) -> int:

@@ -37,7 +37,8 @@ def test_positions_are_matched_by_name_in_every_message(data: st.DataObject) -> 
     wanted = data.draw(st.permutations(names))[: data.draw(st.integers(1, len(names)))]
     frame = data.draw(st.text(st.characters(exclude_characters='\0', codec='utf-8'), max_size=5))
     reader = JointStateReader(wanted)
-    for velocity in ([], [0.5] * len(names)):  # the first is built, the second read in its place
+    # The first is built, the others are read in their place.
+    for velocity in ([], [0.5] * len(names), []):
         values = data.draw(st.lists(numbers, min_size=len(names), max_size=len(names)))
         raw = serialize_message(message(names, values, frame, velocity))
         assert reader.position(raw).tolist() == [values[names.index(name)] for name in wanted]

@@ -29,7 +29,7 @@ from robots_core.nodes.messages import MotionResult, stamp_id
 from robots_core.nodes.polled_subscription import PolledSubscription
 from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE, subscribe_state
 from robots_core.nodes.reference_stream import ReferenceStream
-from robots_core.nodes.robot_node import HEALTH_PERIOD, RobotNode
+from robots_core.nodes.robot_node import RobotNode
 from robots_core.nodes.run import run
 from robots_core.periodic_thread import PeriodicThread, ask_for_realtime
 from robots_core.validation import Array, fraction
@@ -82,7 +82,6 @@ class ControllerNode(RobotNode):
         self._refusal_time = -math.inf
         self._rates = ControllerRates(rate)
         self._health_every = cycles(rate, HEALTH_RATE)
-        self._refresh_every = max(1, round(rate * HEALTH_PERIOD))
         self._cycle = 0
         self._last_progress = -1.0
         self._last_condition: tuple[bytes, str] | None = None
@@ -106,7 +105,7 @@ class ControllerNode(RobotNode):
         )
         for name, handler in (('pause', self._pause), ('resume', self._resume), ('stop', self._stop)):
             self.create_service(Trigger, f'~/{name}', handler)
-        self._report_due = self.create_guard_condition(self._report)
+        self._report_due = self.create_guard_condition(self.look_after_health)
         self._executor_priority = priority - 1
 
         sys.setswitchinterval(SWITCH_INTERVAL)
@@ -134,7 +133,7 @@ class ControllerNode(RobotNode):
         self._publish_progress()
         self._cycle += 1
         # For the next period: nothing that can wait delays a reference.
-        due = self._rates.feedback_due(self._cycle, controller.state)
+        due = self._rates.feedback_due(self._cycle, controller)
         self._position = self._take_feedback() if due else None
         if self._cycle % self._health_every == 0:
             self._watch_health()
@@ -166,9 +165,9 @@ class ControllerNode(RobotNode):
             self._progress_publisher.publish(Float64(data=progress))
 
     def _watch_health(self) -> None:
-        """Have a change of health reported, and its values now and then: to wake the executor is dear."""
+        """Have a change of health reported: to wake the executor is dear."""
         condition = self._condition()
-        if condition != self._last_condition or self._cycle % self._refresh_every == 0:
+        if condition != self._last_condition:
             self._last_condition = condition
             self._report_due.trigger()
 
@@ -274,7 +273,8 @@ class ControllerNode(RobotNode):
         self._controller.stop(reason)
         self._controller.paused = False
 
-    def _report(self) -> None:
+    def look_after_health(self) -> None:
+        """Report it, with the loop's figures."""
         if self._executor_priority > 0:
             # This thread shares the interpreter with the loop: preempted while it holds it, it would hold
             # up the loop too.

@@ -223,9 +223,9 @@ class SimulatedCell:
         until = min(until, self._longest)
         last = math.floor(until / self._parts.period) - 1
         # Time without feedback ends with a period that has it: it must not seem to be lost.
-        last -= last % self._rates.feedback_every + 1
+        last -= last % self._rates.holding_every + 1
         count = last - self._cycle
-        if count < self._rates.feedback_every:
+        if count < self._rates.holding_every:
             return False
         self._recording.repeat(count, self._period_ns)
         self._cycle = last
@@ -271,7 +271,7 @@ class SimulatedCell:
         self._motions.begin(now)
         cost.switch('controller')
         self._guide.step(self._clock.nanoseconds)
-        due = self._rates.feedback_due(cycle, controller.state)
+        due = self._rates.feedback_due(cycle, controller)
         reference = controller.step(now, position if due else None)
         assert reference is not None
         cost.switch('drives')

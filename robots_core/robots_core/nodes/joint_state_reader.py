@@ -31,8 +31,10 @@ class JointStateReader:
 
     def __init__(self, names: Sequence[str]) -> None:
         self._names = list(names)
-        self._head: list[tuple[int, bytes]] = []
-        self._start = self._count = 0
+        self._pieces: list[tuple[int, bytes]] = []
+        self._head = b''
+        self._start = STAMP_END
+        self._numbers = struct.Struct('')
         self._indices: list[int] = []
 
     def position(self, raw: bytes) -> Array:
@@ -45,7 +47,8 @@ class JointStateReader:
             InvalidInputError: a missing joint, not one position per name, or values that are not finite.
         """
         if self._is_known(raw):
-            position = np.frombuffer(raw, np.float64, self._count, self._start)[self._indices]
+            numbers = self._numbers.unpack_from(raw, self._start)
+            position = np.array([numbers[index] for index in self._indices])
         else:
             message = deserialize_message(raw, JointState)
             position = joint_values(message.name, message.position, self._names, 'joint_states')
@@ -53,21 +56,26 @@ class JointStateReader:
         return finite_vector(position, len(self._names), 'joint_states')
 
     def _is_known(self, raw: bytes) -> bool:
-        if not self._head or len(raw) < self._start + 8 * self._count:
+        if len(raw) < self._start + self._numbers.size:
             return False
-        # Others are of other joints, or from a machine of another byte order.
-        return all(raw.startswith(piece, at) for at, piece in self._head)
+        head = raw[STAMP_END : self._start]
+        if head and head == self._head:
+            return True
+        # Others are of other joints, or from a machine of another byte order; or their padding differs.
+        known = bool(self._pieces) and all(raw.startswith(piece, at) for at, piece in self._pieces)
+        self._head = head if known else b''
+        return known
 
     def _learn(self, message: JointState) -> None:
         """Find out what stands before the positions, and where; padding in between may be anything."""
         texts = [text.encode() + b'\0' for text in (message.header.frame_id, *message.name)]
         frame, *names = (struct.pack('=I', len(text)) + text for text in texts)
         count = struct.pack('=I', len(names))  # of the names, and of the positions
-        at, self._head = STAMP_END, []
+        at, self._pieces = STAMP_END, []
         for piece in (frame, count, *names, count):
             at += -at % 4
-            self._head.append((at, piece))
+            self._pieces.append((at, piece))
             at += len(piece)
         self._start = at + (ENCAPSULATION_SIZE - at) % 8
-        self._count = len(names)
+        self._numbers = struct.Struct(f'={len(names)}d')
         self._indices = joint_indices(message.name, self._names, 'joint_states')

@@ -18,6 +18,7 @@ from robots_core.validation import Array
 
 # CDR of a message that begins with a Header: 4 bytes of encapsulation, then the stamp's two 32-bit words.
 STAMP_OFFSET = 4
+STAMP = struct.Struct('<iI')
 EMPTY_SEQUENCE_SIZE = 4
 DURATION_SIZE = 8
 
@@ -80,7 +81,7 @@ class ReferenceStream:
             nanoseconds = self._clock.now().nanoseconds
         else:
             nanoseconds = time.time_ns() + int(1e9 * (deadline - time.monotonic()))
-        struct.pack_into('<iI', self._buffer, STAMP_OFFSET, *divmod(nanoseconds, 1_000_000_000))
+        STAMP.pack_into(self._buffer, STAMP_OFFSET, *divmod(nanoseconds, 1_000_000_000))
         if reference is not self._last:  # one that stands is the same from period to period
             self._values[:] = self._last = reference
         self._publish(bytes(self._buffer))

@@ -49,7 +49,7 @@ class RobotNode(Node):
         self._health_values: dict[str, object] = {}
         self._bad_streams: dict[str, float] = {}
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', COMMAND)
-        self.create_timer(HEALTH_PERIOD, self._publish_health)
+        self.create_timer(HEALTH_PERIOD, self._repeat_health)
 
     def parameter(
         self,
@@ -109,6 +109,13 @@ class RobotNode(Node):
         self._health, self._health_values = (level, message), values
         if changed:
             self._publish_health()
+
+    def look_after_health(self) -> None:
+        """Called before health is told again: for nodes whose health has values that change."""
+
+    def _repeat_health(self) -> None:
+        self.look_after_health()
+        self._publish_health()
 
     def _publish_health(self) -> None:
         level, message = self._health
