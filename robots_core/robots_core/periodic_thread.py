@@ -2,31 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from collections.abc import Callable
 
+from robots_core.realtime import ask_for_realtime, idle_latency
 from robots_core.validation import positive
 
 # Past this many missed periods the thread starts a new schedule instead of catching up in a burst.
 MAX_LATE_PERIODS = 5
-
-
-def ask_for_realtime(priority: int) -> bool:
-    """Ask the system for first-in-first-out scheduling of the calling thread.
-
-    Args:
-        priority: 1 to 99.
-
-    Returns:
-        True if the system permits it; otherwise the thread runs as before.
-    """
-    try:
-        os.sched_setscheduler(threading.get_native_id(), os.SCHED_FIFO, os.sched_param(priority))
-    except PermissionError:
-        return False
-    return True
 
 
 class PeriodicThread:
@@ -42,6 +26,8 @@ class PeriodicThread:
         on_error: Called from the thread with the exception that ended it.
         realtime_priority: 1 to 99 asks the system for first-in-first-out scheduling with this priority, as
             ros2_control does; without the permission the thread runs as any other. 0 does not ask.
+        idle_latency: Longest time that a processor may take to wake up, s, asked of the system while the
+            thread runs (see `idle_latency`); None does not ask.
     """
 
     def __init__(
@@ -52,13 +38,17 @@ class PeriodicThread:
         name: str,
         on_error: Callable[[BaseException], None],
         realtime_priority: int = 0,
+        idle_latency: float | None = None,
     ) -> None:
         self.period = positive(period, 'period', 's')
         self.missed = 0
         """Deadlines given up because the machine was too busy."""
         self.realtime = False
         """The system granted first-in-first-out scheduling."""
+        self.idle_latency_kept = False
+        """The system keeps to the idle latency that was asked for."""
         self._realtime_priority = realtime_priority
+        self._idle_latency = idle_latency
         self._work = work
         self._on_error = on_error
         self._stop = threading.Event()
@@ -82,17 +72,21 @@ class PeriodicThread:
     def _loop(self) -> None:
         if self._realtime_priority > 0:
             self.realtime = ask_for_realtime(self._realtime_priority)
-        period, work, stopped, clock = self.period, self._work, self._stop.is_set, time.monotonic
         try:
-            deadline = clock() + period
-            while not stopped():
-                remaining = deadline - clock()
-                if remaining > 0.0:
-                    time.sleep(remaining)
-                elif remaining < -MAX_LATE_PERIODS * period:
-                    self.missed += int(-remaining / period)
-                    deadline = clock()
-                work(deadline)
-                deadline += period
+            with idle_latency(self._idle_latency) as self.idle_latency_kept:
+                self._keep_time()
         except BaseException as error:  # noqa: BLE001  # handed on, the thread's owner decides
             self._on_error(error)
+
+    def _keep_time(self) -> None:
+        period, work, stopped, clock = self.period, self._work, self._stop.is_set, time.monotonic
+        deadline = clock() + period
+        while not stopped():
+            remaining = deadline - clock()
+            if remaining > 0.0:
+                time.sleep(remaining)
+            elif remaining < -MAX_LATE_PERIODS * period:
+                self.missed += int(-remaining / period)
+                deadline = clock()
+            work(deadline)
+            deadline += period

@@ -31,7 +31,8 @@ from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE, subscri
 from robots_core.nodes.reference_stream import ReferenceStream
 from robots_core.nodes.robot_node import RobotNode
 from robots_core.nodes.run import run
-from robots_core.periodic_thread import PeriodicThread, ask_for_realtime
+from robots_core.periodic_thread import PeriodicThread
+from robots_core.realtime import ask_for_realtime
 from robots_core.validation import Array, fraction
 from robots_planning.nodes.trajectory_messages import join_time, trajectory_from_message
 from robots_planning.trajectory import Trajectory
@@ -72,6 +73,14 @@ class ControllerNode(RobotNode):
             'realtime_priority',
             50,
             'FIFO priority of the loop where the system permits it; 0: none',
+            read_only=True,
+        )
+        latency = self.parameter(
+            'idle_latency',
+            -1.0,
+            'longest time that idle processors may take to wake up, s, where the system permits to ask; '
+            'at 0 none sleeps, which takes power and keeps time best; negative: not asked',
+            bounds=(-1.0, 1.0),
             read_only=True,
         )
         self._controller = Controller(self.robot.axes_data, ControllerSettings(period=1.0 / rate, **options))
@@ -116,6 +125,7 @@ class ControllerNode(RobotNode):
             name='controller',
             on_error=self.thread_failed,
             realtime_priority=priority,
+            idle_latency=latency if latency >= 0.0 else None,
         )
         self._thread.start()
 
@@ -285,6 +295,7 @@ class ControllerNode(RobotNode):
             state=self._controller.state.value,
             missed_deadlines=self._thread.missed,
             realtime=self._thread.realtime,
+            idle_latency_kept=self._thread.idle_latency_kept,
         )
 
     def destroy_node(self) -> None:

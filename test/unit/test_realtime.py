@@ -1,0 +1,71 @@
+"""What a thread that keeps time asks of the system."""
+
+from __future__ import annotations
+
+import struct
+import threading
+from pathlib import Path
+
+import pytest
+
+from robots_core import realtime
+from robots_core.periodic_thread import PeriodicThread
+
+# s; far more than a thread takes to start.
+PATIENCE = 20.0
+
+
+def open_files() -> list[str]:
+    links = Path('/proc/self/fd').iterdir()
+    return [str(link.readlink()) for link in links if link.is_symlink()]
+
+
+@pytest.fixture
+def device(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A file in the place of the system's, which only root may write to."""
+    path = tmp_path / 'latency'
+    path.touch()
+    monkeypatch.setattr(realtime, 'IDLE_LATENCY_DEVICE', path)
+    return path
+
+
+@pytest.mark.parametrize(('latency', 'microseconds'), [(0.0, 0), (2e-6, 2), (1e-3, 1000)])
+def test_a_latency_is_asked_for_in_microseconds_for_as_long_as_wanted(
+    device: Path, latency: float, microseconds: int
+):
+    with realtime.idle_latency(latency) as granted:
+        assert granted
+        assert device.read_bytes() == struct.pack('i', microseconds)
+        assert str(device) in open_files()  # the system forgets it when the file is closed
+    assert str(device) not in open_files()
+
+
+def test_nothing_is_asked_for_unless_wanted(device: Path):
+    with realtime.idle_latency(None) as granted:
+        assert not granted
+        assert not device.read_bytes()
+
+
+def test_who_may_not_ask_goes_on(device: Path):
+    device.unlink()
+    device.mkdir()  # not to be written to, by root neither
+    with realtime.idle_latency(0.0) as granted:
+        assert not granted
+
+
+def test_a_thread_asks_while_it_runs(device: Path):
+    called = threading.Event()
+
+    def fail(error: BaseException) -> None:
+        raise error
+
+    thread = PeriodicThread(
+        lambda _: called.set(), period=1e-3, name='keeps time', on_error=fail, idle_latency=0.0
+    )
+    thread.start()
+    assert called.wait(PATIENCE)
+    assert thread.idle_latency_kept
+    assert str(device) in open_files()
+    thread.stop()
+    assert not thread.alive
+    assert str(device) not in open_files()
