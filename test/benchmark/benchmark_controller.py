@@ -42,7 +42,7 @@ HERE = Path(__file__).parent
 MOVES = 20
 FEEDBACK_RATE = 100.0  # Hz, as slow as drives come
 TIMER, CONTROLLER, AWAKE = 'rclpy timer', 'controller', 'kept awake'
-TARGETS = {'late or early, p99, us': 0.5, 'CPU per reference, us': 0.3}  # of the timer's
+TARGETS = {'period p99, us': 0.5, 'CPU each, us': 0.3}  # of the timer's
 
 
 @dataclass(frozen=True)
@@ -200,9 +200,11 @@ def main() -> None:
     length = f'{options.rounds} x {options.seconds:g} s'
     table = Table(
         title=f'joint_reference at {options.rate:g} Hz, {length}, medians',
-        caption='kept awake: idle_latency 0; idle processors do not sleep, which takes power',
+        caption='period: deviation from it; CPU: of the process, also for each reference\n'
+        'kept awake: idle_latency 0, processors do not sleep, which takes power',
     )
-    for column in ('', TIMER, CONTROLLER, 'ratio', AWAKE, 'ratio', 'target'):
+    table.add_column('', no_wrap=True)
+    for column in (TIMER, CONTROLLER, 'ratio', AWAKE, 'ratio', 'target'):
         table.add_column(column, justify='right')
 
     def row(name: str, value: Callable[[Timing], float]) -> None:
@@ -213,10 +215,10 @@ def main() -> None:
         table.add_row(name, *cells, f'{TARGETS[name]:g}' if name in TARGETS else '')
 
     for quantile in (50.0, 99.0, 99.9):
-        name = f'late or early, p{quantile:g}, us'
+        name = f'period p{quantile:g}, us'
         row(name, lambda run, quantile=quantile: float(np.percentile(run.deviation, quantile)))
     row('CPU share, %', lambda run: 100.0 * run.cpu_share)
-    row('CPU per reference, us', lambda run: run.cpu_time)
+    row('CPU each, us', lambda run: run.cpu_time)
     console.print(table)
     granted = all(run.realtime for run in runs[CONTROLLER])
     console.print(f'FIFO scheduling of the controller: {"granted" if granted else "not permitted here"}')
