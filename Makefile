@@ -86,8 +86,8 @@ test: build lint  ## Lint, types and all tests
 	@$(RUN) python -m pytest -n auto --dist worksteal test/contract test/property test/unit
 	@# Nodes wait for each other most of the time.
 	@$(RUN) python -m pytest -n 2 --dist worksteal test/node
-	@# Whole cells keep time: they have the machine to themselves.
-	@$(RUN) python -m pytest test/bag test/cell
+	@# Whole cells keep time: no more of them at once than a small machine carries.
+	@$(RUN) python -m pytest -n 2 --dist loadfile test/bag test/cell
 
 .PHONY: benchmark-controller
 benchmark-controller: build  ## The controller's timing side by side with a bare rclpy timer
