@@ -12,7 +12,8 @@ from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming 
 from robots_planning.trajectory_generators.linear_cartesian_limited import LinearCartesianLimited
 from robots_planning.trajectory_generators.linear_joint import LinearJoint
 from robots_planning.trajectory_generators.linear_joint_axes import LinearJointAxes
-from robots_planning.trajectory_generators.path_following_kernel import stands_still
+from robots_planning.trajectory_generators.path_following_kernel import stands_still, stays_inside
+from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.trajectory_generators.spline_cartesian import SplineCartesian
 
 STEP = 0.01  # m
@@ -36,6 +37,7 @@ def main() -> None:
     # Used out of singularities only.
     line, limits = CartesianLine(pose, near), np.array([axes.lower, axes.upper])
     stands_still(SerialChain.of(robot).arrays, limits, line.arrays, 0.0, start, start)
+    stays_inside(limits, PathInverseKinematics(robot).follow(line, start).knots)
     SplineCartesian(robot, planner='dynamic_programming').generate(start, [near, pose])
 
 

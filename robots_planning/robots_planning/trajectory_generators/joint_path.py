@@ -64,6 +64,11 @@ class JointPath:
         """Number of axes n."""
         return int(self.q.shape[1])
 
+    @property
+    def knots(self) -> tuple[Array, Array, Array, Array]:
+        """s, q, q' and q''."""
+        return self.s, self.q, self.q_s, self.q_ss
+
     def evaluate(self, s: Array) -> tuple[Array, Array, Array]:
         """q, q' and q'' at `s` (m,), clipped to [0, 1], each (m, n)."""
         values = np.ascontiguousarray(s, dtype=np.float64)

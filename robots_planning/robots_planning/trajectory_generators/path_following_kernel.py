@@ -199,6 +199,17 @@ def leaves_limits(limits: Array, knots: Knots, i: int) -> bool:
 
 
 @compiled()
+def stays_inside(limits: Array, knots: Knots) -> bool:
+    """No axis is outside its limits, at the knots or between them."""
+    s, q, q_s, q_ss = knots
+    copy = (s.copy(), q.copy(), q_s, q_ss)  # where it leaves them is filled in
+    inside = True
+    for i in range(s.size - 1):
+        inside = inside and not leaves_limits(limits, copy, i)
+    return inside
+
+
+@compiled()
 def path_error(chain: ChainArrays, path: PathArrays, s: float, q: Array, error: Array) -> float:
     """Fill the pose error (6,) from posture `q` to the path at `s`; its largest entry."""
     r, T, J = np.empty(3), np.empty((3, 3)), np.empty((6, q.size))
@@ -227,11 +238,19 @@ def stands_still(
 def _error_and_jacobian(
     chain: ChainArrays, path: PathArrays, s: float, q: Array, pose: tuple[Array, Array, Array], error: Array
 ) -> float:
+    target, orientation = np.empty(3), np.empty((3, 3))
+    pose_on_path(path, s, target, orientation, np.empty(6), np.empty(6))
+    return _error_to(chain, (target, orientation), q, pose, error)
+
+
+@compiled()
+def _error_to(
+    chain: ChainArrays, target: tuple[Array, Array], q: Array, pose: tuple[Array, Array, Array], error: Array
+) -> float:
+    """Fill the pose and Jacobian at `q`, and the error from there to the target (r, T); its largest entry."""
     r, T, J = pose
     pose_and_jacobian(chain, q, r, T, J)
-    target, orientation, x_s, x_ss = np.empty(3), np.empty((3, 3)), np.empty(6), np.empty(6)
-    pose_on_path(path, s, target, orientation, x_s, x_ss)
-    error_between(r, T, target, orientation, error)
+    error_between(r, T, target[0], target[1], error)
     largest = 0.0
     for k in range(6):
         largest = max(largest, abs(error[k]))
@@ -243,9 +262,10 @@ def correct(chain: ChainArrays, path: PathArrays, s: float, q: Array) -> bool:
     """Newton's method from a close guess, in place; False if it does not converge in a few steps."""
     n = q.size
     J, P, error, step = np.empty((6, n)), np.empty((n, 6)), np.empty(6), np.empty(n)
-    pose = (np.empty(3), np.empty((3, 3)), J)
+    pose, target = (np.empty(3), np.empty((3, 3)), J), (np.empty(3), np.empty((3, 3)))
+    pose_on_path(path, s, target[0], target[1], np.empty(6), np.empty(6))
     for _ in range(CORRECTION_STEPS):
-        if _error_and_jacobian(chain, path, s, q, pose, error) < CORRECTION_TOLERANCE:
+        if _error_to(chain, target, q, pose, error) < CORRECTION_TOLERANCE:
             return True
         pseudo_inverse(J, P)
         multiply(P, error, step)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from robots_core.blocks.inverse_kinematics.chain import SerialChain
@@ -54,6 +56,10 @@ class PathInverseKinematics:
             np.empty((MOST_KNOTS + 1, n)),
         )
 
+    @cached_property
+    def _closest(self) -> DampedLeastSquares:
+        return DampedLeastSquares(self._robot, tool=self._tool)
+
     def pose(self, q: Array) -> Pose:
         """Pose of the tool centre point at joint positions `q`, (n,)."""
         return self._chain.forward(q)
@@ -83,17 +89,13 @@ class PathInverseKinematics:
             )
         raise self._blocked(path, fraction, q[count - 1].copy())
 
-    def follow_far(
-        self, path: CartesianPath, start: Array, *, limited: bool = True
-    ) -> tuple[JointPath, float] | None:
-        """As `follow`, as far as it goes: the joint path of that part of the path, and s where it ends.
-
-        Not `limited`, the axes may leave their limits.
+    def follow_far(self, path: CartesianPath, start: Array) -> tuple[JointPath, float] | None:
+        """As `follow`, as far as it goes whatever the axis limits.
 
         Returns:
-            Both; None if it goes nowhere.
+            The joint path of that part of the path, and s where it ends; None if it goes nowhere.
         """
-        _, count = self._fill(path, start, self._limits if limited else self._endless)
+        _, count = self._fill(path, start, self._endless)
         return None if count < 2 else (self._followed(count), float(self._knots[0][count - 1]))
 
     def _fill(self, path: CartesianPath, start: Array, limits: Array) -> tuple[int, int]:
@@ -132,7 +134,7 @@ class PathInverseKinematics:
         """Why no step along the path is possible: out of reach, or a singularity."""
         s = min(fraction + LOOK_AHEAD, 1.0)
         inside = np.clip(q, self._axes.lower, self._axes.upper)
-        near = DampedLeastSquares(self._robot, tool=self._tool).solve(path.pose(s), inside)
+        near = self._closest.solve(path.pose(s), inside)
         if near.converged:
             return self._singular(path, fraction, q)
         return PlanningError(

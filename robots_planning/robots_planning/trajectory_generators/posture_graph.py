@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -16,7 +17,12 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.trajectory_generators.cartesian_path import CartesianPath
 from robots_planning.trajectory_generators.joint_path import JointPath
-from robots_planning.trajectory_generators.path_following_kernel import FOLLOWED, MOST_KNOTS, stands_still
+from robots_planning.trajectory_generators.path_following_kernel import (
+    FOLLOWED,
+    MOST_KNOTS,
+    stands_still,
+    stays_inside,
+)
 from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.trajectory_generators.self_motion_kernel import (
     MOST_POSTURES,
@@ -48,6 +54,11 @@ class RoutePiece:
     joints: JointPath
     begin: float
     end: float
+
+    def turned(self, turn: Array) -> RoutePiece:
+        """The same with every axis turned by as much, (n,) rad, all the way."""
+        joints = self.joints
+        return replace(self, joints=JointPath(joints.s, joints.q + turn, joints.q_s, joints.q_ss))
 
     def tool(self, path: CartesianPath) -> CartesianPath:
         """What the tool does on it, of its whole `path`."""
@@ -149,44 +160,52 @@ class PostureGraph:
             except PlanningError:
                 return []
             start = before[0].joints.q[-1]
-        routes: list[Route] = []
         middle = 0.5 * (place + 1.0)
-        for posture in self._turning(path, middle, place, start):
-            back = self._back_from(path, middle, place, posture)
+        back_to, ahead_to = path.part(middle, place), path.part(middle, 1.0)
+        routes: list[Route] = []
+        for first, *turns in self._whole_turns_apart(path.pose(middle)):
+            back = self._back_from(back_to, first, middle, place)
             if back is None:
                 continue
-            ahead = self._kinematics.follow_far(path.part(middle, 1.0), posture)
-            if ahead is not None and ahead[1] == 1.0:
-                onward = RoutePiece(ahead[0], middle, 1.0)
-                routes.append((*before, *_turn(start, back), _joined(back, onward)))
+            end = back.joints.q[-1]
+            ways = [
+                turn
+                for turn in (np.zeros_like(first), *turns)
+                if stands_still(self._chain, self._limits, path.arrays, place, start, end + turn)
+            ]
+            ahead = self._kinematics.follow_far(ahead_to, first) if ways else None
+            if ahead is None or ahead[1] < 1.0:
+                continue
+            onward = _joined(back, RoutePiece(ahead[0], middle, 1.0))
+            for turn in ways:
+                piece = onward.turned(turn)
+                if stays_inside(self._limits, piece.joints.knots):
+                    routes.append((*before, *_turn(start, piece), piece))
         return routes
 
-    def _turning(self, path: CartesianPath, middle: float, place: float, start: Array) -> list[Array]:
-        """Postures at `middle` from whose way back to `place` the axes can turn to `start` on the spot.
-
-        Postures whole turns apart share a way, which is followed once.
-        """
+    def _whole_turns_apart(self, pose: Pose) -> Iterator[tuple[Array, ...]]:
+        """Postures at a pose: one of each kind, and the whole turns from there to others like it."""
         assert self._analytic is not None
-        ways: list[tuple[Array, Array | None]] = []
-        turning = []
-        for posture in self._analytic.solve_all(path.pose(middle), turns=True):
-            way = next((way for way in ways if _whole_turns(posture - way[0])), None)
-            if way is None:
-                back = self._back_from(path, middle, place, posture, limited=False)
-                way = (posture, None if back is None else back.joints.q[-1])
-                ways.append(way)
-            first, end = way
-            if end is not None and stands_still(
-                self._chain, self._limits, path.arrays, place, start, end + (posture - first)
-            ):
-                turning.append(posture)
-        return turning
+        postures = np.array(self._analytic.solve_all(pose, turns=True))
+        while len(postures):
+            ways = postures - postures[0]
+            turns = ways / (2.0 * np.pi)
+            alike = np.abs(turns - np.round(turns)).max(axis=1) < SMALLEST_TURN
+            yield (postures[0], *ways[alike][1:])
+            postures = postures[~alike]
 
     def _back_from(
-        self, path: CartesianPath, middle: float, place: float, posture: Array, *, limited: bool = True
+        self, path: CartesianPath, posture: Array, middle: float, place: float
     ) -> RoutePiece | None:
-        """From a posture at `middle` back to `place`, or into the singularity there as near as it goes."""
-        followed = self._kinematics.follow_far(path.part(middle, place), posture, limited=limited)
+        """From `middle` back to `place`, or into the singularity there as near as it goes.
+
+        Args:
+            path: That part of the path.
+            posture: At its begin.
+            middle: Its begin, in s of the whole path.
+            place: Its end.
+        """
+        followed = self._kinematics.follow_far(path, posture)
         if followed is None:
             return None
         joints, share = followed
@@ -228,23 +247,19 @@ class PostureGraph:
         return [result.q for result in results if result.converged]
 
 
-def _whole_turns(way: Array) -> bool:
-    turns = way / (2.0 * np.pi)
-    return float(np.abs(turns - np.round(turns)).max()) < SMALLEST_TURN
-
-
 def _part(path: CartesianPath, begin: float, end: float) -> CartesianPath:
     return path if (begin, end) == (0.0, 1.0) else path.part(begin, end)
 
 
-def _turn(begin: Array, back: RoutePiece) -> Route:
-    """The change of posture, straight in joint space, to where a piece ends; nothing if there is none."""
-    turn = back.joints.q[-1] - begin
+def _turn(begin: Array, onward: RoutePiece) -> Route:
+    """The change of posture, straight in joint space, to where a piece begins; nothing if there is none."""
+    end = onward.joints.q[0]
+    turn = end - begin
     if float(np.abs(turn).max()) < SMALLEST_TURN:
         return ()
     way, still = np.stack([turn, turn]), np.zeros((2, len(turn)))
-    joints = JointPath(np.array([0.0, 1.0]), np.stack([begin, back.joints.q[-1]]), way, still)
-    return (RoutePiece(joints, back.end, back.end),)
+    joints = JointPath(np.array([0.0, 1.0]), np.stack([begin, end]), way, still)
+    return (RoutePiece(joints, onward.begin, onward.begin),)
 
 
 def _joined(back: RoutePiece, ahead: RoutePiece) -> RoutePiece:
