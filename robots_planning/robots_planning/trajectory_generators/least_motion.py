@@ -13,7 +13,7 @@ from robots_core.validation import Array
 # Ratio of singular values below which a direction of the tool counts as lost.
 SINGULAR = 1e-9
 # Ratio of the triangle's diagonal below which singular values are looked at; it is never far below theirs.
-SUSPICIOUS = 1e-5
+SUSPICIOUS = 1e-7
 
 
 @compiled()
