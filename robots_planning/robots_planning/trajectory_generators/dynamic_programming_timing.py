@@ -44,20 +44,19 @@ class DynamicProgrammingTiming:
         self._tool_velocity = np.concatenate([tool_velocity, [np.inf, np.inf]])
         self._tool_acceleration = np.concatenate([tool_acceleration, tool_acceleration])
 
-    def trajectory(self, joint_path: JointPath, tool_path: CartesianPath) -> Trajectory:
-        """The timed motion along a path.
-
-        Args:
-            joint_path: What the axes do over s.
-            tool_path: What the tool does over the same s.
+    def trajectory(
+        self, joint_path: JointPath, tool_path: CartesianPath, longest: float = np.inf
+    ) -> Trajectory:
+        """The timed motion along a path; see `PathTiming`.
 
         Raises:
             PlanningError: the robot cannot hold itself against gravity somewhere on the path.
+            TooSlowError: it takes longer than `longest`, s.
         """
         limits = None
         if not np.isinf([self._tool_velocity, self._tool_acceleration]).all():
             limits = ToolLimits(lambda s: travel(tool_path, s), self._tool_velocity, self._tool_acceleration)
-        return self._timing.trajectory(joint_path, limits)
+        return self._timing.trajectory(joint_path, limits, longest)
 
 
 def travel(path: CartesianPath, s: Array) -> tuple[Array, Array]:

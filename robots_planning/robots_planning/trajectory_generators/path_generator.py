@@ -17,7 +17,7 @@ from robots_planning.trajectory_generators.base import TrajectoryGenerator
 from robots_planning.trajectory_generators.cartesian_path import CartesianPath
 from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
-from robots_planning.trajectory_generators.path_timing import PathTiming
+from robots_planning.trajectory_generators.path_timing import PathTiming, TooSlowError
 from robots_planning.trajectory_generators.posture_graph import PostureGraph, Route, RoutePiece
 
 
@@ -82,29 +82,48 @@ class PathGenerator(TrajectoryGenerator):
             raise
 
     def _fastest(self, routes: list[Route], path: CartesianPath) -> tuple[Trajectory, Route]:
-        """The route that takes least time; those that cannot are not timed."""
-        plans: list[tuple[Trajectory, Route]] = []
+        """The route that takes least time; others are timed only as far as they may be that one."""
+        best: tuple[Trajectory, Route] | None = None
+        longest = np.inf
         timed: dict[RoutePiece, Trajectory] = {}
-        for least, _, route in sorted((self._least_time(route), k, route) for k, route in enumerate(routes)):
-            if not plans or least < plans[-1][0].duration:
-                plans.append((self._timed(route, path, timed), route))
-                plans = [min(plans, key=lambda plan: plan[0].duration)]
-        return plans[0]
+        for _, route in sorted(enumerate(routes), key=lambda item: (self._least_time(item[1]), item[0])):
+            try:
+                trajectory = self._timed(route, path, timed, longest)
+            except TooSlowError:
+                continue
+            if trajectory.duration < longest:
+                best, longest = (trajectory, route), trajectory.duration
+        assert best is not None
+        return best
 
     def _least_time(self, route: Route) -> float:
         """What the axes need for their ways alone, from rest to rest in every piece, s."""
-        time = 0.0
-        for piece in route:
-            way = np.abs(np.diff(piece.joints.q, axis=0)).sum(axis=0)
-            ramp = self.velocity**2 / self.acceleration  # the way of reaching full speed and stopping
-            fast = (way + ramp) / self.velocity
-            slow = 2.0 * np.sqrt(way / self.acceleration)
-            time += float(np.where(way > ramp, fast, slow).max())
-        return time
+        return sum(self._least_time_of(piece) for piece in route)
 
-    def _timed(self, route: Route, path: CartesianPath, timed: dict[RoutePiece, Trajectory]) -> Trajectory:
-        """Its pieces one after another; those that `timed` has of another route are not timed again."""
-        for piece in route:
+    def _least_time_of(self, piece: RoutePiece) -> float:
+        way = np.abs(np.diff(piece.joints.q, axis=0)).sum(axis=0)
+        ramp = self.velocity**2 / self.acceleration  # the way of reaching full speed and stopping
+        fast = (way + ramp) / self.velocity
+        slow = 2.0 * np.sqrt(way / self.acceleration)
+        return float(np.where(way > ramp, fast, slow).max())
+
+    def _timed(
+        self, route: Route, path: CartesianPath, timed: dict[RoutePiece, Trajectory], longest: float
+    ) -> Trajectory:
+        """Its pieces one after another; those that `timed` has of another route are not timed again.
+
+        Raises:
+            TooSlowError: it takes longer than `longest`, s.
+        """
+        times = {
+            piece: timed[piece].duration if piece in timed else self._least_time_of(piece) for piece in route
+        }
+        # Of turns on the spot the least time is close to what they take.
+        for piece in sorted(route, key=lambda piece: piece.begin == piece.end):
+            left = longest - sum(times.values()) + times[piece]
+            if times[piece] > left:
+                raise TooSlowError
             if piece not in timed:
-                timed[piece] = self.timing.trajectory(piece.joints, piece.tool(path))
+                timed[piece] = self.timing.trajectory(piece.joints, piece.tool(path), left)
+                times[piece] = timed[piece].duration
         return one_after_another([timed[piece] for piece in route])

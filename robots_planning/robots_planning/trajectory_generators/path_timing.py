@@ -5,21 +5,33 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from robots_core.validation import positive
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.cartesian_path import CartesianPath
 from robots_planning.trajectory_generators.joint_path import JointPath
 
 
+class TooSlowError(Exception):
+    """A motion takes longer than it is of use."""
+
+
 class PathTiming(Protocol):
     """From a path to a motion along it, from rest to rest; one class per algorithm."""
 
-    def trajectory(self, joint_path: JointPath, tool_path: CartesianPath) -> Trajectory:
+    def trajectory(
+        self, joint_path: JointPath, tool_path: CartesianPath, longest: float = np.inf
+    ) -> Trajectory:
         """The timed motion along a path.
 
         Args:
             joint_path: What the axes do over s.
             tool_path: What the tool does over the same s.
+            longest: Time that is of use, s: nobody need plan a motion that takes more to its end.
+
+        Raises:
+            TooSlowError: it takes longer.
         """
 
 

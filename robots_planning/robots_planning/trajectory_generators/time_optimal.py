@@ -19,6 +19,7 @@ from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.even_path import EvenPath
 from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_dynamics import torque_rows, torque_use
+from robots_planning.trajectory_generators.path_timing import TooSlowError
 from robots_planning.trajectory_generators.quintic import quintic_coefficients, quintic_uses, quintics_at
 from robots_planning.trajectory_generators.speed_profile import fastest_speeds
 from robots_planning.trajectory_generators.switched_time_law import SwitchedTimeLaw
@@ -36,6 +37,7 @@ RESERVE = 3e-4  # of the limits, at first, so that most trajectories need no sec
 # less time everywhere, and more where the motion is slowed down for its jerk.
 JERK_RAMPS = (1.0, 0.75, 0.55)
 ROUNDS = 6  # of lowering the limits where the trajectory broke them
+DISCRETISATION = 1e-3  # of a duration, by which a profile may be slower than the fastest
 LOWEST_SCALE = 0.1  # of the limits, below which lowering them further helps nobody
 CLOSEST_SEAM = 2e-4  # s to the next point of the trajectory; shorter steps would magnify rounding of jerk
 EXCESS = 3e-4  # part of a limit that is not worth another round; limits were lowered by a third of it before
@@ -94,7 +96,9 @@ class TimeOptimalTiming:
         self._ramp = ramp
         self._dynamics = None if effort is None else _dynamics_of(robot)
 
-    def trajectory(self, path: JointPath, tool: ToolLimits | None = None) -> Trajectory:
+    def trajectory(
+        self, path: JointPath, tool: ToolLimits | None = None, longest: float = np.inf
+    ) -> Trajectory:
         """The fastest trajectory from rest to rest along a path.
 
         With jerk limits, the fastest of those that come of smoothing over several windows.
@@ -102,20 +106,30 @@ class TimeOptimalTiming:
         Args:
             path: Where to go.
             tool: Limits of the tool besides those of the axes.
+            longest: Time that is of use, s; see `PathTiming`.
 
         Raises:
             PlanningError: the robot cannot hold itself against gravity somewhere on the path; names axis,
                 torque, limit and the part of the path.
+            TooSlowError: the fastest trajectory takes longer.
         """
-        if self._jerk is None:
-            return min(self._plans(path, tool, SHORTEST_RAMP), key=lambda plan: plan.duration)
-        # A jump from one limit to the other, as a ramp.
-        longest = float((2.0 * self._acceleration / self._jerk).max())
-        plans = [plan for part in JERK_RAMPS for plan in self._plans(path, tool, part * longest)]
+        ramps = [SHORTEST_RAMP]
+        if self._jerk is not None:
+            # A jump from one limit to the other, as a ramp.
+            jump = float((2.0 * self._acceleration / self._jerk).max())
+            ramps = [part * jump for part in JERK_RAMPS]
+        plans = [plan for ramp in ramps for plan in self._plans(path, tool, ramp, longest)]
+        if not plans:
+            raise TooSlowError
         return min(plans, key=lambda plan: plan.duration)
 
-    def _plans(self, path: JointPath, tool: ToolLimits | None, shortest: float) -> list[Trajectory]:
-        """Trajectories inside the limits whose ramps of acceleration last `shortest` (s) or more."""
+    def _plans(
+        self, path: JointPath, tool: ToolLimits | None, shortest: float, longest: float
+    ) -> list[Trajectory]:
+        """Trajectories inside the limits whose ramps of acceleration last `shortest` (s) or more.
+
+        None if they are sure to take more than `longest`, s: lowered limits make them but slower.
+        """
         even = EvenPath(path, self._velocity, self._acceleration)
         if tool is not None:
             tool = replace(tool, derivatives=partial(even.derivatives, tool.derivatives))
@@ -124,9 +138,11 @@ class TimeOptimalTiming:
         limits = self._limits(s, q, q_s, q_ss, tool)
         weight = np.abs(limits[0][:, :, 0]).max(axis=1)
         scale = np.full(len(s), 1.0 - RESERVE)
-        plans = []
+        plans: list[Trajectory] = []
         for _ in range(ROUNDS):
             law = self._law(s, limits, scale, even, shortest)
+            if law.duration * (1.0 - DISCRETISATION) > longest:
+                return plans
             trajectory = self._sampled(even, law, weight)
             times, use, jerk = self._use(trajectory, law, tool, limits[0])
             worst = float(use.max())

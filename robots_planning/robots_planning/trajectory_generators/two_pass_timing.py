@@ -8,7 +8,7 @@ from robots_core.validation import Array, positive
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.cartesian_path import CartesianPath
 from robots_planning.trajectory_generators.joint_path import JointPath
-from robots_planning.trajectory_generators.path_timing import ToolLimits
+from robots_planning.trajectory_generators.path_timing import ToolLimits, TooSlowError
 from robots_planning.trajectory_generators.two_pass_kernel import (
     AllLimits,
     Points,
@@ -57,13 +57,16 @@ class TwoPassTiming:
             np.inf if tool.jerk is None or jerk is None else float(tool.jerk),
         )
 
-    def trajectory(self, joint_path: JointPath, tool_path: CartesianPath) -> Trajectory:
-        """The timed motion along a path.
+    def trajectory(
+        self, joint_path: JointPath, tool_path: CartesianPath, longest: float = np.inf
+    ) -> Trajectory:
+        """The timed motion along a path; see `PathTiming`."""
+        trajectory = self._trajectory(joint_path, tool_path)
+        if trajectory.duration > longest:
+            raise TooSlowError
+        return trajectory
 
-        Args:
-            joint_path: What the axes do over s.
-            tool_path: What the tool does over the same s.
-        """
+    def _trajectory(self, joint_path: JointPath, tool_path: CartesianPath) -> Trajectory:
         s, coefficients = joint_path.s, joint_path.coefficients
         grid = grid_of(s, coefficients, tool_path.arrays)
 
@@ -72,6 +75,6 @@ class TwoPassTiming:
 
         if not self._jerk_limited:
             return Trajectory(*points(self._smoothing, SMOOTHING_SHARE))
-        longest = jerk_window(grid, self._limits)
-        plans = [points(part * longest, np.inf) for part in JERK_WINDOWS]
+        window = jerk_window(grid, self._limits)
+        plans = [points(part * window, np.inf) for part in JERK_WINDOWS]
         return Trajectory(*min(plans, key=lambda plan: float(plan[0][-1])))
