@@ -97,11 +97,10 @@ def test_a_bar_tells_the_line_the_time_and_how_fast_it_goes(tmp_path: Path):
     options = parse_options([str(program), '--robot', 'kuka_kr210_r2700', '--drive', 'ideal'])
     shown = StringIO()
     assert run(options, Console(file=shown, force_terminal=True, width=100, color_system=None)) == EXIT_OK
-    told = re.findall(r'line ([23]), (\d+\.\d) s, (\d+) times real time', shown.getvalue())
-    times = [float(time) for _, time, _ in told]
+    speed = r'(?:[1-9]\d* times|0\.\d\d of) real time'
+    times = [float(time) for time in re.findall(rf'line [23], (\d+\.\d) s, {speed}', shown.getvalue())]
     assert len(set(times)) > 1
     assert times == sorted(times)
-    assert all(int(factor) > 0 for _, _, factor in told)
 
 
 def test_ctrl_c_leaves_a_bag_and_a_report(tmp_path: Path):

@@ -142,10 +142,14 @@ def _bar(console: Console) -> Iterator[Callable[[float, int], None] | None]:
             wall = time.monotonic()
             if wall - drawn >= DRAW_PERIOD:
                 drawn = wall
-                factor = now / (wall - start)
-                bar.update(task, description=f'line {line}, {now:.1f} s, {factor:.0f} times real time')
+                speed = _times_real_time(now / (wall - start))
+                bar.update(task, description=f'line {line}, {now:.1f} s, {speed}')
 
         yield on_progress
+
+
+def _times_real_time(factor: float) -> str:
+    return f'{factor:.0f} times real time' if factor >= 1.0 else f'{factor:.2f} of real time'
 
 
 def show(result: SimulationRun, console: Console) -> int:
@@ -153,9 +157,8 @@ def show(result: SimulationRun, console: Console) -> int:
     for text in result.printed:
         console.print(escape(text))
     seconds = sum(result.cost.values())
-    console.print(
-        f'{result.duration:.3f} s simulated in {seconds:.2f} s, {result.real_time_factor:.0f} times real time'
-    )
+    speed = _times_real_time(result.real_time_factor)
+    console.print(f'{result.duration:.3f} s simulated in {seconds:.2f} s, {speed}')
     code = EXIT_OK if result.ok else EXIT_FAILED
     if result.bag is not None:
         console.print(f'bag: {result.bag}')
