@@ -179,6 +179,35 @@ def test_routes_are_continuous(kuka: BaseRobotModel) -> None:
         assert [piece.begin == piece.end for piece in route] == [True, False]
 
 
+@pytest.mark.parametrize('way', [[0.0, 0.3, 0.0], [0.1, 0.2, -0.3]])
+def test_the_fastest_route_is_taken(kuka: BaseRobotModel, way: list[float]) -> None:
+    start, target = moved(kuka, kuka.home, way, [0.0, 0.0, 0.0])
+    line, planner = CartesianLine(start, target), LinearCartesianDynamicProgramming(kuka)
+    routes = planner.postures.routes(line, kuka.home)
+    # Turned by the wrist's other half, and by whole turns.
+    assert len(routes) > 2
+    durations = [
+        sum(planner.timing.trajectory(piece.joints, piece.tool(line)).duration for piece in route)
+        for route in routes
+    ]
+    # Times of messages are whole nanoseconds.
+    assert planner.generate(kuka.home, target).duration == pytest.approx(min(durations), abs=1e-8)
+
+
+def test_whole_turns_of_axes_are_routes_as_long_as_limits_allow(kuka: BaseRobotModel) -> None:
+    start, target = moved(kuka, kuka.home, [0.0, 0.3, 0.0], [0.0, 0.0, 0.0])
+    routes = PostureGraph(kuka, PathInverseKinematics(kuka)).routes(CartesianLine(start, target), kuka.home)
+    ends = np.array([route[-1].joints.q[-1] for route in routes])
+    turns = (ends[:, None] - ends[None]) / (2.0 * np.pi)
+    whole = np.abs(turns - np.round(turns)).max(axis=2) < 1e-9
+    assert (whole & (np.abs(turns).max(axis=2) > 0.5)).any()
+    for route in routes:
+        for piece in route:
+            q, _, _ = piece.joints.evaluate(np.linspace(0.0, 1.0, 200))
+            assert (q >= kuka.axes_data.lower - 1e-8).all()
+            assert (q <= kuka.axes_data.upper + 1e-8).all()
+
+
 def test_bad_input_is_refused(kuka: BaseRobotModel) -> None:
     planner = LinearCartesianDynamicProgramming(kuka)
     with pytest.raises(UnreachablePoseError, match='cannot reach'):
