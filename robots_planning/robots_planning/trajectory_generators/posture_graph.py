@@ -163,6 +163,7 @@ class PostureGraph:
         middle = 0.5 * (place + 1.0)
         back_to, ahead_to = path.part(middle, place), path.part(middle, 1.0)
         routes: list[Route] = []
+        # Postures whole turns apart share their ways, which are followed once.
         for first, *turns in self._whole_turns_apart(path.pose(middle)):
             back = self._back_from(back_to, first, middle, place)
             if back is None:
