@@ -12,7 +12,7 @@ from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming 
 from robots_planning.trajectory_generators.linear_cartesian_limited import LinearCartesianLimited
 from robots_planning.trajectory_generators.linear_joint import LinearJoint
 from robots_planning.trajectory_generators.linear_joint_axes import LinearJointAxes
-from robots_planning.trajectory_generators.path_following_kernel import stands_still, stays_inside
+from robots_planning.trajectory_generators.path_following_kernel import stand_still, stays_inside
 from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.trajectory_generators.spline_cartesian import SplineCartesian
 
@@ -36,7 +36,8 @@ def main() -> None:
     LinearCartesianDynamicProgramming(robot).generate(start, near)
     # Used out of singularities only.
     line, limits = CartesianLine(pose, near), np.array([axes.lower, axes.upper])
-    stands_still(SerialChain.of(robot).arrays, limits, line.arrays, 0.0, start, start)
+    ends, still = start[None], np.empty(1, dtype=np.bool_)
+    stand_still(SerialChain.of(robot).arrays, limits, line.arrays, 0.0, start, ends, still)
     stays_inside(limits, PathInverseKinematics(robot).follow(line, start).knots)
     SplineCartesian(robot, planner='dynamic_programming').generate(start, [near, pose])
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots_core.blocks.inverse_kinematics.chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.blocks.inverse_kinematics.chain_derivative import jacobian_der
@@ -41,6 +42,7 @@ OUTSIDE = 3
 FULL = 4
 TOO_FAR = 5
 
+Flags = NDArray[np.bool_]
 Knots = tuple[Array, Array, Array, Array]
 """s (k,), q, q' and q'' (k, n)."""
 
@@ -217,21 +219,33 @@ def path_error(chain: ChainArrays, path: PathArrays, s: float, q: Array, error: 
 
 
 @compiled()
-def stands_still(
-    chain: ChainArrays, limits: Array, path: PathArrays, s: float, begin: Array, end: Array
-) -> bool:
-    """Whether the tool stays where the path is at `s` while the axes turn straight from `begin` to `end`."""
+def stand_still(
+    chain: ChainArrays, limits: Array, path: PathArrays, s: float, begin: Array, ends: Array, still: Flags
+) -> None:
+    """Fill whether the tool stays where the path is at `s` while the axes turn straight to each of `ends`.
+
+    Args:
+        chain: Arrays of a `SerialChain`.
+        limits: (2, n): lower, upper.
+        path: Arrays of a `CartesianPath`.
+        s: Where.
+        begin: Joint positions before, (n,).
+        ends: Joint positions after, (k, n).
+        still: Filled, (k,); False also where an axis leaves its limits.
+    """
     q, error = np.empty(begin.size), np.empty(6)
-    # The middle tells most.
-    for check in range(TURN_CHECKS):
-        part = ((check + TURN_CHECKS // 2) % TURN_CHECKS) / (TURN_CHECKS - 1)
-        for k in range(begin.size):
-            q[k] = begin[k] + part * (end[k] - begin[k])
-            if not limits[0, k] - POSITION_TOLERANCE <= q[k] <= limits[1, k] + POSITION_TOLERANCE:
-                return False
-        if not path_error(chain, path, s, q, error) <= STANDSTILL:
-            return False
-    return True
+    for row in range(ends.shape[0]):
+        still[row] = True
+        # The middle tells most.
+        for check in range(TURN_CHECKS):
+            part = ((check + TURN_CHECKS // 2) % TURN_CHECKS) / (TURN_CHECKS - 1)
+            for k in range(begin.size):
+                q[k] = begin[k] + part * (ends[row, k] - begin[k])
+                if not limits[0, k] - POSITION_TOLERANCE <= q[k] <= limits[1, k] + POSITION_TOLERANCE:
+                    still[row] = False
+            if not still[row] or not path_error(chain, path, s, q, error) <= STANDSTILL:
+                still[row] = False
+                break
 
 
 @compiled()

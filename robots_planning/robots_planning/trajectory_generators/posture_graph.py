@@ -20,7 +20,7 @@ from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_following_kernel import (
     FOLLOWED,
     MOST_KNOTS,
-    stands_still,
+    stand_still,
     stays_inside,
 )
 from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
@@ -164,35 +164,32 @@ class PostureGraph:
         back_to, ahead_to = path.part(middle, place), path.part(middle, 1.0)
         routes: list[Route] = []
         # Postures whole turns apart share their ways, which are followed once.
-        for first, *turns in self._whole_turns_apart(path.pose(middle)):
+        for first, turns in self._whole_turns_apart(path.pose(middle)):
             back = self._back_from(back_to, first, middle, place)
             if back is None:
                 continue
-            end = back.joints.q[-1]
-            ways = [
-                turn
-                for turn in (np.zeros_like(first), *turns)
-                if stands_still(self._chain, self._limits, path.arrays, place, start, end + turn)
-            ]
-            ahead = self._kinematics.follow_far(ahead_to, first) if ways else None
+            still = np.empty(len(turns), dtype=np.bool_)
+            ends = back.joints.q[-1] + turns
+            stand_still(self._chain, self._limits, path.arrays, place, start, ends, still)
+            ahead = self._kinematics.follow_far(ahead_to, first) if still.any() else None
             if ahead is None or ahead[1] < 1.0:
                 continue
             onward = _joined(back, RoutePiece(ahead[0], middle, 1.0))
-            for turn in ways:
+            for turn in turns[still]:
                 piece = onward.turned(turn)
                 if stays_inside(self._limits, piece.joints.knots):
                     routes.append((*before, *_turn(start, piece), piece))
         return routes
 
-    def _whole_turns_apart(self, pose: Pose) -> Iterator[tuple[Array, ...]]:
-        """Postures at a pose: one of each kind, and the whole turns from there to others like it."""
+    def _whole_turns_apart(self, pose: Pose) -> Iterator[tuple[Array, Array]]:
+        """Postures at a pose: one of each kind, (n,), and the whole turns to those like it, (k, n)."""
         assert self._analytic is not None
         postures = np.array(self._analytic.solve_all(pose, turns=True))
         while len(postures):
             ways = postures - postures[0]
             turns = ways / (2.0 * np.pi)
             alike = np.abs(turns - np.round(turns)).max(axis=1) < SMALLEST_TURN
-            yield (postures[0], *ways[alike][1:])
+            yield postures[0], ways[alike]
             postures = postures[~alike]
 
     def _back_from(
