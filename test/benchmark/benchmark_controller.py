@@ -41,7 +41,7 @@ from robots_core.realtime import IDLE_LATENCY_DEVICE
 HERE = Path(__file__).parent
 MOVES = 20
 FEEDBACK_RATE = 100.0  # Hz, as slow as drives come
-TIMER, CONTROLLER, AWAKE = 'rclpy timer', 'controller', 'kept awake'
+TIMER, CONTROLLER, AWAKE = 'timer', 'ours', 'awake'
 TARGETS = {'period p99, us': 0.5, 'CPU each, us': 0.3}  # of the timer's
 
 
@@ -201,7 +201,7 @@ def main() -> None:
     table = Table(
         title=f'joint_reference at {options.rate:g} Hz, {length}, medians',
         caption='period: deviation from it; CPU: of the process, also for each reference\n'
-        'kept awake: idle_latency 0, processors do not sleep, which takes power',
+        'awake: with idle_latency 0, processors do not sleep, which takes power',
     )
     table.add_column('', no_wrap=True)
     for column in (TIMER, CONTROLLER, 'ratio', AWAKE, 'ratio', 'target'):
