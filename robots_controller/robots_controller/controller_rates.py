@@ -12,6 +12,8 @@ PROGRESS_RATE: Final = 25.0  # Hz
 HOLDING_RATE: Final = 10.0  # Hz
 FEEDBACK_RATE: Final = 50.0  # Hz
 SETTLING_RATE: Final = 250.0  # Hz
+# In the time after which feedback counts as lost: one look may be late, and its message too.
+LOOKS_PER_TIMEOUT: Final = 4.0
 
 
 class ControllerRates:
@@ -19,16 +21,18 @@ class ControllerRates:
 
     Args:
         rate: Cycles per second, Hz.
+        feedback_timeout: Feedback that is older is lost, s: the robot is looked at more often than that.
     """
 
-    def __init__(self, rate: float) -> None:
+    def __init__(self, rate: float, feedback_timeout: float) -> None:
         self.progress_every = cycles(rate, PROGRESS_RATE)
         """Progress is told each so many cycles."""
         # The rarer ones are multiples of this.
-        self._settling_every = cycles(rate, SETTLING_RATE)
+        least = LOOKS_PER_TIMEOUT / feedback_timeout
+        self._settling_every = cycles(rate, max(SETTLING_RATE, least))
         looks = rate / self._settling_every
-        self._feedback_every = self._settling_every * cycles(looks, FEEDBACK_RATE)
-        self.holding_every = self._settling_every * cycles(looks, HOLDING_RATE)
+        self._feedback_every = self._settling_every * cycles(looks, max(FEEDBACK_RATE, least))
+        self.holding_every = self._settling_every * cycles(looks, max(HOLDING_RATE, least))
         """The feedback of a robot that stands is looked at each so many cycles."""
 
     def feedback_due(self, cycle: int, controller: Controller) -> bool:

@@ -89,7 +89,7 @@ class ControllerNode(RobotNode):
         self._planner_seen = False
         self._refusal: RobotsError | None = None
         self._refusal_time = -math.inf
-        self._rates = ControllerRates(rate)
+        self._rates = ControllerRates(rate, self._controller.settings.feedback_timeout)
         self._health_every = cycles(rate, HEALTH_RATE)
         self._cycle = 0
         self._last_progress = -1.0

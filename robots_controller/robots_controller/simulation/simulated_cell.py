@@ -122,7 +122,7 @@ class SimulatedCell:
         if parts.scene and parts.planning.collision is not None:
             self._watch = CollisionWatch(parts.planning.collision, axes)
         self._watch_every = cycles(1.0 / period, WATCH_RATE)
-        self._rates = ControllerRates(1.0 / period)
+        self._rates = ControllerRates(1.0 / period, self._controller.settings.feedback_timeout)
         self._cycle = -1
         self._settled = False
         self._changed = False

@@ -119,16 +119,17 @@ class TimeOptimalTiming:
             jump = float((2.0 * self._acceleration / self._jerk).max())
             ramps = [part * jump for part in JERK_RAMPS]
         plans = [plan for ramp in ramps for plan in self._plans(path, tool, ramp, longest)]
-        if not plans:
+        fastest = min(plans, key=lambda plan: plan.duration, default=None)
+        if fastest is None or fastest.duration > longest:
             raise TooSlowError
-        return min(plans, key=lambda plan: plan.duration)
+        return fastest
 
     def _plans(
         self, path: JointPath, tool: ToolLimits | None, shortest: float, longest: float
     ) -> list[Trajectory]:
         """Trajectories inside the limits whose ramps of acceleration last `shortest` (s) or more.
 
-        None if they are sure to take more than `longest`, s: lowered limits make them but slower.
+        Given up as soon as they are sure to take more than `longest`, s: lowered limits make them but slower.
         """
         even = EvenPath(path, self._velocity, self._acceleration)
         if tool is not None:

@@ -1,0 +1,46 @@
+"""How often the controller looks at the feedback."""
+
+from __future__ import annotations
+
+import pytest
+
+from robots_controller.controller import Controller, ControllerState
+from robots_controller.controller_rates import FEEDBACK_RATE, HOLDING_RATE, ControllerRates
+from robots_controller.controller_settings import ControllerSettings
+from robots_core import BaseRobotModel, load_robot_model
+
+SECONDS = 2.0
+
+
+@pytest.fixture(scope='module')
+def robot() -> BaseRobotModel:
+    return load_robot_model('bello_bot')
+
+
+@pytest.mark.parametrize('rate', [10.0, 100.0, 250.0, 300.0, 1000.0, 2000.0])
+@pytest.mark.parametrize('timeout', [0.02, 0.05, 0.5])
+def test_a_standing_robot_that_is_alive_is_never_lost(robot: BaseRobotModel, rate: float, timeout: float):
+    if timeout * rate < 2.0:
+        timeout = 2.0 / rate  # no look can come more often than the cycles
+    controller = Controller(robot.axes_data, ControllerSettings(period=1.0 / rate, feedback_timeout=timeout))
+    rates = ControllerRates(rate, timeout)
+    controller.step(0.0, robot.home)
+    looks = 0
+    for cycle in range(1, round(SECONDS * rate)):
+        due = rates.feedback_due(cycle, controller)
+        looks += due
+        controller.step(cycle / rate, robot.home if due else None)
+        assert controller.state is ControllerState.HOLDING
+        assert not controller.feedback_lost
+    if timeout == 0.5:
+        # A look takes time that nothing else needs, so that there are no more than meant.
+        assert looks / SECONDS <= 1.1 * HOLDING_RATE < FEEDBACK_RATE
+
+
+def test_a_robot_that_is_not_heard_of_is_lost(robot: BaseRobotModel):
+    controller = Controller(robot.axes_data, ControllerSettings(period=0.004, feedback_timeout=0.5))
+    controller.step(0.0, robot.home)
+    controller.step(0.499, None)
+    assert not controller.feedback_lost
+    controller.step(0.504, None)
+    assert controller.feedback_lost
