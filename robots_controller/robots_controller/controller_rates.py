@@ -14,6 +14,8 @@ FEEDBACK_RATE: Final = 50.0  # Hz
 SETTLING_RATE: Final = 250.0  # Hz
 # In the time after which feedback counts as lost: one look may be late, and its message too.
 LOOKS_PER_TIMEOUT: Final = 4.0
+# Where a period is short, the time in which a sleeping processor wakes up is a notable part of it.
+AWAKE_RATE: Final = 500.0  # Hz
 
 
 class ControllerRates:
@@ -48,3 +50,8 @@ class ControllerRates:
 def cycles(rate: float, times: float) -> int:
     """Cycles of a loop (Hz) between two of what is done so many times a second, at least 1."""
     return max(1, round(rate / times))
+
+
+def idle_latency_for(rate: float) -> float:
+    """Idle latency that a loop of this rate (Hz) asks for unless told otherwise, s; negative for none."""
+    return 0.0 if rate >= AWAKE_RATE else -1.0

@@ -41,7 +41,7 @@ from robots_core.realtime import IDLE_LATENCY_DEVICE
 HERE = Path(__file__).parent
 MOVES = 20
 FEEDBACK_RATE = 100.0  # Hz, as slow as drives come
-TIMER, CONTROLLER, AWAKE = 'timer', 'ours', 'awake'
+TIMER, CONTROLLER, ASLEEP = 'timer', 'ours', 'asleep'
 TARGETS = {'period p99, us': 0.5, 'CPU each, us': 0.3}  # of the timer's
 
 
@@ -125,13 +125,13 @@ def node_command(node: NodeDescription) -> list[str]:
 
 
 def run_timings(robot: str, rate: float, seconds: float, rounds: int) -> dict[str, list[Timing]]:
-    """Runs of each side: the timer, and the controller without and with processors that do not sleep."""
+    """Runs of each side: the timer, and the controller as it is and with processors that may sleep."""
     model = load_robot_model(robot)
     names = model.axes_data.names
     parameters = {'robot_model': robot, 'rate': rate}
     timer = [sys.executable, str(HERE / 'bare_timer.py'), str(rate), ','.join(names)]
     commands = {TIMER: timer}
-    for side, options in {CONTROLLER: {}, AWAKE: {'idle_latency': 0.0}}.items():
+    for side, options in {CONTROLLER: {}, ASLEEP: {'idle_latency': -1.0}}.items():
         node = NodeDescription('robots_controller', 'controller_node', parameters | options)
         commands[side] = node_command(node)
     choose_transports()  # for all processes alike
@@ -201,16 +201,16 @@ def main() -> None:
     table = Table(
         title=f'joint_reference at {options.rate:g} Hz, {length}, medians',
         caption='period: deviation from it; CPU: of the process, also for each reference\n'
-        'awake: with idle_latency 0, processors do not sleep, which takes power',
+        'asleep: with -p idle_latency:=-1.0, idle processors sleep, which takes less power',
     )
     table.add_column('', no_wrap=True)
-    for column in (TIMER, CONTROLLER, 'ratio', AWAKE, 'ratio', 'target'):
+    for column in (TIMER, CONTROLLER, 'ratio', ASLEEP, 'ratio', 'target'):
         table.add_column(column, justify='right')
 
     def row(name: str, value: Callable[[Timing], float]) -> None:
-        timer, controller, awake = (float(np.median([value(run) for run in runs[side]])) for side in runs)
+        timer, controller, asleep = (float(np.median([value(run) for run in runs[side]])) for side in runs)
         cells = [f'{timer:.3g}']
-        for ours in (controller, awake):
+        for ours in (controller, asleep):
             cells += [f'{ours:.3g}', f'{ours / timer:.2f}']
         table.add_row(name, *cells, f'{TARGETS[name]:g}' if name in TARGETS else '')
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from robots_controller.controller import Controller, ControllerState
-from robots_controller.controller_rates import FEEDBACK_RATE, HOLDING_RATE, ControllerRates
+from robots_controller.controller_rates import FEEDBACK_RATE, HOLDING_RATE, ControllerRates, idle_latency_for
 from robots_controller.controller_settings import ControllerSettings
 from robots_core import BaseRobotModel, load_robot_model
 
@@ -44,3 +44,9 @@ def test_a_robot_that_is_not_heard_of_is_lost(robot: BaseRobotModel):
     assert not controller.feedback_lost
     controller.step(0.504, None)
     assert controller.feedback_lost
+
+
+def test_processors_are_kept_awake_for_fast_loops_alone():
+    # That takes power. `controller_node` takes a negative latency for no wish at all.
+    assert [idle_latency_for(rate) for rate in (500.0, 1000.0, 2000.0)] == [0.0] * 3
+    assert all(idle_latency_for(rate) < 0.0 for rate in (10.0, 250.0, 499.0))

@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.controller import Controller, ControllerState, MotionOutcome
-from robots_controller.controller_rates import ControllerRates, cycles
+from robots_controller.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.controller_settings import ControllerSettings
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_controller.streamed_reference import StreamPoint
@@ -77,9 +77,10 @@ class ControllerNode(RobotNode):
         )
         latency = self.parameter(
             'idle_latency',
-            -1.0,
+            idle_latency_for(rate),
             'longest time that idle processors may take to wake up, s, where the system permits to ask; '
-            'at 0 none sleeps, which takes power and keeps time best; negative: not asked',
+            'at 0 (the default from 500 Hz on) none sleeps, which takes power and keeps time best; '
+            'negative: not asked',
             bounds=(-1.0, 1.0),
             read_only=True,
         )
