@@ -15,7 +15,7 @@ from robots_core.validation import Array
 NO_INERTIA = 1e-9
 FASTEST = 1e18  # s_dot^2 where nothing limits it
 SEARCH_STEPS = 40
-SEARCH_END = 1e-7  # of the highest u
+SEARCH_END = 1e-7  # of u
 PASSES = 3  # the first with constant x from point to point, the others with the slopes of the one before
 # Part of what a limit leaves at rest that the change of x within an interval may take.
 SLOPE_PART = 0.5
@@ -133,49 +133,53 @@ def _slopes(s: Array, rows: Array, scale: Array, u: Array, change: Array) -> Non
 def _reachable(
     step: float, ends: tuple[Array, Array], scales: tuple[float, float], change: float, top: float
 ) -> float:
-    """Largest u from which some next u of at most `top` is reached."""
-    u, slope = _latest(step, ends, scales, change, top)
-    if u >= 0.0 and slope >= 0.0:
-        return u
-    # More speed at the next point would allow less here, or cannot be reached: u is concave and piecewise
-    # linear over it, and its maximum where a growing and a falling line meet.
-    low, high = 0.0, top
-    low_u, low_slope = _latest(step, ends, scales, change, low)
-    high_u, high_slope = u, slope
+    """Largest u from which some next u of at most `top` is reached, 0 if there is none."""
+    high = top
+    for _ in range(SEARCH_STEPS):
+        high_u, slope, gap, closing = _latest(step, ends, scales, change, high)
+        if gap <= 0.0:
+            break
+        # Newton's method on the gap, a convex function of the next u: from above, never too far.
+        if closing <= 0.0:
+            return 0.0
+        high -= (1.0 + SEARCH_END) * gap / closing
+        if high < 0.0:
+            return 0.0
+    if slope >= 0.0:
+        return high_u
+    # More speed at the next point would allow less here: u is concave and piecewise linear over it, and its
+    # maximum where a growing and a falling line meet.
+    low = 0.0
+    low_u, low_slope, gap, _ = _latest(step, ends, scales, change, low)
+    if gap > 0.0:
+        return high_u
     for _ in range(SEARCH_STEPS):
         if low_slope <= 0.0 or high - low <= SEARCH_END * top:
             break
-        middle = 0.5 * (low + high)
-        if high_u >= 0.0:
-            meeting = (high_u - low_u + low_slope * low - high_slope * high) / (low_slope - high_slope)
-            if low < meeting < high:
-                middle = meeting
-        middle_u, middle_slope = _latest(step, ends, scales, change, middle)
-        if middle_u >= 0.0 and middle_slope > 0.0:
-            if middle_u - low_u >= low_slope * (middle - low) * (1.0 - SEARCH_END) and high_u >= 0.0:
-                low, low_u = middle, middle_u
-                break
+        middle = low + (high_u - low_u - slope * (high - low)) / (low_slope - slope)
+        meeting = low_u + low_slope * (middle - low)
+        middle_u, middle_slope, _, _ = _latest(step, ends, scales, change, middle)
+        if middle_slope > 0.0:
             low, low_u, low_slope = middle, middle_u, middle_slope
         else:
-            if (
-                middle_u >= 0.0
-                and high_u >= 0.0
-                and middle_u - high_u >= -high_slope * (high - middle) * (1.0 - SEARCH_END)
-            ):
-                low_u = middle_u
-                break
-            high, high_u, high_slope = middle, middle_u, middle_slope
-    return max(low_u, 0.0)
+            high, high_u, slope = middle, middle_u, middle_slope
+        if middle_u >= meeting * (1.0 - SEARCH_END):
+            break
+    return max(low_u, high_u)
 
 
 @compiled()
 def _latest(
     step: float, ends: tuple[Array, Array], scales: tuple[float, float], change: float, following: float
-) -> tuple[float, float]:
-    """Largest u that leads to `following`, -1 if none does; and how it grows with `following`."""
+) -> tuple[float, float, float, float]:
+    """Largest u inside the upper limits that leads to `following`, and how it grows with `following`.
+
+    And by how much the smallest u inside the lower limits, 0 or more, is above it, and how that gap grows
+    with `following`: none leads there if it is above 0.
+    """
     low, high = 0.0, np.inf
     inverse = 0.5 / step
-    slope = 1.0
+    high_slope, low_slope = 1.0, 0.0
     for end in range(2):
         rows, scale = ends[end], scales[end]
         shift = (end - 0.5) * change
@@ -186,18 +190,17 @@ def _latest(
             gain = b * (1 - end) - a * inverse
             rate = b * end + a * inverse
             offset = a * shift + c + rate * following
-            if gain > 0.0:
-                largest, smallest = (bound - offset) / gain, (-bound - offset) / gain
-            elif gain < 0.0:
-                largest, smallest = (-bound - offset) / gain, (bound - offset) / gain
-            else:
+            if gain == 0.0:
                 if abs(offset) > bound:
-                    return -1.0, 0.0
+                    return -1.0, 0.0, abs(offset) - bound, rate if offset > 0.0 else -rate
                 continue
-            low = max(low, smallest)
-            if largest < high:
-                high, slope = largest, -rate / gain
-    return (high, slope) if high >= low else (-1.0, 0.0)
+            part = 1.0 / gain
+            center, half = -offset * part, bound * abs(part)
+            if center - half > low:
+                low, low_slope = center - half, -rate * part
+            if center + half < high:
+                high, high_slope = center + half, -rate * part
+    return high, high_slope, low - high, low_slope - high_slope
 
 
 @compiled()
