@@ -12,16 +12,18 @@ from robots_core.validation import Array
 
 # Ratio of singular values below which a direction of the tool counts as lost.
 SINGULAR = 1e-9
-# Ratio of the triangle's diagonal below which singular values are looked at; it is never far below theirs.
+# Ratio of the triangle's diagonal, which is never below that of singular values, that makes them suspicious.
 SUSPICIOUS = 1e-7
+# And below which rounding is all that is left.
+NOTHING = 1e-13
 
 
 @compiled()
 def pseudo_inverse(J: Array, P: Array) -> None:
     """Fill the pseudo-inverse P (n, 6) of a Jacobian J (6, n).
 
-    By orthogonal triangular decomposition, Gram-Schmidt done twice (Giraud et al. 2005). Close to a
-    singularity by singular values; directions with one below `SINGULAR` of the largest are left out.
+    By orthogonal triangular decomposition, Gram-Schmidt done twice (Giraud et al. 2005). In a singularity by
+    singular values; directions with one below `SINGULAR` of the largest are left out.
     """
     n = J.shape[1]
     wide = n >= 6
@@ -44,14 +46,12 @@ def pseudo_inverse(J: Array, P: Array) -> None:
             length += Q[k, j] * Q[k, j]
         length = sqrt(length)
         largest, smallest = max(largest, length), min(smallest, length)
-        if not length > SUSPICIOUS * largest:
-            break
+        if not length > NOTHING * largest:
+            P[:] = np.linalg.pinv(J, SINGULAR)
+            return
         R[j, j] = length
         for k in range(rows):
             Q[k, j] /= length
-    if not smallest > SUSPICIOUS * largest:
-        P[:] = np.linalg.pinv(J, SINGULAR)
-        return
     # A = Q R, A^+ = R^-1 Q^T; of the transpose, transposed.
     y = np.empty(columns)
     for k in range(rows):
@@ -65,6 +65,69 @@ def pseudo_inverse(J: Array, P: Array) -> None:
                 P[k, j] = y[j]
             else:
                 P[j, k] = y[j]
+    # The product of both norms is at least the ratio of the singular values.
+    if smallest <= SUSPICIOUS * largest and SINGULAR**2 * _square(J) * _square(P) >= 1.0:
+        P[:] = np.linalg.pinv(J, SINGULAR)
+
+
+@compiled()
+def _square(A: Array) -> float:
+    """Square of the Frobenius norm."""
+    total = 0.0
+    for i in range(A.shape[0]):
+        for j in range(A.shape[1]):
+            total += A[i, j] * A[i, j]
+    return total
+
+
+@compiled()
+def least_motion(J: Array, x: Array, y: Array) -> None:
+    """Fill y (n,) with J^+ x: the smallest joint motion that comes closest to a motion x (6,) of the tool.
+
+    As with `pseudo_inverse`, and up to six axes in half its time: with x as one more column of J the
+    decomposition need not be done twice (Bjorck 1967).
+    """
+    n = J.shape[1]
+    if n > 6 or not _solve(J, x, y):
+        P = np.empty((n, 6))
+        pseudo_inverse(J, P)
+        multiply(P, x, y)
+
+
+@compiled()
+def _solve(J: Array, x: Array, y: Array) -> bool:
+    """Fill y (n,), n <= 6, with the least squares solution of J y = x; False close to a singularity."""
+    n = J.shape[1]
+    Q, R = np.empty((n + 1, 6)), np.empty((n, n + 1))  # columns of Q as rows
+    largest, smallest = 0.0, np.inf
+    for j in range(n + 1):
+        for k in range(6):
+            Q[j, k] = J[k, j] if j < n else x[k]
+        for i in range(j):
+            part = 0.0
+            for k in range(6):
+                part += Q[i, k] * Q[j, k]
+            R[i, j] = part
+            for k in range(6):
+                Q[j, k] -= part * Q[i, k]
+        if j == n:
+            break
+        length = 0.0
+        for k in range(6):
+            length += Q[j, k] * Q[j, k]
+        length = sqrt(length)
+        largest, smallest = max(largest, length), min(smallest, length)
+        if not smallest > SUSPICIOUS * largest:
+            return False
+        R[j, j] = 1.0 / length
+        for k in range(6):
+            Q[j, k] *= R[j, j]
+    for j in range(n - 1, -1, -1):
+        value = R[j, n]
+        for i in range(j + 1, n):
+            value -= R[j, i] * y[i]
+        y[j] = value * R[j, j]
+    return True
 
 
 @compiled()

@@ -13,7 +13,12 @@ from robots_core.blocks.inverse_kinematics.chain_derivative import jacobian_der
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 from robots_planning.trajectory_generators.cartesian_path_kernel import PathArrays, pose_on_path
-from robots_planning.trajectory_generators.least_motion import multiply, multiply_transposed, pseudo_inverse
+from robots_planning.trajectory_generators.least_motion import (
+    least_motion,
+    multiply,
+    multiply_transposed,
+    pseudo_inverse,
+)
 from robots_planning.trajectory_generators.quintic import quintic_coefficients, quintics_at
 
 FIRST_STEP = 1.0 / 16.0
@@ -159,12 +164,11 @@ def _advance(chain: ChainArrays, path: PathArrays, knots: Knots, i: int, guess: 
 def _deviation(chain: ChainArrays, path: PathArrays, s: float, q: Array) -> float:
     """How far a posture is from the path at `s`: of the tool, or of the axes as part of what they may be."""
     n = q.size
-    J, P, error, step = np.empty((6, n)), np.empty((n, 6)), np.empty(6), np.empty(n)
+    J, error, step = np.empty((6, n)), np.empty(6), np.empty(n)
     deviation = _error_and_jacobian(chain, path, s, q, (np.empty(3), np.empty((3, 3)), J), error)
     if deviation > PATH_TOLERANCE:
         return deviation
-    pseudo_inverse(J, P)
-    multiply(P, error, step)
+    least_motion(J, error, step)
     for k in range(n):
         deviation = max(deviation, abs(step[k]) * PATH_TOLERANCE / JOINT_TOLERANCE)
     return deviation
@@ -275,14 +279,13 @@ def _error_to(
 def correct(chain: ChainArrays, path: PathArrays, s: float, q: Array) -> bool:
     """Newton's method from a close guess, in place; False if it does not converge in a few steps."""
     n = q.size
-    J, P, error, step = np.empty((6, n)), np.empty((n, 6)), np.empty(6), np.empty(n)
+    J, error, step = np.empty((6, n)), np.empty(6), np.empty(n)
     pose, target = (np.empty(3), np.empty((3, 3)), J), (np.empty(3), np.empty((3, 3)))
     pose_on_path(path, s, target[0], target[1], np.empty(6), np.empty(6))
     for _ in range(CORRECTION_STEPS):
         if _error_to(chain, target, q, pose, error) < CORRECTION_TOLERANCE:
             return True
-        pseudo_inverse(J, P)
-        multiply(P, error, step)
+        least_motion(J, error, step)
         for k in range(n):
             if not abs(step[k]) <= LARGEST_KNOT_MOTION:
                 return False
@@ -299,9 +302,8 @@ def _derivatives(chain: ChainArrays, path: PathArrays, s: float, q: Array, q_s: 
     x_s, x_ss = np.empty(6), np.empty(6)
     pose_on_path(path, s, r, T, x_s, x_ss)
     pose_and_jacobian(chain, q, r, T, J)
-    P, J_s, reached = np.empty((n, 6)), np.empty((6, n)), np.empty(6)
-    pseudo_inverse(J, P)
-    multiply(P, x_s, q_s)
+    J_s, reached = np.empty((6, n)), np.empty(6)
+    least_motion(J, x_s, q_s)
     multiply(J, q_s, reached)
     missing, whole = 0.0, 0.0
     for k in range(6):
@@ -312,8 +314,10 @@ def _derivatives(chain: ChainArrays, path: PathArrays, s: float, q: Array, q_s: 
     jacobian_der(J, q_s, J_s)
     multiply(J_s, q_s, reached)
     # Golub and Pereyra 1973: derivative of the pseudo-inverse, applied to x'.
-    multiply(P, x_ss - reached, q_ss)
+    least_motion(J, x_ss - reached, q_ss)
     if n > 6:
+        P = np.empty((n, 6))
+        pseudo_inverse(J, P)
         dual, inner, lifted, projected = np.empty(6), np.empty(n), np.empty(6), np.empty(n)
         multiply_transposed(P, q_s, dual)
         multiply_transposed(J_s, dual, inner)

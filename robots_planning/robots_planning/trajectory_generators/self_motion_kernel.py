@@ -11,7 +11,12 @@ from robots_core.blocks.inverse_kinematics.chain_derivative import jacobian_der
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 from robots_planning.trajectory_generators.cartesian_path_kernel import PathArrays, pose_on_path
-from robots_planning.trajectory_generators.least_motion import multiply, multiply_transposed, pseudo_inverse
+from robots_planning.trajectory_generators.least_motion import (
+    least_motion,
+    multiply,
+    multiply_transposed,
+    pseudo_inverse,
+)
 from robots_planning.trajectory_generators.path_following_kernel import (
     FOLLOWED,
     LARGEST_KNOT_MOTION,
@@ -165,15 +170,14 @@ def follow_layers(
     counts = np.zeros(m, np.int64)
     layers[0, 0] = start
     counts[0] = 1
-    r, T, J, P = np.empty(3), np.empty((3, 3)), np.empty((6, n)), np.empty((n, 6))
+    r, T, J = np.empty(3), np.empty((3, 3)), np.empty((6, n))
     x_s, x_ss, step = np.empty(6), np.empty(6), np.empty(n)
     for i in range(1, m):
         seeds = layers[i - 1, : counts[i - 1]].copy()
         pose_on_path(path, s[i - 1], r, T, x_s, x_ss)
         for k in range(seeds.shape[0]):
             pose_and_jacobian(chain, seeds[k], r, T, J)
-            pseudo_inverse(J, P)
-            multiply(P, x_s, step)
+            least_motion(J, x_s, step)
             if (s[i] - s[i - 1]) * np.abs(step).max() < LARGEST_MOTION:
                 seeds[k] += (s[i] - s[i - 1]) * step
         counts[i] = sample_layer(chain, limits, path, s[i], seeds, layers[i])
@@ -221,7 +225,7 @@ def relax(
 ) -> None:
     """Smooth postures q (m, n) at s (m,) by self-motion, the first one fixed, `margin` inside the limits."""
     m, n = q.shape
-    r, T, J, P = np.empty(3), np.empty((3, 3)), np.empty((6, n)), np.empty((n, 6))
+    r, T, J = np.empty(3), np.empty((3, 3)), np.empty((6, n))
     wish, reached, back, moved = np.empty(n), np.empty(6), np.empty(n), np.empty(n)
     for _ in range(rounds):
         for i in range(1, m):
@@ -230,9 +234,8 @@ def relax(
                 target = 0.5 * (q[i - 1, k] + q[i + 1, k]) if i < m - 1 else 2.0 * q[i - 1, k] - q[i - 2, k]
                 wish[k] = RELAXATION * (target - q[i, k])
             pose_and_jacobian(chain, q[i], r, T, J)
-            pseudo_inverse(J, P)
             multiply(J, wish, reached)
-            multiply(P, reached, back)
+            least_motion(J, reached, back)
             for k in range(n):
                 moved[k] = q[i, k] + wish[k] - back[k]
             if not correct(chain, path, s[i], moved):
