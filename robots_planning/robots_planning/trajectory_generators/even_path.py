@@ -8,14 +8,12 @@ import numpy as np
 
 from robots_core.validation import Array
 from robots_planning.trajectory_generators.joint_path import JointPath
+from robots_planning.trajectory_generators.path_grid import path_grid
 from robots_planning.trajectory_generators.quintic import quintic_coefficients, quintics_at
 
 NODES = 4  # per interval between two knots of the path
 SMALLEST_WAY = 1e-12  # s at full speed; below it the axes do not move at all
-GRID_POINTS = 300  # of the time that the path takes at least
-TURN_POINTS = 20  # more per radian that the axes' direction turns
 SLOWEST_TURN = 0.05  # of the mean rate: where the axes hardly move, their direction means nothing
-END_PARTS = 8  # of the first and of the last interval of the grid
 
 
 class EvenPath:
@@ -60,8 +58,7 @@ class EvenPath:
         times = np.sqrt(square + np.linalg.norm(bend, axis=1))
         times = np.sqrt(1.0 + (times / max(float(self._integral(times)[-1]), SMALLEST_WAY)) ** 2)
         turns = np.linalg.norm(turn, axis=1) / np.sqrt(np.maximum(square, (SLOWEST_TURN * mean) ** 2))
-        density = GRID_POINTS / float(self._integral(times)[-1]) * times + TURN_POINTS * turns
-        self._points = self._integral(density)
+        self._duration, self._turn = self._integral(times), self._integral(turns)
 
     def _integral(self, values: Array) -> Array:
         """Over s up to every node, by trapezoids, (m,)."""
@@ -69,18 +66,8 @@ class EvenPath:
 
     @property
     def grid(self) -> Array:
-        """Grid of sigma for a speed profile, (m,) from 0 to 1.
-
-        It is about even in time, finer where the axes' direction turns, and its outermost intervals are split
-        evenly in time from and to rest.
-        """
-        count = int(np.ceil(self._points[-1])) + 1
-        even = np.interp(np.linspace(0.0, self._points[-1], count), self._points, self._sigma)
-        even[-1] = 1.0
-        # From and to rest the way grows with the square of time.
-        squares = (np.arange(1, END_PARTS) / END_PARTS) ** 2
-        first, last = even[1], 1.0 - even[-2]
-        return np.concatenate([even[:1], first * squares, even[1:-1], 1.0 - last * squares[::-1], even[-1:]])
+        """Grid of sigma for a speed profile, (m,) from 0 to 1; see `path_grid`."""
+        return path_grid(self._sigma, self._duration, self._turn)
 
     @property
     def ends(self) -> Array:
