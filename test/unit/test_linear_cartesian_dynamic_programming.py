@@ -13,6 +13,7 @@ from robots_core.blocks import AnalyticalInverseKinematic
 from robots_core.errors import InvalidInputError, JointLimitError, PlanningError, UnreachablePoseError
 from robots_core.robot_model.analytic.configuration import Configuration
 from robots_planning import LinearCartesianDynamicProgramming, LinearCartesianLimited, Trajectory, verify
+from robots_planning.trajectory_generators import path_grid
 from robots_planning.trajectory_generators.cartesian_line import CartesianLine
 from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.trajectory_generators.posture_graph import PostureGraph
@@ -69,6 +70,45 @@ def test_lines_out_of_a_straight_wrist(kuka: BaseRobotModel, way: list[float]) -
     trajectory = LinearCartesianDynamicProgramming(kuka).generate(kuka.home, target)
     check(trajectory, kuka, start, target)
     np.testing.assert_array_equal(trajectory.position[0], kuka.home)
+
+
+@pytest.mark.parametrize(
+    ('q', 'way', 'turn'),
+    [
+        (
+            [1.202825257, -0.239125395, 2.622632346, -2.383449437, 0.709579641, 1.13948213],
+            [-0.372378154, 0.018447656, -0.333157912],
+            [-0.018438726, 0.028836912, 0.702311197],
+        ),
+        (
+            [-0.971429829, -1.040803691, 3.141592654, -1.140528482, 0.001904594, 0.325252376],
+            [0.364865422, -0.336996271, -0.057504237],
+            [0.083655524, 0.264872898, 0.1247957],
+        ),
+    ],
+)
+def test_parallel_axes_turn_straight_only_quite_close_to_a_singularity(
+    q: list[float], way: list[float], turn: list[float]
+) -> None:
+    """Four axes of this wrist are parallel there, so that the tool also stands still on curved ways."""
+    robot = load_robot_model('ur5e')
+    start, target = moved(robot, np.array(q), way, turn)
+    check(LinearCartesianDynamicProgramming(robot).generate(np.array(q), target), robot, start, target)
+
+
+@pytest.mark.parametrize('way', [[0.0, 0.3, 0.0], [0.1, 0.2, -0.3], [0.2, 0.0, 0.1]])
+@pytest.mark.parametrize('turn', [[0.0, 0.0, 0.0], [0.3, -0.2, 0.1]])
+def test_a_finer_grid_is_not_much_faster(
+    kuka: BaseRobotModel, way: list[float], turn: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    q = np.add(kuka.home, [0.0, 0.1, 0.0, 0.0, 1e-4, 0.0])
+    target = moved(kuka, q, way, turn)[1]
+    planner = LinearCartesianDynamicProgramming(kuka)
+    duration = planner.generate(q, target).duration
+    for name in ('POINTS', 'TURN_POINTS'):
+        monkeypatch.setattr(path_grid, name, 5 * getattr(path_grid, name))
+    # 1e-3 is what is promised.
+    assert duration < planner.generate(q, target).duration * (1.0 + 1e-3)
 
 
 @pytest.mark.parametrize('distance', [1e-2, 1e-4, 1e-6])

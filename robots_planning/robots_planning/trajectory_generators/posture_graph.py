@@ -36,6 +36,10 @@ LAYER_LENGTH = 0.03  # m and rad between the poses at which self-motion is sampl
 LAYERS = (12, 120)  # fewest and most
 RELAXATIONS = (60, 15, 0)  # tried in turn: smoother postures may come nearer to limits than the search
 LIMIT_ROOM = 0.03  # rad (m) that smoothed postures leave to the limits
+BESIDE = 0.02  # of the path behind a singularity: where postures are looked for from which to go back into it
+# m and rad before the singularity where they may end, tried in turn: closer by, some turn ever faster to no
+# use, and others come to where the tool can stand still only there.
+NEAR = (3e-7, 0.0)
 LARGEST_GAP = 1e-5  # of the path, that lies between two branches at a singularity
 OTHER_STARTS = 16  # random ones, where there is no closed form
 SMALLEST_TURN = 1e-7  # rad; less is rounding
@@ -66,6 +70,8 @@ class RoutePiece:
 
 
 Route = tuple[RoutePiece, ...]
+Alike = tuple[Array, Array]
+"""A posture, (n,), and the whole turns from there to those like it, (k, n)."""
 
 
 class PostureGraph:
@@ -160,12 +166,32 @@ class PostureGraph:
             except PlanningError:
                 return []
             start = before[0].joints.q[-1]
-        middle = 0.5 * (place + 1.0)
-        back_to, ahead_to = path.part(middle, place), path.part(middle, 1.0)
-        routes: list[Route] = []
+        middle = place + BESIDE * (1.0 - place)
+        postures = list(self._whole_turns_apart(path.pose(middle)))
+        for near in NEAR:
+            end = min(place + near / (path.length + path.angle), 0.5 * (place + middle))
+            onward = self._onward(path, start, (place, end, middle), postures)
+            if onward:
+                return [(*before, *_turn(start, piece), piece) for piece in onward]
+        return []
+
+    def _onward(
+        self, path: CartesianPath, start: Array, at: tuple[float, float, float], postures: list[Alike]
+    ) -> list[RoutePiece]:
+        """Pieces to the end of a path, to whose begin the axes turn while the tool stands still.
+
+        Args:
+            path: The path.
+            start: From where they turn, (n,).
+            at: Where that is, in s; where the pieces begin, just behind; and the place of `postures`.
+            postures: From where they are followed back to their begin, and ahead to the end.
+        """
+        place, begin, middle = at
+        back_to, ahead_to = path.part(middle, begin), path.part(middle, 1.0)
+        pieces: list[RoutePiece] = []
         # Postures whole turns apart share their ways, which are followed once.
-        for first, turns in self._whole_turns_apart(path.pose(middle)):
-            back = self._back_from(back_to, first, middle, place)
+        for first, turns in postures:
+            back = self._back_from(back_to, first, middle, begin)
             if back is None:
                 continue
             still = np.empty(len(turns), dtype=np.bool_)
@@ -178,11 +204,11 @@ class PostureGraph:
             for turn in turns[still]:
                 piece = onward.turned(turn)
                 if stays_inside(self._limits, piece.joints.knots):
-                    routes.append((*before, *_turn(start, piece), piece))
-        return routes
+                    pieces.append(piece)
+        return pieces
 
-    def _whole_turns_apart(self, pose: Pose) -> Iterator[tuple[Array, Array]]:
-        """Postures at a pose: one of each kind, (n,), and the whole turns to those like it, (k, n)."""
+    def _whole_turns_apart(self, pose: Pose) -> Iterator[Alike]:
+        """Postures at a pose."""
         assert self._analytic is not None
         postures = np.array(self._analytic.solve_all(pose, turns=True))
         while len(postures):
