@@ -18,26 +18,28 @@ SHELL := /bin/bash
 
 PACKAGES := robots_core robots_models robots_planning robots_controller
 SOURCES := $(shell find $(PACKAGES) -type f -not -path '*/__pycache__/*')
-VENV_STAMP := .venv/.installed
 BUILD_STAMP := install/.built
 
 ifneq ($(wildcard $(ROS_DISTRO_SETUP)),)
 # ROS 2 Jazzy is installed: use its rclpy with the Python it was built for.
 PYTHON ?= /usr/bin/python3
-VENV_OPTIONS := --system-site-packages
+VENV_STAMP := .venv/.installed_for_ros
+OTHER_VENV_STAMP := .venv/.installed
+# After everything is in .venv, whatever versions of it the system has.
+OPEN_VENV = $(PYTHON) -m venv --system-site-packages .venv
 REQUIREMENTS := requirements.txt
-ENVIRONMENT := set +u; source $(ROS_DISTRO_SETUP); source install/setup.bash; set -u; export PATH="$$PWD/.venv/bin:$$PATH";
 BUILD_ENVIRONMENT := set +u; source $(ROS_DISTRO_SETUP); set -u; export PATH="$$PWD/.venv/bin:$$PATH";
 else
 PYTHON ?= python3
-VENV_OPTIONS :=
+VENV_STAMP := .venv/.installed
+OTHER_VENV_STAMP := .venv/.installed_for_ros
+OPEN_VENV := true
 REQUIREMENTS := requirements.txt requirements-ros.txt
-ENVIRONMENT := set +u; source install/setup.bash; set -u; export PATH="$$PWD/.venv/bin:$$PATH";
 BUILD_ENVIRONMENT := export PATH="$$PWD/.venv/bin:$$PATH";
 endif
-# The setup of a ROS 2 installation sets it too, to the whole subnet.
-ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
-RUN = $(ENVIRONMENT) export ROS_AUTOMATIC_DISCOVERY_RANGE=$(ROS_AUTOMATIC_DISCOVERY_RANGE);
+# Not what a shell has: the setup of a ROS 2 installation opens it to the whole subnet.
+ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
+RUN = export ROS_DISTRO_SETUP=$(ROS_DISTRO_SETUP); source environment.bash; export ROS_AUTOMATIC_DISCOVERY_RANGE=$(ROS_AUTOMATIC_DISCOVERY_RANGE);
 
 .PHONY: help
 help:  ## Show this list
@@ -46,14 +48,16 @@ help:  ## Show this list
 $(VENV_STAMP): $(REQUIREMENTS)
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(None if (3, 11) <= v <= (3, 13) else f"error: Python {v[0]}.{v[1]} found, needed is 3.11 to 3.13 (make PYTHON=python3.12 ...)")'
 	@echo "Installing into .venv (once) ..."
-	@$(PYTHON) -m venv $(VENV_OPTIONS) .venv
-	@.venv/bin/python -m pip install --quiet --disable-pip-version-check $(addprefix -r ,$(REQUIREMENTS))
+	@# One that was made before ROS was installed, or after, is of another Python.
+	@$(PYTHON) -m venv $(if $(wildcard $(OTHER_VENV_STAMP)),--clear) .venv
+	@env -u PYTHONPATH .venv/bin/python -m pip install --quiet --disable-pip-version-check $(addprefix -r ,$(REQUIREMENTS))
+	@$(OPEN_VENV)
 	@touch $@
 
 $(BUILD_STAMP): $(VENV_STAMP) $(SOURCES)
 	@echo "Building the workspace ..."
 	@# Whoever keeps their own sources free of bytecode still wants the installed packages to start fast.
-	@$(BUILD_ENVIRONMENT) unset PYTHONDONTWRITEBYTECODE; colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
+	@$(BUILD_ENVIRONMENT) unset PYTHONDONTWRITEBYTECODE; python -m colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
 	@# Numba looks for changes in a function's own file only, not in those of the functions that it calls.
 	@find install \( -name '*.nbi' -o -name '*.nbc' \) -delete
 	@$(RUN) python -m robots_core.warm_up
