@@ -140,3 +140,42 @@ def test_an_interrupt_ends_a_node_that_is_still_being_made(ros_domain: int) -> N
         process.kill()
     assert process.returncode == 0, output
     assert output == ''
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize('package', PACKAGES)
+def test_an_interrupt_ends_a_node_that_is_still_being_loaded(
+    tmp_path: Path, package: str, number: signal.Signals
+) -> None:
+    lines = (
+        f'import {package}.nodes',
+        'import threading',
+        'try:',
+        '    print("loading", flush=True)',
+        '    threading.Event().wait()  # a large module is imported',
+        'except BaseException:  # as libraries guard what they can do without',
+        '    print("went on")',
+    )
+    script = tmp_path / 'large_node'
+    script.write_text('\n'.join(lines))
+    process = subprocess.Popen(
+        [sys.executable, str(script)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline() == 'loading\n'
+        process.send_signal(number)
+        output, _ = process.communicate(timeout=END_DEADLINE)
+    finally:
+        process.kill()
+    assert process.returncode == 0, output
+    assert output == ''
+
+
+def test_what_is_no_node_minds_its_interrupts_itself(tmp_path: Path) -> None:
+    script = tmp_path / 'cell'
+    script.write_text(
+        'import signal, robots_controller.nodes\n'
+        'assert signal.getsignal(signal.SIGINT) is signal.default_int_handler\n'
+    )
+    subprocess.run([sys.executable, str(script)], check=True)
