@@ -1,53 +1,44 @@
 """ros2 launch robots_controller cell.launch.py program:=... robot:=... scene:=... io:=... io_map:=..."""
 
+import json
+import subprocess
+from pathlib import Path
+
+from ament_index_python.packages import get_package_prefix
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
 from launch.substitutions import EnvironmentVariable, LaunchConfiguration
 from launch_ros.actions import Node
 
 from launch import LaunchContext, LaunchDescription
-from robots_controller.cell_graph import DEFAULT_ROBOT, cell_graph
-from robots_controller.program_header import ProgramHeader, read_program_header
+
+OPTIONS = ('robot', 'program', 'io', 'io_map', 'scene', 'drive', 'guided', 'debug_port')
 
 
 def nodes(context: LaunchContext) -> list[Node]:
-    """The nodes of the cell, from the same description that `cell` uses."""
-    value = {
-        name: LaunchConfiguration(name).perform(context)
-        for name in (
-            'robot',
-            'program',
-            'namespace',
-            'io',
-            'io_map',
-            'scene',
-            'drive',
-            'guided',
-            'debug_port',
-        )
-    }
-    header = read_program_header(value['program']) if value['program'] else ProgramHeader()
-    cell = header.replaced_by(robot=value['robot'], scene=value['scene'], io=value['io'])
-    graph = cell_graph(
-        robot=cell.robot or DEFAULT_ROBOT,
-        program=value['program'],
-        autostart=bool(value['program']),
-        drive=value['drive'],
-        io=cell.io,
-        io_map=value['io_map'],
-        scene=cell.scene,
-        guided=value['guided'],
-        debug_port=int(value['debug_port']),
-    )
+    """The nodes of the cell, from the same description that `cell` uses.
+
+    `cell` describes them itself: `ros2` runs on the system's Python, which does not have what the package
+    needs.
+    """
+    cell = Path(get_package_prefix('robots_controller'), 'lib', 'robots_controller', 'cell')
+    command = [str(cell), '--describe']
+    for name in OPTIONS:
+        value = LaunchConfiguration(name).perform(context)
+        if value:
+            command += ['--' + name.replace('_', '-'), value]
+    described = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
+    if described.returncode:
+        raise RuntimeError(described.stderr.strip())
     return [
         Node(
-            package=node.package,
-            executable=node.executable,
-            name=node.name,
-            namespace=value['namespace'],
-            parameters=[dict(node.parameters)],
+            package=node['package'],
+            executable=node['executable'],
+            name=node['executable'],
+            namespace=LaunchConfiguration('namespace').perform(context),
+            parameters=[node['parameters']],
             output='screen',
         )
-        for node in graph
+        for node in json.loads(described.stdout)
     ]
 
 

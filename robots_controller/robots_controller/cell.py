@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import json
 import math
 import os
 import signal
@@ -85,6 +86,7 @@ class CellOptions:
     scene: str
     guided: str
     debug_port: int
+    describe: bool
 
 
 def main() -> None:
@@ -117,6 +119,7 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         '--guided', default='', choices=METHODS, help='follow reference_pose by this inverse kinematics'
     )
     parser.add_argument('--debug-port', type=int, default=0, help='port for editors; 0 for none')
+    parser.add_argument('--describe', action='store_true', help='print the nodes as JSON, and start none')
     options = parser.parse_args(arguments)
     if options.once and not options.program:
         raise RobotsError('--once needs a --program to run')
@@ -138,6 +141,7 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         scene=str(Path(options.scene).resolve()) if options.scene else '',
         guided=options.guided,
         debug_port=options.debug_port,
+        describe=options.describe,
     )
 
 
@@ -158,6 +162,7 @@ def run_cell(options: CellOptions, console: Console) -> int:
     graph = cell_graph(
         robot=options.robot,
         program=options.program,
+        autostart=options.describe and bool(options.program),  # there is no cell that would start it
         rate=options.rate,
         drive=options.drive,
         goal_tolerance=options.goal_tolerance,
@@ -168,6 +173,9 @@ def run_cell(options: CellOptions, console: Console) -> int:
         guided=options.guided,
         debug_port=options.debug_port,
     )
+    if options.describe:
+        print(json.dumps([node.as_dict() for node in graph], indent=2))
+        return EXIT_OK
     folder = _run_folder(options.record or Path('out'), options)
     processes = NodeProcesses(graph, namespace=options.namespace, log_folder=folder / 'log')
     job = f' runs [bold]{Path(options.program).name}[/]' if options.program else ''

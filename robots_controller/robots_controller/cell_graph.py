@@ -42,6 +42,14 @@ class NodeDescription:
         """The node's name."""
         return self.executable
 
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON: package, executable and parameters."""
+        return {
+            'package': self.package,
+            'executable': self.executable,
+            'parameters': dict(self.parameters),
+        }
+
     def executable_path(self) -> Path:
         """The executable as `ros2 run` finds it: prefix/lib/package/executable by the ament index.
 

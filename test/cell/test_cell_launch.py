@@ -1,0 +1,106 @@
+"""The launch file: the nodes that `cell` describes, without anything that the system's Python has not."""
+
+from __future__ import annotations
+
+import ast
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import pytest
+
+from robots_controller.cell_graph import NodeDescription, cell_graph
+
+ROOT = Path(__file__).parents[2]
+LAUNCH_FILE = ROOT / 'robots_controller' / 'launch' / 'cell.launch.py'
+PROGRAM = str(ROOT / 'programs' / 'bello_bot_tour.lua')
+PRESS = str(ROOT / 'programs' / 'io' / 'press_tending.yaml')
+# What a ROS 2 installation has for its own Python, besides the standard library.
+ROS_MODULES = {'launch', 'launch_ros', 'ament_index_python'}
+
+
+def test_it_imports_what_ros_has_and_nothing_of_ours() -> None:
+    imported: set[str] = set()
+    for node in ast.walk(ast.parse(LAUNCH_FILE.read_text())):
+        if isinstance(node, ast.Import):
+            imported |= {name.name.partition('.')[0] for name in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            imported.add((node.module or '').partition('.')[0])
+    assert imported - set(sys.stdlib_module_names) == ROS_MODULES
+
+
+class Configuration:
+    """In the place of launch's: arguments as they were given."""
+
+    given: dict[str, str]
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def perform(self, _context: object) -> str:
+        return self.given.get(self.name, '')
+
+
+@pytest.fixture
+def launch_file(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """The launch file, with what it takes from `launch` recorded: that is in no wheel."""
+
+    def record(**options: Any) -> SimpleNamespace:
+        return SimpleNamespace(**options)
+
+    def anything(*_arguments: Any, **_options: Any) -> None:
+        """Nothing of interest here."""
+
+    modules = {
+        'launch': {'LaunchContext': object, 'LaunchDescription': list},
+        'launch.actions': {
+            'DeclareLaunchArgument': lambda name, **options: record(name=name, **options),
+            'OpaqueFunction': anything,
+            'SetEnvironmentVariable': anything,
+        },
+        'launch.substitutions': {'EnvironmentVariable': anything, 'LaunchConfiguration': Configuration},
+        'launch_ros': {},
+        'launch_ros.actions': {'Node': record},
+    }
+    for name, contents in modules.items():
+        module = ModuleType(name)
+        vars(module).update(contents)
+        monkeypatch.setitem(sys.modules, name, module)
+    return runpy.run_path(str(LAUNCH_FILE))
+
+
+def launched(launch_file: dict[str, Any], **arguments: str) -> list[SimpleNamespace]:
+    Configuration.given = {'namespace': '/left', 'drive': 'second_order', 'debug_port': '0'} | arguments
+    nodes: list[SimpleNamespace] = launch_file['nodes'](None)
+    return nodes
+
+
+@pytest.mark.parametrize('arguments', [{'robot': 'cello_bot'}, {'program': PROGRAM, 'io': PRESS}])
+def test_its_nodes_are_those_of_the_cell(launch_file: dict[str, Any], arguments: dict[str, str]) -> None:
+    robot = {'robot': 'bello_bot'}  # which the program names at its top
+    expected = cell_graph(**robot | arguments, autostart='program' in arguments)  # type: ignore[arg-type]
+    nodes = launched(launch_file, **arguments)
+    assert [(node.package, node.executable, node.parameters) for node in nodes] == [
+        (node.package, node.executable, [node.as_dict()['parameters']]) for node in expected
+    ]
+    assert {node.namespace for node in nodes} == {'/left'}
+
+
+def test_every_argument_can_be_given(launch_file: dict[str, Any]) -> None:
+    described = {part.name for part in launch_file['generate_launch_description']() if part is not None}
+    assert described == {*launch_file['OPTIONS'], 'namespace'}
+
+
+def test_what_is_wrong_is_told_in_one_line(launch_file: dict[str, Any]) -> None:
+    with pytest.raises(RuntimeError, match=r"^error: unknown robot 'nobody'; robots are: bello_bot, .*$"):
+        launched(launch_file, robot='nobody')
+
+
+def test_the_description_is_all_that_is_printed() -> None:
+    cell = NodeDescription('robots_controller', 'cell').executable_path()
+    started = subprocess.run([cell, '--describe'], capture_output=True, text=True, check=True)
+    assert started.stdout.startswith('[')
+    assert not started.stderr
