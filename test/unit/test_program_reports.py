@@ -88,7 +88,8 @@ def test_make_simulates_a_program_with_bag_and_report():
         assert text in command
 
 
-def test_a_bar_tells_the_line_the_time_and_how_fast_it_goes(tmp_path: Path):
+def test_a_bar_tells_the_line_the_time_and_how_fast_it_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv('TERM', 'xterm')  # a dumb terminal shows no bars
     program = tmp_path / 'long.lua'
     program.write_text(
         'for i = 1, 60 do\n  ptpJointSpaceAngles(20, -90, 90, 0, 90, 0)\n'
