@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robots_planning.trajectory_generators.path_grid import POINTS, TURN_POINTS, path_grid
+from robots_planning.trajectory_generators.path_grid import POINTS, SPLIT, TURN_POINTS, finer_grid, path_grid
 
 NODES = np.linspace(0.0, 1.0, 401)
 
@@ -55,3 +55,19 @@ def test_nodes_that_nearly_coincide_are_taken_for_one() -> None:
     turn = np.linspace(0.0, 1e-6, len(nodes))
     straight = path_grid(NODES, NODES, np.zeros_like(NODES))
     assert abs(len(path_grid(nodes, nodes, turn)) - len(straight)) <= 2
+
+
+def test_intervals_that_are_too_long_are_split_with_those_beside_them() -> None:
+    grid = np.array([0.0, 1.0, 2.0, 4.0, 5.0, 6.0, 7.0])
+    finer = finer_grid(grid, np.array([2.5, 3.9]))
+    between = [1.25, 1.5, 1.75, 2.5, 3.0, 3.5, 4.25, 4.5, 4.75]
+    np.testing.assert_array_equal(finer, np.sort([*grid, *between]))
+    np.testing.assert_array_equal(finer_grid(grid, np.array([])), grid)
+
+
+@pytest.mark.parametrize('place', [0.0, 1e-9, 6.9, 7.0])
+def test_outermost_intervals_are_split_too(place: float) -> None:
+    grid = np.arange(8.0)
+    finer = finer_grid(grid, np.array([place]))
+    assert (finer[0], finer[-1]) == (0.0, 7.0)
+    assert len(finer) == len(grid) + 2 * (SPLIT - 1)

@@ -14,6 +14,7 @@ ACCELERATED = 0.5
 GROWTH = 0.1  # of the distance between points, from one to the next
 END_PARTS = 4  # of the first and of the last interval
 REST_NODES = 50  # at which the time is told in either half of the path, besides those given
+SPLIT = 4  # parts of an interval that turned out to be too long
 CLOSEST = 1e-9  # part of the path between nodes; closer ones are taken for one
 
 
@@ -50,6 +51,17 @@ def path_grid(coordinate: Array, duration: Array, turn: Array) -> Array:
     first, last = grid[1] - grid[0], grid[-1] - grid[-2]
     begin, end = grid[0] + first * squares, grid[-1] - last * squares[::-1]
     return np.concatenate([grid[:1], begin, grid[1:-1], end, grid[-1:]])
+
+
+def finer_grid(grid: Array, places: Array) -> Array:
+    """The grid, (k,), with the intervals of some places, (m,) inside it, and those beside them split."""
+    coarse = np.zeros(len(grid) + 1)
+    index = np.clip(np.searchsorted(grid, places), 1, len(grid) - 1)
+    for neighbour in (-1, 0, 1):
+        coarse[index + neighbour] = 1.0
+    parts = np.where(coarse[1:-1] > 0.0, SPLIT, 1)
+    count = np.append(0, np.cumsum(parts))
+    return np.interp(np.arange(count[-1] + 1), count, grid)
 
 
 def _time(way: Array) -> Array:

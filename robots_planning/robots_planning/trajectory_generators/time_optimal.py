@@ -19,6 +19,7 @@ from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.even_path import EvenPath
 from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_dynamics import torque_rows, torque_use
+from robots_planning.trajectory_generators.path_grid import finer_grid
 from robots_planning.trajectory_generators.path_timing import TooSlowError
 from robots_planning.trajectory_generators.quintic import quintic_coefficients, quintic_uses, quintics_at
 from robots_planning.trajectory_generators.speed_profile import fastest_speeds
@@ -40,6 +41,9 @@ ROUNDS = 6  # of lowering the limits where the trajectory broke them
 DISCRETISATION = 1e-3  # of a duration, by which a profile may be slower than the fastest
 LOWEST_SCALE = 0.1  # of the limits, below which lowering them further helps nobody
 CLOSEST_SEAM = 2e-4  # s to the next point of the trajectory; shorter steps would magnify rounding of jerk
+# Parts of a limit: where more is used than the first, the grid is too coarse for the path, and made finer
+# wherever more is used than the second.
+COARSE, TOO_LONG = 1.04, 1.005
 EXCESS = 3e-4  # part of a limit that is not worth another round; limits were lowered by a third of it before
 
 
@@ -135,18 +139,21 @@ class TimeOptimalTiming:
         if tool is not None:
             tool = replace(tool, derivatives=partial(even.derivatives, tool.derivatives))
         s = even.grid
-        q, q_s, q_ss = even.evaluate(s)
-        limits = self._limits(s, q, q_s, q_ss, tool)
-        weight = np.abs(limits[0][:, :, 0]).max(axis=1)
+        limits = self._limits(s, *even.evaluate(s), tool)
         scale = np.full(len(s), 1.0 - RESERVE)
         plans: list[Trajectory] = []
-        for _ in range(ROUNDS):
+        for number in range(ROUNDS):
             law = self._law(s, limits, scale, even, shortest)
             if law.duration * (1.0 - DISCRETISATION) > longest:
                 return plans
-            trajectory = self._sampled(even, law, weight)
+            trajectory = self._sampled(even, law, np.abs(limits[0][:, :, 0]).max(axis=1))
             times, use, jerk = self._use(trajectory, law, tool, limits[0])
             worst = float(use.max())
+            if number == 0 and worst > COARSE:
+                s = finer_grid(s, law.s_of(times[use > TOO_LONG])[0])
+                limits = self._limits(s, *even.evaluate(s), tool)
+                scale = np.full(len(s), 1.0 - RESERVE)
+                continue
             if self._jerk is not None:
                 plans.append(self._slowed(trajectory, law, worst))
                 # Jerk is a jump of acceleration over its ramp: it falls with the acceleration limits.
