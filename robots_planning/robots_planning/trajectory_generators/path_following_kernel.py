@@ -302,8 +302,12 @@ def _derivatives(chain: ChainArrays, path: PathArrays, s: float, q: Array, q_s: 
     x_s, x_ss = np.empty(6), np.empty(6)
     pose_on_path(path, s, r, T, x_s, x_ss)
     pose_and_jacobian(chain, q, r, T, J)
-    J_s, reached = np.empty((6, n)), np.empty(6)
-    least_motion(J, x_s, q_s)
+    P, J_s, reached = np.empty((n, 6)), np.empty((6, n)), np.empty(6)
+    if n > 6:  # which needs the pseudo-inverse itself
+        pseudo_inverse(J, P)
+        multiply(P, x_s, q_s)
+    else:
+        least_motion(J, x_s, q_s)
     multiply(J, q_s, reached)
     missing, whole = 0.0, 0.0
     for k in range(6):
@@ -314,10 +318,10 @@ def _derivatives(chain: ChainArrays, path: PathArrays, s: float, q: Array, q_s: 
     jacobian_der(J, q_s, J_s)
     multiply(J_s, q_s, reached)
     # Golub and Pereyra 1973: derivative of the pseudo-inverse, applied to x'.
-    least_motion(J, x_ss - reached, q_ss)
-    if n > 6:
-        P = np.empty((n, 6))
-        pseudo_inverse(J, P)
+    if n <= 6:
+        least_motion(J, x_ss - reached, q_ss)
+    else:
+        multiply(P, x_ss - reached, q_ss)
         dual, inner, lifted, projected = np.empty(6), np.empty(n), np.empty(6), np.empty(n)
         multiply_transposed(P, q_s, dual)
         multiply_transposed(J_s, dual, inner)
