@@ -47,7 +47,7 @@ class Bench:
         listen(DiagnosticStatus, 'program_status', self.status.append, EVERY_STATE)
         listen(UInt8MultiArray, 'digital_outputs', lambda m: self.digital.append(list(m.data)), EVERY_STATE)
         listen(Float64MultiArray, 'analog_outputs', lambda m: self.analog.append(list(m.data)), EVERY_STATE)
-        listen(Log, '/rosout', self.log.append, COMMAND)
+        listen(Log, '/rosout', self.log.append, EVERY_STATE)
         # As a recorder does: subscribed to the commands without planning them.
         listen(JointState, 'ptpjoint_joint', lambda _: None, COMMAND)
         for name in ('pause', 'resume', 'stop'):

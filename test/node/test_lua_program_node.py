@@ -53,8 +53,12 @@ def test_program_moves_switches_and_prints(ros_nodes: Any, tmp_path: Path):
     ros_nodes.wait_for(lambda: len(bench.digital) == 3, what='the outputs')
     assert [outputs[1] for outputs in bench.digital] == [0, 1, 0]
     assert [outputs[0] for outputs in bench.analog] == [0.0, 0.5]
-    prints = [log.msg for log in bench.log if log.name.endswith('lua_program_node.print')]
-    assert prints == ['hello']
+
+    def prints() -> list[str]:
+        return [log.msg for log in bench.log if log.name.endswith('lua_program_node.print')]
+
+    ros_nodes.wait_for(prints, what='what the program prints')
+    assert prints() == ['hello']
 
 
 def test_status_names_line_source_and_error(ros_nodes: Any, tmp_path: Path):
