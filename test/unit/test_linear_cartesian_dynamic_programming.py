@@ -102,8 +102,22 @@ def test_a_finer_grid_is_not_much_faster(
     kuka: BaseRobotModel, way: list[float], turn: list[float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     q = np.add(kuka.home, [0.0, 0.1, 0.0, 0.0, 1e-4, 0.0])
-    target = moved(kuka, q, way, turn)[1]
-    planner = LinearCartesianDynamicProgramming(kuka)
+    gains_little_on_a_finer_grid(kuka, q, moved(kuka, q, way, turn)[1], monkeypatch)
+
+
+def test_the_grid_is_made_finer_where_the_first_profile_passes_a_limit(
+    kuka: BaseRobotModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A line that passes a singularity so closely that lower limits there would cost 0.2 %."""
+    q = np.array([-1.185855457, -2.080711825, 2.547464989, -1.749947063, 0.010472918, 0.348469824])
+    way, turn = [-0.243989098, -0.045643179, 0.434034584], [0.526872038, 0.058411905, 0.037307685]
+    gains_little_on_a_finer_grid(kuka, q, moved(kuka, q, way, turn)[1], monkeypatch)
+
+
+def gains_little_on_a_finer_grid(
+    robot: BaseRobotModel, q: np.ndarray, target: Pose, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    planner = LinearCartesianDynamicProgramming(robot)
     duration = planner.generate(q, target).duration
     for name in ('POINTS', 'TURN_POINTS'):
         monkeypatch.setattr(path_grid, name, 5 * getattr(path_grid, name))

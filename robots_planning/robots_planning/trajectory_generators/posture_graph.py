@@ -37,8 +37,8 @@ LAYERS = (12, 120)  # fewest and most
 RELAXATIONS = (60, 15, 0)  # tried in turn: smoother postures may come nearer to limits than the search
 LIMIT_ROOM = 0.03  # rad (m) that smoothed postures leave to the limits
 BESIDE = 0.02  # of the path behind a singularity: where postures are looked for from which to go back into it
-# m and rad before the singularity where they may end, tried in turn: closer by, some turn ever faster to no
-# use, and others come to where the tool can stand still only there.
+# m and rad behind the singularity where the ways back end, tried in turn: closer by some turn ever faster to
+# no use, and others come to where the tool can stand still only there.
 NEAR = (3e-7, 0.0)
 LARGEST_GAP = 1e-5  # of the path, that lies between two branches at a singularity
 OTHER_STARTS = 16  # random ones, where there is no closed form

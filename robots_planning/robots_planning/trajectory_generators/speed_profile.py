@@ -146,7 +146,7 @@ def _reachable(
         if high < 0.0:
             return 0.0
     if slope >= 0.0:
-        return high_u
+        return max(high_u, 0.0)
     # More speed at the next point would allow less here: u is concave and piecewise linear over it, and its
     # maximum where a growing and a falling line meet.
     low = 0.0
