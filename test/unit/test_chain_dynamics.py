@@ -6,7 +6,7 @@ import pytest
 from robots_core import available_robot_models, load_robot_model
 from robots_core.blocks import ConstrainedInverseKinematics
 from robots_core.blocks.inverse_kinematics.chain import SerialChain
-from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics
+from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics, bodies_of, fill_dynamics
 from robots_core.pose import Pose
 
 
@@ -23,6 +23,20 @@ def test_mass_matrix_and_bias_are_the_robots(name: str) -> None:
         # Both sides round to 1e-15 of the largest torque.
         np.testing.assert_allclose(M, expected_M, rtol=1e-9, atol=1e-12 * np.abs(expected_M).max())
         np.testing.assert_allclose(bias, expected_bias, atol=1e-12 * (1.0 + np.abs(expected_bias).max()))
+
+
+@pytest.mark.parametrize('name', available_robot_models())
+def test_the_weight_is_what_holds_the_robot_at_rest(name: str) -> None:
+    robot = load_robot_model(name)
+    n = robot.num_axes
+    dynamics = ChainDynamics.of(robot, SerialChain.of(robot))
+    assert dynamics is not None
+    q, q_dot = np.random.default_rng(7).uniform(-2.0, 2.0, (2, n))
+    M, bias, weight = np.empty((n, n)), np.empty(n), np.empty(n)
+    fill_dynamics(dynamics.arrays, q, q_dot, bodies_of(n), M, bias, weight)
+    _, _, expected = robot.rigid_dynamics(q, np.zeros(n), np.zeros(n))
+    # Both sides round to 1e-15 of the largest torque.
+    np.testing.assert_allclose(weight, expected, atol=1e-12 * (1.0 + np.abs(expected).max()))
 
 
 def test_a_robot_with_more_than_its_bodies_keeps_its_own_dynamics(monkeypatch: pytest.MonkeyPatch) -> None:

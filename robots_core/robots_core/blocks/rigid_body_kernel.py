@@ -14,7 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots_core.blocks.friction_kernel import solve_free, sweep
-from robots_core.blocks.inverse_kinematics.chain_dynamics import DynamicsArrays, mass_matrix_and_bias
+from robots_core.blocks.inverse_kinematics.chain_dynamics import (
+    DynamicsArrays,
+    bodies_of,
+    fill_dynamics,
+)
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
@@ -76,7 +80,7 @@ def advance(
     size = n
     for j in range(n):
         size = max(size, motors[j] + 1)
-    M, bias = np.empty((n, n)), np.empty(n)
+    M, bias, weight, bodies = np.empty((n, n)), np.empty(n), np.empty(n), bodies_of(n)
     A, b, speed = np.empty((size, size)), np.empty(size), np.empty(size)
     q_ref, v_ref = np.empty(n), np.empty(n)
     current, saturated, ahead = np.empty((2, n)), np.zeros(n), np.empty(n)
@@ -86,7 +90,7 @@ def advance(
         _ahead(drive, state, q_ref, v_ref, feed, ahead)
         q_mid = state[Q] + 0.5 * h * (state[Q_DOT] + 0.25 * h * state[Q_DDOT])
         v_mid = state[Q_DOT] + 0.5 * h * state[Q_DDOT]
-        mass_matrix_and_bias(dynamics, q_mid, v_mid, M, bias)
+        fill_dynamics(dynamics, q_mid, v_mid, bodies, M, bias, weight)
         saturated[:] = 0.0
         for _ in range(n + 1):
             _motor_torques(drive, state, q_ref, v_ref, ahead, saturated, h, current)

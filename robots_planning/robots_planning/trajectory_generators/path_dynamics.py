@@ -5,9 +5,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.chain_dynamics import DynamicsArrays, mass_matrix_and_bias
+from robots_core.blocks.inverse_kinematics.chain_dynamics import (
+    Bodies,
+    DynamicsArrays,
+    bodies_of,
+    fill_dynamics,
+)
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
+
+Memory = tuple[Bodies, Array, Array, Array]
+"""For the dynamics of one state: bodies, mass matrix (n, n), bias and weight (n,)."""
 
 
 @compiled()
@@ -18,19 +26,33 @@ def torque_rows(
 
     a = M q', b = M q'' + C(q, q') q', c = gravity (Bobrow, Dubowsky and Gibson 1985).
     """
+    n = q.shape[1]
+    memory = (bodies_of(n), np.empty((n, n)), np.empty(n), np.empty(n))
+    _torque_rows(dynamics, q, q_s, q_ss, effort, rows, memory)
+
+
+@compiled(nrt=False)
+def _torque_rows(
+    dynamics: DynamicsArrays,
+    q: Array,
+    q_s: Array,
+    q_ss: Array,
+    effort: Array,
+    rows: Array,
+    memory: Memory,
+) -> None:
+    bodies, M, bias, weight = memory
     m, n = q.shape
-    M, bias, rest, still = np.empty((n, n)), np.empty(n), np.empty(n), np.zeros(n)
     for i in range(m):
-        mass_matrix_and_bias(dynamics, q[i], still, M, rest)
-        mass_matrix_and_bias(dynamics, q[i], q_s[i], M, bias)
+        fill_dynamics(dynamics, q[i], q_s[i], bodies, M, bias, weight)
         for j in range(n):
-            first, second = 0.0, bias[j] - rest[j]
+            first, second = 0.0, bias[j] - weight[j]
             for k in range(n):
                 first += M[j, k] * q_s[i, k]
                 second += M[j, k] * q_ss[i, k]
             rows[i, j, 0] = first / effort[j]
             rows[i, j, 1] = second / effort[j]
-            rows[i, j, 2] = rest[j] / effort[j]
+            rows[i, j, 2] = weight[j] / effort[j]
 
 
 @compiled()
@@ -38,10 +60,25 @@ def torque_use(
     dynamics: DynamicsArrays, q: Array, q_dot: Array, q_ddot: Array, effort: Array, use: Array
 ) -> None:
     """Fill use (m, n): torque over its limit."""
+    n = q.shape[1]
+    memory = (bodies_of(n), np.empty((n, n)), np.empty(n), np.empty(n))
+    _torque_use(dynamics, q, q_dot, q_ddot, effort, use, memory)
+
+
+@compiled(nrt=False)
+def _torque_use(
+    dynamics: DynamicsArrays,
+    q: Array,
+    q_dot: Array,
+    q_ddot: Array,
+    effort: Array,
+    use: Array,
+    memory: Memory,
+) -> None:
+    bodies, M, bias, weight = memory
     m, n = q.shape
-    M, bias = np.empty((n, n)), np.empty(n)
     for i in range(m):
-        mass_matrix_and_bias(dynamics, q[i], q_dot[i], M, bias)
+        fill_dynamics(dynamics, q[i], q_dot[i], bodies, M, bias, weight)
         for j in range(n):
             tau = bias[j]
             for k in range(n):
