@@ -5,7 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from robots_planning.trajectory_generators.least_motion import SINGULAR, least_motion, pseudo_inverse
+from robots_planning.trajectory_generators.least_motion import (
+    SINGULAR,
+    least_motion,
+    pseudo_inverse,
+    scratch_for,
+)
 
 AXES = [1, 3, 5, 6, 7, 9]
 SMALLEST = [1.0, 1e-3, 1e-6, 1e-8, 1e-11, 0.0]
@@ -28,7 +33,7 @@ def jacobians(n: int, smallest: float) -> Iterator[tuple[np.ndarray, float]]:
 def test_is_the_pseudo_inverse(n: int, smallest: float) -> None:
     for J, kept in jacobians(n, smallest):
         P = np.empty((n, 6))
-        pseudo_inverse(J, P)
+        pseudo_inverse(J, P, scratch_for(n))
         # Rounding grows with the condition, as far as directions count.
         np.testing.assert_allclose(P, np.linalg.pinv(J, SINGULAR), atol=1e-13 / kept**2 + 1e-12)
 
@@ -38,7 +43,7 @@ def test_is_the_pseudo_inverse(n: int, smallest: float) -> None:
 def test_a_motion_is_that_of_the_pseudo_inverse(n: int, smallest: float) -> None:
     x, y = np.random.default_rng(0).normal(size=6), np.empty(n)
     for J, kept in jacobians(n, smallest):
-        least_motion(J, x, y)
+        least_motion(J, x, y, scratch_for(n))
         np.testing.assert_allclose(y, np.linalg.pinv(J, SINGULAR) @ x, atol=1e-12 / kept**2 + 1e-12)
 
 
@@ -47,14 +52,14 @@ def test_a_motion_is_that_of_the_pseudo_inverse(n: int, smallest: float) -> None
 def test_a_motion_that_is_possible_is_made_as_exactly_as_numbers_allow(n: int, smallest: float) -> None:
     wanted, y = np.random.default_rng(0).normal(size=n), np.empty(n)
     for J, _ in jacobians(n, smallest):
-        least_motion(J, J @ wanted, y)
+        least_motion(J, J @ wanted, y, scratch_for(n))
         # Backward stable: what the joints make of the tool's motion does not feel the condition.
         np.testing.assert_allclose(J @ y, J @ wanted, atol=1e-14 * (1.0 + np.abs(J).sum() * np.abs(y).max()))
 
 
 def test_a_robot_that_cannot_move_the_tool_gets_no_motion() -> None:
     P, y = np.empty((6, 6)), np.empty(6)
-    pseudo_inverse(np.zeros((6, 6)), P)
+    pseudo_inverse(np.zeros((6, 6)), P, scratch_for(6))
     assert not P.any()
-    least_motion(np.zeros((6, 6)), np.ones(6), y)
+    least_motion(np.zeros((6, 6)), np.ones(6), y, scratch_for(6))
     assert not y.any()

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from math import cos, sin, sqrt
 
-import numpy as np
-
 from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.robot_model.analytic.vectors import Vector, add, row_of, scale
 from robots_core.validation import Array
 from robots_planning.trajectory_generators.quintic import interval_at
 
@@ -19,7 +18,7 @@ x; arc (m, 2, 3), added as cos(rate x) arc[0] + sin(rate x) arc[1]; rate (m,); r
 powers of x, base frame; T (m, 3, 3), which that rotation turns."""
 
 
-@compiled()
+@compiled(nrt=False)
 def pose_on_path(path: PathArrays, s: float, r: Array, T: Array, x_s: Array, x_ss: Array) -> None:  # noqa: PLR0917
     """Fill r (3,), T (3, 3), and x' and x'' (6,): linear, then angular, base frame, per unit of s."""
     breaks, position, arc, rate, turn, orientation = path
@@ -27,29 +26,23 @@ def pose_on_path(path: PathArrays, s: float, r: Array, T: Array, x_s: Array, x_s
     x = s - breaks[i]
     angle = rate[i] * x
     c, sn = cos(angle), sin(angle)
-    p, p1, p2 = np.empty(3), np.empty(3), np.empty(3)
     for k in range(3):
-        a = position[i, :, k]
+        a0, a1, a2 = position[i, 0, k], position[i, 1, k], position[i, 2, k]
+        a3, a4, a5 = position[i, 3, k], position[i, 4, k], position[i, 5, k]
         u, v, w = arc[i, 0, k], arc[i, 1, k], rate[i]
-        r[k] = a[0] + x * (a[1] + x * (a[2] + x * (a[3] + x * (a[4] + x * a[5])))) + c * u + sn * v
-        x_s[k] = (
-            a[1]
-            + x * (2.0 * a[2] + x * (3.0 * a[3] + x * (4.0 * a[4] + x * 5.0 * a[5])))
-            + w * (c * v - sn * u)
-        )
-        x_ss[k] = (
-            2.0 * a[2] + x * (6.0 * a[3] + x * (12.0 * a[4] + x * 20.0 * a[5])) - w * w * (c * u + sn * v)
-        )
-        b = turn[i, :, k]
-        p[k] = b[0] + x * (b[1] + x * (b[2] + x * b[3]))
-        p1[k] = b[1] + x * (2.0 * b[2] + x * 3.0 * b[3])
-        p2[k] = 2.0 * b[2] + x * 6.0 * b[3]
+        r[k] = a0 + x * (a1 + x * (a2 + x * (a3 + x * (a4 + x * a5)))) + c * u + sn * v
+        x_s[k] = a1 + x * (2.0 * a2 + x * (3.0 * a3 + x * (4.0 * a4 + x * 5.0 * a5))) + w * (c * v - sn * u)
+        x_ss[k] = 2.0 * a2 + x * (6.0 * a3 + x * (12.0 * a4 + x * 20.0 * a5)) - w * w * (c * u + sn * v)
+    b0, b1, b2, b3 = row_of(turn[i], 0), row_of(turn[i], 1), row_of(turn[i], 2), row_of(turn[i], 3)
+    p = add(b0, scale(x, add(b1, scale(x, add(b2, scale(x, b3))))))
+    p1 = add(b1, scale(x, add(scale(2.0, b2), scale(3.0 * x, b3))))
+    p2 = add(scale(2.0, b2), scale(6.0 * x, b3))
     _turned(p, p1, p2, orientation[i], T, x_s, x_ss)
 
 
-@compiled()
+@compiled(nrt=False)
 def _turned(  # noqa: PLR0917
-    p: Array, p1: Array, p2: Array, T0: Array, T: Array, x_s: Array, x_ss: Array
+    p: Vector, p1: Vector, p2: Vector, T0: Array, T: Array, x_s: Array, x_ss: Array
 ) -> None:
     """Fill T = exp([p]) T0, its angular velocity and acceleration.
 
@@ -97,7 +90,7 @@ def _turned(  # noqa: PLR0917
         x_ss[3 + k] = p2[k] + dA * rate * cross + A * further + dB * rate * double + B * second
 
 
-@compiled()
+@compiled(nrt=False)
 def poses_on_path(path: PathArrays, s: Array, r: Array, T: Array, x_s: Array, x_ss: Array) -> None:  # noqa: PLR0917
     """`pose_on_path` for every s (m,): fill (m, 3), (m, 3, 3), (m, 6), (m, 6)."""
     for i in range(s.size):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,8 +19,29 @@ SUSPICIOUS = 1e-7
 NOTHING = 1e-13
 
 
+class Scratch(NamedTuple):
+    """Memory for decompositions of Jacobians (6, n), which take less time than getting it.
+
+    Attributes:
+        P: A pseudo-inverse, (n, 6).
+        Q: (m + 1, m + 1), m the larger one of 6 and n.
+        R: (m + 1, m + 1).
+    """
+
+    P: Array
+    Q: Array
+    R: Array
+
+
 @compiled()
-def pseudo_inverse(J: Array, P: Array) -> None:
+def scratch_for(n: int) -> Scratch:
+    """Memory for a robot of n axes."""
+    size = max(n, 6) + 1
+    return Scratch(np.empty((n, 6)), np.empty((size, size)), np.empty((size, size)))
+
+
+@compiled(nrt=False)
+def pseudo_inverse(J: Array, P: Array, scratch: Scratch) -> None:
     """Fill the pseudo-inverse P (n, 6) of a Jacobian J (6, n).
 
     By orthogonal triangular decomposition, Gram-Schmidt done twice (Giraud et al. 2005). In a singularity by
@@ -28,11 +50,13 @@ def pseudo_inverse(J: Array, P: Array) -> None:
     n = J.shape[1]
     wide = n >= 6
     rows, columns = (n, 6) if wide else (6, n)
-    Q, R = np.empty((rows, columns)), np.zeros((columns, columns))
+    Q, R = scratch.Q, scratch.R
     largest, smallest = 0.0, np.inf
     for j in range(columns):
         for k in range(rows):
             Q[k, j] = J[j, k] if wide else J[k, j]
+        for i in range(j):
+            R[i, j] = 0.0
         length = 0.0
         for _ in range(2):
             for i in range(j):
@@ -47,13 +71,13 @@ def pseudo_inverse(J: Array, P: Array) -> None:
         length = sqrt(length)
         largest, smallest = max(largest, length), min(smallest, length)
         if not length > NOTHING * largest:
-            P[:] = np.linalg.pinv(J, SINGULAR)
+            _by_singular_values(J, P)
             return
         R[j, j] = length
         for k in range(rows):
             Q[k, j] /= length
     # A = Q R, A^+ = R^-1 Q^T; of the transpose, transposed.
-    y = np.empty(columns)
+    y = R[columns]
     for k in range(rows):
         for j in range(columns - 1, -1, -1):
             value = Q[k, j]
@@ -67,10 +91,15 @@ def pseudo_inverse(J: Array, P: Array) -> None:
                 P[j, k] = y[j]
     # The product of both norms is at least the ratio of the singular values.
     if smallest <= SUSPICIOUS * largest and SINGULAR**2 * _square(J) * _square(P) >= 1.0:
-        P[:] = np.linalg.pinv(J, SINGULAR)
+        _by_singular_values(J, P)
 
 
 @compiled()
+def _by_singular_values(J: Array, P: Array) -> None:
+    P[:] = np.linalg.pinv(J, SINGULAR)
+
+
+@compiled(nrt=False)
 def _square(A: Array) -> float:
     """Square of the Frobenius norm."""
     total = 0.0
@@ -80,25 +109,23 @@ def _square(A: Array) -> float:
     return total
 
 
-@compiled()
-def least_motion(J: Array, x: Array, y: Array) -> None:
+@compiled(nrt=False)
+def least_motion(J: Array, x: Array, y: Array, scratch: Scratch) -> None:
     """Fill y (n,) with J^+ x: the smallest joint motion that comes closest to a motion x (6,) of the tool.
 
     As with `pseudo_inverse`, and up to six axes in half its time: with x as one more column of J the
     decomposition need not be done twice (Bjorck 1967).
     """
-    n = J.shape[1]
-    if n > 6 or not _solve(J, x, y):
-        P = np.empty((n, 6))
-        pseudo_inverse(J, P)
-        multiply(P, x, y)
+    if J.shape[1] > 6 or not _solve(J, x, y, scratch):
+        pseudo_inverse(J, scratch.P, scratch)
+        multiply(scratch.P, x, y)
 
 
-@compiled()
-def _solve(J: Array, x: Array, y: Array) -> bool:
+@compiled(nrt=False)
+def _solve(J: Array, x: Array, y: Array, scratch: Scratch) -> bool:
     """Fill y (n,), n <= 6, with the least squares solution of J y = x; False close to a singularity."""
     n = J.shape[1]
-    Q, R = np.empty((n + 1, 6)), np.empty((n, n + 1))  # columns of Q as rows
+    Q, R = scratch.Q, scratch.R  # columns of Q as rows
     largest, smallest = 0.0, np.inf
     for j in range(n + 1):
         for k in range(6):
@@ -130,7 +157,7 @@ def _solve(J: Array, x: Array, y: Array) -> bool:
     return True
 
 
-@compiled()
+@compiled(nrt=False)
 def multiply(A: Array, x: Array, y: Array) -> None:
     """Fill y (m,) with A x, A (m, n): for a few rows, without a library call."""
     for i in range(A.shape[0]):
@@ -140,7 +167,7 @@ def multiply(A: Array, x: Array, y: Array) -> None:
         y[i] = value
 
 
-@compiled()
+@compiled(nrt=False)
 def multiply_transposed(A: Array, x: Array, y: Array) -> None:
     """Fill y (n,) with A^T x, A (m, n)."""
     for j in range(A.shape[1]):

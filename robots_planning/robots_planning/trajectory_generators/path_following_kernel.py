@@ -3,21 +3,22 @@
 
 from __future__ import annotations
 
-from math import sqrt
-
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.inverse_kinematics.chain import ChainArrays, error_between, pose_and_jacobian
-from robots_core.blocks.inverse_kinematics.chain_derivative import jacobian_der
+from robots_core.blocks.inverse_kinematics.chain import ChainArrays
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
-from robots_planning.trajectory_generators.cartesian_path_kernel import PathArrays, pose_on_path
-from robots_planning.trajectory_generators.least_motion import (
-    least_motion,
-    multiply,
-    multiply_transposed,
-    pseudo_inverse,
+from robots_planning.trajectory_generators.cartesian_path_kernel import PathArrays
+from robots_planning.trajectory_generators.least_motion import least_motion
+from robots_planning.trajectory_generators.posture_kernel import (
+    LARGEST_KNOT_MOTION,
+    View,
+    aim_at,
+    correct,
+    derivatives,
+    look_from,
+    view_of,
 )
 from robots_planning.trajectory_generators.quintic import quintic_coefficients, quintics_at
 
@@ -29,10 +30,6 @@ MOST_KNOTS = 4000
 PATH_TOLERANCE = 2e-7
 # And the axes by this much, rad (m): close to a singularity the tool hardly tells.
 JOINT_TOLERANCE = 1e-5
-CORRECTION_TOLERANCE = 1e-13  # m and rad, at the knots; of the axes, that over the smallest singular value
-CORRECTION_STEPS = 5
-LARGEST_KNOT_MOTION = 0.25  # rad (m) of one axis from knot to knot; more may hide a change of configuration
-LOST_MOTION = 1e-7  # part of the tool's motion along the path that may be missing in a singular posture
 POSITION_TOLERANCE = 1e-9  # rad (m), of the axis limits
 # While the posture turns over in a singularity the tool stays within this, m and rad.
 STANDSTILL = 1e-6
@@ -70,13 +67,22 @@ def follow(
         at which an axis is outside its limits, FULL: there is no room for what follows. And the number of
         knots.
     """
+    return _follow(chain, limits, path, start, knots, np.empty(start.size), view_of(start.size))
+
+
+@compiled(nrt=False)
+def _follow(
+    chain: ChainArrays, limits: Array, path: PathArrays, start: Array, knots: Knots, guess: Array, view: View
+) -> tuple[int, int]:
+    """`follow` with memory for a guess (n,) and a view."""
     s, q, q_s, q_ss = knots
     breaks = path[0]
-    n = start.size
-    guess = np.empty(n)
     s[0] = 0.0
-    q[0] = start
-    if not _derivatives(chain, path, 0.0, q[0], q_s[0], q_ss[0]):
+    for k in range(start.size):
+        q[0, k] = start[k]
+    aim_at(path, 0.0, view)
+    look_from(chain, start, view)
+    if not derivatives(view, q_s[0], q_ss[0]):
         return SINGULAR_START, 1
     count, step, piece = 1, FIRST_STEP, 1
     while s[count - 1] < 1.0:
@@ -87,7 +93,7 @@ def follow(
         if breaks[piece] - end < SHORTEST_STEP:
             end = breaks[piece]
         s[count] = end
-        deviation = _advance(chain, path, knots, here, guess)
+        deviation = _advance(chain, path, knots, here, guess, view)
         step = next_step(end - s[here], deviation)
         outcome = judge(limits, knots, here, step, deviation)
         if outcome == FOLLOWED:
@@ -97,7 +103,7 @@ def follow(
     return FOLLOWED, count
 
 
-@compiled()
+@compiled(nrt=False)
 def judge(limits: Array, knots: Knots, i: int, step: float, deviation: float) -> int:
     """FOLLOWED if knot i + 1 stands, TOO_FAR if another one comes before it, or why the path ends there."""
     if deviation < 0.0:
@@ -107,7 +113,7 @@ def judge(limits: Array, knots: Knots, i: int, step: float, deviation: float) ->
     return FULL if i + 1 == MOST_KNOTS and knots[0][i + 1] < 1.0 else FOLLOWED
 
 
-@compiled()
+@compiled(nrt=False)
 def next_break(breaks: Array, s: float, piece: int) -> int:
     """The first of increasing breaks, from `piece` on, that is a step ahead of s; else the last one."""
     while piece < breaks.size - 1 and breaks[piece] - s < SHORTEST_STEP:
@@ -115,7 +121,7 @@ def next_break(breaks: Array, s: float, piece: int) -> int:
     return piece
 
 
-@compiled()
+@compiled(nrt=False)
 def next_step(step: float, deviation: float) -> float:
     """The step after one that left the path by `deviation` in between; -1 if it was too long."""
     if deviation < 0.0:
@@ -125,27 +131,27 @@ def next_step(step: float, deviation: float) -> float:
     return min(step * min(max(growth, 0.5), 2.0), LONGEST_STEP)
 
 
-@compiled()
-def _advance(chain: ChainArrays, path: PathArrays, knots: Knots, i: int, guess: Array) -> float:
+@compiled(nrt=False)
+def _advance(chain: ChainArrays, path: PathArrays, knots: Knots, i: int, guess: Array, view: View) -> float:
     """Fill knot i + 1 at its s; the deviation in between, or -1 if the step is too long."""
     s, q, q_s, q_ss = knots
     n = guess.size
     j, h = i + 1, s[i + 1] - s[i]
     for k in range(n):
         guess[k] = q[i, k] + h * (q_s[i, k] + 0.5 * h * q_ss[i, k])
-    if not correct(chain, path, s[j], guess):
-        return -1.0
-    q[j] = guess
-    if not _derivatives(chain, path, s[j], q[j], q_s[j], q_ss[j]):
-        return -1.0
-    if n > 6:
-        # The tool does not determine a redundant axis: integrate it to fourth order (Hermite).
-        for k in range(n):
-            guess[k] = q[i, k] + 0.5 * h * (q_s[i, k] + q_s[j, k]) + h * h / 12.0 * (q_ss[i, k] - q_ss[j, k])
-        if not correct(chain, path, s[j], guess):
+    aim_at(path, s[j], view)
+    # The tool does not determine a redundant axis: integrate it to fourth order (Hermite).
+    for again in range(2 if n > 6 else 1):
+        if again:
+            for k in range(n):
+                guess[k] = (
+                    q[i, k] + 0.5 * h * (q_s[i, k] + q_s[j, k]) + h * h / 12.0 * (q_ss[i, k] - q_ss[j, k])
+                )
+        if not correct(chain, guess, view):
             return -1.0
-        q[j] = guess
-        if not _derivatives(chain, path, s[j], q[j], q_s[j], q_ss[j]):
+        for k in range(n):
+            q[j, k] = guess[k]
+        if not derivatives(view, q_s[j], q_ss[j]):
             return -1.0
     for k in range(n):
         if not abs(q[j, k] - q[i, k]) <= LARGEST_KNOT_MOTION:
@@ -156,25 +162,24 @@ def _advance(chain: ChainArrays, path: PathArrays, knots: Knots, i: int, guess: 
             + 5.0 / 32.0 * h * (q_s[i, k] - q_s[j, k])
             + h * h / 64.0 * (q_ss[i, k] + q_ss[j, k])
         )
-    deviation = _deviation(chain, path, 0.5 * (s[i] + s[j]), guess)
+    aim_at(path, 0.5 * (s[i] + s[j]), view)
+    deviation = _deviation(chain, guess, view)
     return deviation if deviation <= PATH_TOLERANCE else -1.0
 
 
-@compiled()
-def _deviation(chain: ChainArrays, path: PathArrays, s: float, q: Array) -> float:
-    """How far a posture is from the path at `s`: of the tool, or of the axes as part of what they may be."""
-    n = q.size
-    J, error, step = np.empty((6, n)), np.empty(6), np.empty(n)
-    deviation = _error_and_jacobian(chain, path, s, q, (np.empty(3), np.empty((3, 3)), J), error)
+@compiled(nrt=False)
+def _deviation(chain: ChainArrays, q: Array, view: View) -> float:
+    """How far a posture is off: of the tool, or of the axes as part of what they may be."""
+    deviation = look_from(chain, q, view)
     if deviation > PATH_TOLERANCE:
         return deviation
-    least_motion(J, error, step)
-    for k in range(n):
-        deviation = max(deviation, abs(step[k]) * PATH_TOLERANCE / JOINT_TOLERANCE)
+    least_motion(view.J, view.error, view.step, view.solver)
+    for k in range(q.size):
+        deviation = max(deviation, abs(view.step[k]) * PATH_TOLERANCE / JOINT_TOLERANCE)
     return deviation
 
 
-@compiled()
+@compiled(nrt=False)
 def leaves_limits(limits: Array, knots: Knots, i: int) -> bool:
     """An axis is outside its limits between knot i and the next, which then becomes the place outside."""
     s, q, q_s, q_ss = knots
@@ -190,17 +195,26 @@ def leaves_limits(limits: Array, knots: Knots, i: int) -> bool:
         largest = max(q[i, k] + max(0.0, a, 2.0 * a + c), q[j, k] - min(0.0, b, 2.0 * b - d))
         if low <= smallest and largest <= high:
             continue
-        curve = np.empty((1, 6, q.shape[1]))
-        quintic_coefficients(s[i : j + 1], q[i : j + 1], q_s[i : j + 1], q_ss[i : j + 1], curve)
-        n = q.shape[1]
-        p, v, w = np.empty((BETWEEN, n)), np.empty((BETWEEN, n)), np.empty((BETWEEN, n))
-        inside = s[i] + h * np.arange(1, BETWEEN + 1) / (BETWEEN + 1.0)
-        quintics_at(s[i : j + 1], curve, inside, p, v, w)
-        for row in range(BETWEEN):
-            if not low <= p[row, k] <= high:
-                s[j] = inside[row]
-                q[j] = p[row]
-                return True
+        if _leaves_range(low, high, knots, i, k):
+            return True
+    return False
+
+
+@compiled()
+def _leaves_range(low: float, high: float, knots: Knots, i: int, axis: int) -> bool:
+    """As `leaves_limits`, of one axis, looked at place by place."""
+    s, q, q_s, q_ss = knots
+    j, n = i + 1, q.shape[1]
+    curve = np.empty((1, 6, n))
+    quintic_coefficients(s[i : j + 1], q[i : j + 1], q_s[i : j + 1], q_ss[i : j + 1], curve)
+    p, v, w = np.empty((BETWEEN, n)), np.empty((BETWEEN, n)), np.empty((BETWEEN, n))
+    inside = s[i] + (s[j] - s[i]) * np.arange(1, BETWEEN + 1) / (BETWEEN + 1.0)
+    quintics_at(s[i : j + 1], curve, inside, p, v, w)
+    for row in range(BETWEEN):
+        if not low <= p[row, axis] <= high:
+            s[j] = inside[row]
+            q[j] = p[row]
+            return True
     return False
 
 
@@ -213,13 +227,6 @@ def stays_inside(limits: Array, knots: Knots) -> bool:
     for i in range(s.size - 1):
         inside = inside and not leaves_limits(limits, copy, i)
     return inside
-
-
-@compiled()
-def path_error(chain: ChainArrays, path: PathArrays, s: float, q: Array, error: Array) -> float:
-    """Fill the pose error (6,) from posture `q` to the path at `s`; its largest entry."""
-    r, T, J = np.empty(3), np.empty((3, 3)), np.empty((6, q.size))
-    return _error_and_jacobian(chain, path, s, q, (r, T, J), error)
 
 
 @compiled()
@@ -237,7 +244,8 @@ def stand_still(
         ends: Joint positions after, (k, n).
         still: Filled, (k,); False also where an axis leaves its limits.
     """
-    q, error = np.empty(begin.size), np.empty(6)
+    q, view = begin.copy(), view_of(begin.size)
+    aim_at(path, s, view)
     for row in range(ends.shape[0]):
         still[row] = True
         # The middle tells most.
@@ -247,86 +255,6 @@ def stand_still(
                 q[k] = begin[k] + part * (ends[row, k] - begin[k])
                 if not limits[0, k] - POSITION_TOLERANCE <= q[k] <= limits[1, k] + POSITION_TOLERANCE:
                     still[row] = False
-            if not still[row] or not path_error(chain, path, s, q, error) <= STANDSTILL:
+            if not still[row] or not look_from(chain, q, view) <= STANDSTILL:
                 still[row] = False
                 break
-
-
-@compiled()
-def _error_and_jacobian(
-    chain: ChainArrays, path: PathArrays, s: float, q: Array, pose: tuple[Array, Array, Array], error: Array
-) -> float:
-    target, orientation = np.empty(3), np.empty((3, 3))
-    pose_on_path(path, s, target, orientation, np.empty(6), np.empty(6))
-    return _error_to(chain, (target, orientation), q, pose, error)
-
-
-@compiled()
-def _error_to(
-    chain: ChainArrays, target: tuple[Array, Array], q: Array, pose: tuple[Array, Array, Array], error: Array
-) -> float:
-    """Fill the pose and Jacobian at `q`, and the error from there to the target (r, T); its largest entry."""
-    r, T, J = pose
-    pose_and_jacobian(chain, q, r, T, J)
-    error_between(r, T, target[0], target[1], error)
-    largest = 0.0
-    for k in range(6):
-        largest = max(largest, abs(error[k]))
-    return largest
-
-
-@compiled()
-def correct(chain: ChainArrays, path: PathArrays, s: float, q: Array) -> bool:
-    """Newton's method from a close guess, in place; False if it does not converge in a few steps."""
-    n = q.size
-    J, error, step = np.empty((6, n)), np.empty(6), np.empty(n)
-    pose, target = (np.empty(3), np.empty((3, 3)), J), (np.empty(3), np.empty((3, 3)))
-    pose_on_path(path, s, target[0], target[1], np.empty(6), np.empty(6))
-    for _ in range(CORRECTION_STEPS):
-        if _error_to(chain, target, q, pose, error) < CORRECTION_TOLERANCE:
-            return True
-        least_motion(J, error, step)
-        for k in range(n):
-            if not abs(step[k]) <= LARGEST_KNOT_MOTION:
-                return False
-        for k in range(n):
-            q[k] += step[k]
-    return False
-
-
-@compiled()
-def _derivatives(chain: ChainArrays, path: PathArrays, s: float, q: Array, q_s: Array, q_ss: Array) -> bool:
-    """Fill q' and q'' at a point of the path; False where the posture cannot move along it."""
-    n = q.size
-    r, T, J = np.empty(3), np.empty((3, 3)), np.empty((6, n))
-    x_s, x_ss = np.empty(6), np.empty(6)
-    pose_on_path(path, s, r, T, x_s, x_ss)
-    pose_and_jacobian(chain, q, r, T, J)
-    P, J_s, reached = np.empty((n, 6)), np.empty((6, n)), np.empty(6)
-    if n > 6:  # which needs the pseudo-inverse itself
-        pseudo_inverse(J, P)
-        multiply(P, x_s, q_s)
-    else:
-        least_motion(J, x_s, q_s)
-    multiply(J, q_s, reached)
-    missing, whole = 0.0, 0.0
-    for k in range(6):
-        missing += (x_s[k] - reached[k]) ** 2
-        whole += x_s[k] ** 2
-    if not sqrt(missing) <= LOST_MOTION * sqrt(whole):
-        return False
-    jacobian_der(J, q_s, J_s)
-    multiply(J_s, q_s, reached)
-    # Golub and Pereyra 1973: derivative of the pseudo-inverse, applied to x'.
-    if n <= 6:
-        least_motion(J, x_ss - reached, q_ss)
-    else:
-        multiply(P, x_ss - reached, q_ss)
-        dual, inner, lifted, projected = np.empty(6), np.empty(n), np.empty(6), np.empty(n)
-        multiply_transposed(P, q_s, dual)
-        multiply_transposed(J_s, dual, inner)
-        multiply(J, inner, lifted)
-        multiply(P, lifted, projected)
-        for k in range(n):
-            q_ss[k] += inner[k] - projected[k]
-    return True

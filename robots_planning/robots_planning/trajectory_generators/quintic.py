@@ -9,7 +9,7 @@ from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
 
-@compiled()
+@compiled(nrt=False)
 def quintic_coefficients(x: Array, p: Array, v: Array, a: Array, coefficients: Array) -> None:
     """Fill (m - 1, 6, n): polynomial per interval, in powers of the distance from the interval's start.
 
@@ -33,7 +33,7 @@ def quintic_coefficients(x: Array, p: Array, v: Array, a: Array, coefficients: A
             coefficients[i, 5, k] = (6.0 * d - 3.0 * v0 - 3.0 * v1 - 0.5 * a0 + 0.5 * a1) / h**5
 
 
-@compiled()
+@compiled(nrt=False)
 def interval_at(x: Array, value: float) -> int:
     """The interval of increasing x (m,) that `value` lies in; the first or last one outside."""
     low, high = 0, x.size - 1
@@ -46,7 +46,7 @@ def interval_at(x: Array, value: float) -> int:
     return low
 
 
-@compiled()
+@compiled(nrt=False)
 def quintics_at(x: Array, coefficients: Array, values: Array, p: Array, v: Array, a: Array) -> None:
     """Fill p, v and a (m, n) at values (m,), clipped to the range of x."""
     n = p.shape[1]
@@ -63,7 +63,7 @@ def quintics_at(x: Array, coefficients: Array, values: Array, p: Array, v: Array
             a[row, k] = 2.0 * c2 + h * (6.0 * c3 + h * (12.0 * c4 + h * 20.0 * c5))
 
 
-@compiled()
+@compiled(nrt=False)
 def quintic_extremes(c: Array, h: float) -> tuple[float, float, float]:
     """Largest |first|, |second| and |third derivative| of a quintic with coefficients c (6,) over [0, h].
 
@@ -96,7 +96,7 @@ def quintic_extremes(c: Array, h: float) -> tuple[float, float, float]:
     return first, second, third
 
 
-@compiled()
+@compiled(nrt=False)
 def quintic_uses(x: Array, coefficients: Array, limits: Array, uses: Array) -> None:
     """Fill uses (m - 1, 3): the largest part of a limit that each derivative has on every interval.
 

@@ -6,11 +6,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.inverse_kinematics.chain import ChainArrays, pose_and_jacobian
+from robots_core.blocks.inverse_kinematics.chain import ChainArrays
 from robots_core.blocks.inverse_kinematics.chain_derivative import jacobian_der
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
-from robots_planning.trajectory_generators.cartesian_path_kernel import PathArrays, pose_on_path
+from robots_planning.trajectory_generators.cartesian_path_kernel import PathArrays
 from robots_planning.trajectory_generators.least_motion import (
     least_motion,
     multiply,
@@ -19,17 +19,22 @@ from robots_planning.trajectory_generators.least_motion import (
 )
 from robots_planning.trajectory_generators.path_following_kernel import (
     FOLLOWED,
-    LARGEST_KNOT_MOTION,
     PATH_TOLERANCE,
     SHORTEST_STEP,
     SINGULAR_START,
     TOO_FAR,
     Knots,
-    correct,
     judge,
     next_break,
     next_step,
-    path_error,
+)
+from robots_planning.trajectory_generators.posture_kernel import (
+    LARGEST_KNOT_MOTION,
+    View,
+    aim_at,
+    correct,
+    look_from,
+    view_of,
 )
 
 SPACING = 0.12  # rad (m) of the axis that moves most, between neighbouring postures of one pose
@@ -45,53 +50,73 @@ PULL = 12.0  # towards the guide, per path
 GUIDED_FIRST_STEP = 1.0 / 32.0
 
 
-@compiled()
+@compiled(nrt=False)
 def sample_layer(
-    chain: ChainArrays,
-    limits: Array,
-    path: PathArrays,
-    s: float,
-    seeds: Array,
-    nodes: Array,
+    chain: ChainArrays, limits: Array, seeds: Array, nodes: Array, view: View, memory: Array
 ) -> int:
-    """Fill nodes (k, n) with postures of the pose at s that are joined to `seeds` (m, n), and return k.
+    """Fill nodes (k, n) with postures of the pose aimed at that are joined to `seeds` (m, n), and return k.
 
     From every seed, corrected to the pose, self-motion is followed both ways until a limit or a posture that
-    is known already.
+    is known already. `memory` is (4, n).
     """
-    n = seeds.shape[1]
+    q, first = memory[0], memory[1]
     count = 0
-    q, way, first = np.empty(n), np.empty(n), np.empty(n)
     for seed in range(seeds.shape[0]):
-        q[:] = seeds[seed]
-        if not correct(chain, path, s, q) or not _brought_inside(chain, limits, path, s, q):
+        _copy(seeds[seed], q)
+        # Corrections are small: most seeds need none to be known.
+        if _known(nodes, count, q, 0.5 * SPACING) or not correct(chain, q, view):
             continue
-        if _known(nodes, count, q, 0.6 * SPACING) or count >= nodes.shape[0]:
+        if not _brought_inside(chain, limits, q, view, memory[2]) or _known(nodes, count, q, 0.6 * SPACING):
             continue
-        first[:] = q
-        nodes[count] = q
+        if count == nodes.shape[0]:
+            break
+        _copy(q, first)
+        _copy(q, nodes[count])
         count += 1
-        for side in range(2):
-            q[:] = first
-            _null_direction(chain, q, way)
-            if side == 1:
-                way *= -1.0
-            while count < nodes.shape[0]:
-                q += SPACING * way
-                if not correct(chain, path, s, q) or not _inside(limits, q):
-                    break
-                if _known(nodes, count, q, 0.6 * SPACING):
-                    break
-                nodes[count] = q
-                count += 1
-                last = way.copy()
-                _null_direction(chain, q, way)
-                if np.dot(last, way) < 0.0:
-                    way *= -1.0
+        for sign in (1.0, -1.0):
+            _copy(first, q)
+            count = _sample_side(chain, limits, q, sign, nodes, count, view, memory[2:])
     return count
 
 
-@compiled()
+@compiled(nrt=False)
+def _sample_side(
+    chain: ChainArrays,
+    limits: Array,
+    q: Array,
+    sign: float,
+    nodes: Array,
+    count: int,
+    view: View,
+    memory: Array,
+) -> int:
+    """Add nodes, of which there are `count`, on one side of posture `q`, which moves; return how many."""
+    way, last = memory[0], memory[1]
+    look_from(chain, q, view)
+    _null_direction(view, way)
+    while count < nodes.shape[0]:
+        for k in range(q.size):
+            last[k] = sign * way[k]
+            q[k] += SPACING * last[k]
+        if not correct(chain, q, view) or not _inside(limits, q) or _known(nodes, count, q, 0.6 * SPACING):
+            break
+        _copy(q, nodes[count])
+        count += 1
+        _null_direction(view, way)
+        along = 0.0
+        for k in range(q.size):
+            along += last[k] * way[k]
+        sign = 1.0 if along >= 0.0 else -1.0
+    return count
+
+
+@compiled(nrt=False)
+def _copy(values: Array, to: Array) -> None:
+    for k in range(values.size):
+        to[k] = values[k]
+
+
+@compiled(nrt=False)
 def _inside(limits: Array, q: Array) -> bool:
     for k in range(q.size):
         if not limits[0, k] <= q[k] <= limits[1, k]:
@@ -99,11 +124,13 @@ def _inside(limits: Array, q: Array) -> bool:
     return True
 
 
-@compiled()
-def _brought_inside(chain: ChainArrays, limits: Array, path: PathArrays, s: float, q: Array) -> bool:
-    """Self-motion, in place, that brings axes back that are a little outside; False if it does not."""
+@compiled(nrt=False)
+def _brought_inside(chain: ChainArrays, limits: Array, q: Array, view: View, way: Array) -> bool:
+    """Self-motion of a posture in view, in place, that brings back axes that are a little outside.
+
+    False if it does not. `way` (n,) is memory.
+    """
     n = q.size
-    way = np.empty(n)
     for _ in range(INSIDE_STEPS):
         worst, excess = NOWHERE, 0.0
         for k in range(n):
@@ -112,17 +139,18 @@ def _brought_inside(chain: ChainArrays, limits: Array, path: PathArrays, s: floa
                 worst, excess = k, outside
         if worst == NOWHERE:
             return True
-        _null_direction(chain, q, way)
+        _null_direction(view, way)
         goal = max(limits[0, worst] + INSIDE_ROOM, min(q[worst], limits[1, worst] - INSIDE_ROOM)) - q[worst]
         if INSIDE_MOTION * abs(way[worst]) < abs(goal):
             return False
-        q += goal / way[worst] * way
-        if not correct(chain, path, s, q):
+        for k in range(n):
+            q[k] += goal / way[worst] * way[k]
+        if not correct(chain, q, view):
             return False
     return False
 
 
-@compiled()
+@compiled(nrt=False)
 def _known(nodes: Array, count: int, q: Array, distance: float) -> bool:
     for i in range(count):
         if _apart(nodes[i], q) < distance:
@@ -130,7 +158,7 @@ def _known(nodes: Array, count: int, q: Array, distance: float) -> bool:
     return False
 
 
-@compiled()
+@compiled(nrt=False)
 def _apart(p: Array, q: Array) -> float:
     largest = 0.0
     for k in range(q.size):
@@ -138,23 +166,28 @@ def _apart(p: Array, q: Array) -> float:
     return largest
 
 
-@compiled()
-def _null_direction(chain: ChainArrays, q: Array, way: Array) -> None:
+@compiled(nrt=False)
+def _null_direction(view: View, way: Array) -> None:
     """Fill the joint motion (n,) that leaves the pose; its largest entry is 1 rad (m)."""
-    n = q.size
-    r, T, J, P = np.empty(3), np.empty((3, 3)), np.empty((6, n)), np.empty((n, 6))
-    pose_and_jacobian(chain, q, r, T, J)
-    pseudo_inverse(J, P)
-    N = np.eye(n) - P @ J
-    axis = 0
+    n = way.size
+    J, P = view.J, view.P
+    pseudo_inverse(J, P, view.solver)
+    # The longest column of I - J^+ J.
+    axis, longest = 0, 0.0
     for k in range(n):
-        if N[k, k] > N[axis, axis]:
-            axis = k
-    way[:] = N[:, axis]
+        square = 1.0
+        for i in range(6):
+            square -= P[k, i] * J[i, k]
+        if square > longest:
+            axis, longest = k, square
     largest = 0.0
     for k in range(n):
+        way[k] = 1.0 if k == axis else 0.0
+        for i in range(6):
+            way[k] -= P[k, i] * J[i, axis]
         largest = max(largest, abs(way[k]))
-    way /= largest
+    for k in range(n):
+        way[k] /= largest
 
 
 @compiled()
@@ -170,20 +203,30 @@ def follow_layers(
     counts = np.zeros(m, np.int64)
     layers[0, 0] = start
     counts[0] = 1
-    r, T, J = np.empty(3), np.empty((3, 3)), np.empty((6, n))
-    x_s, x_ss, step = np.empty(6), np.empty(6), np.empty(n)
+    view, memory = view_of(n), np.empty((4, n))
     for i in range(1, m):
         seeds = layers[i - 1, : counts[i - 1]].copy()
-        pose_on_path(path, s[i - 1], r, T, x_s, x_ss)
-        for k in range(seeds.shape[0]):
-            pose_and_jacobian(chain, seeds[k], r, T, J)
-            least_motion(J, x_s, step)
-            if (s[i] - s[i - 1]) * np.abs(step).max() < LARGEST_MOTION:
-                seeds[k] += (s[i] - s[i - 1]) * step
-        counts[i] = sample_layer(chain, limits, path, s[i], seeds, layers[i])
+        aim_at(path, s[i - 1], view)
+        _move_along(chain, s[i] - s[i - 1], seeds, view, memory[0])
+        aim_at(path, s[i], view)
+        counts[i] = sample_layer(chain, limits, seeds, layers[i], view, memory)
         if counts[i] == 0:
             return i, counts
     return m, counts
+
+
+@compiled(nrt=False)
+def _move_along(chain: ChainArrays, way: float, postures: Array, view: View, step: Array) -> None:
+    """Move postures (k, n) by `way` of s along the path aimed at, where that is no jump; `step` is memory."""
+    for k in range(postures.shape[0]):
+        look_from(chain, postures[k], view)
+        least_motion(view.J, view.x_s, step, view.solver)
+        largest = 0.0
+        for axis in range(step.size):
+            largest = max(largest, abs(step[axis]))
+        if way * largest < LARGEST_MOTION:
+            for axis in range(step.size):
+                postures[k, axis] += way * step[axis]
 
 
 @compiled()
@@ -224,21 +267,37 @@ def relax(
     chain: ChainArrays, limits: Array, path: PathArrays, s: Array, margin: float, rounds: int, q: Array
 ) -> None:
     """Smooth postures q (m, n) at s (m,) by self-motion, the first one fixed, `margin` inside the limits."""
+    n = q.shape[1]
+    _relax(chain, limits, path, s, margin, rounds, q, view_of(n), np.empty((3, n)))
+
+
+@compiled(nrt=False)
+def _relax(
+    chain: ChainArrays,
+    limits: Array,
+    path: PathArrays,
+    s: Array,
+    margin: float,
+    rounds: int,
+    q: Array,
+    view: View,
+    memory: Array,
+) -> None:
+    wish, back, moved, reached = memory[0], memory[1], memory[2], view.rest
     m, n = q.shape
-    r, T, J = np.empty(3), np.empty((3, 3)), np.empty((6, n))
-    wish, reached, back, moved = np.empty(n), np.empty(6), np.empty(n), np.empty(n)
     for _ in range(rounds):
         for i in range(1, m):
             for k in range(n):
                 # The end is free: there the smoothest is to go on as before.
                 target = 0.5 * (q[i - 1, k] + q[i + 1, k]) if i < m - 1 else 2.0 * q[i - 1, k] - q[i - 2, k]
                 wish[k] = RELAXATION * (target - q[i, k])
-            pose_and_jacobian(chain, q[i], r, T, J)
-            multiply(J, wish, reached)
-            least_motion(J, reached, back)
+            aim_at(path, s[i], view)
+            look_from(chain, q[i], view)
+            multiply(view.J, wish, reached)
+            least_motion(view.J, reached, back, view.solver)
             for k in range(n):
                 moved[k] = q[i, k] + wish[k] - back[k]
-            if not correct(chain, path, s[i], moved):
+            if not correct(chain, moved, view):
                 continue
             good = True
             for k in range(n):
@@ -246,7 +305,7 @@ def relax(
                 low, high = min(limits[0, k] + room, q[i, k]), max(limits[1, k] - room, q[i, k])
                 good = good and low <= moved[k] <= high
             if good:
-                q[i] = moved
+                _copy(moved, q[i])
 
 
 @compiled()
@@ -276,7 +335,10 @@ def follow_guide(
     s, q = knots[0], knots[1]
     breaks = guide[0]
     s[0], q[0] = 0.0, start
-    if not _guided(chain, path, guide, knots, 0):
+    view = view_of(start.size)
+    aim_at(path, 0.0, view)
+    look_from(chain, start, view)
+    if not _guided(guide, knots, 0, view):
         return SINGULAR_START, 1
     count, step, piece, path_piece = 1, GUIDED_FIRST_STEP, 1, 1
     while s[count - 1] < 1.0:
@@ -288,7 +350,7 @@ def follow_guide(
         if border - end < SHORTEST_STEP:
             end = border
         s[count] = end
-        deviation = _advance_guided(chain, path, guide, knots, here)
+        deviation = _advance_guided(chain, path, guide, knots, here, view)
         step = next_step(end - s[here], deviation)
         outcome = judge(limits, knots, here, step, deviation)
         if outcome == FOLLOWED:
@@ -300,20 +362,21 @@ def follow_guide(
 
 @compiled()
 def _advance_guided(
-    chain: ChainArrays, path: PathArrays, guide: tuple[Array, Array], knots: Knots, i: int
+    chain: ChainArrays, path: PathArrays, guide: tuple[Array, Array], knots: Knots, i: int, view: View
 ) -> float:
     """Fill knot i + 1 at its s; the deviation in between, or -1 if the step is too long."""
     s, q, q_s, q_ss = knots
     n = q.shape[1]
     j, h = i + 1, s[i + 1] - s[i]
-    guess, error = np.empty(n), np.empty(6)
+    guess = np.empty(n)
     for k in range(n):
         guess[k] = q[i, k] + h * (q_s[i, k] + 0.5 * h * q_ss[i, k])
+    aim_at(path, s[j], view)
     for _ in range(3):
-        if not correct(chain, path, s[j], guess):
+        if not correct(chain, guess, view):
             return -1.0
         q[j] = guess
-        if not _guided(chain, path, guide, knots, j):
+        if not _guided(guide, knots, j, view):
             return -1.0
         for k in range(n):
             guess[k] = q[i, k] + 0.5 * h * (q_s[i, k] + q_s[j, k]) + h * h / 12.0 * (q_ss[i, k] - q_ss[j, k])
@@ -326,24 +389,22 @@ def _advance_guided(
             + 5.0 / 32.0 * h * (q_s[i, k] - q_s[j, k])
             + h * h / 64.0 * (q_ss[i, k] + q_ss[j, k])
         )
-    deviation = path_error(chain, path, 0.5 * (s[i] + s[j]), guess, error)
+    aim_at(path, 0.5 * (s[i] + s[j]), view)
+    deviation = look_from(chain, guess, view)
     return deviation if deviation <= PATH_TOLERANCE else -1.0
 
 
 @compiled()
-def _guided(chain: ChainArrays, path: PathArrays, guide: tuple[Array, Array], knots: Knots, i: int) -> bool:
-    """Fill q' and q'' of knot i."""
+def _guided(guide: tuple[Array, Array], knots: Knots, i: int, view: View) -> bool:
+    """Fill q' and q'' of knot i, which is in view."""
     s, q, q_s, q_ss = knots
     n = q.shape[1]
-    r, T, J, J_s, P = np.empty(3), np.empty((3, 3)), np.empty((6, n)), np.empty((6, n)), np.empty((n, 6))
-    x_s, x_ss, row, other = np.empty(6), np.empty(6), np.empty(6), np.empty(6)
-    h, h_s, added, inner = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    x_s, x_ss, J, J_s, P, row, other = view.x_s, view.x_ss, view.J, view.J_s, view.P, view.rest, view.twist
+    h, h_s, added, inner = np.empty(n), np.empty(n), np.empty(n), view.step
     breaks, c = guide
     piece = min(max(np.searchsorted(breaks, s[i], side='right') - 1, 0), breaks.size - 2)
     x = s[i] - breaks[piece]
-    pose_on_path(path, s[i], r, T, x_s, x_ss)
-    pose_and_jacobian(chain, q[i], r, T, J)
-    pseudo_inverse(J, P)
+    pseudo_inverse(J, P, view.solver)
     for k in range(n):
         g = ((c[0, piece, k] * x + c[1, piece, k]) * x + c[2, piece, k]) * x + c[3, piece, k]
         g_s = (3.0 * c[0, piece, k] * x + 2.0 * c[1, piece, k]) * x + c[2, piece, k]

@@ -44,7 +44,15 @@ def fastest_speeds(s: Array, rows: Array, highest: Array, scale: Array, u: Array
         -1, or the first grid point at which the robot cannot even stand still.
     """
     m = rows.shape[0]
-    summit, top = np.empty(m), np.empty(m)
+    return _passes(s, rows, highest, scale, np.empty(m), np.empty(m), u, change)
+
+
+@compiled(nrt=False)
+def _passes(
+    s: Array, rows: Array, highest: Array, scale: Array, summit: Array, top: Array, u: Array, change: Array
+) -> int:
+    """`fastest_speeds` with memory for the speeds that are allowed (m,), and that lead to the end (m,)."""
+    m = rows.shape[0]
     for i in range(m):
         summit[i] = _highest_speed(rows[i], highest[i], scale[i])
         if summit[i] < 0.0:
@@ -66,7 +74,7 @@ def fastest_speeds(s: Array, rows: Array, highest: Array, scale: Array, u: Array
     return -1
 
 
-@compiled()
+@compiled(nrt=False)
 def _highest_speed(rows: Array, highest: float, scale: float) -> float:
     """Largest u for which some x keeps all limits (maximum velocity curve), -1 if not even u = 0."""
     largest = 0.0
@@ -102,7 +110,7 @@ def _highest_speed(rows: Array, highest: float, scale: float) -> float:
     return u
 
 
-@compiled()
+@compiled(nrt=False)
 def _slopes(s: Array, rows: Array, scale: Array, u: Array, change: Array) -> None:
     """Fill the change of x within every interval, from the mean x of its neighbours."""
     m = s.size
@@ -129,7 +137,7 @@ def _slopes(s: Array, rows: Array, scale: Array, u: Array, change: Array) -> Non
         change[i] = size if left > 0.0 else -size
 
 
-@compiled()
+@compiled(nrt=False)
 def _reachable(
     step: float, ends: tuple[Array, Array], scales: tuple[float, float], change: float, top: float
 ) -> float:
@@ -168,7 +176,7 @@ def _reachable(
     return max(low_u, high_u)
 
 
-@compiled()
+@compiled(nrt=False)
 def _latest(
     step: float, ends: tuple[Array, Array], scales: tuple[float, float], change: float, following: float
 ) -> tuple[float, float, float, float]:
@@ -203,7 +211,7 @@ def _latest(
     return high, high_slope, low - high, low_slope - high_slope
 
 
-@compiled()
+@compiled(nrt=False)
 def _following(
     step: float,
     ends: tuple[Array, Array],

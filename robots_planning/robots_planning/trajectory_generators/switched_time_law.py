@@ -81,7 +81,7 @@ class SwitchedTimeLaw:
         return times[:count]
 
 
-@compiled()
+@compiled(nrt=False)
 def law_pieces(s: Array, u: Array, difference: Array, t: Array, pieces: Array) -> None:
     """Fill begins t (m,) and pieces (m, 5): integral of s so far, then s, s_dot, s_ddot and s_dddot."""
     m = s.size
@@ -104,7 +104,7 @@ def law_pieces(s: Array, u: Array, difference: Array, t: Array, pieces: Array) -
     last_piece[0], last_piece[1] = area, s[m - 1]
 
 
-@compiled()
+@compiled(nrt=False)
 def _state(t: Array, pieces: Array, time: float, i: int) -> tuple[float, float, float, int]:
     """Integral of s, s and s_dot at a time, searched from piece i on; and the piece."""
     if time <= 0.0:
@@ -121,7 +121,7 @@ def _state(t: Array, pieces: Array, time: float, i: int) -> tuple[float, float, 
     )
 
 
-@compiled()
+@compiled(nrt=False)
 def averaged(t: Array, pieces: Array, window: float, times: Array, values: Array) -> None:
     """Fill values (3, m): s, s_dot, s_ddot of the averaged law at increasing times."""
     front = back = 0
@@ -133,7 +133,7 @@ def averaged(t: Array, pieces: Array, window: float, times: Array, values: Array
         values[2, k] = (v - past_v) / window
 
 
-@compiled()
+@compiled(nrt=False)
 def fill_times(t: Array, pieces: Array, window: float, longest: float, weight: Array, times: Array) -> int:
     """Fill times and return their number: ramps of jumps, and between them steps of at most `longest`."""
     m = t.size

@@ -33,7 +33,7 @@ def time_law(s: Array, speeds: Array) -> TimeLaw:
     return t, s.copy(), s_dot, once, s_ddot
 
 
-@compiled()
+@compiled(nrt=False)
 def smooth_law_at(law: TimeLaw, window: float, time: float) -> tuple[float, float, float]:
     """s, s_dot and s_ddot at a time of the law convolved with a rectangle of width `window` (s).
 
@@ -49,7 +49,7 @@ def smooth_law_at(law: TimeLaw, window: float, time: float) -> tuple[float, floa
     )
 
 
-@compiled()
+@compiled(nrt=False)
 def _law_at(law: TimeLaw, time: float) -> tuple[float, float, float]:
     """s, s_dot and the integral of s; at rest before and after."""
     t, s, s_dot, once, s_ddot = law

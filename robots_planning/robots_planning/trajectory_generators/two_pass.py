@@ -40,8 +40,12 @@ def two_pass(grid: Grid, limits: MotionLimits, scale: Array, speeds: Array) -> N
         scale: Part of the limits to use at each point, (m,): of accelerations, and of squared speeds.
         speeds: Filled: s_dot^2 at the grid points, (m,); 0 at both ends.
     """
+    _two_pass(grid, limits, scale, speeds, np.empty(4))
+
+
+@compiled(nrt=False)
+def _two_pass(grid: Grid, limits: MotionLimits, scale: Array, speeds: Array, bounds: Array) -> None:
     m = speeds.size
-    bounds = np.empty(4)
     speeds[m - 1] = 0.0
     for i in range(m - 2, -1, -1):
         following = speeds[i + 1]
@@ -62,7 +66,7 @@ def two_pass(grid: Grid, limits: MotionLimits, scale: Array, speeds: Array) -> N
         speeds[i + 1] = max(min(bounds[1], speeds[i + 1]), 0.0)
 
 
-@compiled()
+@compiled(nrt=False)
 def _highest_speed(grid: Grid, limits: MotionLimits, scale: Array, i: int) -> float:
     """Highest s_dot^2 at point i that keeps the speed limits, and those that only curvature uses up."""
     s, q_s, q_ss, x_s, x_ss = grid
@@ -92,7 +96,7 @@ def _highest_speed(grid: Grid, limits: MotionLimits, scale: Array, i: int) -> fl
     return highest
 
 
-@compiled()
+@compiled(nrt=False)
 def _following_speeds(
     grid: Grid, limits: MotionLimits, scale: Array, i: int, u: float, bounds: Array
 ) -> None:
@@ -123,7 +127,7 @@ def _following_speeds(
                 bounds[0], bounds[2] = center * u - half, center + steep
 
 
-@compiled()
+@compiled(nrt=False)
 def _narrow(alpha: float, beta: float, limit: float, u: float, bounds: Array) -> None:
     """Narrow the speeds v to |alpha v + beta u| <= limit."""
     if abs(alpha) <= VANISHING * abs(beta) or alpha == 0.0:
@@ -135,7 +139,7 @@ def _narrow(alpha: float, beta: float, limit: float, u: float, bounds: Array) ->
         bounds[0], bounds[2] = slope * u - half, slope
 
 
-@compiled()
+@compiled(nrt=False)
 def _cone(x_s: Array, x_ss: Array, i: int, end: int, step: float, first: int) -> tuple[float, float, float]:
     """Of the tool's acceleration d v + p u: d . d, d . p, and the square of the part of p across d."""
     dd, dp, pp = 0.0, 0.0, 0.0

@@ -62,7 +62,7 @@ def speed_grid(knots: Array) -> Array:
     return s
 
 
-@compiled()
+@compiled(nrt=False)
 def _parts(interval: float) -> int:
     """In how many parts an interval of the path is divided."""
     return max(ceil(interval * GRID - GRID_ROUNDING), POINTS_PER_KNOT)
@@ -138,7 +138,7 @@ def jerk_window(grid: Grid, limits: AllLimits) -> float:
     return window
 
 
-@compiled()
+@compiled(nrt=False)
 def _slow_down(t: Array, window: float, times: Array, use: Array, scale: Array) -> None:
     """Lower the limits at the grid points whose smoothing window reaches a place where a limit is broken."""
     first = 0
@@ -246,7 +246,7 @@ def _sampled(
     return (times, q, q_dot, q_ddot), use
 
 
-@compiled()
+@compiled(nrt=False)
 def _tool_use(
     s: Array, x_s: Array, x_ss: Array, tool: Array, place: float, rate: float, change: float, linear: Array
 ) -> float:

@@ -103,15 +103,12 @@ class AnalyticalInverseKinematic:
 
     def _turned(self, q: Array) -> Array:
         axes = self._axes
-        choices = []
-        for value, lower, upper in zip(q, axes.lower, axes.upper, strict=True):
-            if np.isinf(lower):
-                choices.append([value])
-                continue
-            first = np.ceil((lower - LIMIT_TOLERANCE - value) / TURN)
-            last = np.floor((upper + LIMIT_TOLERANCE - value) / TURN)
-            choices.append([value + TURN * turn for turn in np.arange(first, last + 1)])
-        turned: Array = np.clip(np.array(list(product(*choices))), axes.lower, axes.upper)
+        first = np.ceil((axes.lower - LIMIT_TOLERANCE - q) / TURN)
+        last = np.floor((axes.upper + LIMIT_TOLERANCE - q) / TURN)
+        endless = np.isinf(axes.lower)
+        first[endless] = last[endless] = 0.0
+        turns = [range(int(low), int(high) + 1) for low, high in zip(first, last, strict=True)]
+        turned: Array = np.clip(q + TURN * np.array(list(product(*turns))), axes.lower, axes.upper)
         return turned
 
     def _unreachable(self, target: Pose, configuration: Configuration | None) -> UnreachablePoseError:

@@ -101,7 +101,7 @@ class SerialChain:
                 )
 
 
-@compiled()
+@compiled(nrt=False)
 def pose_and_jacobian(chain: ChainArrays, q: Array, r: Array, T: Array, J: Array) -> None:
     """Fill pose r (3,), T (3, 3) and geometric Jacobian J (6, n) of a chain at `q`, base frame."""
     directions, points, prismatic, r0, T0 = chain
@@ -131,10 +131,10 @@ def pose_and_jacobian(chain: ChainArrays, q: Array, r: Array, T: Array, J: Array
             J[0, i], J[1, i], J[2, i] = cross((J[3, i], J[4, i], J[5, i]), arm)
 
 
-@compiled()
+@compiled(nrt=False)
 def error_between(r: Array, T: Array, r_target: Array, T_target: Array, error: Array) -> None:
     """Fill error (6,): translation (m), then rotation vector (rad), from a pose to a target, base frame."""
-    error[:3] = r_target - r
+    error[0], error[1], error[2] = r_target[0] - r[0], r_target[1] - r[1], r_target[2] - r[2]
     # E = T_target T^T
     E00 = T_target[0, 0] * T[0, 0] + T_target[0, 1] * T[0, 1] + T_target[0, 2] * T[0, 2]
     E01 = T_target[0, 0] * T[1, 0] + T_target[0, 1] * T[1, 1] + T_target[0, 2] * T[1, 2]

@@ -6,7 +6,7 @@ from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
 
-@compiled()
+@compiled(nrt=False)
 def jacobian_der(J: Array, q_dot: Array, J_der: Array) -> None:
     """Fill the derivative J_der (6, n) of a geometric Jacobian J (6, n) for joint velocities `q_dot` (n,).
 
