@@ -18,7 +18,8 @@ from robots_planning.trajectory_generators.cartesian_path import CartesianPath
 from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.trajectory_generators.path_timing import PathTiming, TooSlowError
-from robots_planning.trajectory_generators.posture_graph import PostureGraph, Route, RoutePiece
+from robots_planning.trajectory_generators.posture_graph import PostureGraph
+from robots_planning.trajectory_generators.route import Route, RoutePiece
 
 
 class PathGenerator(TrajectoryGenerator):

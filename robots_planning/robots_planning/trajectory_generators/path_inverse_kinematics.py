@@ -15,13 +15,16 @@ from robots_core.validation import Array
 from robots_planning.trajectory_generators.cartesian_path import CartesianPath
 from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_following_kernel import (
+    BLOCKED,
     FOLLOWED,
     FULL,
     MOST_KNOTS,
     OUTSIDE,
     SINGULAR_START,
+    Knots,
     follow,
 )
+from robots_planning.trajectory_generators.route import FollowedPart
 
 LOOK_AHEAD = 1e-3  # of the path: where the closest posture to a place out of reach is searched
 
@@ -74,7 +77,7 @@ class PathInverseKinematics:
         result, count = self._fill(path, start, self._limits)
         s, q, _, _ = self._knots
         if result == FOLLOWED:
-            return self._followed(count)
+            return JointPath(*self._filled(count))
         if result == SINGULAR_START:
             raise self._singular(path, 0.0, q[0].copy())
         if result == OUTSIDE:
@@ -89,25 +92,24 @@ class PathInverseKinematics:
             )
         raise self._blocked(path, fraction, q[count - 1].copy())
 
-    def follow_far(self, path: CartesianPath, start: Array) -> tuple[JointPath, float] | None:
-        """As `follow`, as far as it goes whatever the axis limits.
-
-        Returns:
-            The joint path of that part of the path, and s where it ends; None if it goes nowhere.
-        """
-        _, count = self._fill(path, start, self._endless)
-        return None if count < 2 else (self._followed(count), float(self._knots[0][count - 1]))
+    def follow_far(self, path: CartesianPath, start: Array, *, inside_limits: bool = False) -> FollowedPart:
+        """As `follow`, as far as it goes, whatever the axis limits if they are not asked for."""
+        result, count = self._fill(path, start, self._limits if inside_limits else self._endless)
+        blocked = result in {BLOCKED, SINGULAR_START}
+        if count < 2:
+            return FollowedPart(None, 0.0, 0.0, blocked)
+        return FollowedPart(self._filled(count), 0.0, float(self._knots[0][count - 1]), blocked)
 
     def _fill(self, path: CartesianPath, start: Array, limits: Array) -> tuple[int, int]:
         """Fill the knots; what `follow` of the kernel returns."""
         begin = np.array(start, dtype=np.float64)
         return follow(self._chain.arrays, limits, path.arrays, begin, self._knots)
 
-    def _followed(self, count: int) -> JointPath:
-        """The joint path of the first knots, over an s of its own."""
-        s, q, q_s, q_ss = (values[:count].copy() for values in self._knots)
+    def _filled(self, count: int) -> Knots:
+        """The first knots, over an s of their own."""
+        s, q, q_s, q_ss = (values[:count] for values in self._knots)
         way = s[-1]
-        return JointPath(s / way, q, q_s * way, q_ss * way**2)
+        return s / way, q.copy(), q_s * way, q_ss * way**2
 
     def _outside(self, path: CartesianPath, s: Array, q: Array) -> PlanningError:
         """The limit that is passed between two knots, s (2,) and q (2, n)."""
