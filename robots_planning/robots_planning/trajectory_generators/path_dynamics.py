@@ -19,28 +19,19 @@ Memory = tuple[Bodies, Array, Array, Array]
 
 
 @compiled()
+def memory_for(n: int) -> Memory:
+    """Memory for a robot of n axes."""
+    return bodies_of(n), np.empty((n, n)), np.empty(n), np.empty(n)
+
+
+@compiled(nrt=False)
 def torque_rows(
-    dynamics: DynamicsArrays, q: Array, q_s: Array, q_ss: Array, effort: Array, rows: Array
+    dynamics: DynamicsArrays, q: Array, q_s: Array, q_ss: Array, effort: Array, rows: Array, memory: Memory
 ) -> None:
     """Fill rows (m, n, 3): torque = a s_ddot + b s_dot^2 + c, divided by its limit.
 
     a = M q', b = M q'' + C(q, q') q', c = gravity (Bobrow, Dubowsky and Gibson 1985).
     """
-    n = q.shape[1]
-    memory = (bodies_of(n), np.empty((n, n)), np.empty(n), np.empty(n))
-    _torque_rows(dynamics, q, q_s, q_ss, effort, rows, memory)
-
-
-@compiled(nrt=False)
-def _torque_rows(
-    dynamics: DynamicsArrays,
-    q: Array,
-    q_s: Array,
-    q_ss: Array,
-    effort: Array,
-    rows: Array,
-    memory: Memory,
-) -> None:
     bodies, M, bias, weight = memory
     m, n = q.shape
     for i in range(m):
@@ -55,26 +46,11 @@ def _torque_rows(
             rows[i, j, 2] = weight[j] / effort[j]
 
 
-@compiled()
+@compiled(nrt=False)
 def torque_use(
-    dynamics: DynamicsArrays, q: Array, q_dot: Array, q_ddot: Array, effort: Array, use: Array
+    dynamics: DynamicsArrays, q: Array, q_dot: Array, q_ddot: Array, effort: Array, use: Array, memory: Memory
 ) -> None:
     """Fill use (m, n): torque over its limit."""
-    n = q.shape[1]
-    memory = (bodies_of(n), np.empty((n, n)), np.empty(n), np.empty(n))
-    _torque_use(dynamics, q, q_dot, q_ddot, effort, use, memory)
-
-
-@compiled(nrt=False)
-def _torque_use(
-    dynamics: DynamicsArrays,
-    q: Array,
-    q_dot: Array,
-    q_ddot: Array,
-    effort: Array,
-    use: Array,
-    memory: Memory,
-) -> None:
     bodies, M, bias, weight = memory
     m, n = q.shape
     for i in range(m):

@@ -18,7 +18,7 @@ from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.even_path import EvenPath
 from robots_planning.trajectory_generators.joint_path import JointPath
-from robots_planning.trajectory_generators.path_dynamics import torque_rows, torque_use
+from robots_planning.trajectory_generators.path_dynamics import memory_for, torque_rows, torque_use
 from robots_planning.trajectory_generators.path_grid import finer_grid
 from robots_planning.trajectory_generators.path_timing import TooSlowError
 from robots_planning.trajectory_generators.quintic import quintic_coefficients, quintic_uses, quintics_at
@@ -205,7 +205,7 @@ class TimeOptimalTiming:
         assert effort is not None
         if self._dynamics is not None:
             filled = np.empty(rows.shape)
-            torque_rows(self._dynamics.arrays, q, q_s, q_ss, effort, filled)
+            torque_rows(self._dynamics.arrays, q, q_s, q_ss, effort, filled, memory_for(len(effort)))
             rows[:] = filled
             return
         still = np.zeros(q.shape[1])
@@ -306,7 +306,7 @@ class TimeOptimalTiming:
             slow: Array = np.abs(tau / effort).max(axis=1)
             return slow
         filled = np.empty(q.shape)
-        torque_use(self._dynamics.arrays, q, q_dot, q_ddot, effort, filled)
+        torque_use(self._dynamics.arrays, q, q_dot, q_ddot, effort, filled, memory_for(len(effort)))
         use: Array = filled.max(axis=1)
         return use
 
