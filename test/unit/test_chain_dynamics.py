@@ -6,7 +6,12 @@ import pytest
 from robots_core import available_robot_models, load_robot_model
 from robots_core.blocks import ConstrainedInverseKinematics
 from robots_core.blocks.inverse_kinematics.chain import SerialChain
-from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics, bodies_of, fill_dynamics
+from robots_core.blocks.inverse_kinematics.chain_dynamics import (
+    ChainDynamics,
+    bodies_of,
+    fill_dynamics,
+    fill_torques,
+)
 from robots_core.pose import Pose
 
 
@@ -37,6 +42,20 @@ def test_the_weight_is_what_holds_the_robot_at_rest(name: str) -> None:
     _, _, expected = robot.rigid_dynamics(q, np.zeros(n), np.zeros(n))
     # Both sides round to 1e-15 of the largest torque.
     np.testing.assert_allclose(weight, expected, atol=1e-12 * (1.0 + np.abs(expected).max()))
+
+
+@pytest.mark.parametrize('name', available_robot_models())
+def test_torques_are_the_robots(name: str) -> None:
+    robot = load_robot_model(name)
+    n = robot.num_axes
+    dynamics = ChainDynamics.of(robot, SerialChain.of(robot))
+    assert dynamics is not None
+    q, q_dot, q_ddot = np.random.default_rng(8).uniform(-2.0, 2.0, (3, n))
+    tau = np.empty(n)
+    fill_torques(dynamics.arrays, q, q_dot, q_ddot, bodies_of(n), tau)
+    expected, _, _ = robot.rigid_dynamics(q, q_dot, q_ddot)
+    # Both sides round to 1e-15 of the largest torque.
+    np.testing.assert_allclose(tau, expected, atol=1e-12 * (1.0 + np.abs(expected).max()))
 
 
 def test_a_robot_with_more_than_its_bodies_keeps_its_own_dynamics(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,6 +10,7 @@ from robots_core.blocks.inverse_kinematics.chain_dynamics import (
     DynamicsArrays,
     bodies_of,
     fill_dynamics,
+    fill_torques,
 )
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
@@ -48,15 +49,11 @@ def torque_rows(
 
 @compiled(nrt=False)
 def torque_use(
-    dynamics: DynamicsArrays, q: Array, q_dot: Array, q_ddot: Array, effort: Array, use: Array, memory: Memory
+    dynamics: DynamicsArrays, q: Array, q_dot: Array, q_ddot: Array, effort: Array, use: Array, bodies: Bodies
 ) -> None:
     """Fill use (m, n): torque over its limit."""
-    bodies, M, bias, weight = memory
     m, n = q.shape
     for i in range(m):
-        fill_dynamics(dynamics, q[i], q_dot[i], bodies, M, bias, weight)
+        fill_torques(dynamics, q[i], q_dot[i], q_ddot[i], bodies, use[i])
         for j in range(n):
-            tau = bias[j]
-            for k in range(n):
-                tau += M[j, k] * q_ddot[i, k]
-            use[i, j] = abs(tau) / effort[j]
+            use[i, j] = abs(use[i, j]) / effort[j]

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from robots_core.blocks.inverse_kinematics.chain import SerialChain
-from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics
+from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics, bodies_of
 from robots_core.errors import InvalidInputError, PlanningError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
@@ -306,7 +306,7 @@ class TimeOptimalTiming:
             slow: Array = np.abs(tau / effort).max(axis=1)
             return slow
         filled = np.empty(q.shape)
-        torque_use(self._dynamics.arrays, q, q_dot, q_ddot, effort, filled, memory_for(len(effort)))
+        torque_use(self._dynamics.arrays, q, q_dot, q_ddot, effort, filled, bodies_of(len(effort)))
         use: Array = filled.max(axis=1)
         return use
 

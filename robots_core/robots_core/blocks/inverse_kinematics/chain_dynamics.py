@@ -151,22 +151,50 @@ def fill_dynamics(
     dynamics: DynamicsArrays, q: Array, q_dot: Array, bodies: Bodies, M: Array, bias: Array, weight: Array
 ) -> None:
     """As `mass_matrix_and_bias`, in memory that is there; weight (n,) is what gravity has of the bias."""
-    directions, points, prismatic, masses, centers, inertias, gravity = dynamics
-    n = q.size
-    # Per axis: direction, a point on it; its body's centre of mass, force and moment about the origin.
+    bias[:] = 0.0  # the accelerations
+    _move_bodies(dynamics, (0.0, 0.0, 0.0), q, q_dot, bias, bodies)
+    _collect(bodies, dynamics[2], dynamics[3], dynamics[6], M, bias, weight)
+
+
+@compiled(nrt=False)
+def fill_torques(
+    dynamics: DynamicsArrays, q: Array, q_dot: Array, q_ddot: Array, bodies: Bodies, tau: Array
+) -> None:
+    """Fill the torques tau (n,) of a motion: recursive Newton-Euler (Featherstone 2008)."""
+    prismatic, gravity = dynamics[2], dynamics[6]
+    # Holding against gravity is as accelerating upwards.
+    _move_bodies(dynamics, (-gravity[0], -gravity[1], -gravity[2]), q, q_dot, q_ddot, bodies)
+    moving = bodies[0]
+    force = moment = (0.0, 0.0, 0.0)
+    for j in range(tau.size - 1, -1, -1):
+        axis, place = row_of(moving[j], 0), row_of(moving[j], 1)
+        force, moment = add(force, row_of(moving[j], 3)), add(moment, row_of(moving[j], 4))
+        tau[j] = dot(axis, force if prismatic[j] else subtract(moment, cross(place, force)))
+
+
+@compiled(nrt=False)
+def _move_bodies(
+    dynamics: DynamicsArrays, base: Vector, q: Array, q_dot: Array, q_ddot: Array, bodies: Bodies
+) -> None:
+    """Fill the bodies: where they are, and what moves them, from the base with its acceleration to the tip.
+
+    Per axis: direction, a point on it; its body's centre of mass, force and moment about the origin.
+    """
+    directions, points, prismatic, masses, centers, inertias, _ = dynamics
     moving, tensors = bodies
     R = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    t = omega = alpha = last = acceleration = (0.0, 0.0, 0.0)
-    for i in range(n):
+    t = omega = alpha = last = (0.0, 0.0, 0.0)
+    acceleration = base
+    for i in range(q.size):
         axis, place = times(R, row_of(directions, i)), add(times(R, row_of(points, i)), t)
         acceleration = add(acceleration, _at(omega, alpha, subtract(place, last)))
         last = place
-        spin = scale(q_dot[i], axis)
+        spin, push = scale(q_dot[i], axis), scale(q_ddot[i], axis)
         if prismatic[i]:
             t = add(t, scale(q[i], axis))
-            acceleration = add(acceleration, cross(omega, scale(2.0, spin)))
+            acceleration = add(add(acceleration, push), cross(omega, scale(2.0, spin)))
         else:
-            alpha = add(alpha, cross(omega, spin))
+            alpha = add(add(alpha, push), cross(omega, spin))
             omega = add(omega, spin)
             E = rotation(axis, q[i])
             t = add(place, times(E, subtract(t, place)))
@@ -181,7 +209,6 @@ def fill_dynamics(
             moving[i, 3, k], moving[i, 4, k] = force[k], moment[k]
             for column in range(3):
                 tensors[i, k, column] = tensor[k][column]
-    _collect(bodies, prismatic, masses, gravity, M, bias, weight)
 
 
 @compiled(nrt=False)
