@@ -1,3 +1,4 @@
+# ruff: noqa: PLR0917  # compiled functions take arrays
 """Compiled sums with Coulomb friction: an axis slides or stands still exactly.
 
 With A symmetric and positive definite, w^T A w / 2 - b^T w + sum_j hold_j |w_j| has one minimum, where
@@ -21,7 +22,7 @@ SWEEP_TOLERANCE: Final = 1e-13
 MAX_SWEEPS: Final = 200
 
 
-@compiled()
+@compiled(nrt=False)
 def add_losses(losses: Array, q_dot: Array, M: Array, tau_aux: Array) -> None:
     """Add losses (3, n), rows reflected inertia, Coulomb and viscous friction, to M and tau_aux."""
     for j in range(q_dot.size):
@@ -38,7 +39,7 @@ def accelerations(losses: Array, q_dot: Array, M: Array, tau: Array) -> Array:
     n = tau.size
     q_ddot, hold = np.zeros(n), np.zeros(n)
     stands = np.zeros(n, dtype=np.bool_)
-    solve_free(M, tau, hold, stands, q_ddot)
+    solve_free(M, tau, hold, stands, np.empty((n, n)), q_ddot)
     for j in range(n):
         if q_dot[j] == 0.0 and losses[1, j] > 0.0:
             hold[j] = losses[1, j]
@@ -47,7 +48,7 @@ def accelerations(losses: Array, q_dot: Array, M: Array, tau: Array) -> Array:
     return q_ddot
 
 
-@compiled()
+@compiled(nrt=False)
 def sweep(A: Array, b: Array, hold: Array, w: Array) -> None:
     """Bring w to the minimum, axis by axis (coordinate descent)."""
     size = b.size
@@ -71,11 +72,14 @@ def sweep(A: Array, b: Array, hold: Array, w: Array) -> None:
             return
 
 
-@compiled()
-def solve_free(A: Array, b: Array, friction: Array, stands: NDArray[np.bool_], w: Array) -> None:
-    """Fill w by Cholesky's method: A w = b - friction, those that stand left out at zero."""
+@compiled(nrt=False)
+def solve_free(A: Array, b: Array, friction: Array, stands: NDArray[np.bool_], L: Array, w: Array) -> None:
+    """Fill w by Cholesky's method: A w = b - friction, those that stand left out at zero.
+
+    L (m, m) is memory.
+    """
     size = b.size
-    L = np.zeros((size, size))
+    L[:] = 0.0
     for i in range(size):
         if stands[i]:
             w[i] = 0.0

@@ -8,7 +8,7 @@ the joint: a motor with gear ratio i turns i times as fast, with 1/i of the torq
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +54,26 @@ STATE_ROWS: Final = 9
 CREEP: Final = 1e-5  # rad/s (m/s)
 
 
+class Friction(NamedTuple):
+    """Memory for a step's friction, one value for each of the unknown speeds, (m,).
+
+    Attributes:
+        hold: What holds one that stands.
+        slide: What slows one that moves.
+        sign: Direction in which it moved, 0 for one that stood.
+        now: What slows it in that direction.
+        stands: Whether it stood.
+        L: For the solution, (m, m).
+    """
+
+    hold: Array
+    slide: Array
+    sign: Array
+    now: Array
+    stands: NDArray[np.bool_]
+    L: Array
+
+
 @compiled()
 def advance(
     dynamics: DynamicsArrays,
@@ -81,21 +101,22 @@ def advance(
     for j in range(n):
         size = max(size, motors[j] + 1)
     M, bias, weight, bodies = np.empty((n, n)), np.empty(n), np.empty(n), bodies_of(n)
-    A, b, speed = np.empty((size, size)), np.empty(size), np.empty(size)
-    q_ref, v_ref = np.empty(n), np.empty(n)
+    A, b, speed, friction = np.empty((size, size)), np.empty(size), np.empty(size), _friction_of(size)
+    q_ref, v_ref, q_mid, v_mid = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     current, saturated, ahead = np.empty((2, n)), np.zeros(n), np.empty(n)
     h = period / steps
     for step in range(steps):
         _reference(start, end, period, (step + 0.5) / steps, q_ref, v_ref)
         _ahead(drive, state, q_ref, v_ref, feed, ahead)
-        q_mid = state[Q] + 0.5 * h * (state[Q_DOT] + 0.25 * h * state[Q_DDOT])
-        v_mid = state[Q_DOT] + 0.5 * h * state[Q_DDOT]
+        for j in range(n):
+            q_mid[j] = state[Q, j] + 0.5 * h * (state[Q_DOT, j] + 0.25 * h * state[Q_DDOT, j])
+            v_mid[j] = state[Q_DOT, j] + 0.5 * h * state[Q_DDOT, j]
         fill_dynamics(dynamics, q_mid, v_mid, bodies, M, bias, weight)
         saturated[:] = 0.0
         for _ in range(n + 1):
             _motor_torques(drive, state, q_ref, v_ref, ahead, saturated, h, current)
             _assemble(drive, motors, state, M, bias, current, h, A, b)
-            _solve_with_friction(drive, motors, state, h, A, b, speed)
+            _solve_with_friction(drive, motors, state, h, A, b, friction, speed)
             if not _saturate(drive, motors, state, q_ref, v_ref, ahead, h, speed, saturated):
                 break
         _move(drive, motors, state, q_ref, v_ref, ahead, saturated, M, bias, current, h, speed)
@@ -106,6 +127,18 @@ def advance(
 
 
 @compiled()
+def _friction_of(size: int) -> Friction:
+    return Friction(
+        np.empty(size),
+        np.empty(size),
+        np.empty(size),
+        np.empty(size),
+        np.empty(size, dtype=np.bool_),
+        np.empty((size, size)),
+    )
+
+
+@compiled(nrt=False)
 def _reference(start: Array, end: Array, period: float, part: float, q_ref: Array, v_ref: Array) -> None:
     """Cubic from start to end (2, n) at a part 0..1 of the period."""
     s, r = part, 1.0 - part
@@ -117,7 +150,7 @@ def _reference(start: Array, end: Array, period: float, part: float, q_ref: Arra
         v_ref[j] = (6.0 * s * r * (q1 - q0) + r * (1.0 - 3.0 * s) * v0 + s * (3.0 * s - 2.0) * v1) / period
 
 
-@compiled()
+@compiled(nrt=False)
 def _ahead(drive: Array, state: Array, q_ref: Array, v_ref: Array, feed: Array, ahead: Array) -> None:
     """Fill ahead (n,): torques known beforehand; friction in the direction that the position control wants.
 
@@ -132,7 +165,7 @@ def _ahead(drive: Array, state: Array, q_ref: Array, v_ref: Array, feed: Array, 
         ahead[j] = feed[0, j] + friction * min(max(wanted / CREEP, -1.0), 1.0)
 
 
-@compiled()
+@compiled(nrt=False)
 def _motor_torques(
     drive: Array,
     state: Array,
@@ -167,7 +200,7 @@ def _motor_torques(
         current[0, j], current[1, j] = a, slope
 
 
-@compiled()
+@compiled(nrt=False)
 def _assemble(
     drive: Array,
     motors: NDArray[np.int64],
@@ -209,9 +242,16 @@ def _assemble(
         b[m] -= push
 
 
-@compiled()
+@compiled(nrt=False)
 def _solve_with_friction(
-    drive: Array, motors: NDArray[np.int64], state: Array, h: float, A: Array, b: Array, w: Array
+    drive: Array,
+    motors: NDArray[np.int64],
+    state: Array,
+    h: float,
+    A: Array,
+    b: Array,
+    friction: Friction,
+    w: Array,
 ) -> None:
     """Fill w: velocities at the end of the step with friction on the motors.
 
@@ -220,9 +260,8 @@ def _solve_with_friction(
     stiction; once it slips, the others see it slide.
     """
     n, size = state.shape[1], b.size
-    hold, slide = np.zeros(size), np.zeros(size)
-    sign = np.zeros(size)
-    stands = np.zeros(size, dtype=np.bool_)
+    hold, slide, sign, stands = friction.hold, friction.slide, friction.sign, friction.stands
+    hold[:], slide[:], sign[:], stands[:] = 0.0, 0.0, 0.0, False
     for j in range(n):
         m = motors[j]
         slide[m] = h * drive[COULOMB, j]
@@ -232,7 +271,9 @@ def _solve_with_friction(
             hold[m] *= drive[STICTION, j]
         else:
             sign[m] = np.sign(state[MOTOR_DOT, j])
-    solve_free(A, b, sign * slide, stands, w)
+    for i in range(size):
+        friction.now[i] = sign[i] * slide[i]
+    solve_free(A, b, friction.now, stands, friction.L, w)
     for j in range(n):
         m = motors[j]
         if slide[m] > 0.0 and w[m] * sign[m] <= 0.0:
@@ -248,7 +289,7 @@ def _solve_with_friction(
             return
 
 
-@compiled()
+@compiled(nrt=False)
 def _saturate(
     drive: Array,
     motors: NDArray[np.int64],
@@ -272,7 +313,7 @@ def _saturate(
     return found
 
 
-@compiled()
+@compiled(nrt=False)
 def _speed_error(
     drive: Array, state: Array, q_ref: Array, v_ref: Array, h: float, mean: float, j: int
 ) -> float:
@@ -280,14 +321,14 @@ def _speed_error(
     return float(v_ref[j] + drive[POSITION_GAIN, j] * (q_ref[j] - position) - mean)
 
 
-@compiled()
+@compiled(nrt=False)
 def _wanted(drive: Array, state: Array, q_ref: Array, v_ref: Array, h: float, mean: float, j: int) -> float:
     error = _speed_error(drive, state, q_ref, v_ref, h, mean, j)
     growth = 1.0 + 0.5 * h / drive[INTEGRAL_TIME, j]
     return float(drive[VELOCITY_GAIN, j] * (growth * error + state[INTEGRAL, j]))
 
 
-@compiled()
+@compiled(nrt=False)
 def _move(
     drive: Array,
     motors: NDArray[np.int64],
