@@ -173,6 +173,8 @@ class TimeOptimalTiming:
                 break
             trajectory = slower(trajectory, worst)
             worst = float(self._use(trajectory, law, None)[1].max())
+        if self._jerk is None:
+            return trajectory
         for _ in range(ROUNDS):
             jerk = float(self._use(trajectory, law, None)[2].max())
             if jerk <= 1.0:
