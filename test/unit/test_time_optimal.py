@@ -15,7 +15,8 @@ from robots_planning.trajectory_generators.cartesian_line import CartesianLine
 from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.trajectory_generators.path_timing import TooSlowError
-from robots_planning.trajectory_generators.time_optimal import TimeOptimalTiming, ToolLimits
+from robots_planning.trajectory_generators.switched_time_law import SwitchedTimeLaw
+from robots_planning.trajectory_generators.time_optimal import TimeOptimalTiming, ToolLimits, local_excess
 
 ROBOTS = ('kuka_kr210_r2700', 'ur5e', 'manutec_r3', 'bello_bot')
 FINE = 1e-4  # s
@@ -186,3 +187,24 @@ def test_a_robot_that_cannot_hold_itself_names_axis_and_place(robot: BaseRobotMo
     assert details['joint'] in robot.axes_data.names
     assert abs(float(details['value'])) > float(details['bound'])
     assert 0.0 <= float(details['fraction']) <= 1.0
+
+
+@pytest.mark.parametrize(('passed', 'points'), [(0, 20), (1, 1), (20, 0)])
+def test_limits_are_lowered_at_every_point_from_a_passed_one_to_the_next_check(
+    passed: int, points: int
+) -> None:
+    """Behind a singularity many points of the grid lie between two checks."""
+    s = np.concatenate([np.geomspace(1e-8, 1e-3, 30), np.linspace(2e-3, 1.0, 60)])
+    s = np.concatenate([[0.0], s])
+    speed_squared = s * (1.0 - s)
+    law = SwitchedTimeLaw(s, speed_squared, np.zeros(len(s) - 1), 3e-4, 5e-5)
+    times = np.linspace(0.0, law.duration, 100, endpoint=False)
+    use = np.full(len(times), 0.9)
+    use[passed] = 1.1
+    lowered = local_excess(law, times, use)
+    inside = (law.grid_times >= times[passed]) & (law.grid_times <= times[passed + 1])
+    assert inside.sum() > points
+    assert (lowered[inside] >= 1.1).all()
+    # And nowhere else but next to them.
+    near = np.convolve(inside, np.ones(5), mode='same') > 0.0
+    assert (lowered[~near] == 1.0).all()

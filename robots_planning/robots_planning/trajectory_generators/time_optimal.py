@@ -161,7 +161,7 @@ class TimeOptimalTiming:
             excess = float(use.max())
             if excess <= 1.0 + EXCESS:
                 return [*plans, slower(trajectory, excess)]
-            scale = scale / _local_excess(law, times, use)
+            scale = scale / local_excess(law, times, use)
             if float(scale.min()) < LOWEST_SCALE:
                 break
         return [*plans, self._slowed(trajectory, law, worst)]
@@ -344,7 +344,7 @@ def _dynamics_of(robot: BaseRobotModel) -> ChainDynamics | None:
     return _DYNAMICS[robot]
 
 
-def _local_excess(law: SwitchedTimeLaw, times: Array, use: Array) -> Array:
+def local_excess(law: SwitchedTimeLaw, times: Array, use: Array) -> Array:
     """By how much limits are lowered at the grid points: what is passed near by, and a little more."""
     grid_times, excess = law.grid_times, np.maximum(use, 1.0)
     if law.window > LONGEST_STEP:
@@ -354,9 +354,9 @@ def _local_excess(law: SwitchedTimeLaw, times: Array, use: Array) -> Array:
         np.maximum.at(worst, np.minimum((times / LONGEST_STEP).astype(int), len(even) - 1), excess)
         reach = 2 * int(0.5 * law.window / LONGEST_STEP) + 3
         excess, times = maximum_filter1d(worst, reach), even
-    # A grid point counts for the checks until its neighbours.
+    # A grid point counts for the checks until its neighbours, and for the check before it where it is finer.
     index = np.clip(np.searchsorted(grid_times, times), 1, len(grid_times) - 1)
-    lowered = np.ones(len(grid_times))
+    lowered = excess[np.clip(np.searchsorted(times, grid_times) - 1, 0, len(times) - 1)]
     np.maximum.at(lowered, index, excess)
     np.maximum.at(lowered, index - 1, excess)
     spread = np.maximum(lowered, np.maximum(np.append(lowered[1:], 1.0), np.append(1.0, lowered[:-1])))
