@@ -278,7 +278,7 @@ def all_lines(count: int) -> None:
                     continue
                 with finer_grid():
                     over.append(100.0 * (duration / plan().duration - 1.0))
-                times += milliseconds([plan], 3)
+                times += milliseconds([plan], 7)
         table.add_row(
             name,
             str(len(times)),
