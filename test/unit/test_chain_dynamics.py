@@ -31,31 +31,19 @@ def test_mass_matrix_and_bias_are_the_robots(name: str) -> None:
 
 
 @pytest.mark.parametrize('name', available_robot_models())
-def test_the_weight_is_what_holds_the_robot_at_rest(name: str) -> None:
+def test_weight_and_torques_are_the_robots(name: str) -> None:
     robot = load_robot_model(name)
     n = robot.num_axes
     dynamics = ChainDynamics.of(robot, SerialChain.of(robot))
     assert dynamics is not None
-    q, q_dot = np.random.default_rng(7).uniform(-2.0, 2.0, (2, n))
-    M, bias, weight = np.empty((n, n)), np.empty(n), np.empty(n)
+    q, q_dot, q_ddot = np.random.default_rng(7).uniform(-2.0, 2.0, (3, n))
+    M, bias, weight, tau = np.empty((n, n)), np.empty(n), np.empty(n), np.empty(n)
     fill_dynamics(dynamics.arrays, q, q_dot, bodies_of(n), M, bias, weight)
-    _, _, expected = robot.rigid_dynamics(q, np.zeros(n), np.zeros(n))
-    # Both sides round to 1e-15 of the largest torque.
-    np.testing.assert_allclose(weight, expected, atol=1e-12 * (1.0 + np.abs(expected).max()))
-
-
-@pytest.mark.parametrize('name', available_robot_models())
-def test_torques_are_the_robots(name: str) -> None:
-    robot = load_robot_model(name)
-    n = robot.num_axes
-    dynamics = ChainDynamics.of(robot, SerialChain.of(robot))
-    assert dynamics is not None
-    q, q_dot, q_ddot = np.random.default_rng(8).uniform(-2.0, 2.0, (3, n))
-    tau = np.empty(n)
     fill_torques(dynamics.arrays, q, q_dot, q_ddot, bodies_of(n), tau)
-    expected, _, _ = robot.rigid_dynamics(q, q_dot, q_ddot)
-    # Both sides round to 1e-15 of the largest torque.
-    np.testing.assert_allclose(tau, expected, atol=1e-12 * (1.0 + np.abs(expected).max()))
+    at_rest, moving = robot.rigid_dynamics(q, 0.0 * q, 0.0 * q)[2], robot.rigid_dynamics(q, q_dot, q_ddot)[0]
+    for found, expected in ((weight, at_rest), (tau, moving)):
+        # Both sides round to 1e-15 of the largest torque.
+        np.testing.assert_allclose(found, expected, atol=1e-12 * (1.0 + np.abs(expected).max()))
 
 
 def test_a_robot_with_more_than_its_bodies_keeps_its_own_dynamics(monkeypatch: pytest.MonkeyPatch) -> None:

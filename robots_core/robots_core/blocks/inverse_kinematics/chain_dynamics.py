@@ -142,7 +142,7 @@ def mass_matrix_and_bias(dynamics: DynamicsArrays, q: Array, q_dot: Array, M: Ar
 
 @compiled()
 def bodies_of(n: int) -> Bodies:
-    """Memory for a robot of n axes, for loops: getting it takes a third of the time of its use."""
+    """Memory for a robot of n axes, made once per loop."""
     return np.empty((n, 5, 3)), np.empty((n, 3, 3))
 
 

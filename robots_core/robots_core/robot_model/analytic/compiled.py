@@ -16,7 +16,7 @@ def compiled(*signatures: Any, nogil: bool = True, nrt: bool = True) -> Callable
 
     Other threads run meanwhile if `nogil`; letting them takes a twentieth of a microsecond per call. So does
     counting the references to each array that comes in, by Numba's runtime, in every function that calls
-    another: what makes no arrays itself does without (`nrt`), which halves the time of loops over small ones.
+    another: what makes no arrays itself does without (`nrt`). Speed profiles took 1.5 times as long with it.
     The code is kept beside the source, or in the user's cache folder where that cannot be written to (or
     in $NUMBA_CACHE_DIR). Where none can be written, it is compiled anew in every process.
     """
