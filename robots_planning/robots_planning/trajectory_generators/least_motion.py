@@ -20,7 +20,7 @@ NOTHING = 1e-13
 
 
 class Scratch(NamedTuple):
-    """Memory for decompositions of Jacobians (6, n), which take less time than getting it.
+    """Memory for decompositions of Jacobians (6, n).
 
     Attributes:
         P: A pseudo-inverse, (n, 6).

@@ -135,18 +135,13 @@ def next_step(step: float, deviation: float) -> float:
 def _advance(chain: ChainArrays, path: PathArrays, knots: Knots, i: int, guess: Array, view: View) -> float:
     """Fill knot i + 1 at its s; the deviation in between, or -1 if the step is too long."""
     s, q, q_s, q_ss = knots
-    n = guess.size
-    j, h = i + 1, s[i + 1] - s[i]
-    for k in range(n):
-        guess[k] = q[i, k] + h * (q_s[i, k] + 0.5 * h * q_ss[i, k])
+    n, j = guess.size, i + 1
+    extrapolate(knots, i, guess)
     aim_at(path, s[j], view)
-    # The tool does not determine a redundant axis: integrate it to fourth order (Hermite).
+    # The tool does not determine a redundant axis.
     for again in range(2 if n > 6 else 1):
         if again:
-            for k in range(n):
-                guess[k] = (
-                    q[i, k] + 0.5 * h * (q_s[i, k] + q_s[j, k]) + h * h / 12.0 * (q_ss[i, k] - q_ss[j, k])
-                )
+            integrate(knots, i, guess)
         if not correct(chain, guess, view):
             return -1.0
         for k in range(n):
@@ -156,15 +151,41 @@ def _advance(chain: ChainArrays, path: PathArrays, knots: Knots, i: int, guess: 
     for k in range(n):
         if not abs(q[j, k] - q[i, k]) <= LARGEST_KNOT_MOTION:
             return -1.0
-        # The middle of the quintic between the knots.
-        guess[k] = (
+    interpolate(knots, i, guess)
+    aim_at(path, 0.5 * (s[i] + s[j]), view)
+    deviation = _deviation(chain, guess, view)
+    return deviation if deviation <= PATH_TOLERANCE else -1.0
+
+
+@compiled(nrt=False)
+def extrapolate(knots: Knots, i: int, guess: Array) -> None:
+    """Fill a guess (n,) at the s of knot i + 1, from knot i alone."""
+    s, q, q_s, q_ss = knots
+    h = s[i + 1] - s[i]
+    for k in range(guess.size):
+        guess[k] = q[i, k] + h * (q_s[i, k] + 0.5 * h * q_ss[i, k])
+
+
+@compiled(nrt=False)
+def integrate(knots: Knots, i: int, guess: Array) -> None:
+    """Fill the guess (n,) at the s of knot i + 1 to fourth order (Hermite), with the derivatives there."""
+    s, q, q_s, q_ss = knots
+    j, h = i + 1, s[i + 1] - s[i]
+    for k in range(guess.size):
+        guess[k] = q[i, k] + 0.5 * h * (q_s[i, k] + q_s[j, k]) + h * h / 12.0 * (q_ss[i, k] - q_ss[j, k])
+
+
+@compiled(nrt=False)
+def interpolate(knots: Knots, i: int, middle: Array) -> None:
+    """Fill the middle (n,) of the quintic from knot i to the next."""
+    s, q, q_s, q_ss = knots
+    j, h = i + 1, s[i + 1] - s[i]
+    for k in range(middle.size):
+        middle[k] = (
             0.5 * (q[i, k] + q[j, k])
             + 5.0 / 32.0 * h * (q_s[i, k] - q_s[j, k])
             + h * h / 64.0 * (q_ss[i, k] + q_ss[j, k])
         )
-    aim_at(path, 0.5 * (s[i] + s[j]), view)
-    deviation = _deviation(chain, guess, view)
-    return deviation if deviation <= PATH_TOLERANCE else -1.0
 
 
 @compiled(nrt=False)

@@ -13,6 +13,7 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.trajectory_generators.cartesian_path import CartesianPath
+from robots_planning.trajectory_generators.guided_following_kernel import follow_guide
 from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.path_following_kernel import FOLLOWED, MOST_KNOTS
 from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
@@ -20,7 +21,6 @@ from robots_planning.trajectory_generators.route import Route, RoutePiece, joine
 from robots_planning.trajectory_generators.self_motion_kernel import (
     MOST_POSTURES,
     cheapest_postures,
-    follow_guide,
     follow_layers,
     relax,
 )

@@ -65,7 +65,7 @@ class View(NamedTuple):
 
 @compiled()
 def view_of(n: int) -> View:
-    """Memory for a robot of n axes: made once per path, for it takes longer to make than to fill."""
+    """Memory for a robot of n axes, made once per path."""
     return View(
         np.empty(3), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(3), np.empty((3, 3)),
         np.empty((6, n)), np.empty(6), np.empty((6, n)), np.empty((n, 6)), np.empty(n), np.empty(6),
