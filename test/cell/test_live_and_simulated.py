@@ -12,6 +12,7 @@ import pytest
 from robots_controller.bag_comparison import compare_bags
 from robots_controller.bag_file import Bag, read_bag
 from robots_controller.bag_tolerances import BagTolerances, TopicTolerance
+from robots_controller.controller_settings import ControllerSettings
 from robots_controller.simulate import simulate
 from robots_planning.motion_results import PASSED
 
@@ -243,11 +244,16 @@ def _gaps(bag: Bag) -> list[float]:
 
 
 def _lags(bag: Bag) -> list[Any]:
-    """How long before each feedback of a motion the reference was where that is, or nearest to it, (k,) s."""
+    """How long before each feedback of a motion the reference was where that is, or nearest to it, (k,) s.
+
+    Of feedback on the way: what comes once the target is reached tells of a controller that does not end.
+    """
     sent, wanted, measured, reached = _stamped(bag)
     lags = []
     for begin, end in _windows(bag):
-        now, then = (measured >= begin) & (measured <= end), (sent >= begin) & (sent <= end)
+        then = (sent >= begin) & (sent <= end)
+        left = np.abs(reached - wanted[then][-1]).max(axis=1)
+        now = (measured >= begin) & (measured <= end) & (left > ControllerSettings().goal_tolerance)
         distances = np.linalg.norm(reached[now][:, None] - wanted[then][None], axis=2)
         lags.append(measured[now] - sent[then][np.argmin(distances, axis=1)])
     return lags
