@@ -10,7 +10,7 @@ setup(
     name=package_name,
     version='0.1.0',
     packages=find_packages(include=[package_name, f'{package_name}.*']),
-    package_data={package_name: ['py.typed'], f'{package_name}.report': ['page/*']},
+    package_data={package_name: ['py.typed'], f'{package_name}.report.page': ['*.js', '*.css', '*.html']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
         (f'share/{package_name}', ['package.xml']),
@@ -25,12 +25,12 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
-            'cell = robots_controller.cell:main',
+            'cell = robots_controller.live_cell.cell_command:main',
             'io_bridge_node = robots_controller.nodes.io_bridge_node:main',
             'plc_node = robots_controller.nodes.plc_node:main',
-            'check_bag = robots_controller.check_bag:main',
-            'check_program = robots_controller.check_program:main',
-            'lua_meta = robots_controller.interpreter.lua_meta:main',
+            'check_bag = robots_controller.recording.check_bag:main',
+            'check_program = robots_controller.program_check.check_program:main',
+            'lua_meta = robots_controller.editor.lua_meta:main',
             'study = robots_controller.study.cli:main',
             'report = robots_controller.report.cli:main',
             'simulate = robots_controller.simulation.command_line:main',

@@ -12,8 +12,8 @@ from typing import Final
 
 from rich.console import Console
 
-from robots_controller.program_header import ProgramHeader, read_program_header
-from robots_core.blocks.drive_level import DRIVE_LEVELS
+from robots_controller.program.program_header import ProgramHeader, read_program_header
+from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
 from robots_core.errors import RobotsError
 
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130

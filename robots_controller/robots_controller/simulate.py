@@ -12,7 +12,7 @@ from types import FrameType
 from robots_controller.simulation.cell_parts import COLLISION_MARGIN, cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_controller.simulation.simulation_run import SimulationRun
-from robots_core.blocks.following_methods import METHODS
+from robots_core.blocks.following.following_methods import METHODS
 from robots_core.validation import positive
 
 LONGEST_TIME = 3600.0  # s of simulated time

@@ -16,9 +16,9 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from robots_controller.bag_comparison import Comparison, compare_bags
-from robots_controller.bag_file import read_bag
-from robots_controller.bag_tolerances import BagTolerances, read_tolerances
+from robots_controller.recording.bag_comparison import Comparison, compare_bags
+from robots_controller.recording.bag_file import read_bag
+from robots_controller.recording.bag_tolerances import BagTolerances, read_tolerances
 
 BAG_TYPES: Final = get_typestore(Stores.ROS2_JAZZY)
 """The messages to write: `BAG_TYPES.types['std_msgs/msg/Bool'](data=True)`."""

@@ -12,23 +12,23 @@ from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.blending import Measure, blend_with_corners, joint_distance
-from robots_planning.chain_limits import SectionLimits, chain_limits
+from robots_planning.command_queue import QueuedCommand
 from robots_planning.motion_settings import MotionSettings
-from robots_planning.order_book import MotionOrder
 from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base
+from robots_planning.paths.blending import Measure, blend_with_corners, joint_distance
+from robots_planning.paths.cartesian_line import CartesianLine
+from robots_planning.paths.joint_path import JointPath
 from robots_planning.robot_command_state import JOINT_STATES
+from robots_planning.timing.chain_limits import SectionLimits, chain_limits
+from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
-from robots_planning.trajectory_generators.cartesian_line import CartesianLine
-from robots_planning.trajectory_generators.joint_path import JointPath
 from robots_planning.trajectory_generators.joint_space import SHORTEST_MOVE, JointSpaceGenerator
 from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming import (
     LinearCartesianDynamicProgramming,
 )
 from robots_planning.trajectory_generators.linear_cartesian_limited import LinearCartesianLimited
 from robots_planning.trajectory_generators.poses_generator import PosesGenerator
-from robots_planning.trajectory_generators.time_optimal import TimeOptimalTiming, ToolLimits
 
 LINES = (LinearCartesianLimited, LinearCartesianDynamicProgramming)
 PASSING_STEP = 1e-3  # s, between the places that are compared to find when a target is passed
@@ -51,7 +51,7 @@ class MotionChain:
         self._robot, self._planning = robot, planning
 
     def plan(
-        self, orders: tuple[MotionOrder, ...], q_start: Array
+        self, orders: tuple[QueuedCommand, ...], q_start: Array
     ) -> tuple[PlannedMotion, tuple[float, ...]]:
         """The motion of a chain, and when each of its commands is done with, s of it.
 
@@ -80,7 +80,7 @@ class MotionChain:
         motion = self._planning.checked(trajectory, last.state, last.settings)
         return motion, (*ends, trajectory.duration)
 
-    def _paths(self, orders: tuple[MotionOrder, ...], q_start: Array) -> list[JointPath]:
+    def _paths(self, orders: tuple[QueuedCommand, ...], q_start: Array) -> list[JointPath]:
         """The path of every motion alone; none at all if one of them stands still on its way."""
         paths: list[JointPath] = []
         for order in self._limited(orders):
@@ -91,7 +91,7 @@ class MotionChain:
         return paths
 
     def _blended(
-        self, orders: tuple[MotionOrder, ...], paths: list[JointPath]
+        self, orders: tuple[QueuedCommand, ...], paths: list[JointPath]
     ) -> tuple[JointPath, ToolLimits]:
         """The path with blends, and the limits on it."""
         zones, measures = zip(*(self._zone(order.settings, order) for order in orders[:-1]), strict=True)
@@ -100,7 +100,7 @@ class MotionChain:
         return path, chain_limits(self._robot, path, corners, sections, tool)
 
     def _with_stops(
-        self, orders: tuple[MotionOrder, ...], q_start: Array
+        self, orders: tuple[QueuedCommand, ...], q_start: Array
     ) -> tuple[Trajectory, tuple[float, ...]]:
         """The motions from rest to rest, and when each but the last ends; raises as `plan`."""
         parts: list[Trajectory] = []
@@ -113,14 +113,14 @@ class MotionChain:
         return one_after_another(parts), tuple(map(float, ends))
 
     @staticmethod
-    def _limited(orders: tuple[MotionOrder, ...]) -> list[MotionOrder]:
+    def _limited(orders: tuple[QueuedCommand, ...]) -> list[QueuedCommand]:
         """The motions, all with jerk limits if one of them has."""
         jerk_limited = _jerk_limited(orders)
         return [
             replace(order, settings=replace(order.settings, jerk_limited=jerk_limited)) for order in orders
         ]
 
-    def _path(self, order: MotionOrder, q_start: Array) -> JointPath | None:
+    def _path(self, order: QueuedCommand, q_start: Array) -> JointPath | None:
         """The path that a motion alone would take; None if it stands still on the way."""
         state, settings = order.state, order.settings
         start = self._robot.axes_data.check_position(q_start, 'q_start')
@@ -139,7 +139,7 @@ class MotionChain:
             return generator.follow(CartesianLine(generator.path_kinematics.pose(start), goal), start)
         raise InvalidInputError(f'{state} has no path that could run through')
 
-    def _zone(self, settings: MotionSettings, order: MotionOrder) -> tuple[float, Measure]:
+    def _zone(self, settings: MotionSettings, order: QueuedCommand) -> tuple[float, Measure]:
         """Size of the zone behind a motion, and the distance that it is a size of."""
         tip = partial(self._distance, settings.tool_pose)
         joints, tool = (settings.joint_blend_zone, joint_distance), (settings.blend_zone, tip)
@@ -151,7 +151,7 @@ class MotionChain:
         frames = (self._robot.direct_kinematics(q) for q in (first, second))
         return float(np.linalg.norm(np.subtract(*(r + T @ tool.r for r, T in frames))))
 
-    def _timing(self, orders: tuple[MotionOrder, ...]) -> TimeOptimalTiming:
+    def _timing(self, orders: tuple[QueuedCommand, ...]) -> TimeOptimalTiming:
         axes, inside = self._robot.axes_data, 1.0 - LIMIT_MARGIN
         effort = jerk = None
         if orders[-1].settings.cartesian_planner == 'dynamic_programming':
@@ -163,11 +163,11 @@ class MotionChain:
         )
 
 
-def _jerk_limited(orders: tuple[MotionOrder, ...]) -> bool:
+def _jerk_limited(orders: tuple[QueuedCommand, ...]) -> bool:
     return any(order.settings.jerk_limited for order in orders)
 
 
-def _section(order: MotionOrder) -> SectionLimits:
+def _section(order: QueuedCommand) -> SectionLimits:
     settings = order.settings
     if order.state in JOINT_STATES:
         velocity = acceleration = np.full(2, np.inf)

@@ -17,7 +17,7 @@ from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.motion_settings import IDENTITY, MotionSettings, known_configuration
-from robots_planning.path_deviation import SampledPath
+from robots_planning.paths.path_deviation import SampledPath
 from robots_planning.robot_command_state import JOINT_STATES, RobotCommandState, Shape
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.cartesian_generator import Planner

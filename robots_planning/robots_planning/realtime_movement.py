@@ -8,9 +8,9 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.blocks.following_methods import METHODS
-from robots_core.blocks.pose_following import pose_following
-from robots_core.blocks.reference_following import ReferenceFollowing
+from robots_core.blocks.following.following_methods import METHODS
+from robots_core.blocks.following.pose_following import pose_following
+from robots_core.blocks.following.reference_following import ReferenceFollowing
 from robots_core.errors import UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel

@@ -10,10 +10,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.blocks.axis_following import AxisFollowing
+from robots_core.blocks.following.axis_following import AxisFollowing
+from robots_core.blocks.following.pose_reference import moved
 from robots_core.blocks.inverse_kinematics.constrained import ConstrainedInverseKinematics
 from robots_core.blocks.inverse_kinematics.viability import velocity_interval
-from robots_core.blocks.pose_reference import moved
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel

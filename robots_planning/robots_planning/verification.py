@@ -12,7 +12,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
-from robots_planning.path_deviation import SampledPath, line_deviation, path_deviation
+from robots_planning.paths.path_deviation import SampledPath, line_deviation, path_deviation
 from robots_planning.trajectory import Trajectory
 
 SAMPLE_PERIOD = 1e-3  # s

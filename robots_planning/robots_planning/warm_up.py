@@ -5,15 +5,15 @@ import numpy as np
 from robots_core.blocks.inverse_kinematics.chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_choice import available_robot_models, load_robot_model
-from robots_planning.trajectory_generators.cartesian_line import CartesianLine
+from robots_planning.path_kinematics.path_following_kernel import stand_still, stays_inside
+from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
+from robots_planning.paths.cartesian_line import CartesianLine
 from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming import (
     LinearCartesianDynamicProgramming,
 )
 from robots_planning.trajectory_generators.linear_cartesian_limited import LinearCartesianLimited
 from robots_planning.trajectory_generators.linear_joint import LinearJoint
 from robots_planning.trajectory_generators.linear_joint_axes import LinearJointAxes
-from robots_planning.trajectory_generators.path_following_kernel import stand_still, stays_inside
-from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.trajectory_generators.spline_cartesian import SplineCartesian
 
 STEP = 0.01  # m

@@ -12,13 +12,13 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.bag_file import Bag, read_bag
-from robots_controller.bag_replay import replay_plan
 from robots_controller.nodes.bag_player import BagPlayer
 from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.recording.bag_file import Bag, read_bag
+from robots_controller.recording.bag_replay import replay_plan
 from robots_controller.testing import BAG_TYPES, assert_bag_matches, write_bag
 from robots_core import Pose, load_robot_model
-from robots_core.nodes.qos import COMMAND
+from robots_core.ros.qos import COMMAND
 
 from .node_process import node_process
 

@@ -13,13 +13,13 @@ import yaml
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_srvs.srv import Trigger
 
-from robots_controller.bag_file import read_bag
-from robots_controller.bag_replay import replay_plan
 from robots_controller.nodes.bag_player import BagPlayer
 from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.recording.bag_file import read_bag
+from robots_controller.recording.bag_replay import replay_plan
 from robots_controller.testing import BAG_TYPES, assert_bag_matches, write_bag
-from robots_core.nodes.messages import diagnostic_values
-from robots_core.nodes.qos import STATE
+from robots_core.ros.messages import diagnostic_values
+from robots_core.ros.qos import STATE
 
 from .node_process import node_process
 

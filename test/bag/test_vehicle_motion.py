@@ -20,8 +20,8 @@ from scipy.spatial.transform import Rotation
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core import Pose, load_robot_model
-from robots_core.nodes.messages import diagnostic_values
-from robots_core.nodes.qos import COMMAND
+from robots_core.ros.messages import diagnostic_values
+from robots_core.ros.qos import COMMAND
 
 from .node_process import node_process
 

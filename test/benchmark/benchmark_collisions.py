@@ -28,7 +28,7 @@ from rich.table import Table
 from robots_core import BaseRobotModel, load_robot_model
 from robots_core.blocks import CollisionDetection, JointPath, Scene, read_scene
 from robots_core.blocks.collision import coal_engine, fcl_engine
-from robots_core.robot_model.urdf_chain import pinocchio_xml, read_urdf_chain
+from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
 
 SCENE = Path(__file__).parents[2] / 'programs' / 'scenes' / 'car_frame.yaml'
 CELLS = (('kuka_kr210_r2700', SCENE), ('kuka_kr210_r2700', None), ('ur5e', None), ('bello_bot', None))

@@ -32,11 +32,11 @@ from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.cell_graph import NodeDescription
+from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_core import load_robot_model
-from robots_core.nodes.middleware import choose_transports
-from robots_core.nodes.qos import REFERENCE
 from robots_core.realtime import IDLE_LATENCY_DEVICE
+from robots_core.ros.middleware import choose_transports
+from robots_core.ros.qos import REFERENCE
 
 HERE = Path(__file__).parent
 MOVES = 20

@@ -28,7 +28,7 @@ from rich.table import Table
 
 from robots_core import BaseRobotModel, available_robot_models, load_robot_model
 from robots_core.blocks import BaseMotion, FunctionDynamics, NumericalDynamics, RigidBodyDrive
-from robots_core.robot_model.urdf_chain import pinocchio_xml, read_urdf_chain
+from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
 
 SAMPLES = 100
 PERIOD = 0.004  # s, of the drives' step

@@ -36,7 +36,7 @@ from rich.table import Table
 
 from robots_core import BaseRobotModel, available_robot_models, load_robot_model
 from robots_core.errors import NoAnalyticInverseKinematicsError
-from robots_core.robot_model.urdf_chain import pinocchio_xml, read_urdf_chain
+from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
 
 SAMPLES = 200
 # Two ways to the same sums; relative to the largest entry.

@@ -27,11 +27,11 @@ from toppra.interpolator import AbstractGeometricPath
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import RobotsError
 from robots_planning import LinearCartesianDynamicProgramming, LinearCartesianLimited, LinearJoint
+from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
+from robots_planning.paths import path_grid
+from robots_planning.paths.cartesian_line import CartesianLine
+from robots_planning.paths.joint_path import JointPath
 from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators import path_grid
-from robots_planning.trajectory_generators.cartesian_line import CartesianLine
-from robots_planning.trajectory_generators.joint_path import JointPath
-from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
 
 ROBOTS = ('kuka_kr210_r2700', 'staubli_tx2_90', 'ur5e', 'manutec_r3', 'mitsubishi_rv7frl', 'kuka_lbr_iiwa14')
 SIX_AXES = ROBOTS[:-1]

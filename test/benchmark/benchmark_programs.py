@@ -25,11 +25,11 @@ from rich.progress import track
 from rich.table import Table
 from std_msgs.msg import UInt8MultiArray
 
-from robots_controller.cell_graph import NodeDescription
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_core.nodes.messages import diagnostic_values
-from robots_core.nodes.middleware import choose_transports
-from robots_core.nodes.qos import STATE
+from robots_controller.live_cell.cell_graph import NodeDescription
+from robots_core.ros.messages import diagnostic_values
+from robots_core.ros.middleware import choose_transports
+from robots_core.ros.qos import STATE
 
 PATIENCE = 30.0  # s
 STATEMENTS = 3_000_000  # of each run: some tenths of a second

@@ -20,8 +20,8 @@ from rich.table import Table
 from robots_controller.simulate import simulate
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_planning import MotionSettings, PathPlanning, RobotCommandState
-from robots_planning.trajectory_generators.cartesian_line import CartesianLine
-from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
+from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
+from robots_planning.paths.cartesian_line import CartesianLine
 
 ROBOT = 'kuka_kr210_r2700'
 PROGRAM = Path(__file__).parents[2] / 'programs' / 'welding.lua'

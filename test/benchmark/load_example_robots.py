@@ -25,7 +25,7 @@ from rich.table import Table
 from robots_core import BaseRobotModel, UrdfRobotModel, load_robot_model
 from robots_core.errors import RobotsError
 from robots_core.pose import rotation_vector
-from robots_core.robot_model.urdf_tree import MOVING_JOINTS, LinkTree, link_of
+from robots_core.robot_model.urdf.urdf_tree import MOVING_JOINTS, LinkTree, link_of
 
 PACKAGE = 'example-robot-data'
 ROBOTS = 'cmeel.prefix/share/example-robot-data/robots'

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from robots_controller.bag_reading import reference_trajectory
+from robots_controller.recording.bag_reading import reference_trajectory
 from robots_core import BaseRobotModel
 from robots_planning import Trajectory
 

@@ -10,7 +10,7 @@ import threading
 import time
 from pathlib import Path
 
-from robots_controller.cell_graph import NodeDescription
+from robots_controller.live_cell.cell_graph import NodeDescription
 
 # Six processes start on a machine that may be busy with other things.
 DEADLINE = 120.0

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.bag_reading import read_messages
+from robots_controller.recording.bag_reading import read_messages
 
 from .cell_process import CellProcess
 from .live_runs import PROGRAMS

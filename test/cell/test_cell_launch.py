@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from robots_controller.cell_graph import NodeDescription, cell_graph
+from robots_controller.live_cell.cell_graph import NodeDescription, cell_graph
 
 ROOT = Path(__file__).parents[2]
 LAUNCH_FILE = ROOT / 'robots_controller' / 'launch' / 'cell.launch.py'

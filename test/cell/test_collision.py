@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from robots_controller.bag_reading import read_messages
+from robots_controller.recording.bag_reading import read_messages
 from robots_core import load_robot_model
 from robots_core.blocks import CollisionDetection, read_scene
 

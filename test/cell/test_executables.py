@@ -122,7 +122,7 @@ def test_an_interrupt_ends_a_node_that_is_still_being_made(ros_domain: int) -> N
     del ros_domain
     lines = (
         'import sys, threading',
-        'from robots_core.nodes.run import run',
+        'from robots_core.ros.run import run',
         'def make_node():',
         '    print("making", flush=True)',
         '    threading.Event().wait()  # a large model is loaded',

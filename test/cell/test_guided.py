@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from robots_controller.bag_file import read_bag
+from robots_controller.recording.bag_file import read_bag
 from robots_controller.simulate import simulate
 from robots_controller.testing import BAG_START, BAG_TYPES, write_bag
 from robots_core import load_robot_model

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robots_controller.bag_comparison import compare_bags
-from robots_controller.bag_file import Bag, read_bag
-from robots_controller.bag_tolerances import BagTolerances, TopicTolerance
-from robots_controller.controller_settings import ControllerSettings
+from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.recording.bag_comparison import compare_bags
+from robots_controller.recording.bag_file import Bag, read_bag
+from robots_controller.recording.bag_tolerances import BagTolerances, TopicTolerance
 from robots_controller.simulate import simulate
 from robots_planning.motion_results import PASSED
 

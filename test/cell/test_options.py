@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from robots_controller.cell import parse_options
+from robots_controller.live_cell.cell_command import parse_options
 
 from .live_runs import PROGRAMS
 

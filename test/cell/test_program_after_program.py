@@ -14,8 +14,8 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from robots_core import load_robot_model
-from robots_core.nodes.messages import diagnostic_values
-from robots_core.nodes.qos import STATE
+from robots_core.ros.messages import diagnostic_values
+from robots_core.ros.qos import STATE
 
 from .cell_process import CellProcess
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robots_controller.bag_reading import read_messages
-from robots_controller.motion_record import MotionRecord, recorded_motions
-from robots_controller.motion_report import TOPICS, MotionReport, motion_report
+from robots_controller.recording.bag_reading import read_messages
+from robots_controller.recording.motion_record import MotionRecord, recorded_motions
+from robots_controller.report.motion_report import TOPICS, MotionReport, motion_report
 from robots_core import BaseRobotModel, load_robot_model
 from robots_planning import Trajectory
 

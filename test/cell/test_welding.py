@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from rosbags.rosbag2 import Reader
 
-from robots_controller.bag_reading import read_messages, reference_trajectory
-from robots_controller.cell_graph import cell_graph
-from robots_controller.motion_report import motion_report
+from robots_controller.live_cell.cell_graph import cell_graph
+from robots_controller.recording.bag_reading import read_messages, reference_trajectory
+from robots_controller.report.motion_report import motion_report
 from robots_core import Pose, load_robot_model
 
 from .bag_checks import changes, check_references

@@ -8,7 +8,7 @@ import trimesh
 
 from robots_core import BaseRobotModel, Pose
 from robots_core.robot_model.shapes import Shape
-from robots_core.robot_model.triangle_mesh import triangle_mesh
+from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 
 KINDS = ('visualization', 'collision_model')
 

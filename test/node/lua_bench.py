@@ -17,8 +17,8 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.nodes.lua_program_node import LuaProgramNode
-from robots_core.nodes.messages import MotionResult, diagnostic_values, stamp_id
-from robots_core.nodes.qos import COMMAND, STATE
+from robots_core.ros.messages import MotionResult, diagnostic_values, stamp_id
+from robots_core.ros.qos import COMMAND, STATE
 
 ROBOT = 'kuka_kr210_r2700'
 MOVE = 'ptpJointSpaceAngles(0, -90, 45, 0, 45, 0)'

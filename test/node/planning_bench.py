@@ -16,14 +16,14 @@ from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core import load_robot_model
-from robots_core.nodes.messages import (
+from robots_core.ros.messages import (
     MotionResult,
     doubles,
     joint_state_message,
     pose_stamped_message,
     stamp_id,
 )
-from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STATE
+from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, STATE
 from robots_planning import Trajectory
 from robots_planning.nodes.planning_node import PlanningNode
 

@@ -14,10 +14,10 @@ from rclpy.qos import QoSProfile
 from rosbags.rosbag2 import Reader
 from std_msgs.msg import Float64, String
 
-from robots_controller.bag_file import read_bag
 from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.recording.bag_file import read_bag
 from robots_core.errors import RobotsError
-from robots_core.nodes.qos import STATE
+from robots_core.ros.qos import STATE
 
 RECORDER = """
 import sys

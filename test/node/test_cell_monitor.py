@@ -10,11 +10,11 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from sensor_msgs.msg import JointState
 
-from robots_controller.cell_events import Event, MotionCommanded
-from robots_controller.motion_record import COMMAND_TOPICS
-from robots_controller.nodes.cell_monitor import CellMonitor
-from robots_core.nodes.messages import stamp_id
+from robots_controller.live_cell.cell_events import Event, MotionCommanded
+from robots_controller.live_cell.cell_monitor import CellMonitor
+from robots_controller.recording.motion_record import COMMAND_TOPICS
 from robots_core.pose import Pose
+from robots_core.ros.messages import stamp_id
 
 STAMP = Time(sec=12, nanosec=34)
 

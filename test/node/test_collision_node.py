@@ -21,10 +21,10 @@ from robots_core import Pose, load_robot_model
 from robots_core.blocks import CollisionDetection, Scene, SceneObject
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.collision_node import CollisionNode
-from robots_core.nodes.messages import MotionResult, diagnostic_values, doubles
-from robots_core.nodes.qos import COMMAND, STATE
 from robots_core.nodes.scene_messages import markers
 from robots_core.robot_model.shapes import Sphere
+from robots_core.ros.messages import MotionResult, diagnostic_values, doubles
+from robots_core.ros.qos import COMMAND, STATE
 
 ROBOT = 'kuka_kr210_r2700'
 

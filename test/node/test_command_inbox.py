@@ -10,7 +10,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from robots_core.nodes.qos import COMMAND
+from robots_core.ros.qos import COMMAND
 from robots_planning.nodes.command_inbox import CommandInbox
 
 if TYPE_CHECKING:

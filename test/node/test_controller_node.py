@@ -20,8 +20,8 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.nodes.messages import MotionResult, doubles, stamp_id
-from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE
+from robots_core.ros.messages import MotionResult, doubles, stamp_id
+from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE
 
 ROBOT = load_robot_model('kuka_kr210_r2700')
 NAMES = list(ROBOT.axes_data.names)

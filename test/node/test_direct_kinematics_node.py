@@ -16,8 +16,8 @@ from robots_core import Pose, load_robot_model
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.direct_kinematics_node import DirectKinematicsNode
-from robots_core.nodes.messages import doubles, pose_from_message
-from robots_core.nodes.qos import COMMAND, STATE
+from robots_core.ros.messages import doubles, pose_from_message
+from robots_core.ros.qos import COMMAND, STATE
 
 ROBOT = 'kuka_kr210_r2700'
 TOOL = [0.1, 0.0, 0.3, 0.0, 0.7071067811865476, 0.0, 0.7071067811865476]

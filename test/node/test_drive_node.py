@@ -13,13 +13,13 @@ from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core import load_robot_model
-from robots_core.blocks.drive_level import DRIVE_LEVELS
-from robots_core.blocks.numerical_dynamics import NumericalDynamics
-from robots_core.blocks.payload import Payload
+from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
+from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
+from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.nodes.messages import doubles, stamp_id
-from robots_core.nodes.qos import COMMAND, STATE
+from robots_core.ros.messages import doubles, stamp_id
+from robots_core.ros.qos import COMMAND, STATE
 
 NAME = 'kuka_kr210_r2700'
 ROBOT = load_robot_model(NAME)

@@ -20,14 +20,14 @@ from trajectory_msgs.msg import (
 )
 
 from robots_core import Pose, load_robot_model
-from robots_core.blocks.base_motion import BaseMotion
-from robots_core.blocks.free_floating_dynamics import FreeFloatingDynamics
-from robots_core.blocks.numerical_dynamics import NumericalDynamics
-from robots_core.blocks.payload import Payload
+from robots_core.blocks.multibody.base_motion import BaseMotion
+from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDynamics
+from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
+from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.dynamics_node import DynamicsNode
-from robots_core.nodes.messages import doubles
-from robots_core.nodes.qos import COMMAND, STATE
+from robots_core.ros.messages import doubles
+from robots_core.ros.qos import COMMAND, STATE
 
 NAME = 'kuka_kr210_r2700'
 ROBOT = load_robot_model(NAME)

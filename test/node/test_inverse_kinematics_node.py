@@ -17,8 +17,8 @@ from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import Pose, load_robot_model
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.nodes.inverse_kinematics_node import InverseKinematicsNode
-from robots_core.nodes.messages import pose_message
-from robots_core.nodes.qos import COMMAND, STATE
+from robots_core.ros.messages import pose_message
+from robots_core.ros.qos import COMMAND, STATE
 
 ROBOT = load_robot_model('kuka_kr500_r2830')
 AXES = ROBOT.axes_data

@@ -14,7 +14,7 @@ from std_msgs.msg import Bool, Float32, Float64, Float64MultiArray, UInt8MultiAr
 
 from robots_controller.nodes.io_bridge_node import IoBridgeNode
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.qos import STATE
+from robots_core.ros.qos import STATE
 
 CONFIG = Path(__file__).parents[2] / 'robots_controller' / 'config'
 MANY = QoSProfile(depth=100)

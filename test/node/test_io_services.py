@@ -14,8 +14,8 @@ from std_srvs.srv import SetBool
 
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.messages import diagnostic_values
-from robots_core.nodes.qos import STATE
+from robots_core.ros.messages import diagnostic_values
+from robots_core.ros.qos import STATE
 
 NO_VALUE = ParameterValue()
 

@@ -18,8 +18,8 @@ from trajectory_msgs.msg import JointTrajectory
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.nodes.messages import MotionResult, joint_state_message
-from robots_core.nodes.qos import COMMAND
+from robots_core.ros.messages import MotionResult, joint_state_message
+from robots_core.ros.qos import COMMAND
 from robots_planning.nodes.planning_node import PlanningNode
 
 ROBOT = load_robot_model('bello_bot')

@@ -16,8 +16,8 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_core import Pose
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.messages import diagnostic_values, pose_from_message, stamp_id
-from robots_core.nodes.qos import STATE, STREAM
+from robots_core.ros.messages import diagnostic_values, pose_from_message, stamp_id
+from robots_core.ros.qos import STATE, STREAM
 from robots_planning import LinearJoint
 from robots_planning.nodes.trajectory_messages import trajectory_message
 from robots_planning.trajectory import Trajectory

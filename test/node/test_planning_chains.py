@@ -9,9 +9,9 @@ from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.parameter import Parameter
 
 from robots_core import Pose
-from robots_core.nodes.messages import MotionResult, stamp_id
+from robots_core.ros.messages import MotionResult, stamp_id
 from robots_planning import verify
-from robots_planning.order_book import LONGEST_CHAIN
+from robots_planning.command_queue import LONGEST_CHAIN
 
 from .planning_bench import ROBOT, Bench
 

@@ -20,12 +20,12 @@ from std_msgs.msg import Bool
 
 from robots_core import Pose
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.messages import (
+from robots_core.ros.messages import (
     MotionResult,
     diagnostic_values,
     pose_stamped_message,
 )
-from robots_core.nodes.qos import STATE
+from robots_core.ros.qos import STATE
 from robots_planning import LinearCartesianLimited, MotionSettings, verify
 from robots_planning.motion_settings import settings_from_text
 

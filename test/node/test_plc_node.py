@@ -13,7 +13,7 @@ from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
 from robots_controller.nodes.plc_node import PlcNode
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.qos import STATE
+from robots_core.ros.qos import STATE
 
 EVERY_STATE = QoSProfile(depth=100, durability=STATE.durability, reliability=STATE.reliability)
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from rclpy.parameter import Parameter
 
-from robots_core.nodes.messages import diagnostic_values
+from robots_core.ros.messages import diagnostic_values
 
 from .lua_bench import MOVE, Bench
 

@@ -19,8 +19,8 @@ from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core import load_robot_model
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.nodes.messages import MotionResult, diagnostic_values
-from robots_core.nodes.qos import COMMAND, STATE
+from robots_core.ros.messages import MotionResult, diagnostic_values
+from robots_core.ros.qos import COMMAND, STATE
 from robots_planning.nodes.planning_node import PlanningNode
 
 ROBOT = 'kuka_kr210_r2700'

@@ -10,8 +10,8 @@ from nav_msgs.msg import Path as NavPath
 from rcl_interfaces.msg import SetParametersResult
 
 from robots_controller.nodes.motion_client import MOST_SENT
-from robots_core.nodes.messages import diagnostic_values, stamp_id
-from robots_core.nodes.qos import COMMAND
+from robots_core.ros.messages import diagnostic_values, stamp_id
+from robots_core.ros.qos import COMMAND
 
 from .lua_bench import MOVE, Bench, SettingsBench, ignore
 

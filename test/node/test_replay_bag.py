@@ -15,7 +15,7 @@ from std_msgs.msg import Float64, String
 from robots_controller.nodes.replay_bag import replay_bag
 from robots_controller.testing import BAG_TYPES, write_bag
 from robots_core.errors import RobotsError
-from robots_core.nodes.qos import STATE
+from robots_core.ros.qos import STATE
 
 T = BAG_TYPES.types
 

@@ -12,7 +12,7 @@ from robots_core.blocks import AttachedObject, Scene, SceneObject
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.scene_messages import markers, updated_scene
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
-from robots_core.robot_model.triangle_mesh import triangle_mesh
+from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 
 POSE = Pose.from_angles([0.1, 0.2, 0.3], [0.4, 0.5, 0.6])
 

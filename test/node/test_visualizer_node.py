@@ -16,10 +16,10 @@ from std_msgs.msg import String
 
 from robots_core import Pose, load_robot_model
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.messages import diagnostic_values, doubles
-from robots_core.nodes.qos import COMMAND, STATE
 from robots_core.nodes.transforms import LinkTransforms
 from robots_core.nodes.visualizer_node import VisualizerNode
+from robots_core.ros.messages import diagnostic_values, doubles
+from robots_core.ros.qos import COMMAND, STATE
 
 ROBOT = 'bello_bot'
 

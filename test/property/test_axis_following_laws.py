@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots_core import load_robot_model
-from robots_core.blocks.axis_following import ROUNDING, AxisFollowing
+from robots_core.blocks.following.axis_following import ROUNDING, AxisFollowing
 
 ROBOT = load_robot_model('bello_bot')
 AXES = ROBOT.axes_data

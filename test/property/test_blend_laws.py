@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from robots_core import Pose, load_robot_model
 from robots_core.errors import RobotsError
 from robots_planning import MotionSettings, PathPlanning, RobotCommandState, verify
+from robots_planning.command_queue import QueuedCommand
 from robots_planning.motion_chain import MotionChain
-from robots_planning.order_book import MotionOrder
 from robots_planning.pathplanning import Target
+from robots_planning.paths.circular_arc import CircularArc
 from robots_planning.robot_command_state import Shape
-from robots_planning.trajectory_generators.circular_arc import CircularArc
 from robots_planning.verification import LINE_TOLERANCE
 
 ROBOTS = ('kuka_kr210_r2700', 'staubli_tx2_90', 'bello_bot')
@@ -54,7 +54,7 @@ class Chain:
         q = self.robot.home + 0.3 * np.array(moved[: axes.num_axes])
         q[-2] += 0.6
         self.start = self.q = np.clip(q, axes.lower, axes.upper)
-        self.orders: list[MotionOrder] = []
+        self.orders: list[QueuedCommand] = []
         self.near: list[Measure] = []
         self.away: list[Measure] = []
         self.stops = 0.0
@@ -69,7 +69,7 @@ class Chain:
         if isinstance(target, np.ndarray):
             target = np.clip(target, axes.lower, axes.upper)
             assume(np.abs(target - begin).max() > SHORTEST_WAY)
-        order = MotionOrder(str(len(self.orders)), state, target, modal, 0.0, shape)
+        order = QueuedCommand(str(len(self.orders)), state, target, modal, 0.0, shape)
         try:
             alone = self.planning.plan(state, begin, target, modal, shape=shape)
         except RobotsError:

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError, UnreachablePoseError
 from robots_planning import CircularCartesian, LinearCartesianLimited, SplineCartesian, verify
-from robots_planning.trajectory_generators.circular_arc import CircularArc
+from robots_planning.paths.circular_arc import CircularArc
 
 ROBOTS = ('kuka_kr210_r2700', 'bello_bot', 'ur10e')
 _LOADED = {name: load_robot_model(name) for name in ROBOTS}

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks import AttachedObject, CollisionDetection, JointPath, Proximity, Scene, SceneObject
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
-from robots_core.robot_model.triangle_mesh import triangle_mesh
+from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 
 ENGINES = ('fcl', 'coal')
 # Engines are believed to 1e-5 m; corrected answers are better.

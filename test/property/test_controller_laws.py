@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from ruckig import InputParameter, Ruckig
 from ruckig import Trajectory as RuckigTrajectory
 
-from robots_controller.controller import Controller, ControllerSettings, ControllerState
+from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
 from robots_core.robot_model.axes_data import AxesData
 from robots_planning.trajectory import Trajectory
 

@@ -12,7 +12,7 @@ from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError, UnreachablePoseError
 from robots_core.robot_choice import available_robot_models
 from robots_planning import LinearCartesianDynamicProgramming, verify
-from robots_planning.trajectory_generators.cartesian_line import CartesianLine
+from robots_planning.paths.cartesian_line import CartesianLine
 
 _LOADED: dict[str, BaseRobotModel] = {}
 _PLANNERS: dict[str, LinearCartesianDynamicProgramming] = {}

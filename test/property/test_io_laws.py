@@ -9,12 +9,12 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots_controller.field_path import FieldPath
-from robots_controller.io_conversion import INTEGERS, InputValue, from_field, to_field
-from robots_controller.io_map import IoRow, parse_io_map
-from robots_controller.io_signals import parse_channel
-from robots_controller.plc_script import parse_plc_script
-from robots_controller.scripted_plc import ScriptedPlc
+from robots_controller.io.field_path import FieldPath
+from robots_controller.io.io_conversion import INTEGERS, InputValue, from_field, to_field
+from robots_controller.io.io_map import IoRow, parse_io_map
+from robots_controller.io.io_signals import parse_channel
+from robots_controller.io.plc_script import parse_plc_script
+from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_core.errors import InvalidInputError
 
 

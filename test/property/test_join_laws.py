@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robots_controller.controller import Controller, ControllerSettings, ControllerState
+from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
 from robots_core import load_robot_model
 from robots_planning import LinearJoint, LinearJointAxes
 from robots_planning.trajectory_generators.joint_space import JointSpaceGenerator

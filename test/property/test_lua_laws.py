@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.interpreter.program_state import MotionCommand, OutputChange, RunState
+from robots_controller.program.program_state import MotionCommand, OutputChange, RunState
 from robots_core.errors import ProgramError
 
 DEADLINE = 20.0  # s

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots_core import BaseRobotModel, load_robot_model
-from robots_core.blocks.numerical_dynamics import NumericalDynamics
-from robots_core.blocks.rigid_body_drive import RigidBodyDrive
+from robots_core.blocks.drives.rigid_body_drive import RigidBodyDrive
+from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 
 NAMES = ('bello_bot', 'cello_bot', 'manutec_r3', 'ur5e')
 PERIOD = 0.01

@@ -8,7 +8,7 @@ import socket
 from pathlib import Path
 from typing import Any
 
-from robots_controller.interpreter.debug_adapter_server import HOST, DebugAdapterServer
+from robots_controller.editor.debug_adapter_server import HOST, DebugAdapterServer
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_core.errors import ProgramError
 

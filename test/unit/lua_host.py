@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.interpreter.program_state import MotionCommand, OutputChange
+from robots_controller.program.program_state import MotionCommand, OutputChange
 from robots_core.errors import ProgramError, RobotsError
 
 DEADLINE = 20.0  # s, for programs that should need milliseconds

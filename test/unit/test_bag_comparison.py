@@ -13,10 +13,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from robots_controller.bag_comparison import Comparison, compare_bags
-from robots_controller.bag_file import read_bag
-from robots_controller.bag_tolerances import BagTolerances, TopicTolerance, read_tolerances
-from robots_controller.check_bag import check_bag
+from robots_controller.recording.bag_comparison import Comparison, compare_bags
+from robots_controller.recording.bag_file import read_bag
+from robots_controller.recording.bag_tolerances import BagTolerances, TopicTolerance, read_tolerances
+from robots_controller.recording.check_bag import check_bag
 from robots_controller.testing import BAG_START, BAG_TYPES, assert_bag_matches, write_bag
 from robots_core.errors import InvalidInputError, RobotsError
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from robots_controller.bag_file import read_bag
+from robots_controller.recording.bag_file import read_bag
 from robots_controller.testing import BAG_START, BAG_TYPES, write_bag
 from robots_core.errors import RobotsError
 

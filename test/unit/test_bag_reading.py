@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robots_controller.bag_reading import late_references, reference_trajectory
+from robots_controller.recording.bag_reading import late_references, reference_trajectory
 from robots_core.errors import RobotsError
 
 PERIOD = 0.004

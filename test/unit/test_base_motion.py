@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robots_core.blocks.base_motion import BaseMotion
+from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.errors import InvalidInputError
 
 GRAVITY = np.array([0.0, 0.0, -9.81])

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from robots_core import Pose, load_robot_model
 from robots_core.errors import InvalidInputError
 from robots_core.validation import Array
-from robots_planning.blending import blend, joint_distance
-from robots_planning.trajectory_generators.cartesian_line import CartesianLine
-from robots_planning.trajectory_generators.joint_path import JointPath
-from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
+from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
+from robots_planning.paths.blending import blend, joint_distance
+from robots_planning.paths.cartesian_line import CartesianLine
+from robots_planning.paths.joint_path import JointPath
 
 
 def straight(start: Array, end: Array) -> JointPath:

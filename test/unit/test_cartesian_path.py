@@ -6,10 +6,10 @@ from scipy.spatial.transform import Rotation
 
 from robots_core import Pose
 from robots_core.errors import InvalidInputError
-from robots_planning.trajectory_generators.cartesian_line import CartesianLine
-from robots_planning.trajectory_generators.cartesian_path import CartesianPath
-from robots_planning.trajectory_generators.circular_arc import CircularArc
-from robots_planning.trajectory_generators.pose_spline import PoseSpline
+from robots_planning.paths.cartesian_line import CartesianLine
+from robots_planning.paths.cartesian_path import CartesianPath
+from robots_planning.paths.circular_arc import CircularArc
+from robots_planning.paths.pose_spline import PoseSpline
 
 
 def random_poses(seed: int, count: int) -> list[Pose]:

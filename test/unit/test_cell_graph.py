@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.cell_graph import cell_graph
+from robots_controller.live_cell.cell_graph import cell_graph
 from robots_core.errors import RobotsError
 
 ROOT = Path(__file__).parents[2]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from robots_controller.cell_events import (
+from robots_controller.live_cell.cell_events import (
     Event,
     MotionCommanded,
     MotionEnded,
@@ -19,7 +19,7 @@ from robots_controller.cell_events import (
     ProgramPrint,
     ProgramStatus,
 )
-from robots_controller.cell_view import CellView
+from robots_controller.live_cell.cell_view import CellView
 from robots_core.pose import Pose
 
 POSE = Pose(np.array([1.2, -0.5, 0.75]), np.eye(3))

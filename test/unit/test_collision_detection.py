@@ -21,7 +21,7 @@ from robots_core.blocks import (
 )
 from robots_core.errors import InvalidInputError, PlanningError
 from robots_core.robot_model.shapes import Box, Mesh, Sphere
-from robots_core.robot_model.triangle_mesh import triangle_mesh
+from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 from robots_planning import PathPlanning, RobotCommandState
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robots_controller.controller import Controller, ControllerSettings, ControllerState
+from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
 from robots_core.errors import InvalidInputError, TrajectoryRefusedError
 from robots_core.robot_model.axes_data import AxesData
 from robots_planning.trajectory import Trajectory

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from robots_controller.controller import Controller, ControllerState
-from robots_controller.controller_rates import FEEDBACK_RATE, HOLDING_RATE, ControllerRates, idle_latency_for
-from robots_controller.controller_settings import ControllerSettings
+from robots_controller.control.controller import Controller, ControllerState
+from robots_controller.control.controller_rates import (
+    FEEDBACK_RATE,
+    HOLDING_RATE,
+    ControllerRates,
+    idle_latency_for,
+)
+from robots_controller.control.controller_settings import ControllerSettings
 from robots_core import BaseRobotModel, load_robot_model
 
 SECONDS = 2.0

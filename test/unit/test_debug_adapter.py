@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from robots_controller.interpreter.debug_adapter_server import DebugAdapterServer
-from robots_controller.interpreter.program_state import RunState
+from robots_controller.editor.debug_adapter_server import DebugAdapterServer
+from robots_controller.program.program_state import RunState
 from robots_core.errors import RobotsError
 
 from .debug_editor import DEADLINE, DebuggedProgram, Editor

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robots_core.blocks.drive_faults import DriveFaults, FaultInjection
+from robots_core.blocks.drives.drive_faults import DriveFaults, FaultInjection
 from robots_core.errors import InvalidInputError
 
 NAMES = ('a', 'b', 'c')

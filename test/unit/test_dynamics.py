@@ -9,11 +9,11 @@ import pinocchio as pin
 import pytest
 
 from robots_core import BaseRobotModel, Pose, available_robot_models, load_robot_model
-from robots_core.blocks.base_motion import BaseMotion
-from robots_core.blocks.dynamics import Dynamics
-from robots_core.blocks.function_dynamics import FunctionDynamics
-from robots_core.blocks.numerical_dynamics import NumericalDynamics
-from robots_core.blocks.payload import Payload
+from robots_core.blocks.multibody.base_motion import BaseMotion
+from robots_core.blocks.multibody.dynamics import Dynamics
+from robots_core.blocks.multibody.function_dynamics import FunctionDynamics
+from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
+from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_from_vector
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robots_planning.trajectory_generators.even_path import EvenPath
-from robots_planning.trajectory_generators.joint_path import JointPath
+from robots_planning.paths.even_path import EvenPath
+from robots_planning.paths.joint_path import JointPath
 
 VELOCITY, ACCELERATION = np.array([2.0, 3.0]), np.array([10.0, 8.0])
 STEP = 1e-6

@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from robots_core import load_robot_model
-from robots_core.blocks.free_floating import FreeFloatingRobot
-from robots_core.blocks.payload import Payload
+from robots_core.blocks.multibody.free_floating import FreeFloatingRobot
+from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
 
 ORBIT = 'debris_arm?gravity=0,0,0'

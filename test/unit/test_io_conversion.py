@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from robots_controller.field_path import FieldPath
-from robots_controller.io_conversion import InputValue, from_field, to_field
-from robots_controller.io_map import IoRow
-from robots_controller.io_signals import parse_channel
+from robots_controller.io.field_path import FieldPath
+from robots_controller.io.io_conversion import InputValue, from_field, to_field
+from robots_controller.io.io_map import IoRow
+from robots_controller.io.io_signals import parse_channel
 from robots_core.errors import InvalidInputError
 
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots_controller.io_image import IMAGES, IoImage
+from robots_controller.io.io_image import IMAGES, IoImage
 from robots_core.errors import InvalidInputError
 
 LABELS = {'digital_inputs': ['press_ready', '', 'part_present'], 'analog_outputs': ['torch_current']}

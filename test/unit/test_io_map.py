@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.io_map import TopicQos, parse_io_map, read_io_map
+from robots_controller.io.io_map import TopicQos, parse_io_map, read_io_map
 from robots_core.errors import InvalidInputError
 
 CONFIG = Path(__file__).parents[2] / 'robots_controller' / 'config'

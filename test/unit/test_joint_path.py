@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from robots_core.errors import InvalidInputError
-from robots_planning.trajectory_generators.joint_path import JointPath
-from robots_planning.trajectory_generators.quintic import quintic_extremes
+from robots_planning.paths.joint_path import JointPath
+from robots_planning.timing.quintic import quintic_extremes
 
 
 def curve(s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

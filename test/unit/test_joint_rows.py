@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robots_controller.bag_file import read_bag
-from robots_controller.bag_reading import seconds
-from robots_controller.joint_rows import joint_rows
-from robots_controller.message_rows import MessageRows
+from robots_controller.recording.bag_file import read_bag
+from robots_controller.recording.bag_reading import seconds
+from robots_controller.recording.joint_rows import joint_rows
+from robots_controller.recording.message_rows import MessageRows
 from robots_controller.simulation import ros_messages as ros
 from robots_controller.testing import write_bag
 from robots_core import load_robot_model

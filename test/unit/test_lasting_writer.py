@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from rosbags.rosbag2 import Reader
 
-from robots_controller.lasting_writer import CHUNK_SIZE, LastingWriter
+from robots_controller.recording.crash_safe_writer import CHUNK_SIZE, CrashSafeWriter
 from robots_controller.testing import BAG_START, BAG_TYPES
 
 TEXT = 'std_msgs/msg/String'
@@ -27,7 +27,7 @@ def content(path: Path) -> list[tuple[str, int, bytes]]:
 class Recording:
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.writer = LastingWriter(path)
+        self.writer = CrashSafeWriter(path)
         self.writer.open()
         self.rows: list[tuple[str, int, bytes]] = []
         self.connections = {}
@@ -86,9 +86,9 @@ def test_rows_are_the_messages_that_would_be_written_one_by_one(tmp_path: Path, 
     count = 6 * CHUNK_SIZE // len(data)  # several chunks
     stamps = BAG_START + np.arange(count)
     rows = np.tile(np.frombuffer(data, np.uint8), (count, 1))
-    with LastingWriter(tmp_path / 'rows', chunks=chunks) as writer:
+    with CrashSafeWriter(tmp_path / 'rows', chunks=chunks) as writer:
         writer.write_rows(writer.add_connection('/a', TEXT, typestore=BAG_TYPES), stamps, rows)
-    with LastingWriter(tmp_path / 'single', chunks=chunks) as writer:
+    with CrashSafeWriter(tmp_path / 'single', chunks=chunks) as writer:
         connection = writer.add_connection('/a', TEXT, typestore=BAG_TYPES)
         for stamp in stamps.tolist():
             writer.write(connection, stamp, data)

@@ -48,7 +48,7 @@ def test_a_name_that_no_module_has_is_refused():
         ('robots_controller.nodes.lua_program_node', (*MESHES, *SCIPY)),
         ('robots_controller.nodes.io_bridge_node', (*MESHES, *SCIPY, *COMPILER)),
         ('robots_controller.nodes.plc_node', (*MESHES, *SCIPY, *COMPILER)),
-        ('robots_controller.cell', (*MESHES, *SCIPY)),
+        ('robots_controller.live_cell.cell_command', (*MESHES, *SCIPY)),
     ],
 )
 def test_a_process_loads_nothing_that_it_does_not_need(module: str, unneeded: tuple[str, ...]):

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from robots_planning.trajectory_generators.least_motion import (
+from robots_planning.path_kinematics.pseudo_inverse import (
     SINGULAR,
     least_motion,
     pseudo_inverse,

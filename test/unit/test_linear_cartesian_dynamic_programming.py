@@ -13,10 +13,10 @@ from robots_core.blocks import AnalyticalInverseKinematic
 from robots_core.errors import InvalidInputError, JointLimitError, PlanningError, UnreachablePoseError
 from robots_core.robot_model.analytic.configuration import Configuration
 from robots_planning import LinearCartesianDynamicProgramming, LinearCartesianLimited, Trajectory, verify
-from robots_planning.trajectory_generators import path_grid
-from robots_planning.trajectory_generators.cartesian_line import CartesianLine
-from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
-from robots_planning.trajectory_generators.posture_graph import PostureGraph
+from robots_planning.path_kinematics.configuration_graph import PostureGraph
+from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
+from robots_planning.paths import path_grid
+from robots_planning.paths.cartesian_line import CartesianLine
 
 KUKA = 'kuka_kr210_r2700'
 FINE = 1e-4  # s

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from lupa import lua54
 
+from robots_controller.editor.lua_meta import main, meta_file
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
-from robots_controller.interpreter.lua_meta import main, meta_file
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'
 FILE = PROGRAMS / 'library' / 'robot_functions.lua'

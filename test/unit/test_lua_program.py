@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.interpreter.program_state import RunState
+from robots_controller.program.program_state import RunState
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.pose import Pose
 from robots_planning.robot_command_state import RobotCommandState

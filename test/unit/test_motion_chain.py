@@ -10,8 +10,8 @@ import pytest
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError
 from robots_planning import MotionSettings, PathPlanning, RobotCommandState, verify
+from robots_planning.command_queue import QueuedCommand
 from robots_planning.motion_chain import MotionChain
-from robots_planning.order_book import MotionOrder
 from robots_planning.pathplanning import Target
 from robots_planning.robot_command_state import Shape
 
@@ -37,8 +37,8 @@ def start() -> np.ndarray:
 
 def order(
     number: int, state: RobotCommandState, target: Target, shape: Shape = 'line', **settings: object
-) -> MotionOrder:
-    return MotionOrder(str(number), state, target, MotionSettings(**settings), 0.0, shape)  # type: ignore[arg-type]
+) -> QueuedCommand:
+    return QueuedCommand(str(number), state, target, MotionSettings(**settings), 0.0, shape)  # type: ignore[arg-type]
 
 
 def square(robot: BaseRobotModel, start: np.ndarray, side: float = 0.2) -> list[Pose]:

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from robots_controller.bag_reading import read_messages
-from robots_controller.motion_record import recorded_motions
-from robots_controller.motion_report import TOPICS, MotionReport, motion_report
+from robots_controller.recording.bag_reading import read_messages
+from robots_controller.recording.motion_record import recorded_motions
+from robots_controller.report.motion_report import TOPICS, MotionReport, motion_report
 from robots_controller.simulate import simulate
 from robots_core import load_robot_model
 
@@ -106,7 +106,7 @@ def test_a_robot_with_another_tool_has_missed(bag: Path, monkeypatch: pytest.Mon
     def without_settings(path: Path, topics: list[str]) -> dict[str, list[tuple[float, object]]]:
         return {topic: [] if topic == '/motion_settings' else m for topic, m in real(path, topics).items()}
 
-    monkeypatch.setattr('robots_controller.motion_report.read_messages', without_settings)
+    monkeypatch.setattr('robots_controller.report.motion_report.read_messages', without_settings)
     report = motion_report(bag, ROBOT)
     assert not report.ok
     missed = {row.line for row in report.rows if 'the target was missed by' in row.problem}

@@ -10,15 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots_planning import MotionSettings, RobotCommandState, Trajectory
-from robots_planning.order_book import LONGEST_CHAIN, MotionOrder, OrderBook, RunningMotion
+from robots_planning.command_queue import LONGEST_CHAIN, CommandQueue, QueuedCommand, RunningMotion
 
 STOPS, BLENDS = MotionSettings(), MotionSettings(blend_zone=0.01)
 JOINT_BLENDS = MotionSettings(joint_blend_zone=0.1)
 
 
-def order(number: int, how: MotionSettings = STOPS, received: float | None = None) -> MotionOrder:
+def order(number: int, how: MotionSettings = STOPS, received: float | None = None) -> QueuedCommand:
     at = float(number) if received is None else received
-    return MotionOrder(str(number), RobotCommandState.PTPJOINT_JOINT, np.zeros(2), how, at)
+    return QueuedCommand(str(number), RobotCommandState.PTPJOINT_JOINT, np.zeros(2), how, at)
 
 
 def running(*ids: str) -> RunningMotion:
@@ -32,7 +32,7 @@ def running(*ids: str) -> RunningMotion:
 def test_every_command_is_planned_once_in_its_order_and_a_chain_ends_where_it_stops(
     kinds: list[MotionSettings],
 ) -> None:
-    book = OrderBook()
+    book = CommandQueue()
     chains = []
     for number, how in enumerate(kinds):
         chains.append(book.hold(order(number, how)))
@@ -48,7 +48,7 @@ def test_every_command_is_planned_once_in_its_order_and_a_chain_ends_where_it_st
 
 
 def test_an_order_is_known_until_it_is_refused_or_over() -> None:
-    book = OrderBook()
+    book = CommandQueue()
     for number in (1, 2, 3):
         book.hold(order(number))
     book.refused('1')
@@ -64,7 +64,7 @@ def test_an_order_is_known_until_it_is_refused_or_over() -> None:
 
 
 def test_motions_run_in_the_order_in_which_they_were_planned() -> None:
-    book = OrderBook()
+    book = CommandQueue()
     first, second = running('1'), running('2')
     assert book.planned(first, 0)
     assert book.planned(second, 0)
@@ -74,7 +74,7 @@ def test_motions_run_in_the_order_in_which_they_were_planned() -> None:
 
 
 def test_a_failure_takes_with_it_what_was_commanded_before_it_ended() -> None:
-    book = OrderBook()
+    book = CommandQueue()
     for number in (1, 2, 3):
         book.hold(order(number))
     book.planned(running('1'), book.failures)
@@ -92,7 +92,7 @@ def test_a_failure_takes_with_it_what_was_commanded_before_it_ended() -> None:
 
 
 def test_a_late_result_of_an_older_stop_does_not_revive_what_a_newer_one_voided() -> None:
-    book = OrderBook()
+    book = CommandQueue()
     book.planned(running('1'), 0)
     book.planned(running('2'), 0)
     book.ended('1', ok=False, at=8.0)
@@ -103,7 +103,7 @@ def test_a_late_result_of_an_older_stop_does_not_revive_what_a_newer_one_voided(
 
 
 def test_a_replaced_motion_is_forgotten_but_no_failure() -> None:
-    book = OrderBook()
+    book = CommandQueue()
     old, new = running('1'), running('2')
     book.hold(order(1))
     book.hold(order(2))
@@ -119,7 +119,7 @@ def test_a_replaced_motion_is_forgotten_but_no_failure() -> None:
 
 
 def test_a_lost_controller_forgets_what_runs_and_nothing_else() -> None:
-    book = OrderBook()
+    book = CommandQueue()
     book.hold(order(1))
     book.hold(order(2, BLENDS))
     book.planned(running('1'), 0)
@@ -131,7 +131,7 @@ def test_a_lost_controller_forgets_what_runs_and_nothing_else() -> None:
 
 
 def test_threads_lose_no_command() -> None:
-    book = OrderBook()
+    book = CommandQueue()
     planned: list[str] = []
     start = threading.Barrier(4)
 
@@ -152,7 +152,7 @@ def test_threads_lose_no_command() -> None:
 
 @pytest.mark.parametrize('ok', [True, False])
 def test_the_end_of_a_foreign_motion_is_none_of_its_business(ok: bool) -> None:  # noqa: FBT001
-    book = OrderBook()
+    book = CommandQueue()
     book.planned(running('1'), 0)
     assert book.ended('77', ok=ok, at=9.0) is None
     assert book.failures == 0

@@ -10,8 +10,8 @@ import pytest
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError, RobotsError
 from robots_planning import MotionSettings, PathPlanning, RobotCommandState
-from robots_planning.order_book import MotionOrder, OrderBook
-from robots_planning.order_planner import REPLACE_LEAD, OrderPlanner, PlannedOrders
+from robots_planning.command_planner import REPLACE_LEAD, CommandPlanner, PlannedCommands
+from robots_planning.command_queue import CommandQueue, QueuedCommand
 from robots_planning.pathplanning import Target
 
 JOINTS, LINE = RobotCommandState.PTPJOINT_JOINT, RobotCommandState.PTPCARTESIAN
@@ -33,11 +33,11 @@ class Desk:
     def __init__(self, planning: PathPlanning) -> None:
         self.robot = planning.robot
         self.start = np.array([0.2, -1.2, 1.6, -1.9, -1.4, 0.3])
-        self.book = OrderBook()
-        self.sent: list[PlannedOrders] = []
+        self.book = CommandQueue()
+        self.sent: list[PlannedCommands] = []
         self.refused: dict[str, RobotsError] = {}
         self.path_time = 0.0
-        self.planner = OrderPlanner(
+        self.planner = CommandPlanner(
             planning,
             self.book,
             standing=lambda: self.start,
@@ -46,11 +46,11 @@ class Desk:
             refuse=self.refuse,
         )
 
-    def refuse(self, order: MotionOrder, error: RobotsError) -> None:
+    def refuse(self, order: QueuedCommand, error: RobotsError) -> None:
         self.refused[order.id] = error
 
     def order(self, number: int, target: Target, state: RobotCommandState = JOINTS, **how: object) -> None:
-        order = MotionOrder(str(number), state, target, MotionSettings(**how), float(number))  # type: ignore[arg-type]
+        order = QueuedCommand(str(number), state, target, MotionSettings(**how), float(number))  # type: ignore[arg-type]
         orders = self.book.hold(order)
         if orders:
             self.planner.plan(orders)

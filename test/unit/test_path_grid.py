@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robots_planning.trajectory_generators.path_grid import POINTS, SPLIT, TURN_POINTS, finer_grid, path_grid
+from robots_planning.paths.path_grid import POINTS, SPLIT, TURN_POINTS, finer_grid, path_grid
 
 NODES = np.linspace(0.0, 1.0, 401)
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots_controller.interpreter.motion_command import Anchor, PathSwitch
-from robots_controller.interpreter.path_switches import PathSwitches
+from robots_controller.program.motion_command import Anchor, PathSwitch
+from robots_controller.program.path_switches import PathSwitches
 from robots_core.validation import Array
 
 # 2 m along x in 4 s at constant speed.

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robots_core import Pose
-from robots_core.blocks.payload import Payload
+from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_from_vector
 

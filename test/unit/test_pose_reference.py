@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from robots_core.blocks.pose_reference import PoseReference, moved
+from robots_core.blocks.following.pose_reference import PoseReference, moved
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from robots_controller.check_program import main
 from robots_controller.interpreter.lua_arguments import Sizes
 from robots_controller.interpreter.lua_tokens import lua_tokens
-from robots_controller.interpreter.program_check import check_program
+from robots_controller.program_check.check_program import main
+from robots_controller.program_check.program_check import check_program
 from robots_core import load_robot_model
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'

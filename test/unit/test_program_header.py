@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.check_program import main as check_program
-from robots_controller.plc_script import read_plc_script
-from robots_controller.program_header import ProgramHeader, read_program_header
+from robots_controller.io.plc_script import read_plc_script
+from robots_controller.program.program_header import ProgramHeader, read_program_header
+from robots_controller.program_check.check_program import main as check_program
 from robots_controller.simulation import command_line
 from robots_core import load_robot_model
 from robots_core.blocks import read_scene

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from robots_controller.bag_file import read_bag
-from robots_controller.program_header import read_program_header
+from robots_controller.program.program_header import read_program_header
+from robots_controller.recording.bag_file import read_bag
 from robots_controller.report import run_report
 from robots_controller.simulate import simulate
 from robots_controller.simulation.command_line import (

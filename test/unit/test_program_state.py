@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from robots_controller.interpreter.clock import WallClock
-from robots_controller.interpreter.program_state import (
+from robots_controller.program.clock import WallClock
+from robots_controller.program.program_state import (
     MotionCommand,
     ProgramState,
     ProgramStopped,

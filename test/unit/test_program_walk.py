@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.check_program import main
-from robots_controller.plc_script import parse_plc_script
-from robots_controller.program_walk import WalkResult, walk_program
-from robots_controller.program_walk.input_combinations import input_combinations
+from robots_controller.io.plc_script import parse_plc_script
+from robots_controller.program_check.check_program import main
+from robots_controller.program_check.input_combinations import input_combinations
+from robots_controller.program_check.walk import WalkResult, walk_program
 from robots_core.errors import InvalidInputError
 
 ROBOT = 'kuka_kr210_r2700'

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
-from robots_core.blocks.pose_reference import moved
+from robots_core.blocks.following.pose_reference import moved
 from robots_core.errors import InvalidInputError
 from robots_planning import MovementState, RealtimeMovement
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robots_controller.reference_use import QUANTITIES, ReferenceUse
+from robots_controller.recording.reference_use import QUANTITIES, ReferenceUse
 from robots_core import BaseRobotModel, load_robot_model
 from robots_planning import Trajectory
 

@@ -9,9 +9,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from robots_core import available_robot_models, load_robot_model
-from robots_core.blocks.numerical_dynamics import NumericalDynamics
-from robots_core.blocks.payload import Payload
-from robots_core.blocks.rigid_body_drive import RigidBodyDrive
+from robots_core.blocks.drives.rigid_body_drive import RigidBodyDrive
+from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
+from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.drive_data import DriveData
 from robots_models.manutec_r3.full_robot import (

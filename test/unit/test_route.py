@@ -7,9 +7,9 @@ import pytest
 
 from robots_core import BaseRobotModel, load_robot_model
 from robots_core.pose import Pose
-from robots_planning.trajectory_generators.cartesian_line import CartesianLine
-from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
-from robots_planning.trajectory_generators.route import FollowedPart, joined
+from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
+from robots_planning.path_kinematics.route import FollowedPart, joined
+from robots_planning.paths.cartesian_line import CartesianLine
 
 START = np.radians([10.0, -80.0, 100.0, -100.0, -80.0, 20.0])
 BREAKS = [0.0, 0.3, 0.3 + 1e-7, 1.0]

@@ -8,7 +8,7 @@ import pytest
 
 from robots_controller.report import RunReport, compare_runs, run_report
 from robots_controller.report.line_times import time_spans
-from robots_controller.report.page import report_page
+from robots_controller.report.page.page import report_page
 from robots_controller.report.run_signals import energy
 from robots_controller.testing import BAG_TYPES, write_bag
 from robots_core.errors import RobotsError

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.io_image import Channel
-from robots_controller.plc_script import parse_plc_script, read_plc_script
-from robots_controller.scripted_plc import ScriptedPlc
+from robots_controller.io.io_image import Channel
+from robots_controller.io.plc_script import parse_plc_script, read_plc_script
+from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_core.errors import InvalidInputError
 
 PRESS = Path(__file__).parents[2] / 'programs' / 'io' / 'press_tending.yaml'

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robots_controller.bag_file import read_bag
-from robots_controller.motion_report import motion_report
+from robots_controller.recording.bag_file import read_bag
+from robots_controller.report.motion_report import motion_report
 from robots_controller.simulate import simulate
 from robots_controller.simulation.events import (
     CommandStateChanged,

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from robots_controller.interpreter.clock import Clock
+from robots_controller.program.clock import Clock
 from robots_controller.simulation.simulated_clock import CALLS_PER_PERIOD, SimulatedClock
 
 PERIOD = 0.004

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robots_controller.bag_file import read_bag
+from robots_controller.recording.bag_file import read_bag
 from robots_controller.simulation import ros_messages as ros
 from robots_controller.simulation.events import CommandStateChanged
 from robots_controller.simulation.simulation_run import SimulationRun

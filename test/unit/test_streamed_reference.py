@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robots_controller.controller import Controller, ControllerSettings, ControllerState
-from robots_controller.streamed_reference import StreamPoint
+from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
+from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.errors import InvalidInputError, JointLimitError, TrajectoryRefusedError
 from robots_core.robot_model.axes_data import AxesData
 from robots_planning.trajectory import Trajectory

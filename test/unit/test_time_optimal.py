@@ -11,12 +11,12 @@ from scipy.spatial.transform import Rotation
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError
 from robots_planning import verify
-from robots_planning.trajectory_generators.cartesian_line import CartesianLine
-from robots_planning.trajectory_generators.joint_path import JointPath
-from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
-from robots_planning.trajectory_generators.path_timing import TooSlowError
-from robots_planning.trajectory_generators.switched_time_law import SwitchedTimeLaw
-from robots_planning.trajectory_generators.time_optimal import TimeOptimalTiming, ToolLimits, local_excess
+from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
+from robots_planning.paths.cartesian_line import CartesianLine
+from robots_planning.paths.joint_path import JointPath
+from robots_planning.timing.path_timing import TooSlowError
+from robots_planning.timing.switched_time_law import SwitchedTimeLaw
+from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits, local_excess
 
 ROBOTS = ('kuka_kr210_r2700', 'ur5e', 'manutec_r3', 'bello_bot')
 FINE = 1e-4  # s

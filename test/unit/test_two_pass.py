@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from robots_planning.trajectory_generators.two_pass import Grid, MotionLimits, two_pass
+from robots_planning.timing.two_pass import Grid, MotionLimits, two_pass
 
 FREE = np.full(4, np.inf)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robots_core.errors import InvalidInputError, UnknownRobotError
-from robots_core.robot_model.urdf_chain import DEFAULT_JERK_TIME, DEFAULT_RAMP_TIME, read_urdf_chain
+from robots_core.robot_model.urdf.urdf_chain import DEFAULT_JERK_TIME, DEFAULT_RAMP_TIME, read_urdf_chain
 
 LIMIT = '<limit lower="-1" upper="2" velocity="3" effort="4"/>'
 

@@ -6,7 +6,7 @@ import pytest
 from lxml import etree
 
 from robots_core.errors import UnknownRobotError
-from robots_core.robot_model.urdf_tree import LinkTree
+from robots_core.robot_model.urdf.urdf_tree import LinkTree
 
 
 def tree(*joints: str) -> LinkTree:

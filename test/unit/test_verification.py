@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import InvalidInputError
 from robots_planning import LinearCartesianLimited, LinearJoint, Trajectory, verify
-from robots_planning.path_deviation import path_deviation
-from robots_planning.trajectory_generators.pose_spline import PoseSpline
+from robots_planning.paths.path_deviation import path_deviation
+from robots_planning.paths.pose_spline import PoseSpline
 
 
 @pytest.fixture(scope='module', params=['kuka_kr210_r2700', 'bello_bot'])

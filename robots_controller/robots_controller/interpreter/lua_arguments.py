@@ -17,7 +17,7 @@ from robots_controller.interpreter.lua_functions import (
     to_si,
 )
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
-from robots_controller.interpreter.motion_command import PathSwitch
+from robots_controller.program.motion_command import PathSwitch
 
 POSE_ARGUMENTS: Final = tuple(
     Argument(name, 'number', unit, '')

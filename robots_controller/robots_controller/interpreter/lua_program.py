@@ -12,21 +12,21 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from robots_controller.interpreter.clock import Clock, WallClock
 from robots_controller.interpreter.debugger import CallStack, Debugger, HoldReason, Step
 from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
-from robots_controller.interpreter.motion_target import RobotView
-from robots_controller.interpreter.program_events import ProgramEvents
 from robots_controller.interpreter.program_run import ProgramRun
-from robots_controller.interpreter.program_state import (
+from robots_controller.program.clock import Clock, WallClock
+from robots_controller.program.motion_target import RobotView
+from robots_controller.program.program_events import ProgramEvents
+from robots_controller.program.program_state import (
     MotionCommand,
     OutputChange,
     ProgramState,
     RunState,
 )
-from robots_controller.interpreter.shared_data import SharedData
-from robots_controller.interpreter.taught_points import SUFFIX
+from robots_controller.program.shared_data import SharedData
+from robots_controller.program.taught_points import SUFFIX
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.pose import Pose

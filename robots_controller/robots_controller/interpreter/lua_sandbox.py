@@ -30,7 +30,7 @@ from lupa import lua54
 from robots_controller.interpreter.lua_patterns import PATTERNS
 from robots_controller.interpreter.lua_prelude import PRELUDE
 from robots_controller.interpreter.lua_source import LuaSource
-from robots_controller.interpreter.program_state import ProgramStopped
+from robots_controller.program.program_state import ProgramStopped
 
 DEFAULT_MEMORY: Final = 100_000_000  # bytes
 # An instruction may copy a string as long as the memory allows: few of them, so that a stop is quick.

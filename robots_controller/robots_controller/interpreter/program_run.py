@@ -17,10 +17,10 @@ from robots_controller.interpreter.lua_sandbox import (
     syntax_error,
 )
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
-from robots_controller.interpreter.motion_target import RobotView
-from robots_controller.interpreter.program_events import ProgramEvents
-from robots_controller.interpreter.program_state import ProgramState, RunState
 from robots_controller.interpreter.robot_functions import RobotFunctions
+from robots_controller.program.motion_target import RobotView
+from robots_controller.program.program_events import ProgramEvents
+from robots_controller.program.program_state import ProgramState, RunState
 from robots_core.errors import ProgramError
 
 

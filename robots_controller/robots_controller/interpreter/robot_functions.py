@@ -9,7 +9,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from robots_controller.interpreter.guided_motion import guided
 from robots_controller.interpreter.lua_arguments import Arguments, Sizes, check_arguments
 from robots_controller.interpreter.lua_functions import (
     LUA_FUNCTIONS,
@@ -18,12 +17,13 @@ from robots_controller.interpreter.lua_functions import (
     pose_to_program,
 )
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, Result, Waiting
-from robots_controller.interpreter.motion_command import Kind, MotionCommand, OutputChange
-from robots_controller.interpreter.motion_target import MotionTarget, RobotView
-from robots_controller.interpreter.output_pulses import OutputPulses
-from robots_controller.interpreter.program_events import ProgramEvents
-from robots_controller.interpreter.program_state import ProgramState
-from robots_controller.interpreter.taught_points import TaughtPoint, read_points, write_points
+from robots_controller.program.guided_motion import guided
+from robots_controller.program.motion_command import Kind, MotionCommand, OutputChange
+from robots_controller.program.motion_target import MotionTarget, RobotView
+from robots_controller.program.output_pulses import OutputPulses
+from robots_controller.program.program_events import ProgramEvents
+from robots_controller.program.program_state import ProgramState
+from robots_controller.program.taught_points import TaughtPoint, read_points, write_points
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, read_only

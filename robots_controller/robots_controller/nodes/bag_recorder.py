@@ -15,10 +15,10 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosbags.interfaces import Connection, Qos
 from rosbags.typesys import Stores, get_typestore
 
-from robots_controller.bag_qos import bag_qos
-from robots_controller.lasting_writer import LastingWriter
 from robots_controller.nodes.message_types import message_class
-from robots_core.nodes.polled_subscription import PolledSubscription
+from robots_controller.recording.bag_qos import bag_qos
+from robots_controller.recording.crash_safe_writer import CrashSafeWriter
+from robots_core.ros.polled_subscription import PolledSubscription
 
 DISCOVERY_PERIOD = 0.1  # s
 WRITE_PERIOD = 0.02  # s
@@ -51,7 +51,7 @@ class BagRecorder(Node):
         self.path = path
         self._prefix = namespace.rstrip('/') + '/'
         self._typestore = get_typestore(Stores.ROS2_JAZZY)
-        self._writer = LastingWriter(path)
+        self._writer = CrashSafeWriter(path)
         self._topics: dict[str, _RecordedTopic] = {}
         self._writer.open()
         self._writing = threading.Lock()  # a topic is found while another's messages are written

@@ -18,21 +18,21 @@ from std_msgs.msg import Bool, Float64
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.controller import Controller, ControllerState, MotionOutcome
-from robots_controller.controller_rates import ControllerRates, cycles, idle_latency_for
-from robots_controller.controller_settings import ControllerSettings
+from robots_controller.control.controller import Controller, ControllerState, MotionOutcome
+from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
+from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.nodes.stream_messages import stream_point_from_message
-from robots_controller.streamed_reference import StreamPoint
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.nodes.joint_state_reader import JointStateReader
-from robots_core.nodes.messages import MotionResult, stamp_id
-from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE, subscribe_state
-from robots_core.nodes.reference_stream import ReferenceStream
-from robots_core.nodes.robot_node import RobotNode
-from robots_core.nodes.run import run
 from robots_core.periodic_thread import PeriodicThread
 from robots_core.realtime import ask_for_realtime
+from robots_core.ros.joint_state_reader import JointStateReader
+from robots_core.ros.messages import MotionResult, stamp_id
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE, subscribe_state
+from robots_core.ros.reference_stream import ReferenceStream
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.run import run
 from robots_core.validation import Array, fraction
 from robots_planning.nodes.trajectory_messages import join_time, trajectory_from_message
 from robots_planning.trajectory import Trajectory

@@ -9,13 +9,13 @@ from typing import Any, Final
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from robots_controller.io_conversion import INTEGERS, InputValue, to_field
-from robots_controller.io_map import IoMap, IoRow, TopicQos, read_io_map
+from robots_controller.io.io_conversion import INTEGERS, InputValue, to_field
+from robots_controller.io.io_map import IoMap, IoRow, TopicQos, read_io_map
 from robots_controller.nodes.io_images import InputImages, OutputImages
 from robots_controller.nodes.message_types import make_room, message_class, number_type
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.robot_node import RobotNode
-from robots_core.nodes.run import run
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.run import run
 
 # Often enough to notice within a timeout of a tenth of a second that the robot program's node is gone.
 WATCH_PERIOD: Final = 0.02  # s

@@ -10,9 +10,9 @@ import numpy as np
 from rclpy.node import Node
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
-from robots_controller.io_image import Channel
-from robots_core.nodes.messages import doubles
-from robots_core.nodes.qos import STATE, subscribe_state
+from robots_controller.io.io_image import Channel
+from robots_core.ros.messages import doubles
+from robots_core.ros.qos import STATE, subscribe_state
 from robots_core.validation import Array
 
 MESSAGES: Final[dict[str, Any]] = {'digital': UInt8MultiArray, 'analog': Float64MultiArray}

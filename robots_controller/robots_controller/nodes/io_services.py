@@ -14,10 +14,10 @@ from rclpy.node import Node
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension, MultiArrayLayout, UInt8MultiArray
 from std_srvs.srv import SetBool
 
-from robots_controller.io_image import FORCE, IMAGES, Channel, IoImage, Kind
+from robots_controller.io.io_image import FORCE, IMAGES, Channel, IoImage, Kind
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.messages import diagnostic_status, doubles
-from robots_core.nodes.qos import STATE, subscribe_state
+from robots_core.ros.messages import diagnostic_status, doubles
+from robots_core.ros.qos import STATE, subscribe_state
 
 _MESSAGES: Final[dict[str, Any]] = {'digital': UInt8MultiArray, 'analog': Float64MultiArray}
 _TYPE_NAMES: Final = {

@@ -17,22 +17,22 @@ from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.interpreter.debug_adapter_server import DebugAdapterServer
+from robots_controller.editor.debug_adapter_server import DebugAdapterServer
 from robots_controller.interpreter.debugger import STEPS, breakpoints_by_file
 from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE, LuaProgram
-from robots_controller.interpreter.program_state import MotionCommand, OutputChange, RunState
-from robots_controller.io_image import IMAGES
+from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.io_services import IoServices
 from robots_controller.nodes.motion_client import MotionClient
 from robots_controller.nodes.path_switching import PathSwitching
 from robots_controller.nodes.program_status import ProgramStatus
+from robots_controller.program.program_state import MotionCommand, OutputChange, RunState
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
-from robots_core.nodes.messages import joint_values
-from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import SENSOR, STATE, STREAM
-from robots_core.nodes.robot_node import RobotNode, bounded
-from robots_core.nodes.run import run
 from robots_core.pose import Pose
+from robots_core.ros.messages import joint_values
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import SENSOR, STATE, STREAM
+from robots_core.ros.robot_node import RobotNode, bounded
+from robots_core.ros.run import run
 from robots_core.validation import Array
 
 AUTOSTART_PERIOD: Final = 0.1  # s

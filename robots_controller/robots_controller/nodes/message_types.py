@@ -6,7 +6,7 @@ import re
 from importlib import import_module
 from typing import Any, Final
 
-from robots_controller.field_path import FieldPath
+from robots_controller.io.field_path import FieldPath
 from robots_core.errors import InvalidInputError
 
 _ARRAY: Final = re.compile(r'sequence<(?P<listed>[^,]+)(, \d+)?>|(?P<fixed>[^\[]+)\[\d+\]')

@@ -17,11 +17,11 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-from robots_controller.interpreter.motion_command import MotionCommand
 from robots_controller.nodes.planner_settings import BLEND_ZONES, PlannerSettings
+from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import PlanningError, RobotsError
-from robots_core.nodes.messages import MotionResult, joint_state_message, pose_stamped_message, stamp_id
-from robots_core.nodes.qos import COMMAND
+from robots_core.ros.messages import MotionResult, joint_state_message, pose_stamped_message, stamp_id
+from robots_core.ros.qos import COMMAND
 from robots_planning.robot_command_state import RobotCommandState
 
 # A node restarts in about this time; a robot that nobody plans for must not be waited for longer.

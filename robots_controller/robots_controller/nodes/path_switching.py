@@ -12,12 +12,12 @@ from rclpy.serialization import deserialize_message
 from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.interpreter.motion_command import MotionCommand, OutputChange, PathSwitch
-from robots_controller.interpreter.path_switches import PathSwitches, switches_on_path
+from robots_controller.program.motion_command import MotionCommand, OutputChange, PathSwitch
+from robots_controller.program.path_switches import PathSwitches, switches_on_path
 from robots_core.errors import RobotsError
-from robots_core.nodes.messages import stamp_id
-from robots_core.nodes.qos import COMMAND, STREAM
 from robots_core.pose import Pose
+from robots_core.ros.messages import stamp_id
+from robots_core.ros.qos import COMMAND, STREAM
 from robots_core.validation import Array
 from robots_planning.nodes.trajectory_messages import trajectory_from_message
 

@@ -8,12 +8,12 @@ from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from robots_controller.io.plc_script import PlcScript, read_plc_script
+from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.nodes.io_images import InputImages, OutputImages
-from robots_controller.plc_script import PlcScript, read_plc_script
-from robots_controller.scripted_plc import ScriptedPlc
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.robot_node import RobotNode
-from robots_core.nodes.run import run
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.run import run
 
 IDLE_PERIOD: Final = 3600.0  # s, of a timer that has nothing to do
 

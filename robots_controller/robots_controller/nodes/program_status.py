@@ -10,9 +10,9 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.told_place import TellingPace, told_place
-from robots_core.nodes.messages import diagnostic_status
-from robots_core.nodes.qos import STATE
+from robots_controller.program.program_position import TellingPace, told_place
+from robots_core.ros.messages import diagnostic_status
+from robots_core.ros.qos import STATE
 
 STATUS_PERIOD: Final = 0.02  # s, after which a change that could not be told at once is told
 

@@ -12,12 +12,12 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import try_shutdown
 
-from robots_controller.bag_file import read_bag
-from robots_controller.bag_replay import replay_plan
 from robots_controller.nodes.bag_player import BagPlayer
+from robots_controller.recording.bag_file import read_bag
+from robots_controller.recording.bag_replay import replay_plan
 from robots_core.errors import RobotsError
-from robots_core.nodes.interrupt import interrupt
-from robots_core.nodes.middleware import choose_transports
+from robots_core.ros.interrupt import interrupt
+from robots_core.ros.middleware import choose_transports
 
 EXIT_OK, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 2, 130
 

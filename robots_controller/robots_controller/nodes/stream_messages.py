@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.streamed_reference import StreamPoint
+from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.messages import joint_indices
+from robots_core.ros.messages import joint_indices
 from robots_core.validation import finite_vector
 
 

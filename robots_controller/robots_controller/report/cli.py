@@ -10,8 +10,8 @@ from pathlib import Path
 from rich.console import Console
 
 from robots_controller.report.comparison import compare_runs
-from robots_controller.report.comparison_page import comparison_page, show_comparison
-from robots_controller.report.page import report_page, write_page
+from robots_controller.report.page.comparison_page import comparison_page, show_comparison
+from robots_controller.report.page.page import report_page, write_page
 from robots_controller.report.run_report import run_report
 from robots_controller.report.terminal import show_report
 from robots_core.errors import RobotsError

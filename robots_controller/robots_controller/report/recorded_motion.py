@@ -8,9 +8,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from robots_controller import motion_record
-from robots_controller.motion_record import CommandRecord, MotionRecord
-from robots_controller.tool_path import ToolPath
+from robots_controller.recording import motion_record
+from robots_controller.recording.motion_record import CommandRecord, MotionRecord
+from robots_controller.report.tool_path import ToolPath
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.robot_command_state import RobotCommandState

@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from robots_controller.bag_file import Bag, read_bag
-from robots_controller.joint_rows import JointRows, joint_rows
+from robots_controller.recording.bag_file import Bag, read_bag
+from robots_controller.recording.joint_rows import JointRows, joint_rows
 from robots_controller.report.recorded_io import IO_KINDS, IO_TOPICS, IoChannel, io_channels
 from robots_controller.report.recorded_motion import MOTION_TOPICS, RecordedMotion, recorded_motions
 from robots_core.errors import InvalidInputError, RobotsError

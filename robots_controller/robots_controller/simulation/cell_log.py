@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from robots_controller.controller import MotionOutcome
+from robots_controller.control.controller import MotionOutcome
+from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.interpreter.motion_command import MotionCommand, OutputChange
-from robots_controller.interpreter.program_state import RunState
-from robots_controller.io_image import Channel, IoImage
+from robots_controller.io.io_image import Channel, IoImage
+from robots_controller.program.motion_command import MotionCommand, OutputChange
+from robots_controller.program.program_position import TellingPace, told_place
+from robots_controller.program.program_state import RunState
 from robots_controller.simulation import ros_messages as ros
 from robots_controller.simulation.collision_watch import Clearness
 from robots_controller.simulation.cost import Cost
@@ -27,11 +29,9 @@ from robots_controller.simulation.recording import Recording
 from robots_controller.simulation.simulated_bag import START, SimulatedBag
 from robots_controller.simulation.simulated_clock import SimulatedClock
 from robots_controller.simulation.simulated_motions import MotionEnd, motion_settings
-from robots_controller.streamed_reference import StreamPoint
-from robots_controller.told_place import TellingPace, told_place
 from robots_core.errors import RobotsError
+from robots_planning.command_planner import PlannedCommands
 from robots_planning.motion_settings import MotionSettings, settings_as_text
-from robots_planning.order_planner import PlannedOrders
 from robots_planning.robot_command_state import RobotCommandState
 
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
@@ -244,7 +244,7 @@ class CellLog:
             )
             self._write('motion_settings', STATUS_TYPE, status, nanoseconds)
 
-    def planned(self, planned: PlannedOrders) -> None:
+    def planned(self, planned: PlannedCommands) -> None:
         """A plan goes to the controller."""
         if self._bag is None:
             return

@@ -6,16 +6,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from robots_controller.cell_io import read_cell_io
-from robots_controller.controller import Controller
-from robots_controller.controller_settings import ControllerSettings
-from robots_controller.plc_script import PlcScript
+from robots_controller.control.controller import Controller
+from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.io.cell_io import read_cell_io
+from robots_controller.io.plc_script import PlcScript
 from robots_controller.simulation.guide_recording import GuideRecording, read_guide_recording
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
-from robots_core.blocks.drive_level import drive_train
-from robots_core.blocks.drive_train import DriveTrain
-from robots_core.blocks.following_methods import METHODS
+from robots_core.blocks.drives.drive_level import drive_train
+from robots_core.blocks.drives.drive_train import DriveTrain
+from robots_core.blocks.following.following_methods import METHODS
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import positive

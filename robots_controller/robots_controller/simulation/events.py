@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from robots_controller.io_image import Kind
+from robots_controller.io.io_image import Kind
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from robots_controller.bag_file import Bag, read_bag
-from robots_controller.bag_reading import seconds
+from robots_controller.recording.bag_file import Bag, read_bag
+from robots_controller.recording.bag_reading import seconds
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector

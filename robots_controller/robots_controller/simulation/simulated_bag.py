@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from rosbags.interfaces import Connection
 from scipy.spatial.transform import Rotation
 
-from robots_controller.bag_qos import bag_qos
-from robots_controller.lasting_writer import LastingWriter
-from robots_controller.message_rows import MessageRows, marks
+from robots_controller.recording.bag_qos import bag_qos
+from robots_controller.recording.crash_safe_writer import CrashSafeWriter
+from robots_controller.recording.message_rows import MessageRows, marks
 from robots_controller.simulation import ros_messages as ros
 from robots_controller.simulation.recording import Recording
 from robots_core.errors import RobotsError
@@ -78,7 +78,7 @@ class SimulatedBag:
         self._rows = self._templates(period)
         if path.exists():
             raise RobotsError(f'{path} exists already; a bag needs a folder of its own')
-        self._writer = LastingWriter(path, chunks=CHUNKS)
+        self._writer = CrashSafeWriter(path, chunks=CHUNKS)
         try:
             self._writer.open()
         except OSError as error:

@@ -11,15 +11,15 @@ from typing import Final
 
 import numpy as np
 
-from robots_controller.controller import Controller, ControllerState, MotionOutcome
-from robots_controller.controller_rates import ControllerRates, cycles
+from robots_controller.control.controller import Controller, ControllerState, MotionOutcome
+from robots_controller.control.controller_rates import ControllerRates, cycles
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.interpreter.program_state import MotionCommand, OutputChange, RunState
+from robots_controller.program.program_state import MotionCommand, OutputChange, RunState
 from robots_controller.simulation.cell_log import CellLog
 from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.collision_watch import WATCH_RATE, CollisionWatch
 from robots_controller.simulation.cost import Cost
-from robots_controller.simulation.endlessness import Endlessness
+from robots_controller.simulation.deadlock_detection import DeadlockDetection
 from robots_controller.simulation.recording import Recording
 from robots_controller.simulation.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import NANOSECONDS, SimulatedClock
@@ -31,7 +31,7 @@ from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.errors import ProgramError
 from robots_core.pose import Pose
 from robots_core.validation import Array, read_only
-from robots_planning.order_planner import PlannedOrders
+from robots_planning.command_planner import PlannedCommands
 from robots_planning.robot_command_state import RobotCommandState
 
 STOPPED: Final = 'stopped by ~/stop'
@@ -126,7 +126,7 @@ class SimulatedCell:
         self._cycle = -1
         self._settled = False
         self._changed = False
-        self._endlessness = Endlessness(longest, self._recording)
+        self._endlessness = DeadlockDetection(longest, self._recording)
         self._interrupted = self._over = self._running = False
         self._error: ProgramError | None = None
 
@@ -382,7 +382,7 @@ class SimulatedCell:
 
     # -- the motions' callbacks -------------------------------------------------------------------
 
-    def _on_planned(self, planned: PlannedOrders) -> None:
+    def _on_planned(self, planned: PlannedCommands) -> None:
         self._log.planned(planned)
         ids = [order.id for order in planned.orders]
         chain = [self._motions.commands[id_] for id_ in ids]

@@ -12,15 +12,15 @@ from typing import Final
 
 import numpy as np
 
-from robots_controller.controller import Controller
+from robots_controller.control.controller import Controller
+from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.simulation.guide_recording import (
     GUIDES,
     NANOSECONDS,
     GuideRecording,
     GuidingMessage,
 )
-from robots_controller.streamed_reference import StreamPoint
-from robots_core.blocks.following_methods import LARGEST_DEVIATION, RATE
+from robots_core.blocks.following.following_methods import LARGEST_DEVIATION, RATE
 from robots_core.errors import PlanningError, TrajectoryRefusedError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel

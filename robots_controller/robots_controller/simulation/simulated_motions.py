@@ -12,17 +12,17 @@ from typing import Any, Final
 
 import numpy as np
 
-from robots_controller.controller import Controller, MotionOutcome
-from robots_controller.interpreter.motion_command import MotionCommand
+from robots_controller.control.controller import Controller, MotionOutcome
+from robots_controller.program.motion_command import MotionCommand
 from robots_controller.simulation.simulation_run import SimulatedMotion
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
+from robots_planning.command_planner import CommandPlanner, PlannedCommands
+from robots_planning.command_queue import CommandQueue, QueuedCommand, RunningMotion
 from robots_planning.motion_results import PASSED
 from robots_planning.motion_settings import CHECKS, MotionSettings
-from robots_planning.order_book import MotionOrder, OrderBook, RunningMotion
-from robots_planning.order_planner import OrderPlanner, PlannedOrders
 from robots_planning.pathplanning import PathPlanning, Target
 from robots_planning.robot_command_state import RobotCommandState, Shape
 from robots_planning.standing_robot import check_standing
@@ -80,13 +80,13 @@ class SimulatedMotions:
         axes: AxesData,
         *,
         now: Callable[[], float],
-        on_planned: Callable[[PlannedOrders], None],
+        on_planned: Callable[[PlannedCommands], None],
         on_end: Callable[[MotionEnd], None],
     ) -> None:
         self._controller, self._axes, self._now = controller, axes, now
         self._on_planned, self._on_end = on_planned, on_end
-        self._book = OrderBook()
-        self._planner = OrderPlanner(
+        self._book = CommandQueue()
+        self._planner = CommandPlanner(
             planning,
             self._book,
             standing=self._standing,
@@ -99,7 +99,7 @@ class SimulatedMotions:
         self.commands: dict[str, MotionCommand] = {}
         """Those without a result, by id, oldest first."""
         self._records: dict[str, SimulatedMotion] = {}
-        self._to_controller: deque[PlannedOrders] = deque()
+        self._to_controller: deque[PlannedCommands] = deque()
 
     @property
     def records(self) -> tuple[SimulatedMotion, ...]:
@@ -140,7 +140,7 @@ class SimulatedMotions:
         self._change(id_, settings=settings)
         shape = CURVES.get(command.function, 'line') if command.path else 'line'
         state = RobotCommandState.PTPCARTESIAN if command.path else command.state
-        order = MotionOrder(id_, state, _target(command), settings, float(next(self._order)), shape)
+        order = QueuedCommand(id_, state, _target(command), settings, float(next(self._order)), shape)
         self._plan(self._book.hold(order))
 
     def flush(self) -> None:
@@ -187,11 +187,11 @@ class SimulatedMotions:
 
     # -- inside -----------------------------------------------------------------------------------
 
-    def _plan(self, orders: tuple[MotionOrder, ...]) -> None:
+    def _plan(self, orders: tuple[QueuedCommand, ...]) -> None:
         if orders:
             self._planner.plan(orders)
 
-    def _send(self, planned: PlannedOrders) -> None:
+    def _send(self, planned: PlannedCommands) -> None:
         motion = self._book.running[-1]
         starts = (0.0, *motion.ends[:-1])
         for id_, start, end in zip(motion.ids, starts, _ends(motion), strict=True):
@@ -199,7 +199,7 @@ class SimulatedMotions:
         self._on_planned(planned)
         self._to_controller.append(planned)
 
-    def _refuse(self, order: MotionOrder, error: RobotsError) -> None:
+    def _refuse(self, order: QueuedCommand, error: RobotsError) -> None:
         self._book.refused(order.id)
         self._end(order.id, ok=False, message=error.message, details=error.details)
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from robots_controller.interpreter.motion_command import OutputChange
-from robots_controller.io_image import Channel, IoImage
-from robots_controller.plc_script import PlcScript
-from robots_controller.scripted_plc import ScriptedPlc
+from robots_controller.io.io_image import Channel, IoImage
+from robots_controller.io.plc_script import PlcScript
+from robots_controller.io.scripted_plc import ScriptedPlc
+from robots_controller.program.motion_command import OutputChange
 
 
 class SimulatedPlc:

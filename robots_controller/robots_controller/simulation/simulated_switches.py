@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from robots_controller.interpreter.motion_command import MotionCommand, OutputChange, PathSwitch
-from robots_controller.interpreter.path_switches import PathSwitches, switches_on_path
+from robots_controller.program.motion_command import MotionCommand, OutputChange, PathSwitch
+from robots_controller.program.path_switches import PathSwitches, switches_on_path
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory

@@ -19,7 +19,7 @@ from robots_core.orientation import quaternion_of
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.shapes import Geometry, Shape
-from robots_core.robot_model.triangle_mesh import triangle_mesh
+from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 from robots_core.validation import Array
 
 CREASE = np.pi / 6  # rad; edges sharper than this stay edges, flatter ones are shaded round

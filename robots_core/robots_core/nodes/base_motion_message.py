@@ -5,7 +5,7 @@ from __future__ import annotations
 from geometry_msgs.msg import Vector3
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
-from robots_core.blocks.base_motion import BaseMotion
+from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector

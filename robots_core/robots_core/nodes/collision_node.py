@@ -19,18 +19,18 @@ from robots_core.blocks.collision.results import PathProximity, Proximity
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import ENGINES, CollisionDetection, checked_margin
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.nodes.messages import (
+from robots_core.nodes.watched_scene import WatchedScene
+from robots_core.ros.messages import (
     MotionResult,
     diagnostic_status,
     joint_indices,
     joint_values,
     stamp_id,
 )
-from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import COMMAND, SENSOR, STATE, STREAM
-from robots_core.nodes.robot_node import RobotNode, bounded
-from robots_core.nodes.run import run
-from robots_core.nodes.watched_scene import WatchedScene
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
+from robots_core.ros.robot_node import RobotNode, bounded
+from robots_core.ros.run import run
 from robots_core.validation import Array
 
 MAX_RATE = 250.0  # Hz

@@ -11,12 +11,12 @@ from sensor_msgs.msg import JointState
 
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.errors import RobotsError
-from robots_core.nodes.messages import joint_values, pose_stamped_message
-from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import SENSOR, STATE
-from robots_core.nodes.robot_node import RobotNode, bounded
-from robots_core.nodes.run import run
 from robots_core.pose import Pose
+from robots_core.ros.messages import joint_values, pose_stamped_message
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import SENSOR, STATE
+from robots_core.ros.robot_node import RobotNode, bounded
+from robots_core.ros.run import run
 from robots_core.validation import finite_vector
 
 MAX_RATE = 1000.0  # Hz

@@ -10,17 +10,17 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.blocks.drive_faults import DriveFaults, FaultInjection, known_axes
-from robots_core.blocks.drive_level import check_level, drive_train
-from robots_core.blocks.payload import Payload
+from robots_core.blocks.drives.drive_faults import DriveFaults, FaultInjection, known_axes
+from robots_core.blocks.drives.drive_level import check_level, drive_train
+from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.nodes.messages import doubles, joint_values
 from robots_core.nodes.payload_parameter import payload_from_parameters
-from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import REFERENCE, STATE
-from robots_core.nodes.robot_node import RobotNode, bounded
-from robots_core.nodes.run import run
 from robots_core.periodic_thread import PeriodicThread
+from robots_core.ros.messages import doubles, joint_values
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import REFERENCE, STATE
+from robots_core.ros.robot_node import RobotNode, bounded
+from robots_core.ros.run import run
 from robots_core.validation import Array
 
 # References that come late are extrapolated for so many periods; then the drives hold.

@@ -14,19 +14,19 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension
 from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 
-from robots_core.blocks.base_motion import BaseMotion
-from robots_core.blocks.free_floating_dynamics import FreeFloatingDynamics
-from robots_core.blocks.numerical_dynamics import NumericalDynamics
-from robots_core.blocks.payload import Payload
+from robots_core.blocks.multibody.base_motion import BaseMotion
+from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDynamics
+from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
+from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.base_motion_message import base_motion_from_message
-from robots_core.nodes.messages import doubles, joint_indices
 from robots_core.nodes.payload_parameter import payload_from_parameters, payload_from_values
-from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import REFERENCE, SENSOR, STATE, subscribe_state
-from robots_core.nodes.robot_node import RobotNode, bounded
-from robots_core.nodes.run import run
 from robots_core.pose import Pose
+from robots_core.ros.messages import doubles, joint_indices
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import REFERENCE, SENSOR, STATE, subscribe_state
+from robots_core.ros.robot_node import RobotNode, bounded
+from robots_core.ros.run import run
 from robots_core.validation import Array, finite_vector
 
 MAX_RATE = 1000.0  # Hz

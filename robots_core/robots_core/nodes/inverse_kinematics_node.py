@@ -15,18 +15,18 @@ from geometry_msgs.msg import PoseStamped, TwistStamped
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.blocks.following_methods import LARGEST_DEVIATION, METHODS, RATE
-from robots_core.blocks.pose_following import FollowedStep, pose_following
-from robots_core.blocks.reference_following import ReferenceFollowing
+from robots_core.blocks.following.following_methods import LARGEST_DEVIATION, METHODS, RATE
+from robots_core.blocks.following.pose_following import FollowedStep, pose_following
+from robots_core.blocks.following.reference_following import ReferenceFollowing
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
-from robots_core.nodes.messages import joint_values, pose_from_message
-from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import STREAM, subscribe_state
-from robots_core.nodes.reference_stream import ReferenceStream
-from robots_core.nodes.robot_node import RobotNode
-from robots_core.nodes.run import run
 from robots_core.periodic_thread import PeriodicThread
+from robots_core.ros.messages import joint_values, pose_from_message
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import STREAM, subscribe_state
+from robots_core.ros.reference_stream import ReferenceStream
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.run import run
 from robots_core.validation import Array
 
 REPORT_PERIOD = 0.1  # s

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from robots_core.blocks.payload import Payload
+from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.robot_node import RobotNode
+from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import finite_vector
 
 

@@ -12,12 +12,12 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from robots_core.blocks.collision.scene import AttachedObject, Scene, SceneObject
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.messages import pose_from_message, pose_message
 from robots_core.pose import Pose
-from robots_core.robot_model.mesh_file import read_mesh
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
-from robots_core.robot_model.triangle_mesh import triangle_mesh
-from robots_core.robot_model.urdf_meshes import mesh_path
+from robots_core.robot_model.urdf.mesh_file import read_mesh
+from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
+from robots_core.robot_model.urdf.urdf_meshes import mesh_path
+from robots_core.ros.messages import pose_from_message, pose_message
 from robots_core.validation import Array
 
 BASE_FRAME, TOOL_FRAME = 'base', 'tool0'

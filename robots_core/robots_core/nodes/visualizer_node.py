@@ -13,13 +13,13 @@ from std_msgs.msg import String
 
 from robots_core.blocks.visualizer import Visualizer
 from robots_core.errors import RobotsError
-from robots_core.nodes.messages import joint_values
-from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import COMMAND, SENSOR, STATE
-from robots_core.nodes.robot_node import RobotNode, bounded
-from robots_core.nodes.run import run
 from robots_core.nodes.transforms import LinkTransforms
 from robots_core.nodes.watched_scene import WatchedScene
+from robots_core.ros.messages import joint_values
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import COMMAND, SENSOR, STATE
+from robots_core.ros.robot_node import RobotNode, bounded
+from robots_core.ros.run import run
 
 MAX_RATE = 100.0  # Hz
 

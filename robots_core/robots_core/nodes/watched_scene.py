@@ -9,9 +9,9 @@ from visualization_msgs.msg import MarkerArray
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.errors import RobotsError
-from robots_core.nodes.qos import COMMAND, STATE
-from robots_core.nodes.robot_node import RobotNode
 from robots_core.nodes.scene_messages import updated_scene
+from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.robot_node import RobotNode
 
 
 class WatchedScene:

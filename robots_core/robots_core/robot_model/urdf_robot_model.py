@@ -19,14 +19,14 @@ from robots_core.robot_model.allowed_pairs import AllowedPairs
 from robots_core.robot_model.analytic.analytic_solver import AnalyticSolver
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.robot_model.chain_links import links_of
 from robots_core.robot_model.collision_model import CollisionModel
 from robots_core.robot_model.pinocchio_models import PinocchioKinematicModel, PinocchioRigidDynamicsModel
 from robots_core.robot_model.robot_visualization import RobotVisualization
 from robots_core.robot_model.shapes import Shape
 from robots_core.robot_model.structural_data import StructuralData
-from robots_core.robot_model.urdf_chain import pinocchio_xml, read_urdf_chain
-from robots_core.robot_model.urdf_meshes import with_absolute_meshes
+from robots_core.robot_model.urdf.chain_links import links_of
+from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
+from robots_core.robot_model.urdf.urdf_meshes import with_absolute_meshes
 from robots_core.validation import FLOAT64, Array, finite_motion, finite_state, finite_vector, read_only
 
 EARTH_GRAVITY: Final = (0.0, 0.0, -9.81)  # m/s^2, of a base that stands upright
@@ -248,7 +248,7 @@ class UrdfRobotModel(BaseRobotModel):
 
     def _shapes(self, kind: Literal['visual', 'collision']) -> tuple[Shape, ...]:
         # Who asks for no shapes loads nothing that reads meshes.
-        urdf_shapes = import_module('robots_core.robot_model.urdf_shapes').urdf_shapes
+        urdf_shapes = import_module('robots_core.robot_model.urdf.urdf_shapes').urdf_shapes
         shapes: tuple[Shape, ...] = urdf_shapes(self._description, self._model, kind)
         return shapes
 

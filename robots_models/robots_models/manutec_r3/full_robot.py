@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from robots_core.blocks.payload import Payload
-from robots_core.blocks.rigid_body_drive import RigidBodyDrive
+from robots_core.blocks.drives.rigid_body_drive import RigidBodyDrive
+from robots_core.blocks.multibody.payload import Payload
 from robots_core.validation import Array, read_only
 from robots_models.manutec_r3.model import ManutecR3
 

@@ -14,8 +14,8 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from robots_core.errors import InvalidInputError, JointNamesError, PlanningError, RobotsError
-from robots_core.nodes.messages import MotionResult, joint_indices, stamp_id
-from robots_core.nodes.robot_node import RobotNode
+from robots_core.ros.messages import MotionResult, joint_indices, stamp_id
+from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 from robots_planning.waypoints import trajectory_through

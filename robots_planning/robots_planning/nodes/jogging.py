@@ -15,13 +15,13 @@ from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
-from robots_core.nodes.messages import joint_values
-from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import STREAM
-from robots_core.nodes.reference_stream import ReferenceStream
-from robots_core.nodes.robot_node import RobotNode
 from robots_core.periodic_thread import PeriodicThread
 from robots_core.pose import Pose
+from robots_core.ros.messages import joint_values
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import STREAM
+from robots_core.ros.reference_stream import ReferenceStream
+from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
 from robots_planning.teach_box import JOG_DEVIATION, JOG_FRAMES, JOG_RATE, TeachBox
 

@@ -21,14 +21,16 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
-from robots_core.nodes.messages import MotionResult, id_stamp, joint_values, pose_from_message, stamp_id
-from robots_core.nodes.polled_subscription import PolledSubscription
-from robots_core.nodes.qos import COMMAND, PLANNER_ALIVE, STREAM
-from robots_core.nodes.robot_node import RobotNode
-from robots_core.nodes.run import run
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.pose import Pose
+from robots_core.ros.messages import MotionResult, id_stamp, joint_values, pose_from_message, stamp_id
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, STREAM
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.run import run
 from robots_core.validation import Array
+from robots_planning.command_planner import CommandPlanner, PlannedCommands
+from robots_planning.command_queue import CommandQueue, QueuedCommand, RunningMotion
 from robots_planning.motion_results import PASSED
 from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, checked
 from robots_planning.nodes.command_inbox import CommandInbox
@@ -36,8 +38,6 @@ from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory,
 from robots_planning.nodes.jogging import Jogging
 from robots_planning.nodes.settings_publisher import SettingsPublisher
 from robots_planning.nodes.trajectory_messages import BASE_FRAME, trajectory_message
-from robots_planning.order_book import MotionOrder, OrderBook, RunningMotion
-from robots_planning.order_planner import OrderPlanner, PlannedOrders
 from robots_planning.pathplanning import PathPlanning, Target
 from robots_planning.robot_command_state import RobotCommandState, Shape
 from robots_planning.standing_robot import check_standing
@@ -72,9 +72,9 @@ class PlanningNode(RobotNode):
         self._scene = WatchedScene(self, collision.set_scene)
         self._planning = PathPlanning(self.robot, collision=collision, collision_margin=margin)
         self._planning.warm_up()
-        self._book = OrderBook()
+        self._book = CommandQueue()
         self._inbox = CommandInbox(self)
-        self._planner = OrderPlanner(
+        self._planner = CommandPlanner(
             self._planning,
             self._book,
             standing=self._standing_reference,
@@ -186,7 +186,7 @@ class PlanningNode(RobotNode):
         except RobotsError as error:
             self._refuse_command(state, id_, error)
             return
-        order = MotionOrder(id_, state, target, settings, self._now(), shape)
+        order = QueuedCommand(id_, state, target, settings, self._now(), shape)
         self._forget_lost_controller()
         self._submit(self._book.hold(order))
         if order.settings.blends:
@@ -250,7 +250,7 @@ class PlanningNode(RobotNode):
         self._patience.cancel()
         self._submit(self._book.release())
 
-    def _submit(self, orders: tuple[MotionOrder, ...]) -> None:
+    def _submit(self, orders: tuple[QueuedCommand, ...]) -> None:
         if orders:
             self._worker.submit(self._planner.plan, orders).add_done_callback(self._on_planned)
 
@@ -260,7 +260,7 @@ class PlanningNode(RobotNode):
 
     # -- the planner's thread ------------------------------------------------------------------------
 
-    def _send(self, planned: PlannedOrders) -> None:
+    def _send(self, planned: PlannedCommands) -> None:
         last, motion = planned.orders[-1], planned.motion
         self._controllers = self._reference_publishers()
         if len(self._book.running) == 1:
@@ -289,9 +289,9 @@ class PlanningNode(RobotNode):
         state, settings = RobotCommandState.TRAJECTORY, MotionSettings()
         motion = self._planning.checked(trajectory, state, settings)
         self._book.planned(RunningMotion((id_,), trajectory, (trajectory.duration,)), self._book.failures)
-        self._send(PlannedOrders((MotionOrder(id_, state, (), settings, self._now()),), motion))
+        self._send(PlannedCommands((QueuedCommand(id_, state, (), settings, self._now()),), motion))
 
-    def _refuse_order(self, order: MotionOrder, error: RobotsError) -> None:
+    def _refuse_order(self, order: QueuedCommand, error: RobotsError) -> None:
         self._book.refused(order.id)
         self._refuse_command(order.state, order.id, error)
 

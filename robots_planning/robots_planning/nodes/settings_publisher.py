@@ -8,8 +8,8 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from robots_core.nodes.messages import diagnostic_status
-from robots_core.nodes.qos import STATE
+from robots_core.ros.messages import diagnostic_status
+from robots_core.ros.qos import STATE
 from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, settings_as_text
 
 TOPIC = 'motion_settings'

@@ -9,7 +9,7 @@ from builtin_interfaces.msg import Time
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.messages import doubles, joint_indices
+from robots_core.ros.messages import doubles, joint_indices
 from robots_planning.trajectory import Trajectory
 
 BASE_FRAME = 'base'

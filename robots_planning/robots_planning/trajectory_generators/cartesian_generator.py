@@ -9,12 +9,12 @@ import numpy as np
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_planning.path_kinematics.configuration_graph import PostureGraph
+from robots_planning.timing.dynamic_programming_timing import DynamicProgrammingTiming
+from robots_planning.timing.path_timing import ToolLimits
+from robots_planning.timing.two_pass_timing import TwoPassTiming
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
-from robots_planning.trajectory_generators.dynamic_programming_timing import DynamicProgrammingTiming
 from robots_planning.trajectory_generators.path_generator import PathGenerator
-from robots_planning.trajectory_generators.path_timing import ToolLimits
-from robots_planning.trajectory_generators.posture_graph import PostureGraph
-from robots_planning.trajectory_generators.two_pass_timing import TwoPassTiming
 
 Planner = Literal['limited', 'dynamic_programming']
 PLANNERS = ('limited', 'dynamic_programming')

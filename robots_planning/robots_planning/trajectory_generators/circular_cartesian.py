@@ -8,7 +8,7 @@ from typing import Any
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_planning.trajectory_generators.circular_arc import CircularArc, Orientation
+from robots_planning.paths.circular_arc import CircularArc, Orientation
 from robots_planning.trajectory_generators.poses_generator import PosesGenerator
 
 

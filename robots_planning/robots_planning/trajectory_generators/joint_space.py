@@ -20,11 +20,11 @@ from robots_core.pose import Pose
 from robots_core.robot_model.analytic.configuration import Configuration
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector
+from robots_planning.timing.moving_profile import MovingProfile
+from robots_planning.timing.rest_profile import NANOSECOND, inside
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN, TrajectoryGenerator, rest_trajectory
 from robots_planning.trajectory_generators.braking import check_start_motion
-from robots_planning.trajectory_generators.moving_profile import MovingProfile
-from robots_planning.trajectory_generators.rest_profile import NANOSECOND, inside
 
 SHORTEST_MOVE = 1e-9  # rad (m) of the axis that moves most; less is rounding of a target
 TURN = 2.0 * np.pi

@@ -7,13 +7,13 @@ import numpy as np
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, positive
+from robots_planning.path_kinematics.configuration_graph import PostureGraph
+from robots_planning.paths.cartesian_line import CartesianLine
+from robots_planning.paths.cartesian_path import COINCIDENT_ANGLE, COINCIDENT_DISTANCE
+from robots_planning.timing.dynamic_programming_timing import DynamicProgrammingTiming
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN, rest_trajectory
-from robots_planning.trajectory_generators.cartesian_line import CartesianLine
-from robots_planning.trajectory_generators.cartesian_path import COINCIDENT_ANGLE, COINCIDENT_DISTANCE
-from robots_planning.trajectory_generators.dynamic_programming_timing import DynamicProgrammingTiming
 from robots_planning.trajectory_generators.path_generator import PathGenerator
-from robots_planning.trajectory_generators.posture_graph import PostureGraph
 
 
 class LinearCartesianDynamicProgramming(PathGenerator):

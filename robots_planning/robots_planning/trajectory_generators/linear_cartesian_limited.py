@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from robots_core.pose import Pose
 from robots_core.validation import Array
+from robots_planning.paths.cartesian_line import CartesianLine
+from robots_planning.paths.cartesian_path import COINCIDENT_ANGLE, COINCIDENT_DISTANCE
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import rest_trajectory
 from robots_planning.trajectory_generators.cartesian_generator import CartesianGenerator
-from robots_planning.trajectory_generators.cartesian_line import CartesianLine
-from robots_planning.trajectory_generators.cartesian_path import COINCIDENT_ANGLE, COINCIDENT_DISTANCE
 
 
 class LinearCartesianLimited(CartesianGenerator):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from ruckig import Synchronization
 
 from robots_core.validation import Array
+from robots_planning.timing.rest_profile import line
 from robots_planning.trajectory_generators.joint_space import JointSpaceGenerator
-from robots_planning.trajectory_generators.rest_profile import line
 
 
 class LinearJoint(JointSpaceGenerator):

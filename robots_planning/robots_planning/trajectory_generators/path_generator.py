@@ -12,14 +12,14 @@ from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_planning.path_kinematics.configuration_graph import PostureGraph
+from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
+from robots_planning.path_kinematics.route import Route, RoutePiece
+from robots_planning.paths.cartesian_path import CartesianPath
+from robots_planning.paths.joint_path import JointPath
+from robots_planning.timing.path_timing import PathTiming, TooSlowError
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import TrajectoryGenerator
-from robots_planning.trajectory_generators.cartesian_path import CartesianPath
-from robots_planning.trajectory_generators.joint_path import JointPath
-from robots_planning.trajectory_generators.path_inverse_kinematics import PathInverseKinematics
-from robots_planning.trajectory_generators.path_timing import PathTiming, TooSlowError
-from robots_planning.trajectory_generators.posture_graph import PostureGraph
-from robots_planning.trajectory_generators.route import Route, RoutePiece
 
 
 class PathGenerator(TrajectoryGenerator):

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.validation import Array
+from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.cartesian_generator import CartesianGenerator
-from robots_planning.trajectory_generators.cartesian_path import CartesianPath
 
 
 class PosesGenerator(CartesianGenerator):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from robots_core.pose import Pose
-from robots_planning.trajectory_generators.pose_spline import PoseSpline
+from robots_planning.paths.pose_spline import PoseSpline
 from robots_planning.trajectory_generators.poses_generator import PosesGenerator
 
 

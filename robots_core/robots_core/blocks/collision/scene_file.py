@@ -113,7 +113,7 @@ class _SceneFile:
                 scale = self._checked(parts['scale'], _number)
             path = self._path.parent / str(file)
             # Who has no mesh loads nothing that reads them.
-            read_mesh: Callable[..., Mesh] = import_module('robots_core.robot_model.mesh_file').read_mesh
+            read_mesh: Callable[..., Mesh] = import_module('robots_core.robot_model.urdf.mesh_file').read_mesh
             return self._checked(parts['file'], lambda _: read_mesh(path, scale))
         if kind == 'box':
             return self._checked(parts['size'], _box)

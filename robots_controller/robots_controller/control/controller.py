@@ -1,0 +1,393 @@
+"""Controller: follows trajectories on time, on the path, inside the limits."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+
+from robots_controller.control.brake import Brake
+from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.control.followed_motion import FollowedMotion
+from robots_controller.control.interpolator import Interpolator
+from robots_controller.control.limit_guard import LimitGuard
+from robots_controller.control.motion_queue import MotionQueue
+from robots_controller.control.path_speed import PathSpeed
+from robots_controller.control.streamed_reference import StreamedReference, StreamPoint
+from robots_core.errors import TrajectoryRefusedError
+from robots_core.robot_model.axes_data import AxesData
+from robots_core.validation import Array, fraction
+from robots_planning.trajectory import Trajectory
+
+
+class ControllerState(StrEnum):
+    """What the controller does."""
+
+    WAITING = 'waiting for feedback'
+    HOLDING = 'holding'
+    FOLLOWING = 'following'
+    SETTLING = 'settling'
+    BRAKING = 'braking'
+    STREAMING = 'following a stream'
+
+
+@dataclass(frozen=True)
+class MotionOutcome:
+    """How a motion ended.
+
+    Attributes:
+        id: The id given to `Controller.follow`.
+        ok: The robot stands at the target.
+        message: 'reached', or why not.
+        details: duration (s), progress (0..1) and what else is known.
+    """
+
+    id: str
+    ok: bool
+    message: str
+    details: dict[str, str | float] = field(default_factory=dict)
+
+
+class Controller:
+    """The robot controller's loop body: sampling, override, smoothing, guard.
+
+    Knows no clock and no thread: `step` is handed the time and is called once per period by one thread,
+    which also makes all other calls.
+
+    Args:
+        axes: The robot's limits.
+        settings: See `ControllerSettings`.
+    """
+
+    def __init__(self, axes: AxesData, settings: ControllerSettings | None = None) -> None:
+        self.settings = settings or ControllerSettings()
+        self.outcomes: deque[MotionOutcome] = deque()
+        """Ends of motions, oldest first; the caller takes them out."""
+        self.override = 1.0
+        self.paused = False
+        self._axes = axes
+        period = self.settings.period
+        self._interpolator = Interpolator(axes.num_axes, max(1, round(self.settings.smoothing_time / period)))
+        self._path_speed = PathSpeed(axes.acceleration, period=period, ramp_time=self.settings.ramp_time)
+        self._guard = LimitGuard(axes, period=period)
+        self._reference: Array | None = None
+        self._sample = np.zeros((3, axes.num_axes))
+        self._unchanged = 0
+        self._motions = MotionQueue(axes)
+        self._stream = StreamedReference(axes, period=period, timeout=self.settings.stream_timeout)
+        self._stream_refused_until = -np.inf
+        self._brake: Brake | None = None
+        self._feedback: Array | None = None
+        self._feedback_time = -np.inf
+        self._feedback_new = False
+        self._feedback_lost = True
+
+    @property
+    def state(self) -> ControllerState:
+        """What the controller does now."""
+        if self._reference is None:
+            return ControllerState.WAITING
+        if self._brake is not None:
+            return ControllerState.BRAKING
+        if self._stream.active:
+            return ControllerState.STREAMING
+        if self._motion is None:
+            return ControllerState.HOLDING
+        if self._motion.settling_since is not None:
+            return ControllerState.SETTLING
+        return ControllerState.FOLLOWING
+
+    @property
+    def feedback_lost(self) -> bool:
+        """No feedback within `feedback_timeout`."""
+        return self._feedback_lost
+
+    @property
+    def progress(self) -> float:
+        """Done part of the current path, 0..1; 1 when none is followed."""
+        return 1.0 if self._motion is None else self._motion.progress
+
+    @property
+    def reference(self) -> Array | None:
+        """Last reference, (3, n): position, velocity, acceleration; None before the first feedback."""
+        return self._reference
+
+    @property
+    def _motion(self) -> FollowedMotion | None:
+        return self._motions.current
+
+    def set_override(self, override: float) -> None:
+        """Scale the path speed.
+
+        Raises:
+            InvalidInputError: outside [0, 1] or not finite; the override stays as it was.
+        """
+        self.override = fraction(override, 'override')
+
+    def follow(self, trajectory: Trajectory, id_: str, now: float, *, join_time: float = 0.0) -> None:
+        """Follow a trajectory: now, after those before it, or in the place of the running one.
+
+        Args:
+            trajectory: Starts at rest where the reference stands or where the last motion ends.
+            id_: Comes back in the outcome.
+            now: Time, s.
+            join_time: If above 0, the trajectory starts on the running motion instead, at this path time (s)
+                and moving as that one does there, and takes its place.
+
+        Raises:
+            TrajectoryRefusedError: it starts elsewhere, the robot is being stopped or follows a stream,
+                there is no feedback, or another number of axes.
+        """
+        if self._reference is None or self._feedback_lost:
+            raise TrajectoryRefusedError('no feedback from the robot: is its drive publishing joint_states?')
+        if trajectory.num_axes != self._axes.num_axes:
+            raise TrajectoryRefusedError(
+                f'the trajectory has {trajectory.num_axes} axes, the robot has {self._axes.num_axes}'
+            )
+        if self.state in (ControllerState.BRAKING, ControllerState.STREAMING):
+            raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
+        standing = self._motion is None
+        self._motions.put(trajectory, id_, now, self._reference, join_time)
+        if standing:
+            self._path_speed.reset(self._target_speed())
+
+    def stream(self, point: StreamPoint, id_: str, now: float) -> None:
+        """Follow a point, the next of a stream or the first of one.
+
+        The reference stays inside the limits whatever the points are; when they stop coming it brakes.
+
+        Args:
+            point: The newest point.
+            id_: Of the stream, if this is its first point: comes back in the outcome.
+            now: Time, s.
+
+        Raises:
+            TrajectoryRefusedError: a motion is still running, there is no feedback, or the stream was stopped
+                and has not paused since.
+            InvalidInputError: the point breaks a limit or is due too far ahead.
+        """
+        if self._reference is None or self._feedback_lost:
+            raise TrajectoryRefusedError('no feedback from the robot: is its drive publishing joint_states?')
+        point.check(self._axes, now)
+        stopped = self._stream.failure is not None and not self._stream.stale
+        if stopped or now < self._stream_refused_until:
+            self._stream_refused_until = now + self.settings.stream_timeout
+            raise TrajectoryRefusedError(
+                f'the stream was stopped; it may begin anew after {self.settings.stream_timeout:g} s of pause'
+            )
+        if self._motion is not None or self._brake is not None:
+            raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
+        if not self._stream.active:
+            self._stream.begin(id_, now)
+        self._stream.put(point, now)
+
+    def stop(self, reason: str) -> None:
+        """Stop on the path and give up the motion; without one, nothing happens."""
+        if self._stream.active and (self._stream.stale or not self._stream.failure):
+            self._stream.failure, self._stream.stale = reason, False
+        if self._motion is not None and self._motion.failure is None:
+            self._motion.failure = reason
+
+    def step(self, now: float, feedback: Array | None) -> Array | None:
+        """One period: returns the next reference.
+
+        Args:
+            now: Time, s.
+            feedback: Newest joint positions, (n,), or None if none came since the last call.
+
+        Returns:
+            (3, n): position, velocity, acceleration; None before the first feedback.
+        """
+        self._take_feedback(now, feedback)
+        if self._reference is None:
+            return None
+        if self._brake is not None:
+            self._step_brake(now)
+        elif self._stream.active:
+            self._step_stream(now)
+        elif self._motion is not None:
+            self._step_motion(self._motion, now)
+        return self._reference
+
+    def _take_feedback(self, now: float, feedback: Array | None) -> None:
+        self._feedback_new = feedback is not None
+        if feedback is not None:
+            self._feedback, self._feedback_time, self._feedback_lost = feedback, now, False
+            if self._reference is None:
+                self._stand_at(feedback)
+        elif not self._feedback_lost and now - self._feedback_time > self.settings.feedback_timeout:
+            self._feedback_lost = True
+            self.stop(f'no feedback for {self.settings.feedback_timeout:g} s: is the drive still running?')
+
+    def _stand_at(self, position: Array) -> None:
+        self._sample = np.zeros((3, self._axes.num_axes))
+        self._sample[0] = position
+        self._reference = self._sample.copy()
+        self._interpolator.reset(position)
+        self._guard.reset(position)
+
+    def _target_speed(self) -> float:
+        return 0.0 if self.paused else self.override
+
+    def _step_motion(self, motion: FollowedMotion, now: float) -> None:
+        stopping = motion.failure is not None
+        if motion.settling_since is not None:
+            self._settle(motion, now)
+            return
+        moved = self._advance(motion, 0.0 if stopping else self._target_speed())
+        if not self._put_out(self._sample):
+            self._step_brake(now)
+            return
+        self._unchanged = 0 if moved else self._unchanged + 1
+        if self._unchanged < self._interpolator.window:
+            if not stopping:
+                self._check_following(motion)
+                self._join(now)
+            return
+        if motion.failure is not None:
+            self._finish(motion, now, motion.failure, ok=False)
+        elif motion.path_time >= motion.trajectory.duration:
+            if self._motions.waiting:
+                # Whoever sent the next motion already does not wait for the drives to settle.
+                self._finish(motion, now, 'reached', ok=True)
+                return
+            motion.settling_since = now
+            self._settle(motion, now)
+
+    def _join(self, now: float) -> None:
+        replaced = self._motions.join(now)
+        if replaced is not None:
+            assert self._motion is not None
+            message = f'replaced by motion {self._motion.id}'
+            self.outcomes.append(_outcome(replaced, now, message, ok=False))
+
+    def _step_stream(self, now: float) -> None:
+        stream = self._stream
+        assert self._reference is not None
+        if stream.failure is None:
+            stream.failure = self._lag(self._reference)
+        reference, over = stream.step(now, self._reference, self._target_speed())
+        if over:
+            self._end_stream(now, stream.failure or '')
+            self._stand_at(self._reference[0])
+        elif not self._guarded(reference):
+            self._step_brake(now)
+
+    def _end_stream(self, now: float, failure: str) -> None:
+        stream = self._stream
+        duration = round(now - stream.start, 6)
+        message = failure or 'the stream ended'
+        self.outcomes.append(MotionOutcome(stream.id, not failure, message, {'duration': duration}))
+        if failure and not stream.stale:  # who goes on sending must notice
+            self._stream_refused_until = now + self.settings.stream_timeout
+        stream.end()
+
+    def _advance(self, motion: FollowedMotion, target: float) -> bool:
+        """Move along the path for one period; False when the reference stands."""
+        law = self._path_speed
+        before, speed_before = motion.path_time, law.speed
+        motion.path_time = law.step(target, before, motion.position)
+        if motion.path_time == before or before >= motion.trajectory.duration:
+            self._sample[1:] = 0.0
+            return False
+        path = motion.sample(motion.path_time)
+        speed = law.speed
+        self._sample[0] = path[0]
+        self._sample[1] = path[1] * speed
+        self._sample[2] = path[2] * speed**2
+        if speed != speed_before:
+            # The derivative at this instant may lie past its mean over the period; only that mean moves
+            # the robot, and the path speed keeps it inside the limits.
+            limit = self._axes.acceleration
+            change = path[1] * ((speed - speed_before) / self.settings.period)
+            self._sample[2] = np.clip(self._sample[2] + change, -limit, limit)
+        return True
+
+    def _put_out(self, sample: Array) -> bool:
+        return self._guarded(self._interpolator.push(sample))
+
+    def _guarded(self, reference: Array) -> bool:
+        """Take a reference if it breaks no limit; otherwise start to brake."""
+        broken = self._guard.check(reference)
+        if broken is None:
+            self._reference = reference
+            return True
+        reason = f'reference refused by the limit guard: {broken}'
+        assert self._reference is not None
+        self._brake = Brake(self._axes, self._reference, self.settings.period, reason)
+        return False
+
+    def _check_following(self, motion: FollowedMotion) -> None:
+        if self._reference is not None:
+            motion.failure = self._lag(self._reference)
+
+    def _lag(self, reference: Array) -> str | None:
+        """Which axis is too far from the reference, for a person."""
+        # Feedback that is late says nothing about the drives; `feedback_timeout` judges that.
+        if self._feedback is None or not self._feedback_new:
+            return None
+        error = np.abs(self._feedback - reference[0])
+        worst = int(error.argmax())
+        if error[worst] <= self.settings.following_error:
+            return None
+        return (
+            f'{self._axes.names[worst]} is {error[worst]:.4g} {self._axes.unit(worst)} behind its '
+            f'reference, allowed is {self.settings.following_error:g}: does the drive follow?'
+        )
+
+    def _settle(self, motion: FollowedMotion, now: float) -> None:
+        assert motion.settling_since is not None
+        assert self._feedback is not None
+        target = motion.trajectory.position[-1]
+        error = np.abs(self._feedback - target)
+        fresh = self._feedback_time >= motion.settling_since
+        if motion.failure is not None:
+            self._finish(motion, now, motion.failure, ok=False)
+        elif fresh and error.max() <= self.settings.goal_tolerance:
+            self._finish(motion, now, 'reached', ok=True)
+        elif now - motion.settling_since > self.settings.settling_time:
+            worst = int(error.argmax())
+            self._finish(
+                motion,
+                now,
+                f'{self._axes.names[worst]} stands {error[worst]:.3g} {self._axes.unit(worst)} from its '
+                f'target after {self.settings.settling_time:g} s, '
+                f'allowed is {self.settings.goal_tolerance:g}',
+                ok=False,
+            )
+
+    def _step_brake(self, now: float) -> None:
+        brake = self._brake
+        assert brake is not None
+        self._reference, standing = brake.step()
+        if not standing:
+            return
+        self._brake = None
+        self._stand_at(self._reference[0])
+        if self._stream.active:
+            self._end_stream(now, brake.reason)
+        if self._motion is not None:
+            self._finish(self._motion, now, brake.reason, ok=False)
+
+    def _finish(self, motion: FollowedMotion, now: float, message: str, *, ok: bool) -> None:
+        self._unchanged = 0
+        self.outcomes.append(_outcome(motion, now, message, ok=ok))
+        if ok:
+            self._motions.start_next(now)
+            self._path_speed.reset(self._target_speed())
+            return
+        for unbegun in self._motions.clear():
+            unbegun.start = now
+            reason = f'given up with the motion before it: {message}'
+            self.outcomes.append(_outcome(unbegun, now, reason, ok=False))
+
+
+def _outcome(motion: FollowedMotion, now: float, message: str, *, ok: bool) -> MotionOutcome:
+    details: dict[str, str | float] = {
+        'duration': round(now - motion.start, 6),
+        'planned_duration': round(motion.trajectory.duration, 6),
+        'progress': round(motion.progress, 6),
+    }
+    return MotionOutcome(motion.id, ok, message, details)

@@ -1,0 +1,57 @@
+"""ControllerRates: how often the controller does what need not be done in every period."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from robots_controller.control.controller import Controller, ControllerState
+
+PROGRESS_RATE: Final = 25.0  # Hz
+# Feedback tells that the robot is alive and, while it moves, that it follows; looking more often only costs
+# time, but at the end of a motion, which waits until the robot stands.
+HOLDING_RATE: Final = 10.0  # Hz
+FEEDBACK_RATE: Final = 50.0  # Hz
+SETTLING_RATE: Final = 250.0  # Hz
+# In the time after which feedback counts as lost: one look may be late, and its message too.
+LOOKS_PER_TIMEOUT: Final = 4.0
+# Where a period is short, the time in which a sleeping processor wakes up is a notable part of it.
+AWAKE_RATE: Final = 500.0  # Hz
+
+
+class ControllerRates:
+    """Cycles of the controller in which something is due.
+
+    Args:
+        rate: Cycles per second, Hz.
+        feedback_timeout: Feedback that is older is lost, s: the robot is looked at more often than that.
+    """
+
+    def __init__(self, rate: float, feedback_timeout: float) -> None:
+        self.progress_every = cycles(rate, PROGRESS_RATE)
+        """Progress is told each so many cycles."""
+        # The rarer ones are multiples of this.
+        least = LOOKS_PER_TIMEOUT / feedback_timeout
+        self._settling_every = cycles(rate, max(SETTLING_RATE, least))
+        looks = rate / self._settling_every
+        self._feedback_every = self._settling_every * cycles(looks, max(FEEDBACK_RATE, least))
+        self.holding_every = self._settling_every * cycles(looks, max(HOLDING_RATE, least))
+        """The feedback of a robot that stands is looked at each so many cycles."""
+
+    def feedback_due(self, cycle: int, controller: Controller) -> bool:
+        """The controller looks at the feedback in this cycle."""
+        if cycle % self._settling_every != 0:  # most cycles are done with here
+            return False
+        state = controller.state
+        if state is ControllerState.SETTLING:
+            return True
+        return cycle % (self.holding_every if state is ControllerState.HOLDING else self._feedback_every) == 0
+
+
+def cycles(rate: float, times: float) -> int:
+    """Cycles of a loop (Hz) between two of what is done so many times a second, at least 1."""
+    return max(1, round(rate / times))
+
+
+def idle_latency_for(rate: float) -> float:
+    """Idle latency that a loop of this rate (Hz) asks for unless told otherwise, s; negative for none."""
+    return 0.0 if rate >= AWAKE_RATE else -1.0

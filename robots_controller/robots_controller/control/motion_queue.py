@@ -1,0 +1,129 @@
+"""MotionQueue: the motion that the controller follows, and those that come after it."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from robots_controller.control.followed_motion import FollowedMotion
+from robots_core.errors import TrajectoryRefusedError
+from robots_core.robot_model.axes_data import AxesData
+from robots_core.validation import Array
+from robots_planning.trajectory import Trajectory
+
+# A planned start may differ from the reference by the rounding of its way through a message and by what
+# the smoothing still levels out; a larger step would be a jump of the robot.
+START_TOLERANCE = 1e-6  # rad, m
+LONGEST_QUEUE = 64  # motions; who sends more has lost control of the robot
+
+
+class MotionQueue:
+    """Motions in their order.
+
+    A motion that starts where the one before it ends waits for its turn. One that joins the running one at a
+    path time, with its position, velocity and acceleration there, takes its place from then on.
+
+    Args:
+        axes: The robot's axes.
+    """
+
+    def __init__(self, axes: AxesData) -> None:
+        self.current: FollowedMotion | None = None
+        self.waiting: deque[FollowedMotion] = deque()
+        self._axes = axes
+
+    def put(
+        self, trajectory: Trajectory, id_: str, now: float, reference: Array, join_time: float = 0.0
+    ) -> None:
+        """Take a motion.
+
+        Args:
+            trajectory: What to follow.
+            id_: Its command.
+            now: Time, s.
+            reference: Where the robot's reference stands if no motion is followed, (3, n).
+            join_time: Path time of the running motion at which this one goes on, s; 0 to wait for its end.
+
+        Raises:
+            TrajectoryRefusedError: it starts nowhere that the robot will be, the running motion has been
+                given up, or there are too many.
+        """
+        motion, running = FollowedMotion(trajectory, id_, now), self.current
+        if running is not None and running.failure is not None:
+            raise TrajectoryRefusedError(
+                'the robot is still moving: it stops, and may be sent again when it stands'
+            )
+        if join_time > 0.0:
+            self._join(motion, join_time)
+            return
+        if trajectory.velocity[0].any() or trajectory.acceleration[0].any():
+            raise TrajectoryRefusedError(
+                'the trajectory starts with a velocity, but the robot will stand there; to go on from a '
+                'running motion, its first point says at which time of that motion'
+            )
+        if running is None:
+            self._check_start(trajectory, reference[0], 'stands; plan from the current joint_reference')
+            self.current = motion
+            return
+        if len(self.waiting) >= LONGEST_QUEUE:
+            raise TrajectoryRefusedError(
+                f'{LONGEST_QUEUE} motions are waiting, more are not taken; wait for their results'
+            )
+        last = self.waiting[-1] if self.waiting else running.successor or running
+        self._check_start(
+            trajectory,
+            last.trajectory.position[-1],
+            'ends with the motion before it; wait for its motion_result or plan from its end',
+        )
+        self.waiting.append(motion)
+
+    def start_next(self, now: float) -> None:
+        """Follow the next motion, if there is one; the current one is over."""
+        self.current = self.waiting.popleft() if self.waiting else None
+        if self.current is not None:
+            self.current.start = now
+
+    def join(self, now: float) -> FollowedMotion | None:
+        """Go on with the successor if it is time; returns the motion that it replaces."""
+        replaced = self.current
+        if replaced is None or replaced.successor is None or replaced.path_time < replaced.join_time:
+            return None
+        self.current = replaced.successor
+        self.current.path_time = replaced.path_time - replaced.join_time
+        self.current.start = now - self.current.path_time
+        return replaced
+
+    def clear(self) -> list[FollowedMotion]:
+        """Forget all motions; returns those that never began."""
+        unbegun = [] if self.current is None or self.current.successor is None else [self.current.successor]
+        unbegun += self.waiting
+        self.current = None
+        self.waiting.clear()
+        return unbegun
+
+    def _join(self, motion: FollowedMotion, join_time: float) -> None:
+        running = self.current
+        if running is None or running.path_time > join_time:
+            at = 'it stands' if running is None else f'that one is at {running.path_time:.3f} s'
+            raise TrajectoryRefusedError(
+                f'the trajectory should go on at {join_time:.3f} s of the running motion, but {at}: it came '
+                'too late'
+            )
+        if self.waiting or running.successor is not None:
+            raise TrajectoryRefusedError('another motion is already to follow the running one')
+        if not running.runs_like(motion.trajectory, join_time):
+            raise TrajectoryRefusedError(
+                f'the trajectory does not go on from the running motion at {join_time:.3f} s: it was planned '
+                'from something else'
+            )
+        running.join(motion, join_time)
+
+    def _check_start(self, trajectory: Trajectory, position: Array, where: str) -> None:
+        offset = trajectory.position[0] - position
+        worst = int(np.abs(offset).argmax())
+        if abs(offset[worst]) > START_TOLERANCE:
+            name, unit = self._axes.names[worst], self._axes.unit(worst)
+            raise TrajectoryRefusedError(
+                f'the trajectory starts {offset[worst]:+.6g} {unit} from where {name} {where}', joint=name
+            )

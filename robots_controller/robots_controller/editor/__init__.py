@@ -1,0 +1,1 @@
+"""What editors use: the debug adapter and the metadata for completion."""

@@ -1,0 +1,320 @@
+"""DebugAdapter: an editor debugs a robot program, by the Debug Adapter Protocol.
+
+The few messages that a robot program needs stand here in full: the libraries on PyPI are either clients or
+type definitions that bring pydantic with them (dap-python, dap-types), or debug Python (debugpy).
+Protocol: https://microsoft.github.io/debug-adapter-protocol/specification
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+import re
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, BinaryIO, Final
+
+from robots_controller.interpreter.debugger import CallStack, HoldReason, Variable
+from robots_controller.interpreter.lua_program import LuaProgram
+from robots_controller.interpreter.lua_source import chunk_name
+from robots_controller.program.program_state import RunState
+from robots_core.errors import InvalidInputError, ProgramError, RobotsError
+
+THREAD: Final = 1
+MAX_MESSAGE: Final = 1_000_000  # bytes
+_NO_CODE = re.compile(r'\s*(--.*)?$')
+_CAPABILITIES: Final = {
+    'supportsConfigurationDoneRequest': True,
+    'supportsTerminateRequest': True,
+    'supportsEvaluateForHovers': True,
+}
+_STOP_TEXTS: Final[dict[HoldReason, str]] = {
+    'entry': 'Held before the first line',
+    'breakpoint': 'Held at a breakpoint',
+    'step': 'Held after a step',
+    'pause': 'Paused',
+}
+
+Message = dict[str, Any]
+
+
+def read_messages(stream: BinaryIO) -> Iterator[Message]:
+    """Messages of a stream until it ends: a header with the length, an empty line, JSON.
+
+    Raises:
+        InvalidInputError: what comes is no such message.
+    """
+    while True:
+        length = -1
+        while line := stream.readline(1000):
+            if line == b'\r\n':
+                break
+            key, _, value = line.decode('ascii', errors='replace').partition(':')
+            if key.strip().lower() == 'content-length' and value.strip().isdecimal():
+                length = int(value)
+        else:
+            return
+        if not 0 <= length <= MAX_MESSAGE:
+            raise InvalidInputError(f'a message needs a Content-Length of at most {MAX_MESSAGE}')
+        data = stream.read(length)
+        if len(data) < length:
+            return
+        try:
+            message = json.loads(data)
+        except ValueError as error:
+            raise InvalidInputError(f'a message is JSON: {error}') from None
+        if not isinstance(message, dict) or message.get('type') != 'request':
+            raise InvalidInputError('a message is an object of type request')
+        yield message
+
+
+def message_bytes(message: Message) -> bytes:
+    """A message as it travels."""
+    data = json.dumps(message).encode()
+    return b'Content-Length: %d\r\n\r\n' % len(data) + data
+
+
+class DebugAdapter:
+    """One editor's session with the program; its events come from any thread.
+
+    Args:
+        program: The program, which the editor may open, run, hold and stop.
+        send: Sends a message to the editor; called by one thread at a time.
+    """
+
+    def __init__(self, program: LuaProgram, send: Callable[[Message], None]) -> None:
+        self._program = program
+        self._send_message = send
+        self._lock = threading.Lock()
+        self._numbers = itertools.count(1)
+        self._launch: Message | None = None
+        self._breakpoints: dict[Path, set[int]] = {}
+        self._stack = CallStack()
+        self._references: list[tuple[Variable, ...]] = []
+        self._released = False
+        self.ended = False
+        """The editor has said goodbye."""
+
+    # -- the editor's requests ----------------------------------------------------------------------
+
+    def handle(self, request: Message) -> None:
+        """Answer a request."""
+        command, arguments = str(request.get('command', '')), request.get('arguments') or {}
+        handler = getattr(self, f'_do_{_snake(command)}', None)
+        response: Message = {
+            'type': 'response',
+            'request_seq': request.get('seq', 0),
+            'command': command,
+            'success': True,
+        }
+        after: Callable[[], None] | None = None
+        try:
+            if handler is None:
+                raise InvalidInputError(f'the request {command!r} is not known here')
+            answer = handler(arguments)
+            if callable(answer):
+                after = answer
+            elif answer is not None:
+                response['body'] = answer
+        except (RobotsError, KeyError, IndexError, TypeError, ValueError) as error:
+            response |= {'success': False, 'message': str(error) or type(error).__name__}
+        self._send(response)
+        if command == 'initialize' and response['success']:
+            self._event('initialized')
+        if after is not None:
+            after()
+
+    def _do_initialize(self, _: Message) -> Message:
+        return dict(_CAPABILITIES)
+
+    def _do_launch(self, arguments: Message) -> None:
+        self._program.open(str(arguments['program']))
+        self._apply_breakpoints()
+        self._launch = arguments
+
+    def _do_attach(self, _: Message) -> None:
+        self._apply_breakpoints()
+
+    def _do_configuration_done(self, _: Message) -> Callable[[], None] | None:
+        if self._launch is not None:
+            if self._launch.get('noDebug'):
+                self._clear_breakpoints()
+            self._program.run(hold=bool(self._launch.get('stopOnEntry')))
+            return None
+        return self.on_held  # who attaches to a held program wants to know
+
+    def _do_set_breakpoints(self, arguments: Message) -> Message:
+        path = Path(os.path.abspath(str(arguments['source']['path'])))  # noqa: PTH100  # as the editor has it
+        wanted = [int(item['line']) for item in arguments.get('breakpoints', ())]
+        lines = [_code_line(path, line) for line in wanted]
+        self._breakpoints[path] = {line for line in lines if line is not None}
+        self._apply_breakpoints()
+        return {
+            'breakpoints': [
+                {'verified': line is not None, 'line': line or line_wanted}
+                for line, line_wanted in zip(lines, wanted, strict=True)
+            ]
+        }
+
+    def _do_set_exception_breakpoints(self, _: Message) -> Message:
+        return {'breakpoints': []}
+
+    def _do_threads(self, _: Message) -> Message:
+        return {'threads': [{'id': THREAD, 'name': self._program.file or 'no program'}]}
+
+    def _do_stack_trace(self, arguments: Message) -> Message:
+        frames = [
+            {
+                'id': number,
+                'name': frame.name,
+                'line': frame.line,
+                'column': 1,
+                'source': {'name': frame.chunk, 'path': self._path(frame.chunk)},
+            }
+            for number, frame in enumerate(self._stack.frames, 1)
+        ]
+        start = int(arguments.get('startFrame') or 0)
+        count = int(arguments.get('levels') or len(frames))
+        return {'stackFrames': frames[start : start + count], 'totalFrames': len(frames)}
+
+    def _do_scopes(self, arguments: Message) -> Message:
+        frame = self._stack.frames[int(arguments['frameId']) - 1]
+        scopes = {**frame.scopes, 'Globals': self._stack.globals}
+        return {
+            'scopes': [
+                {'name': name, 'variablesReference': self._reference(variables), 'expensive': False}
+                for name, variables in scopes.items()
+            ]
+        }
+
+    def _do_variables(self, arguments: Message) -> Message:
+        variables = self._references[int(arguments['variablesReference']) - 1]
+        return {'variables': [{'name': variable.name, **self._shown(variable)} for variable in variables]}
+
+    def _do_evaluate(self, arguments: Message) -> Message:
+        expression = str(arguments['expression']).strip()
+        frame = self._stack.frames[int(arguments.get('frameId') or 1) - 1]
+        for variables in (*frame.scopes.values(), self._stack.globals):
+            for variable in variables:
+                if variable.name == expression:
+                    shown = self._shown(variable)
+                    return {'result': shown.pop('value'), **shown}
+        raise InvalidInputError(f'no variable is named {expression!r} here')
+
+    def _do_continue(self, _: Message) -> Message:
+        self._release(self._program.resume)
+        return {'allThreadsContinued': True}
+
+    def _do_next(self, _: Message) -> None:
+        self._release(lambda: self._program.step('over'))
+
+    def _do_step_in(self, _: Message) -> None:
+        self._release(lambda: self._program.step('in'))
+
+    def _do_step_out(self, _: Message) -> None:
+        self._release(lambda: self._program.step('out'))
+
+    def _do_pause(self, _: Message) -> None:
+        if not self._program.pause():
+            raise ProgramError('no program is running')
+
+    def _do_terminate(self, _: Message) -> None:
+        self._program.stop()
+
+    def _do_disconnect(self, arguments: Message) -> None:
+        self.ended = True
+        self.leave(stop=bool(arguments.get('terminateDebuggee', self._launch is not None)))
+
+    # -- what the program does ----------------------------------------------------------------------
+
+    def on_held(self) -> None:
+        """The program is held, or goes on."""
+        stack, reason = self._program.call_stack, self._program.hold_reason
+        self._references = []
+        self._stack = stack
+        if stack.frames:
+            body = {'reason': reason, 'description': _STOP_TEXTS.get(reason, ''), 'threadId': THREAD}
+            self._event('stopped', **body, allThreadsStopped=True)
+        elif self._released:
+            self._released = False
+        elif self._program.run_state is RunState.RUNNING:
+            self._event('continued', threadId=THREAD, allThreadsContinued=True)
+
+    def on_print(self, text: str, line: int) -> None:
+        """The program has printed."""
+        self._event('output', category='stdout', output=f'{text}\n', line=line)
+
+    def on_finished(self, error: ProgramError | None) -> None:
+        """The program has ended."""
+        if error is not None:
+            self._event('output', category='stderr', output=f'{error}\n{error.details.get("stack", "")}\n')
+        self._event('exited', exitCode=0 if error is None else 1)
+        self._event('terminated')
+
+    def leave(self, *, stop: bool) -> None:
+        """The editor is gone: its breakpoints too, and the program goes on or is stopped."""
+        self._clear_breakpoints()
+        if stop:
+            self._program.stop()
+        else:
+            self._program.resume()
+
+    # -- inside ---------------------------------------------------------------------------------------
+
+    def _release(self, release: Callable[[], bool]) -> None:
+        self._released = True
+        if not release():
+            self._released = False
+            raise ProgramError('the program is not held')
+
+    def _folder(self) -> Path | None:
+        path = self._program.path
+        return None if path is None else Path(os.path.abspath(path)).parent  # noqa: PTH100  # see above
+
+    def _path(self, chunk: str) -> str:
+        path, folder = self._program.path, self._folder()
+        if path is None or folder is None:
+            return chunk
+        return str(folder / (path.name if chunk == chunk_name(path.name) else chunk))
+
+    def _apply_breakpoints(self) -> None:
+        folder = self._folder()
+        if folder is None:
+            return
+        for path, lines in self._breakpoints.items():
+            if path.is_relative_to(folder):
+                self._program.debugger.set_breakpoints(chunk_name(path.relative_to(folder).as_posix()), lines)
+
+    def _clear_breakpoints(self) -> None:
+        self._breakpoints = {path: set() for path in self._breakpoints}
+        self._apply_breakpoints()
+
+    def _reference(self, variables: tuple[Variable, ...]) -> int:
+        self._references.append(variables)
+        return len(self._references)
+
+    def _shown(self, variable: Variable) -> Message:
+        reference = self._reference(variable.entries) if variable.entries else 0
+        return {'value': variable.value, 'type': variable.type, 'variablesReference': reference}
+
+    def _event(self, event: str, **body: object) -> None:
+        self._send({'type': 'event', 'event': event, 'body': body})
+
+    def _send(self, message: Message) -> None:
+        with self._lock:
+            self._send_message({'seq': next(self._numbers), **message})
+
+
+def _snake(command: str) -> str:
+    return re.sub(r'[A-Z]', lambda match: f'_{match.group().lower()}', command)
+
+
+def _code_line(path: Path, line: int) -> int | None:
+    """The first line with code from `line` on; None where there is none."""
+    try:
+        lines = path.read_text(errors='replace').split('\n')
+    except OSError:
+        return None
+    return next((n for n in range(line, len(lines) + 1) if not _NO_CODE.fullmatch(lines[n - 1])), None)

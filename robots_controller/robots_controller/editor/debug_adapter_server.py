@@ -1,0 +1,103 @@
+"""DebugAdapterServer: the socket at which editors connect to debug a robot program."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+import threading
+from typing import Final
+
+from robots_controller.editor.debug_adapter import DebugAdapter, Message, message_bytes, read_messages
+from robots_controller.interpreter.lua_program import LuaProgram
+from robots_core.errors import ProgramError, RobotsError
+
+HOST: Final = '127.0.0.1'
+# An editor that takes nothing must not hold the program.
+SEND_TIMEOUT: Final = 1.0  # s
+
+
+class DebugAdapterServer:
+    """One editor at a time, on this machine only.
+
+    Args:
+        program: The program to debug; its owner hands on `on_held`, `on_print` and `on_finished`.
+        port: TCP port; -1 for any free one.
+
+    Raises:
+        RobotsError: the port is taken.
+    """
+
+    def __init__(self, program: LuaProgram, *, port: int = -1) -> None:
+        self._program = program
+        try:
+            self._socket = socket.create_server((HOST, max(port, 0)))
+        except (OSError, OverflowError) as error:
+            raise RobotsError(f'port {port} is not free for the debugger: {error}') from error
+        self.port = int(self._socket.getsockname()[1])
+        """Where editors connect."""
+        self._adapter: DebugAdapter | None = None
+        self._connection: socket.socket | None = None
+        self._thread = threading.Thread(target=self._serve, name='debug adapter', daemon=True)
+
+    def start(self) -> None:
+        """Wait for editors."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Let the editor go and wait for no other."""
+        for one in (self._socket, self._connection):
+            if one is not None:
+                with contextlib.suppress(OSError):
+                    one.shutdown(socket.SHUT_RDWR)
+                one.close()
+
+    def on_held(self) -> None:
+        """The program is held, or goes on."""
+        if (adapter := self._adapter) is not None:
+            adapter.on_held()
+
+    def on_print(self, text: str, line: int) -> None:
+        """The program has printed."""
+        if (adapter := self._adapter) is not None:
+            adapter.on_print(text, line)
+
+    def on_finished(self, error: ProgramError | None) -> None:
+        """The program has ended."""
+        if (adapter := self._adapter) is not None:
+            adapter.on_finished(error)
+
+    # -- the server's thread ------------------------------------------------------------------------
+
+    def _serve(self) -> None:
+        while True:
+            try:
+                connection, _ = self._socket.accept()
+            except OSError:  # closed
+                return
+            with connection:
+                self._connection = connection
+                self._talk(connection)
+                self._connection = None
+
+    def _talk(self, connection: socket.socket) -> None:
+        def send(message: Message) -> None:
+            with contextlib.suppress(OSError):
+                writer.sendall(message_bytes(message))
+
+        # Reading waits for ever, writing does not: two views of the same connection.
+        writer = connection.dup()
+        writer.settimeout(SEND_TIMEOUT)
+        connection.setblocking(True)
+        adapter = self._adapter = DebugAdapter(self._program, send)
+        try:
+            with writer, connection.makefile('rb') as stream:
+                for message in read_messages(stream):
+                    adapter.handle(message)
+                    if adapter.ended:
+                        return
+        except (OSError, RobotsError):  # the editor is gone, or talks nonsense
+            pass
+        finally:
+            self._adapter = None
+            if not adapter.ended:
+                adapter.leave(stop=False)

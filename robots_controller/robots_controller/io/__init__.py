@@ -1,0 +1,1 @@
+"""Inputs and outputs: their image, names, maps to the topics of a PLC, and the scripted PLC."""

@@ -1,0 +1,60 @@
+"""CellIo: with whom the inputs and outputs of a cell are connected, and what its channels are called."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+
+from robots_controller.io.io_map import IoMap, read_io_map
+from robots_controller.io.io_signals import channel_labels
+from robots_controller.io.plc_script import PlcScript, read_plc_script
+from robots_core.errors import RobotsError
+
+
+@dataclass(frozen=True)
+class CellIo:
+    """The PLC of a cell, scripted or at the other end of a map, or both.
+
+    Attributes:
+        script: Of the PLC that is played; without rules if there is none.
+        io_map: Of channels to topics; empty if there is none.
+        labels: Names of channels, by image.
+    """
+
+    script: PlcScript
+    io_map: IoMap
+    labels: Mapping[str, list[str]]
+
+    @property
+    def offline(self) -> PlcScript:
+        """The script where nobody publishes the map's topics: its inputs keep their fail-safe values."""
+        silent = {row.channel: row.fail_safe for row in self.io_map.inputs}
+        return replace(self.script, initial=MappingProxyType({**self.script.initial, **silent}))
+
+
+def read_cell_io(io: Path | str = '', io_map: Path | str = '') -> CellIo:
+    """Read the files of a cell's inputs and outputs.
+
+    Args:
+        io: Script of a PLC that is played (see `plc_script`); '' for none.
+        io_map: Map of channels to topics of a PLC (see `io_map`); '' for none.
+
+    Raises:
+        RobotsError: a file that is not valid; or both set inputs of the same kind, or give one name to two
+            channels.
+    """
+    script = read_plc_script(io) if io else PlcScript(())
+    rows = read_io_map(io_map) if io_map else IoMap()
+    both = {channel.image for channel in script.inputs} & {row.channel.image for row in rows.inputs}
+    if both:
+        raise RobotsError(
+            f'{io} and {io_map} both set {", ".join(sorted(both))}; only one can publish that topic'
+        )
+    for label in script.signals.keys() & rows.signals.keys():
+        here, there = script.signals[label], rows.signals[label]
+        if here != there:
+            raise RobotsError(f'{label!r} is {here.name} in {io} and {there.name} in {io_map}')
+    signals = {**script.signals, **rows.signals}
+    return CellIo(script, rows, channel_labels(list(signals.values())))

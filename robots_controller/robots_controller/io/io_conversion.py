@@ -1,0 +1,135 @@
+"""Values between channels and messages: scale, bits, debounce and fail-safe; the time is handed in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, Final
+
+from robots_controller.io.io_map import IoRow
+from robots_core.errors import InvalidInputError
+
+INTEGERS: Final[Mapping[str, tuple[int, int]]] = {
+    **{f'int{size}': (-(2 ** (size - 1)), 2 ** (size - 1) - 1) for size in (8, 16, 32, 64)},
+    **{f'uint{size}': (0, 2**size - 1) for size in (8, 16, 32, 64)},
+}
+"""Ranges of the whole numbers that a field can be."""
+
+
+class InputValue:
+    """Value of one input, from its messages and the time.
+
+    Args:
+        row: The input.
+        start: When it began to wait for messages, s.
+    """
+
+    def __init__(self, row: IoRow, start: float) -> None:
+        self.row = row
+        self._heard = start
+        self._spoke = False
+        self._value = row.fail_safe
+        self._coming: float | None = None  # what is debounced
+        self._since = start
+
+    def receive(self, message: Any, now: float) -> None:
+        """Take the value of a message that came now.
+
+        Raises:
+            InvalidInputError: the message has no such field, or not a finite number there; the message does
+                not count.
+        """
+        value = from_field(self.row, self.row.path.get(message))
+        self.update(now)
+        first, self._spoke, self._heard = not self._spoke, True, now
+        if value == self._value or self.row.debounce == 0.0 or first:
+            self._value, self._coming = value, None
+        elif value != self._coming:
+            self._coming, self._since = value, now
+
+    def update(self, now: float) -> float:
+        """The input's value now."""
+        if self._coming is not None and now >= self._since + self.row.debounce:
+            self._value, self._coming = self._coming, None
+        if self.silent(now):
+            # Once heard again its first value counts at once, as at the start.
+            self._value, self._coming, self._spoke = self.row.fail_safe, None, False
+        return self._value
+
+    def silent(self, now: float) -> bool:
+        """It has been waiting for a message longer than its timeout."""
+        return now >= self._heard + self.row.timeout
+
+    def next_time(self, now: float) -> float:
+        """When the value may change without a message, s; infinite for never."""
+        debounced = math.inf if self._coming is None else self._since + self.row.debounce
+        return min(debounced, math.inf if self.silent(now) else self._heard + self.row.timeout)
+
+
+def from_field(row: IoRow, raw: object) -> float:
+    """Value of an input from what its field holds.
+
+    A digital input is on for every number but 0: programmable controllers say 1, 255 or -1.
+
+    Raises:
+        InvalidInputError: not a finite number, or a bit of what is not a whole number.
+    """
+    try:
+        number = int(raw) if isinstance(raw, (bool, int)) else float(raw)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise InvalidInputError(f'{row.path.text} is {raw!r}; needed is a number') from None
+    if not math.isfinite(number):
+        raise InvalidInputError(f'{row.path.text} is {number}; needed is a finite number')
+    if row.bit is not None:
+        if not float(number).is_integer():
+            raise InvalidInputError(f'{row.path.text} is {number!r}; a bit needs a whole number')
+        number = int(number) >> row.bit & 1
+    if row.channel.kind == 'digital':
+        return float((number != 0) != row.invert)
+    value = row.scale * number + row.offset
+    if not math.isfinite(value):
+        raise InvalidInputError(f'{row.path.text} is {number:g}; times {row.scale:g} it is no finite number')
+    return value
+
+
+def to_field(row: IoRow, value: float, kind: str, before: float) -> tuple[bool | int | float, str]:
+    """What the field of an output holds.
+
+    Args:
+        row: The output.
+        value: The channel's value.
+        kind: Type of the field: 'boolean', 'float', 'double' or one of `INTEGERS`.
+        before: What the field holds now; the other bits of a word keep their values.
+
+    Returns:
+        The field's value, and what was lost ('' for nothing): a whole number is rounded, one beyond the
+        type's range becomes the nearest that fits.
+    """
+    if row.channel.kind == 'digital':
+        on = int((value != 0.0) != row.invert)
+        if row.bit is not None:
+            return _signed(int(before) & ~(1 << row.bit) | on << row.bit, kind), ''
+        return _typed(on, kind), ''
+    scaled = row.scale * value + row.offset
+    if kind not in INTEGERS:
+        largest = 3.4028234663852886e38 if kind == 'float' else 1.7976931348623157e308
+        fitting: float = min(max(scaled, -largest), largest)
+    else:
+        low, high = INTEGERS[kind]
+        fitting = int(min(max(round(scaled) if math.isfinite(scaled) else scaled, low), high))
+    # Half a unit is what rounding to a whole number may take.
+    lost = abs(fitting - scaled) > 0.5 if math.isfinite(scaled) else True
+    problem = f'{row.channel.name} would be {scaled:g}; {kind} ends at {fitting:g}' if lost else ''
+    return _typed(fitting, kind), problem
+
+
+def _typed(value: float, kind: str) -> bool | int | float:
+    if kind == 'boolean':
+        return bool(value)
+    return int(value) if kind in INTEGERS else float(value)
+
+
+def _signed(word: int, kind: str) -> int:
+    low, high = INTEGERS[kind]
+    word &= (1 << (high - low).bit_length()) - 1
+    return word if word <= high else word - (high - low + 1)

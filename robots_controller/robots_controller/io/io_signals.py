@@ -1,0 +1,81 @@
+"""Names of inputs and outputs in files: `signals: {press_ready: digital_input.1}`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Final, get_args
+
+from robots_controller.io.io_image import IMAGES, Channel, Direction, IoImage, Kind
+from robots_controller.yaml_section import YamlSection, located
+from robots_core.errors import InvalidInputError
+
+LARGEST_INDEX: Final = 4096  # a typing error must not make an image of a billion channels
+
+_NAME: Final = re.compile(rf'({"|".join(get_args(Kind))})_({"|".join(get_args(Direction))})\.([1-9]\d*)')
+
+
+def parse_channel(text: str, signals: Mapping[str, Channel]) -> Channel:
+    """A channel by its name `digital_input.1`, or by its signal's name.
+
+    Raises:
+        InvalidInputError: neither.
+    """
+    if text in signals:
+        return signals[text]
+    match = _NAME.fullmatch(text)
+    if match is None or int(match[3]) > LARGEST_INDEX:
+        known = f', or a signal: {", ".join(signals)}' if signals else ''
+        raise InvalidInputError(
+            f'{text!r} is no channel; channels are digital_input.1, digital_output.1, analog_input.1, '
+            f'analog_output.1 and so on, up to {LARGEST_INDEX}{known}'
+        )
+    kinds: dict[str, Kind] = {kind: kind for kind in get_args(Kind)}
+    directions: dict[str, Direction] = {direction: direction for direction in get_args(Direction)}
+    return Channel(kinds[match[1]], directions[match[2]], int(match[3]))
+
+
+def channel_at(section: YamlSection, text: str, line: int, signals: Mapping[str, Channel]) -> Channel:
+    """The channel of a file, by `parse_channel`.
+
+    Raises:
+        InvalidInputError: it is none; with file and line.
+    """
+    try:
+        return parse_channel(text, signals)
+    except InvalidInputError as error:
+        raise located(section.file, line, error.message) from None
+
+
+def read_signals(section: YamlSection) -> dict[str, Channel]:
+    """The section `signals` of a file.
+
+    Raises:
+        InvalidInputError: a name or channel that is not valid, or a channel with two names; with its line.
+    """
+    signals: dict[str, Channel] = {}
+    named: dict[str, str] = {}
+    below = section.section('signals')
+    for label in below.keys if below else ():
+        assert below is not None
+        try:
+            channel = parse_channel(below.text(label), {})
+            labelled = Channel(channel.kind, channel.direction, channel.index, label)
+            IoImage(digital=channel.index, analog=channel.index, labels=channel_labels([labelled]))
+        except InvalidInputError as error:
+            raise below.error(error.message, label) from None
+        if channel.name in named:
+            raise below.error(f'{channel.name} has the name {named[channel.name]!r} already', label)
+        named[channel.name] = label
+        signals[label] = labelled
+    return signals
+
+
+def channel_labels(channels: list[Channel]) -> dict[str, list[str]]:
+    """Labels per image, as `IoImage` takes them."""
+    labels: dict[str, list[str]] = {}
+    for image in IMAGES:
+        members = {c.index: c.label for c in channels if c.image == image and c.label}
+        if members:
+            labels[image] = [members.get(index, '') for index in range(1, max(members) + 1)]
+    return labels

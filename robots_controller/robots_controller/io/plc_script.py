@@ -1,0 +1,221 @@
+"""PlcScript: what a scripted PLC does when outputs and inputs change, read from YAML."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final, Literal
+
+from robots_controller.io.io_image import Channel
+from robots_controller.io.io_signals import channel_at, read_signals
+from robots_controller.yaml_section import YamlSection, located, parse_yaml, read_text
+
+LONGEST_TIME: Final = 86400.0  # s
+SHORTEST_PERIOD: Final = 0.001  # s
+
+_EVENT: Final = re.compile(r'(\S+) +(?:(rises|falls|changes)|(above|below) +(\S+))')
+_CONDITION: Final = re.compile(r'(\S+) +(?:is +(on|off)|(above|below) +(\S+))')
+_EVERY: Final = re.compile(r'every +(\S+) +s')
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Something that is true or false of a channel's value.
+
+    Attributes:
+        channel: The channel.
+        relation: 'above' or 'below' the bound, 'is' on or off, or 'changes' for any event of a digital one.
+        bound: Number to compare with; 1 or 0 for 'is'.
+    """
+
+    channel: Channel
+    relation: Literal['above', 'below', 'is', 'changes']
+    bound: float = 0.0
+
+    def holds(self, value: float) -> bool:
+        """True of this value."""
+        if self.relation == 'above':
+            return value > self.bound
+        if self.relation == 'below':
+            return value < self.bound
+        return self.relation == 'is' and value == self.bound
+
+    def occurs(self, before: float, now: float) -> bool:
+        """It becomes true with this change."""
+        if self.relation == 'changes':
+            return before != now
+        return self.holds(now) and not self.holds(before)
+
+
+@dataclass(frozen=True)
+class PlcRule:
+    """When something happens, set inputs after some time.
+
+    Attributes:
+        event: What triggers the rule; None for the start.
+        period: Triggers again and again, s; infinite for a rule with an event.
+        conditions: All must hold when the rule is triggered.
+        after: Time from the trigger to the setting, s.
+        settings: Inputs and their new values.
+        duration: After which the inputs get back the values that they had, s; infinite for never.
+        line: The rule's line.
+    """
+
+    event: Comparison | None
+    period: float
+    conditions: tuple[Comparison, ...]
+    after: float
+    settings: tuple[tuple[Channel, float], ...]
+    duration: float
+    line: int
+
+
+@dataclass(frozen=True)
+class PlcScript:
+    """All rules of a file.
+
+    Attributes:
+        rules: In the file's order.
+        initial: Inputs that do not start at 0.
+        signals: Names of channels.
+    """
+
+    rules: tuple[PlcRule, ...]
+    initial: Mapping[Channel, float] = field(default_factory=lambda: MappingProxyType({}))
+    signals: Mapping[str, Channel] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """Every channel that the script reads or sets, in order of name."""
+        found = {*self.initial, *self.signals.values()}
+        for rule in self.rules:
+            found |= {comparison.channel for comparison in rule.conditions}
+            found |= {channel for channel, _ in rule.settings}
+            found |= {rule.event.channel} if rule.event else set()
+        return tuple(sorted(found, key=lambda channel: (channel.image, channel.index)))
+
+    @property
+    def inputs(self) -> tuple[Channel, ...]:
+        """The inputs that the script sets or starts with."""
+        written = {*self.initial, *(channel for rule in self.rules for channel, _ in rule.settings)}
+        return tuple(channel for channel in self.channels if channel in written)
+
+
+def read_plc_script(path: Path | str) -> PlcScript:
+    """The script of a file.
+
+    Raises:
+        InvalidInputError: what is wrong, with file and line.
+    """
+    return parse_plc_script(read_text(path), Path(path).name)
+
+
+def parse_plc_script(text: str, file: str = 'plc.yaml') -> PlcScript:
+    """The script of a YAML text.
+
+    Raises:
+        InvalidInputError: what is wrong, with file and line.
+    """
+    section = parse_yaml(text, file)
+    signals = read_signals(section)
+    initial = section.section('initial')
+    start = dict(_setting(initial, key, signals) for key in initial.keys) if initial else {}
+    rules = tuple(_rule(item, signals) for item in section.sections('rules'))
+    section.finish()
+    if not (rules or start):
+        raise section.error('the file says nothing; it needs rules or initial values')
+    return PlcScript(rules, MappingProxyType(start), MappingProxyType(signals))
+
+
+def _rule(item: YamlSection, signals: Mapping[str, Channel]) -> PlcRule:
+    event, period = _trigger(item, signals)
+    conditions = tuple(_condition(item, text, line, signals) for text, line in item.texts('if'))
+    settings = item.section('set')
+    if settings is None or not settings.keys:
+        raise item.error('set is missing: the inputs to set and their values', 'set')
+    rule = PlcRule(
+        event=event,
+        period=period,
+        conditions=conditions,
+        after=item.number('after', 0.0, low=0.0, high=LONGEST_TIME),
+        settings=tuple(_setting(settings, key, signals) for key in settings.keys),
+        duration=item.number('for', low=SHORTEST_PERIOD, high=LONGEST_TIME) if 'for' in item else math.inf,
+        line=item.line,
+    )
+    item.finish()
+    return rule
+
+
+def _trigger(item: YamlSection, signals: Mapping[str, Channel]) -> tuple[Comparison | None, float]:
+    text = item.text('when')
+    if text == 'start':
+        return None, math.inf
+    if match := _EVERY.fullmatch(text):
+        period = _number(item, match[1], item.line_of('when'))
+        if not SHORTEST_PERIOD <= period <= LONGEST_TIME:
+            raise item.error(
+                f'every {period:g} s; valid is {SHORTEST_PERIOD:g} to {LONGEST_TIME:g} s', 'when'
+            )
+        return None, period
+    match = _EVENT.fullmatch(text)
+    if match is None:
+        raise item.error(
+            f"when is {text!r}; valid are 'output rises', 'output falls', 'output changes', "
+            f"'analog_output.1 above 2.5', 'analog_output.1 below 2.5', 'start' and 'every 5 s'",
+            'when',
+        )
+    line = item.line_of('when')
+    channel = channel_at(item, match[1], line, signals)
+    if match[2] == 'changes':
+        return Comparison(channel, 'changes'), math.inf
+    if match[2]:
+        if channel.kind == 'analog':
+            raise item.error(f'{match[1]} is analog; it can be above or below a number, or change', 'when')
+        return Comparison(channel, 'is', float(match[2] == 'rises')), math.inf
+    return _bound(item, channel, match[3], match[4], line), math.inf
+
+
+def _condition(item: YamlSection, text: str, line: int, signals: Mapping[str, Channel]) -> Comparison:
+    match = _CONDITION.fullmatch(text)
+    if match is None:
+        raise located(
+            item.file,
+            line,
+            f"if is {text!r}; valid are 'input is on', 'input is off', 'analog_output.1 above 2.5' and "
+            f"'analog_output.1 below 2.5'",
+        )
+    channel = channel_at(item, match[1], line, signals)
+    if match[2]:
+        if channel.kind == 'analog':
+            raise located(item.file, line, f'{match[1]} is analog; it can be above or below a number')
+        return Comparison(channel, 'is', float(match[2] == 'on'))
+    return _bound(item, channel, match[3], match[4], line)
+
+
+def _bound(item: YamlSection, channel: Channel, relation: str, text: str, line: int) -> Comparison:
+    if channel.kind == 'digital':
+        raise located(item.file, line, f'{channel.name} is digital; it can rise, fall, change, be on or off')
+    return Comparison(channel, 'above' if relation == 'above' else 'below', _number(item, text, line))
+
+
+def _setting(section: YamlSection, key: str, signals: Mapping[str, Channel]) -> tuple[Channel, float]:
+    channel = channel_at(section, key, section.line_of(key), signals)
+    if channel.direction == 'output':
+        raise section.error(f'{key} is an output, which the robot program sets; a PLC sets inputs', key)
+    if channel.kind == 'digital':
+        return channel, float(section.switch(key))
+    return channel, section.number(key)
+
+
+def _number(section: YamlSection, text: str, line: int) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise located(section.file, line, f'{text!r} is no finite number')
+    return number

@@ -1,0 +1,137 @@
+"""ScriptedPlc: plays a PlcScript against outputs; the time is handed in."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from robots_controller.io.io_image import Channel
+from robots_controller.io.plc_script import PlcRule, PlcScript
+from robots_core.errors import InvalidInputError
+
+# Rules that trigger each other without any time between them would never end.
+MOST_AT_ONCE: Final = 1000
+
+
+@dataclass(frozen=True)
+class InputChange:
+    """An input that the PLC set.
+
+    Attributes:
+        time: When, s.
+        channel: The input.
+        value: Its new value.
+    """
+
+    time: float
+    channel: Channel
+    value: float
+
+
+@dataclass(frozen=True)
+class _Due:
+    settings: tuple[tuple[Channel, float], ...]
+    rule: PlcRule | None  # to be triggered again, or to be reverted after its duration
+
+
+class ScriptedPlc:
+    """Steps a script from change to change; the same outputs at the same times give the same inputs.
+
+    What is due is done in the order of time, and at the same time in the order in which it was triggered.
+    Times count from the trigger itself, not from the step in which it was noticed.
+
+    Args:
+        script: The rules.
+        start: The time at which the PLC starts, s.
+    """
+
+    def __init__(self, script: PlcScript, start: float = 0.0) -> None:
+        self._script = script
+        self._now = start
+        self._count = 0
+        self._due: list[tuple[float, int, _Due]] = []
+        self._values: dict[Channel, float] = dict.fromkeys(script.channels, 0.0) | dict(script.initial)
+        self._changes: list[InputChange] = []
+        for rule in script.rules:
+            if rule.event is None:
+                first = start if rule.period == math.inf else start + rule.period
+                self._schedule(first, _Due((), rule))
+
+    @property
+    def inputs(self) -> Mapping[Channel, float]:
+        """Values of the inputs that the script sets."""
+        return {channel: self._values[channel] for channel in self._script.inputs}
+
+    @property
+    def next_time(self) -> float:
+        """When the PLC does something by itself, s; infinite for never."""
+        return self._due[0][0] if self._due else math.inf
+
+    def step(self, now: float, outputs: Mapping[Channel, float]) -> list[InputChange]:
+        """Do what was due up to now, then take the outputs as they are now.
+
+        Args:
+            now: s, not before the last step.
+            outputs: Values of outputs; those that are not named keep theirs, those that the script does not
+                name do not matter.
+
+        Returns:
+            The inputs that changed, in order; one may change several times.
+
+        Raises:
+            InvalidInputError: a time before the last step, or rules that trigger each other without end.
+        """
+        if not now >= self._now:
+            raise InvalidInputError(f'now = {now} s is before the last step at {self._now} s')
+        self._changes = []
+        self._do_until(now)
+        self._now = now
+        for channel in self._script.channels:
+            if channel.direction == 'output' and channel in outputs:
+                self._set(now, channel, outputs[channel])
+        self._do_until(now)
+        return self._changes
+
+    def _do_until(self, now: float) -> None:
+        at, done = -math.inf, 0
+        while self._due and self._due[0][0] <= now:
+            time, _, due = heapq.heappop(self._due)
+            at, done = time, done + 1 if time == at else 0
+            if done > MOST_AT_ONCE:
+                raise InvalidInputError(
+                    f'rules trigger each other without end at {time:g} s; give one of them a time after'
+                )
+            if due.rule is not None and not due.settings:
+                self._trigger(time, due.rule)
+                if due.rule.period < math.inf:
+                    self._schedule(time + due.rule.period, due)
+                continue
+            self._apply(time, due)
+
+    def _apply(self, time: float, due: _Due) -> None:
+        before = tuple((channel, self._values[channel]) for channel, _ in due.settings)
+        for channel, value in due.settings:
+            self._set(time, channel, value)
+        if due.rule is not None and due.rule.duration < math.inf:
+            self._schedule(time + due.rule.duration, _Due(before, None))
+
+    def _set(self, time: float, channel: Channel, value: float) -> None:
+        before, self._values[channel] = self._values[channel], value
+        if before == value:
+            return
+        if channel.direction == 'input':
+            self._changes.append(InputChange(time, channel, value))
+        for rule in self._script.rules:
+            if rule.event and rule.event.channel == channel and rule.event.occurs(before, value):
+                self._trigger(time, rule)
+
+    def _trigger(self, time: float, rule: PlcRule) -> None:
+        if all(condition.holds(self._values[condition.channel]) for condition in rule.conditions):
+            self._schedule(time + rule.after, _Due(rule.settings, rule))
+
+    def _schedule(self, time: float, due: _Due) -> None:
+        self._count += 1
+        heapq.heappush(self._due, (time, self._count, due))

@@ -1,0 +1,1 @@
+"""The command `cell`: starts the nodes, shows what they do, records them and ends them."""

@@ -1,0 +1,392 @@
+"""cell: starts the whole suite for one robot, shows what it does, records it and ends it cleanly."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import math
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+from rich.console import Console
+from rich.markup import escape
+
+from robots_controller.cell_arguments import (
+    EXIT_FAILED,
+    EXIT_INTERRUPTED,
+    EXIT_OK,
+    add_cell_arguments,
+    exit_code,
+    take_from_program,
+)
+from robots_controller.interpreter.lua_program import LuaProgram
+from robots_controller.live_cell.cell_events import (
+    Event,
+    MotionEnded,
+    MotionPlanned,
+    NodeHealth,
+    ProgramStatus,
+)
+from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, cell_graph
+from robots_controller.live_cell.cell_monitor import CellMonitor
+from robots_controller.live_cell.cell_view import CellView
+from robots_controller.live_cell.node_processes import NodeProcesses
+from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.report.motion_report import motion_report
+from robots_core.blocks.following.following_methods import METHODS
+from robots_core.errors import RobotsError
+from robots_core.robot_choice import load_robot_model
+from robots_core.ros.middleware import choose_transports
+
+START_TIMEOUT = 60.0  # s, for all nodes to be ready on a slow machine
+SERVICE_TIMEOUT = 10.0  # s
+SETTLING_TIME = 2.0  # s after all are ready, in which another cell would have been noticed
+REST_TIMEOUT = 5.0  # s, for the robot to stop on its path
+POLL = 0.05  # s between looks at processes and events
+
+# What a report needs; the recorder is subscribed to these before the program starts.
+REPORTED_TOPICS = (
+    'circcartesian',
+    'command_state',
+    'digital_outputs',
+    'joint_reference',
+    'joint_states',
+    'joint_trajectory',
+    'motion_result',
+    'motion_settings',
+    'program_status',
+    'ptpcartesian',
+    'ptpjoint_cartesian',
+    'ptpjoint_joint',
+    'splinecartesian',
+)
+
+
+@dataclass(frozen=True)
+class CellOptions:
+    """What `cell` is asked to do; see its command line for the meaning."""
+
+    robot: str
+    note: str
+    program: str
+    namespace: str
+    record: Path | None
+    once: bool
+    view: bool
+    rate: float
+    drive: str
+    goal_tolerance: float | None
+    port: int
+    io: str
+    io_map: str
+    scene: str
+    guided: str
+    debug_port: int
+    describe: bool
+
+
+def main() -> None:
+    """Run from the command line."""
+    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    choose_transports()
+    # Started in the background, a process ignores SIGINT; ended by a supervisor, it gets SIGTERM.
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.default_int_handler)
+    sys.exit(exit_code(lambda console: run_cell(parse_options(sys.argv[1:]), console)))
+
+
+def parse_options(arguments: Sequence[str]) -> CellOptions:
+    """Options from a command line.
+
+    Raises:
+        RobotsError: a program that does not exist.
+    """
+    parser = argparse.ArgumentParser(prog='cell', description=__doc__)
+    parser.add_argument(
+        '--program', default='', help='Lua robot program to run; its header names robot, scene and io'
+    )
+    parser.add_argument('--namespace', default='/', help='ROS namespace of all nodes')
+    add_cell_arguments(parser)
+    parser.add_argument('--record', type=Path, metavar='FOLDER', help='record a bag below this folder')
+    parser.add_argument('--once', action='store_true', help='end when the program has ended')
+    parser.add_argument('--view', action='store_true', help='with --once: stay, so that the page stays open')
+    parser.add_argument('--port', type=int, default=8080, help='first port to try for the browser page')
+    parser.add_argument(
+        '--guided', default='', choices=METHODS, help='follow reference_pose by this inverse kinematics'
+    )
+    parser.add_argument('--debug-port', type=int, default=0, help='port for editors; 0 for none')
+    parser.add_argument('--describe', action='store_true', help='print the nodes as JSON, and start none')
+    options = parser.parse_args(arguments)
+    if options.once and not options.program:
+        raise RobotsError('--once needs a --program to run')
+    take_from_program(options)
+    return CellOptions(
+        robot=options.robot or DEFAULT_ROBOT,
+        note=options.note,
+        program=str(Path(options.program).resolve()) if options.program else '',
+        namespace='/' + options.namespace.strip('/'),
+        record=options.record,
+        once=options.once,
+        view=options.view,
+        rate=options.rate,
+        drive=options.drive,
+        goal_tolerance=options.goal_tolerance,
+        port=options.port,
+        io=str(Path(options.io).resolve()) if options.io else '',
+        io_map=str(Path(options.io_map).resolve()) if options.io_map else '',
+        scene=str(Path(options.scene).resolve()) if options.scene else '',
+        guided=options.guided,
+        debug_port=options.debug_port,
+        describe=options.describe,
+    )
+
+
+def run_cell(options: CellOptions, console: Console) -> int:
+    """Run a cell until its program has ended (`once`), a node dies, or Ctrl-C.
+
+    Returns:
+        Exit code: 0 if all went well; 1 if the program failed, a target was missed, a limit was broken
+        or a node died; 130 after Ctrl-C.
+
+    Raises:
+        RobotsError: an unknown robot, a program that is not Lua, or the suite is not installed.
+    """
+    # A wrong name and a program that is not Lua are said before anything starts.
+    robot = load_robot_model(options.robot)
+    if options.program:
+        LuaProgram(robot.num_axes).open(options.program)
+    graph = cell_graph(
+        robot=options.robot,
+        program=options.program,
+        autostart=options.describe and bool(options.program),  # there is no cell that would start it
+        rate=options.rate,
+        drive=options.drive,
+        goal_tolerance=options.goal_tolerance,
+        port=options.port,
+        io=options.io,
+        io_map=options.io_map,
+        scene=options.scene,
+        guided=options.guided,
+        debug_port=options.debug_port,
+    )
+    if options.describe:
+        print(json.dumps([node.as_dict() for node in graph], indent=2))
+        return EXIT_OK
+    folder = _run_folder(options.record or Path('out'), options)
+    processes = NodeProcesses(graph, namespace=options.namespace, log_folder=folder / 'log')
+    job = f' runs [bold]{Path(options.program).name}[/]' if options.program else ''
+    console.print(f'[bold]{options.robot}[/]{job}')
+    if options.note:
+        console.print(f'[yellow]{options.note}[/]')
+    with _listen(options, folder / 'bag' if options.record else None) as (monitor, recorder):
+        view = CellView(console, processes.names)
+        cell = _Cell(options, processes, monitor, recorder, view)
+        try:
+            processes.start()
+            code = cell.run()
+            cell.bring_to_rest()
+            if recorder is not None:
+                code = _close_recording(recorder, options, console, cell.program_ended) or code
+            if options.once and options.view and cell.program_ended:
+                console.print('the page stays open; Ctrl-C ends it')
+                cell.watch()
+        except KeyboardInterrupt:
+            console.print('\nstopping ...')
+            code = EXIT_INTERRUPTED
+            cell.bring_to_rest()
+            if recorder is not None and not recorder.closed:
+                _close_recording(recorder, options, console, program_ended=False)
+        finally:
+            view.close()
+            processes.stop()
+    return code
+
+
+def _close_recording(
+    recorder: BagRecorder,
+    options: CellOptions,
+    console: Console,
+    program_ended: bool,  # noqa: FBT001
+) -> int:
+    """Close the bag and report on it; returns an exit code."""
+    recorder.close()
+    console.print(f'bag: {recorder.path}')
+    if not program_ended:
+        return EXIT_OK
+    report = motion_report(recorder.path, options.robot, namespace=options.namespace)
+    report.show(console)
+    return EXIT_OK if report.ok else EXIT_FAILED
+
+
+class _Cell:
+    """A running cell: waits for its nodes, runs the program, watches the processes."""
+
+    def __init__(
+        self,
+        options: CellOptions,
+        processes: NodeProcesses,
+        monitor: CellMonitor,
+        recorder: BagRecorder | None,
+        view: CellView,
+    ) -> None:
+        self._options = options
+        self._processes = processes
+        self._monitor = monitor
+        self._recorder = recorder
+        self._console = view.console
+        self._waiting = set(processes.names)
+        self._failed = False
+        self._motion: str | None = None
+        self._ended = False
+        self._settled = math.inf
+        self._foreign = ''
+        """A node of this cell's that lives in another process too."""
+        self.program_ended = False
+        self._view = view
+
+    def run(self) -> int:
+        """Until the program has ended, a node dies, or forever."""
+        if not self._until(self._ready, START_TIMEOUT):
+            if not self._ended:
+                late = ', '.join(sorted(self._waiting)) or 'the recorder'
+                self._console.print(f'[bold red]not ready after {START_TIMEOUT:g} s:[/] {late}')
+            return EXIT_FAILED
+        self._settled = time.monotonic() + SETTLING_TIME
+        if self._options.program and not (self._call('open') and self._call('run')):
+            return EXIT_FAILED
+        while self._healthy():
+            self._show_events()
+            if self.program_ended and self._options.once:
+                return EXIT_FAILED if self._failed else EXIT_OK
+        return EXIT_FAILED
+
+    def watch(self) -> None:
+        """Until a node dies, or forever."""
+        while self._healthy():
+            self._show_events()
+
+    def bring_to_rest(self) -> None:
+        """Stop a running motion on its path, before the nodes end."""
+        if self._motion is None or 'controller_node' in {node.name for node in self._processes.dead()}:
+            return
+        self._monitor.call('controller_node/stop')
+        deadline = time.monotonic() + REST_TIMEOUT
+        while self._motion is not None and time.monotonic() < deadline:
+            self._show_events()
+
+    def _ready(self) -> bool:
+        return not self._waiting and (self._recorder is None or self._recorder.records(REPORTED_TOPICS))
+
+    def _until(self, condition: object, timeout: float) -> bool:
+        deadline = time.monotonic() + timeout
+        assert callable(condition)
+        while not condition():
+            if not self._healthy() or time.monotonic() > deadline:
+                return False
+            self._show_events()
+        return True
+
+    def _healthy(self) -> bool:
+        """All nodes live, and this cell is alone in its place; otherwise says why not, once."""
+        if self._ended:
+            return False
+        for node in self._processes.dead():
+            self._console.print(f'[bold red]{node.name} {node.reason}[/]\n{escape(node.last_words)}')
+            self._ended = True
+        # Who has been here for a while stays; who comes second leaves.
+        if self._foreign and time.monotonic() < self._settled:
+            self._console.print(
+                f'[bold red]there is another {self._foreign} in namespace {self._options.namespace}[/]: '
+                f'another cell is running; stop it, or give this one a --namespace or a ROS_DOMAIN_ID'
+            )
+            self._ended = True
+        return not self._ended
+
+    def _call(self, service: str) -> bool:
+        future = self._monitor.call(f'lua_program_node/{service}')
+        if not self._until(future.done, SERVICE_TIMEOUT):
+            self._console.print(f'[bold red]lua_program_node does not answer ~/{service}[/]')
+            return False
+        response = future.result()
+        if not response.success:
+            self._console.print(f'[bold red]{response.message}[/]')
+        return bool(response.success)
+
+    def _show_events(self) -> None:
+        """Show what came in since the last call."""
+        for event in self._monitor.take():
+            if isinstance(event, NodeHealth) and event.pid != self._processes.pid(event.node):
+                if event.node in self._processes.names:
+                    self._foreign = event.node
+                continue
+            self._note(event)
+            self._view.show(event)
+        time.sleep(POLL)
+
+    def _note(self, event: Event) -> None:
+        match event:
+            case NodeHealth(node=node, ok=True):
+                self._waiting.discard(node)
+            case MotionPlanned(id_):
+                self._motion = id_
+            case MotionEnded(id_) if id_ == self._motion:
+                self._motion = None
+            case ProgramStatus(state):
+                self.program_ended = state in ('FINISHED', 'FAILED', 'STOPPED')
+                self._failed = state in ('FAILED', 'STOPPED')
+
+
+def _run_folder(root: Path, options: CellOptions) -> Path:
+    program = Path(options.program).stem or 'cell'
+    robot = Path(options.robot.removeprefix('urdf:')).stem
+    stamp = time.strftime('%Y%m%d-%H%M%S')
+    folder = root / f'{program}_{robot}_{stamp}'
+    number = 1
+    while folder.exists():
+        number += 1
+        folder = root / f'{program}_{robot}_{stamp}_{number}'
+    folder.mkdir(parents=True)
+    return folder
+
+
+@contextlib.contextmanager
+def _listen(options: CellOptions, bag: Path | None) -> Iterator[tuple[CellMonitor, BagRecorder | None]]:
+    """The cell's own two nodes, spun by a thread."""
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    monitor = CellMonitor(namespace=options.namespace)
+    recorder = BagRecorder(bag, namespace=options.namespace) if bag is not None else None
+    executor = SingleThreadedExecutor()
+    nodes = [node for node in (monitor, recorder) if node is not None]
+    for node in nodes:
+        executor.add_node(node)
+
+    def spin() -> None:
+        with contextlib.suppress(ExternalShutdownException):
+            executor.spin()
+
+    thread = threading.Thread(target=spin, name='cell listener', daemon=True)
+    thread.start()
+    try:
+        yield monitor, recorder
+    finally:
+        executor.shutdown()
+        thread.join()
+        if recorder is not None:
+            recorder.close()
+        for node in nodes:
+            node.destroy_node()  # type: ignore[no-untyped-call]
+        rclpy.shutdown()
+
+
+if __name__ == '__main__':
+    main()

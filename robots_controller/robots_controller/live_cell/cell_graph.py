@@ -1,0 +1,140 @@
+"""The graph of a robot cell: which nodes it has, in one place, for `cell` and for ros2 launch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Final
+
+from ament_index_python.packages import PackageNotFoundError, get_package_prefix
+
+from robots_controller.io.cell_io import read_cell_io
+from robots_core.blocks.collision.scene_file import read_scene
+from robots_core.blocks.drives.drive_level import check_level
+from robots_core.blocks.following.following_methods import METHODS
+from robots_core.errors import RobotsError
+
+DEFAULT_ROBOT: Final = 'bello_bot'
+"""Of a cell without a program that names its robot."""
+
+
+@dataclass(frozen=True)
+class NodeDescription:
+    """One node of the cell, an own process.
+
+    Attributes:
+        package: ROS package.
+        executable: Executable in that package; also the node's name.
+        parameters: ROS parameters.
+    """
+
+    package: str
+    executable: str
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, 'parameters', MappingProxyType(dict(self.parameters)))
+
+    @property
+    def name(self) -> str:
+        """The node's name."""
+        return self.executable
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON: package, executable and parameters."""
+        return {
+            'package': self.package,
+            'executable': self.executable,
+            'parameters': dict(self.parameters),
+        }
+
+    def executable_path(self) -> Path:
+        """The executable as `ros2 run` finds it: prefix/lib/package/executable by the ament index.
+
+        Raises:
+            RobotsError: the package is not installed, or has no such executable.
+        """
+        try:
+            prefix = Path(get_package_prefix(self.package))
+        except PackageNotFoundError as error:
+            raise RobotsError(
+                f'package {self.package!r} is not in the ament index; build the workspace '
+                f'(`make build`) and source install/setup.bash'
+            ) from error
+        path = prefix / 'lib' / self.package / self.executable
+        if not path.is_file():
+            raise RobotsError(
+                f'package {self.package!r} has no executable {self.executable!r} in {path.parent}'
+            )
+        return path
+
+
+def cell_graph(
+    *,
+    robot: str,
+    program: str = '',
+    autostart: bool = False,
+    rate: float = 250.0,
+    drive: str = 'second_order',
+    goal_tolerance: float | None = None,
+    port: int = 8080,
+    io: str = '',
+    io_map: str = '',
+    scene: str = '',
+    guided: str = '',
+    debug_port: int = 0,
+) -> tuple[NodeDescription, ...]:
+    """All nodes of a cell with one simulated robot.
+
+    Args:
+        robot: The robot's name; all that depends on it.
+        program: Robot program that the Lua node opens.
+        autostart: The Lua node runs the program by itself as soon as it can.
+        rate: References per second, Hz.
+        drive: Level of the drives, one of `DRIVE_LEVELS`.
+        goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
+            default. Elastic gears and friction of `rigid_body` drives can keep an axis from standing closer.
+        port: First port to try for the browser page.
+        io: Script of a PLC that is played (see `plc_script`); none without one.
+        io_map: Map of inputs and outputs to topics of a PLC (see `io_map`); none without one.
+        scene: Scene that the robot keeps clear of (see `read_scene`); with one, the robot is watched too.
+        guided: Inverse kinematics that follows `reference_pose` in command state TRAJECTORY, one of
+            `METHODS`; none by default.
+        debug_port: Port on this machine where editors debug the program; 0 for none.
+
+    Raises:
+        RobotsError: no such level or method, a file that is not valid, or both set inputs of the same kind.
+    """
+    check_level(drive)
+    if guided and guided not in METHODS:
+        raise RobotsError(f'unknown inverse kinematics {guided!r}; valid are {", ".join(METHODS)}')
+    tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
+    labels = read_cell_io(io, io_map).labels
+    names = {f'{image.removesuffix("s")}_names': list(names) for image, names in labels.items()}
+    if scene:
+        read_scene(scene)
+
+    def node(package: str, executable: str, **parameters: Any) -> NodeDescription:
+        return NodeDescription(package, executable, {'robot_model': robot, **parameters})
+
+    return (
+        node('robots_core', 'drive_node', rate=rate, level=drive),
+        node('robots_controller', 'controller_node', rate=rate, **tolerance),
+        node('robots_planning', 'planning_node', scene=scene),
+        node(
+            'robots_controller',
+            'lua_program_node',
+            program=program,
+            autostart=autostart,
+            debug_port=debug_port,
+            **names,
+        ),
+        node('robots_core', 'direct_kinematics_node'),
+        node('robots_core', 'visualizer_node', port=port, scene=scene),
+        *([node('robots_core', 'inverse_kinematics_node', method=guided)] if guided else []),
+        *([node('robots_core', 'collision_node', scene=scene)] if scene else []),
+        *([node('robots_controller', 'plc_node', script=io)] if io else []),
+        *([node('robots_controller', 'io_bridge_node', io_map=io_map)] if io_map else []),
+    )

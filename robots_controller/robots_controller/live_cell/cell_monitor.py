@@ -1,0 +1,184 @@
+"""CellMonitor: what happens in the cell, as a stream of plain events."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import threading
+import time
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Any, Final
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
+from rcl_interfaces.msg import Log
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64, Float64MultiArray, UInt8MultiArray
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_controller.live_cell.cell_events import (
+    Event,
+    MotionCommanded,
+    MotionEnded,
+    MotionPlanned,
+    MotionProgress,
+    NodeHealth,
+    OutputsChanged,
+    ProgramPrint,
+    ProgramStatus,
+)
+from robots_controller.recording.motion_record import COMMAND_TOPICS, motion_kind
+from robots_core.pose import Pose
+from robots_core.ros.messages import MotionResult, diagnostic_values, pose_from_message, stamp_id
+from robots_core.validation import Array, read_only
+
+# Topics arrive in any order; after this long everything that was sent before has arrived.
+ORDERING_TIME = 0.06  # s
+SERVICE_WAIT = 5.0  # s
+SERVICES = ('lua_program_node/open', 'lua_program_node/run', 'controller_node/stop')
+
+LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+VOLATILE = QoSProfile(depth=100, durability=DurabilityPolicy.VOLATILE)
+
+
+_COMMAND_TYPES: Final[dict[str, Any]] = {
+    'ptpjoint_joint': JointState,
+    'ptpjoint_cartesian': PoseStamped,
+    'ptpcartesian': PoseStamped,
+    'circcartesian': Path,
+    'splinecartesian': Path,
+}
+
+
+class CellMonitor(Node):
+    """Listens to a cell and calls its program services.
+
+    Args:
+        namespace: The cell's namespace.
+        options: Of a node.
+    """
+
+    def __init__(self, *, namespace: str, **options: Any) -> None:
+        super().__init__('cell_monitor', namespace=namespace, **options)
+        self._outputs: dict[str, list[float]] = {}
+        # From the beginning: the answer to a client that has only just come may not find it.
+        self._trigger_clients: Final = {name: self.create_client(Trigger, name) for name in SERVICES}
+        self._lock = threading.Lock()
+        self._events: list[tuple[float, int, Event]] = []
+        self._count = itertools.count()
+
+        self._listen(DiagnosticArray, '/diagnostics', self._health, VOLATILE)
+        self._listen(Log, '/rosout', _prints, LATCHED)
+        self._listen(DiagnosticStatus, 'program_status', _program_status, LATCHED)
+        for topic, (state, shape) in COMMAND_TOPICS.items():
+            kind = motion_kind(state, shape)
+            self._listen(_COMMAND_TYPES[topic], topic, partial(_command, kind), VOLATILE)
+        self._listen(JointTrajectory, 'joint_trajectory', _planned, VOLATILE)
+        self._listen(Float64, 'motion_progress', _progress, VOLATILE)
+        self._listen(DiagnosticStatus, 'motion_result', _result, VOLATILE)
+        self._listen(UInt8MultiArray, 'digital_outputs', partial(self._changes, 'digital'), LATCHED)
+        self._listen(Float64MultiArray, 'analog_outputs', partial(self._changes, 'analog'), LATCHED)
+
+    def take(self) -> list[Event]:
+        """Events that are old enough to be in order, oldest first."""
+        ready = time.time() - ORDERING_TIME
+        taken = []
+        with self._lock:
+            while self._events and self._events[0][0] <= ready:
+                taken.append(heapq.heappop(self._events)[2])
+        return taken
+
+    def call(self, service: str) -> Future:
+        """Call one of `SERVICES` below the namespace; the future holds its response."""
+        client = self._trigger_clients[service]
+        client.wait_for_service(timeout_sec=SERVICE_WAIT)
+        future: Future = client.call_async(Trigger.Request())
+        return future
+
+    def _listen(
+        self, message_type: Any, topic: str, events: Callable[[Any], Iterable[Event]], qos: QoSProfile
+    ) -> None:
+        def on_message(message: Any, info: dict[str, int]) -> None:
+            sent = 1e-9 * info['source_timestamp']
+            with self._lock:
+                for event in events(message):
+                    heapq.heappush(self._events, (sent, next(self._count), event))
+
+        # rclpy hands the message's info to a callback that takes it; its annotation does not say so.
+        self.create_subscription(message_type, topic, on_message, qos)  # type: ignore[arg-type]
+
+    def _health(self, message: DiagnosticArray) -> Iterable[Event]:
+        prefix = self.get_namespace().rstrip('/') + '/'
+        for status in message.status:
+            name = status.name.removeprefix(prefix)
+            if status.name.startswith(prefix) and '/' not in name:
+                values = diagnostic_values(status)
+                yield NodeHealth(
+                    pid=int(values.get('pid', 0)),
+                    node=name,
+                    ok=status.level == DiagnosticStatus.OK,
+                    message=status.message,
+                    url=values.get('url', ''),
+                )
+
+    def _changes(self, kind: str, message: UInt8MultiArray | Float64MultiArray) -> Iterable[Event]:
+        values = [float(value) for value in message.data]
+        before = self._outputs.get(kind, [0.0] * len(values))
+        self._outputs[kind] = values
+        changes = tuple(
+            (index, new)
+            for index, (old, new) in enumerate(zip(before, values, strict=False), 1)
+            if old != new
+        )
+        if changes:
+            yield OutputsChanged(kind, changes)
+
+
+def _prints(message: Log) -> Iterable[Event]:
+    if message.name.endswith('lua_program_node.print'):
+        yield ProgramPrint(message.msg)
+
+
+def _program_status(message: DiagnosticStatus) -> Iterable[Event]:
+    values = diagnostic_values(message)
+    yield ProgramStatus(
+        state=values.get('state', ''),
+        file=values.get('file', ''),
+        line=int(values.get('line') or 0),
+        source=values.get('source', ''),
+        error=values.get('error', ''),
+    )
+
+
+def _command(kind: str, message: JointState | PoseStamped | Path) -> Iterable[Event]:
+    match message:
+        case JointState():
+            target: Array | Pose = read_only(message.position)
+        case PoseStamped():
+            target = pose_from_message(message.pose)
+        case Path():
+            if not message.poses:  # planning_node refuses it and says why
+                return
+            target = pose_from_message(message.poses[-1].pose)
+    yield MotionCommanded(stamp_id(message.header.stamp), kind, target)
+
+
+def _planned(message: JointTrajectory) -> Iterable[Event]:
+    if message.points:
+        end = message.points[-1].time_from_start
+        yield MotionPlanned(stamp_id(message.header.stamp), end.sec + 1e-9 * end.nanosec)
+
+
+def _progress(message: Float64) -> Iterable[Event]:
+    yield MotionProgress(float(message.data))
+
+
+def _result(message: DiagnosticStatus) -> Iterable[Event]:
+    result = MotionResult.from_message(message)
+    yield MotionEnded(result.id, result.ok, result.message, result.details)

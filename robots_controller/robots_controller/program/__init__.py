@@ -1,0 +1,1 @@
+"""What a robot program shares with its cell: state, motions, interrupts, taught points."""

@@ -1,0 +1,140 @@
+"""walk_program: what a program meets, whatever its inputs are."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from robots_controller.io.plc_script import PlcScript, read_plc_script
+from robots_controller.program_check.input_combinations import InputCombination, input_combinations
+from robots_controller.program_check.lenient_planning import LenientPlanning
+from robots_controller.program_check.motion_problems import motion_problems, refusal
+from robots_controller.program_check.program_check import ProgramProblem
+from robots_controller.program_check.walked_cell import WalkedCell
+from robots_controller.simulation.cell_parts import cell_parts
+from robots_controller.study.case_runners import worker_pool
+from robots_core.errors import InvalidInputError
+from robots_core.validation import positive
+
+MOST_COMBINATIONS: Final = 256
+LONGEST_TIME: Final = 600.0  # s of simulated time
+
+
+@dataclass(frozen=True)
+class WalkResult:
+    """What walks of a program found.
+
+    Attributes:
+        problems: By file and line; each with the combinations of inputs that lead to it.
+        walked: Number of combinations that were walked.
+        possible: Number of combinations that there are.
+    """
+
+    problems: tuple[ProgramProblem, ...]
+    walked: int
+    possible: int
+
+    @property
+    def ok(self) -> bool:
+        """Nothing is wrong, and nothing was left out."""
+        return not self.problems and self.walked == self.possible
+
+
+@dataclass(frozen=True)
+class _Walk:
+    """A walk with one combination, as it is sent to a process."""
+
+    program: str
+    robot: str
+    scene: str
+    io: str
+    combination: InputCombination
+    longest: float
+
+
+def walk_program(
+    program: Path | str,
+    *,
+    robot: str,
+    scene: Path | str = '',
+    io: Path | str = '',
+    most: int = MOST_COMBINATIONS,
+    longest: float = LONGEST_TIME,
+    workers: int = 1,
+) -> WalkResult:
+    """Walk a program with ideal drives, once for each combination of the inputs at its start.
+
+    A motion that is refused is told, and the robot brought to its target all the same, so that the rest of
+    the program is walked too.
+
+    Args:
+        program: Lua robot program.
+        robot: The robot's name.
+        scene: What the robot keeps clear of (YAML); '' for nothing but itself.
+        io: Script of the PLC whose inputs are combined and whose rules are played; '' for none.
+        most: Highest number of combinations to walk, the script's own start first.
+        longest: A walk ends after this simulated time, s.
+        workers: Processes to walk in; 1 is this one.
+
+    Raises:
+        RobotsError: an unknown robot, a file that is not valid, or a program that is not Lua.
+    """
+    if most < 1:
+        raise InvalidInputError(f'most = {most} must be at least 1')
+    positive(longest, 'longest', 's')
+    everything = list(input_combinations(_script(io)))
+    walks = [
+        _Walk(str(program), robot, str(scene), str(io), combination, longest)
+        for combination in itertools.islice(everything, most)
+    ]
+    # What is wrong with the input itself is raised here, before processes start.
+    first = _walk(walks[0])
+    if workers > 1 and len(walks) > 1:
+        with worker_pool(workers) as pool:
+            others = list(pool.map(_walk, walks[1:]))
+    else:
+        others = [_walk(walk) for walk in walks[1:]]
+    return WalkResult(tuple(_together(walks, [first, *others])), len(walks), len(everything))
+
+
+def _walk(walk: _Walk) -> list[ProgramProblem]:
+    """Problems of one walk, in the order in which they were met."""
+    parts = cell_parts(walk.program, robot=walk.robot, drive='ideal', scene=walk.scene)
+    planning = LenientPlanning.of(parts.planning)
+    parts = replace(parts, planning=planning, plc_script=walk.combination.script(_script(walk.io)), io='')
+    cell = WalkedCell(parts, longest=walk.longest)
+    run = cell.run()
+    found: dict[ProgramProblem, None] = {}
+    for motion in run.motions:
+        if motion.plan is None:
+            continue
+        file, command = cell.files[motion.command], motion.command
+        error = planning.problems.get(motion.plan)
+        reasons = [refusal(error)] if error is not None else motion_problems(parts.robot, motion.plan)
+        for reason in reasons:
+            found[ProgramProblem(file, command.line, f'{command.function}: {reason}')] = None
+    if run.error is not None:
+        found[ProgramProblem(run.error.file, run.error.line, run.error.reason)] = None
+    return list(found)
+
+
+def _script(io: Path | str) -> PlcScript:
+    return read_plc_script(io) if io else PlcScript(())
+
+
+def _together(walks: Sequence[_Walk], found: Sequence[list[ProgramProblem]]) -> Iterator[ProgramProblem]:
+    """Each problem once, with the combinations that lead to it."""
+    where: dict[ProgramProblem, list[InputCombination]] = {}
+    for walk, problems in zip(walks, found, strict=True):
+        for problem in problems:
+            where.setdefault(problem, []).append(walk.combination)
+    for problem in sorted(where, key=lambda one: (one.file, one.line)):
+        combinations = where[problem]
+        if len(walks) == 1 or len(combinations) == len(walks):
+            yield problem
+            continue
+        share = f'with {len(combinations)} of {len(walks)} combinations of inputs'
+        yield replace(problem, reason=f'{problem.reason} ({share}: {combinations[0].describe()})')

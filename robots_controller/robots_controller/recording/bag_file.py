@@ -1,0 +1,224 @@
+"""Bag: all messages of a ROS 2 bag of any kind, also of one that was cut off."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Final
+
+from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat, QosDurability
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+from robots_controller.recording.mcap_recovery import Recovered, recover_mcap
+from robots_core.errors import RobotsError
+
+STORAGE_SUFFIXES: Final = ('.mcap', '.db3')
+
+
+@dataclass(frozen=True)
+class BagTopic:
+    """A topic of a bag.
+
+    Attributes:
+        name: Its full name.
+        type: package/msg/Name.
+        latched: Its publishers latch: who comes late gets the last message.
+        definition: Text of the message definition, '' where the bag has none.
+        definition_format: Of the text: 'msg' or 'idl'.
+    """
+
+    name: str
+    type: str
+    latched: bool
+    definition: str = field(repr=False, default='')
+    definition_format: str = 'msg'
+
+
+@dataclass(frozen=True)
+class Bag:
+    """A bag in memory.
+
+    Attributes:
+        path: Where it is.
+        topics: By name.
+        messages: (topic, time of sending in ns, serialized message) in order of time.
+        problem: What is wrong with it, '' for nothing; then `messages` are those that could be read.
+    """
+
+    path: Path
+    topics: dict[str, BagTopic]
+    messages: tuple[tuple[str, int, bytes], ...] = field(repr=False)
+    problem: str = ''
+
+    def since_start(self, stamp: int) -> float:
+        """Time from the first message to a stamp in ns, s."""
+        return 1e-9 * (stamp - self.messages[0][1])
+
+    def typestore(self) -> Typestore:
+        """The message types as they were when the bag was recorded; Jazzy's where it does not say.
+
+        Raises:
+            RobotsError: a definition in the bag that is not valid.
+        """
+        definitions = {(t.type, t.definition, t.definition_format) for t in self.topics.values()}
+        try:
+            return _typestore(tuple(sorted(definitions)))
+        except Exception as error:  # the parser has no error of its own for every text
+            raise RobotsError(f'{self.path}: its message definitions are not valid: {error}') from error
+
+    def deserialized(self, topics: Collection[str]) -> dict[str, list[tuple[int, Any]]]:
+        """Messages of some topics: (time of sending in ns, message); none where the bag lacks the topic.
+
+        Raises:
+            RobotsError: a type that nobody knows, or a message that is not of its type.
+        """
+        store = self.typestore()
+        found: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in topics}
+        for name, stamp, data in self.messages:
+            if name not in found:
+                continue
+            kind = self.topics[name].type
+            if kind not in store.types:
+                raise RobotsError(f'{self.path}: {name} is a {kind}, which neither the bag nor Jazzy defines')
+            try:
+                found[name].append((stamp, store.deserialize_cdr(data, kind)))
+            except Exception as error:  # a damaged message fails in as many ways as there are fields
+                raise RobotsError(
+                    f'{self.path}: message {len(found[name]) + 1} of {name} is no {kind}: {error!r}'
+                ) from error
+        return found
+
+
+@lru_cache(maxsize=16)
+def _typestore(definitions: tuple[tuple[str, str, str], ...]) -> Typestore:
+    """Types by (name, text, format); parsing the texts takes longer than reading a small bag."""
+    described = definitions and all(text for _, text, _ in definitions)
+    store = get_typestore(Stores.EMPTY if described else Stores.ROS2_JAZZY)
+    for name, text, kind in definitions:
+        if text and name not in store.types:
+            types = get_types_from_idl(text) if kind == 'idl' else get_types_from_msg(text, name)
+            store.register({key: fields for key, fields in types.items() if key not in store.types})
+    return store
+
+
+def read_bag(path: Path | str) -> Bag:
+    """Read a bag: a folder as rosbag2 writes it, or one .mcap or .db3 file.
+
+    MCAP files that were cut off (by a kill, a full disk) are read up to the cut, and `Bag.problem` says so.
+
+    Raises:
+        RobotsError: what is wrong with it.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise RobotsError(
+            f'{path} does not exist; a bag is a folder with metadata.yaml, or a .mcap or .db3 file'
+        )
+    if path.is_file() and path.suffix not in STORAGE_SUFFIXES:
+        kind = 'a bag of ROS 1' if path.suffix == '.bag' else f'a {path.suffix or "nameless"} file'
+        raise RobotsError(f'{path} is {kind}; read are folders with metadata.yaml, .mcap and .db3 files')
+    try:
+        topics, messages = _read(path)
+    except Exception as error:  # noqa: BLE001  # damaged files fail in as many ways as they have bytes
+        return _recovered(path, error)
+    return Bag(path, topics, messages)
+
+
+def _read(path: Path) -> tuple[dict[str, BagTopic], tuple[tuple[str, int, bytes], ...]]:
+    with Reader(path) as reader:
+        topics: dict[str, BagTopic] = {}
+        for connection in reader.connections:
+            topics.setdefault(connection.topic, _topic(connection))
+            encoding = getattr(connection.ext, 'serialization_format', '')
+            if encoding != 'cdr':
+                raise _ForeignError(f'{connection.topic} has messages in {encoding!r}; read is cdr')
+        messages = [(connection.topic, stamp, bytes(data)) for connection, stamp, data in reader.messages()]
+    return topics, tuple(sorted(messages, key=lambda message: message[1]))
+
+
+class _ForeignError(RobotsError):
+    """A bag that is whole, but of a kind that cannot be read."""
+
+
+def _topic(connection: Connection) -> BagTopic:
+    assert isinstance(connection.ext, ConnectionExtRosbag2)
+    profiles = connection.ext.offered_qos_profiles
+    latched = bool(profiles) and all(p.durability is QosDurability.TRANSIENT_LOCAL for p in profiles)
+    definition = connection.msgdef
+    known = definition.format is not MessageDefinitionFormat.NONE
+    return BagTopic(
+        connection.topic,
+        connection.msgtype,
+        latched,
+        definition.data if known else '',
+        'idl' if definition.format is MessageDefinitionFormat.IDL else 'msg',
+    )
+
+
+def _recovered(path: Path, error: Exception) -> Bag:
+    reason = str(error) or repr(error)
+    if isinstance(error, _ForeignError):
+        raise RobotsError(f'{path} cannot be read: {reason}') from error
+    files = sorted(path.glob('*'), key=_natural) if path.is_dir() else [path]
+    files = [file for file in files if file.suffix in STORAGE_SUFFIXES]
+    if not files:
+        names = ', '.join(sorted(file.name for file in path.iterdir())[:5]) or 'nothing'
+        raise RobotsError(
+            f'{path} is no bag: it holds {names}; needed are metadata.yaml and .mcap or .db3 files ({reason})'
+        ) from error
+    some: Iterable[tuple[str, int, bytes]]
+    topics: dict[str, BagTopic] = {}
+    messages: list[tuple[str, int, bytes]] = []
+    cut: list[str] = []
+    for file in files:
+        try:
+            some_topics, some = _read(file)
+        except Exception as file_error:
+            if file.suffix != '.mcap':
+                raise RobotsError(f'{file} cannot be read: {file_error}') from file_error
+            some_topics, some = _from_recovery(found := recover_mcap(file), file)
+            if not found.complete:
+                cut.append(f'{file.name} is damaged or cut off after {found.size} bytes')
+        topics = {**some_topics, **topics}
+        messages += some
+    if not messages:
+        raise RobotsError(f'{path} cannot be read, and no message could be recovered: {reason}') from error
+    problem = '; '.join(cut) or reason
+    return Bag(
+        path,
+        topics,
+        tuple(sorted(messages, key=lambda message: message[1])),
+        f'{problem}; {len(messages)} messages could be read',
+    )
+
+
+def _from_recovery(
+    found: Recovered, file: Path
+) -> tuple[dict[str, BagTopic], Iterable[tuple[str, int, bytes]]]:
+    topics = {
+        channel.topic: BagTopic(
+            channel.topic,
+            channel.type,
+            channel.latched,
+            channel.definition,
+            'idl' if channel.definition_encoding.endswith('idl') else 'msg',
+        )
+        for channel in found.channels.values()
+    }
+    if foreign := [c for c in found.channels.values() if c.encoding != 'cdr']:
+        raise RobotsError(f'{file}: {foreign[0].topic} has messages in {foreign[0].encoding!r}; read is cdr')
+    return topics, [
+        (found.channels[number].topic, stamp, data)
+        for number, stamp, data in found.messages
+        if number in found.channels
+    ]
+
+
+def _natural(path: Path) -> tuple[int, str]:
+    """bag_2 before bag_10."""
+    digits = ''.join(filter(str.isdigit, path.stem[-6:]))
+    return int(digits or 0), path.name

@@ -1,0 +1,112 @@
+"""JointRows: the references or the feedback of a bag as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robots_controller.recording.bag_file import Bag
+from robots_controller.recording.message_rows import NANOSECONDS, MessageRows, marks
+from robots_core.errors import InvalidInputError
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array
+
+STATE_FIELDS: Final = ('position', 'velocity', 'effort')
+POINT_FIELDS: Final = ('positions', 'velocities', 'accelerations')
+
+
+@dataclass(frozen=True, eq=False)
+class JointRows:
+    """Messages of a topic, a row each, in the order of the robot's n joints.
+
+    Attributes:
+        sent: When each was sent, (k,) ns.
+        stamp: Its stamp, (k,) ns.
+        values: (k, n) positions, velocities, and efforts of a `JointState` or accelerations of a
+            `JointTrajectory` of one point; None where they are not told.
+        period: Time of the points from their stamps, s; 0 of a `JointState`.
+    """
+
+    sent: NDArray[np.int64]
+    stamp: NDArray[np.int64]
+    values: tuple[Array | None, Array | None, Array | None]
+    period: float
+
+
+def joint_rows(bag: Bag, topic: str, robot: BaseRobotModel) -> JointRows:
+    """The rows of a topic of `sensor_msgs/JointState` or of one-point `trajectory_msgs/JointTrajectory`.
+
+    Messages of one robot differ in their numbers alone and are read at once, others one by one.
+
+    Raises:
+        RobotsError: a joint that is missing, or messages that cannot be read.
+    """
+    found = [(stamp, data) for name, stamp, data in bag.messages if name == topic]
+    if not found:
+        none = np.zeros(0, np.int64)
+        return JointRows(none, none, (None, None, None), 0.0)
+    sent, data = np.array([stamp for stamp, _ in found], np.int64), [message for _, message in found]
+    first = replace(bag, messages=((topic, *found[0]),)).deserialized([topic])[topic][0][1]
+    at_once = _template(bag, topic, first).read(data)
+    if at_once is None:
+        stamp, groups = _one_by_one(
+            [message for _, message in bag.deserialized([topic])[topic]], robot, topic
+        )
+    else:
+        stamp, filled = at_once
+        columns, told = _columns(first, robot, topic), iter(filled)
+        rows = [next(told) if size else np.zeros((sent.size, 0)) for size in _sizes(first)]
+        groups = [values[:, columns] if values.shape[1] > max(columns) else None for values in rows]
+    position, velocity, third = groups
+    after = first.points[0].time_from_start if hasattr(first, 'points') else None
+    period = 0.0 if after is None else after.sec + after.nanosec / NANOSECONDS
+    return JointRows(sent, stamp, (position, velocity, third), period)
+
+
+def _fields(message: Any) -> tuple[Any, tuple[str, ...]]:
+    return (message.points[0], POINT_FIELDS) if hasattr(message, 'points') else (message, STATE_FIELDS)
+
+
+def _sizes(message: Any) -> list[int]:
+    holder, fields = _fields(message)
+    return [len(getattr(holder, name)) for name in fields]
+
+
+def _template(bag: Bag, topic: str, first: Any) -> MessageRows:
+    holder, fields = _fields(first)
+    groups = [marks(size, number) for number, size in enumerate(_sizes(first))]
+    marked = replace(holder, **dict(zip(fields, groups, strict=True)))
+    template = replace(first, points=[marked]) if hasattr(first, 'points') else marked
+    used = [group for group in groups if group.size]
+    return MessageRows(bag.typestore(), bag.topics[topic].type, template, used)
+
+
+def _one_by_one(
+    messages: Sequence[Any], robot: BaseRobotModel, topic: str
+) -> tuple[NDArray[np.int64], list[Array | None]]:
+    stamps = [m.header.stamp.sec * NANOSECONDS + m.header.stamp.nanosec for m in messages]
+    columns = [_columns(message, robot, topic) for message in messages]
+    fields = _fields(messages[0])[1]
+    values: list[Array | None] = []
+    for name in fields:
+        rows = [np.asarray(getattr(_fields(message)[0], name), np.float64) for message in messages]
+        told = all(row.size > max(places) for row, places in zip(rows, columns, strict=True))
+        values.append(
+            np.array([row[places] for row, places in zip(rows, columns, strict=True)]) if told else None
+        )
+    return np.array(stamps, np.int64), values
+
+
+def _columns(message: Any, robot: BaseRobotModel, topic: str) -> list[int]:
+    names = list(message.joint_names if hasattr(message, 'points') else message.name)
+    missing = [name for name in robot.axes_data.names if name not in names]
+    if missing:
+        raise InvalidInputError(
+            f'{topic.rpartition("/")[2]} of the bag lacks joint {missing[0]} of {robot.name}: it has '
+            f'{", ".join(names) or "none"}'
+        )
+    return [names.index(name) for name in robot.axes_data.names]

@@ -1,0 +1,1 @@
+"""Simulated drives, from ideal ones to motors, gears, friction and masses."""

@@ -1,0 +1,66 @@
+"""Levels of drives: from a reference that is met at once to a machine with motors and masses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Final, Literal, get_args
+
+from numpy.typing import ArrayLike
+
+from robots_core.blocks.drives.drive_train import DriveTrain, IdealDrive, SecondOrderDrive
+from robots_core.blocks.multibody.payload import NOTHING, Payload
+from robots_core.errors import InvalidInputError
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+
+DriveLevel = Literal['ideal', 'second_order', 'rigid_body']
+DRIVE_LEVELS: Final[tuple[str, ...]] = get_args(DriveLevel)
+
+
+def drive_train(
+    level: str,
+    robot: BaseRobotModel,
+    q: ArrayLike,
+    *,
+    period: float,
+    bandwidth: ArrayLike = 15.0,
+    damping: ArrayLike = 1.0,
+    payload: Payload = NOTHING,
+    feed_forward: bool = True,
+) -> DriveTrain:
+    """Drives of a robot.
+
+    Args:
+        level: `ideal` (on the reference), `second_order` (`bandwidth`, `damping`) or `rigid_body` (the
+            robot's motors, gears and masses, with `payload`).
+        robot: The robot.
+        q: Joint positions at the start, (n,), rad (m), at rest.
+        period: Time of one step, s.
+        bandwidth: Natural frequency of `second_order`, Hz, one number or (n,).
+        damping: Damping ratio of `second_order`, one number or (n,).
+        payload: What hangs on tool0, for `rigid_body`.
+        feed_forward: The controllers of `rigid_body` know robot and payload (see `RigidBodyDrive`).
+
+    Raises:
+        InvalidInputError: no such level, or values out of range.
+    """
+    check_level(level)
+    if level == 'ideal':
+        return IdealDrive(q, period=period)
+    if level == 'second_order':
+        return SecondOrderDrive(q, period=period, bandwidth=bandwidth, damping=damping)
+    # Who moves no masses loads no compiler.
+    rigid_body_drive: Callable[..., DriveTrain] = import_module(
+        'robots_core.blocks.drives.rigid_body_drive'
+    ).RigidBodyDrive
+    return rigid_body_drive(robot, q, period=period, payload=payload, feed_forward=feed_forward)
+
+
+def check_level(level: str) -> None:
+    """Accept a level that exists.
+
+    Raises:
+        InvalidInputError: it does not.
+    """
+    if level not in DRIVE_LEVELS:
+        raise InvalidInputError(f'drive level {level!r} is unknown; levels are {", ".join(DRIVE_LEVELS)}')

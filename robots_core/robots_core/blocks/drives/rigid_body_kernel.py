@@ -1,0 +1,374 @@
+# ruff: noqa: PLR0917  # compiled functions take arrays, not objects
+"""Compiled time step of drives and bodies together, stable for any gains and friction.
+
+Implicit midpoint rule for gears, motors and controllers; the mass matrix and the velocity-dependent torques
+are taken at a predicted midpoint. Friction is implicit, see `friction_kernel`. All quantities are those at
+the joint: a motor with gear ratio i turns i times as fast, with 1/i of the torque.
+"""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robots_core.blocks.drives.friction_kernel import solve_free, sweep
+from robots_core.blocks.inverse_kinematics.chain_dynamics import (
+    DynamicsArrays,
+    bodies_of,
+    fill_dynamics,
+)
+from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.validation import Array
+
+# Rows of the drives' data; each is an attribute of DriveData.
+POSITION_GAIN: Final = 0
+VELOCITY_GAIN: Final = 1
+INTEGRAL_TIME: Final = 2
+TORQUE_LIMIT: Final = 3
+INERTIA: Final = 4
+COULOMB: Final = 5
+VISCOUS: Final = 6
+STICTION: Final = 7
+STIFFNESS: Final = 8
+DAMPING: Final = 9
+CURRENT_FREQUENCY: Final = 10
+CURRENT_DAMPING: Final = 11
+BACK_EMF: Final = 12
+
+# Rows of the state.
+Q: Final = 0
+Q_DOT: Final = 1
+MOTOR: Final = 2
+MOTOR_DOT: Final = 3
+INTEGRAL: Final = 4
+TORQUE: Final = 5
+TORQUE_RATE: Final = 6  # of the current control's integrator
+Q_DDOT: Final = 7  # mean of the last step
+JOINT_TORQUE: Final = 8  # mean of the last step, behind gear and friction
+STATE_ROWS: Final = 9
+
+# Friction known beforehand is fed forward in full from this wanted speed on: with a position gain of 5/s, an
+# axis comes loose while it is more than 2e-6 rad from its reference.
+CREEP: Final = 1e-5  # rad/s (m/s)
+
+
+class Friction(NamedTuple):
+    """Memory for a step's friction, one value for each of the unknown speeds, (m,).
+
+    Attributes:
+        hold: What holds one that stands.
+        slide: What slows one that moves.
+        sign: Direction in which it moved, 0 for one that stood.
+        now: What slows it in that direction.
+        stands: Whether it stood.
+        L: For the solution, (m, m).
+    """
+
+    hold: Array
+    slide: Array
+    sign: Array
+    now: Array
+    stands: NDArray[np.bool_]
+    L: Array
+
+
+@compiled()
+def advance(
+    dynamics: DynamicsArrays,
+    drive: Array,
+    motors: NDArray[np.int64],
+    state: Array,
+    start: Array,
+    end: Array,
+    feed: Array,
+    period: float,
+    steps: int,
+) -> bool:
+    """Advance state (9, n) by a period, in steps.
+
+    The reference (2, n) of the motors, position and velocity, leads from `start` to `end` on a cubic.
+    `feed` (2, n) is what the controllers know beforehand: torques wanted in this period, and friction of
+    moving axes. `motors` (n,) says where the motor's speed stands among the unknowns: with the joint's where
+    the gear is rigid, else behind all joints.
+
+    Returns:
+        False if a value is not finite any more.
+    """
+    n = state.shape[1]
+    size = n
+    for j in range(n):
+        size = max(size, motors[j] + 1)
+    M, bias, weight, bodies = np.empty((n, n)), np.empty(n), np.empty(n), bodies_of(n)
+    A, b, speed, friction = np.empty((size, size)), np.empty(size), np.empty(size), _friction_of(size)
+    q_ref, v_ref, q_mid, v_mid = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    current, saturated, ahead = np.empty((2, n)), np.zeros(n), np.empty(n)
+    h = period / steps
+    for step in range(steps):
+        _reference(start, end, period, (step + 0.5) / steps, q_ref, v_ref)
+        _ahead(drive, state, q_ref, v_ref, feed, ahead)
+        for j in range(n):
+            q_mid[j] = state[Q, j] + 0.5 * h * (state[Q_DOT, j] + 0.25 * h * state[Q_DDOT, j])
+            v_mid[j] = state[Q_DOT, j] + 0.5 * h * state[Q_DDOT, j]
+        fill_dynamics(dynamics, q_mid, v_mid, bodies, M, bias, weight)
+        saturated[:] = 0.0
+        for _ in range(n + 1):
+            _motor_torques(drive, state, q_ref, v_ref, ahead, saturated, h, current)
+            _assemble(drive, motors, state, M, bias, current, h, A, b)
+            _solve_with_friction(drive, motors, state, h, A, b, friction, speed)
+            if not _saturate(drive, motors, state, q_ref, v_ref, ahead, h, speed, saturated):
+                break
+        _move(drive, motors, state, q_ref, v_ref, ahead, saturated, M, bias, current, h, speed)
+    total = 0.0
+    for j in range(n):
+        total += abs(state[Q, j]) + abs(state[Q_DOT, j]) + abs(state[TORQUE, j])
+    return bool(np.isfinite(total))
+
+
+@compiled()
+def _friction_of(size: int) -> Friction:
+    return Friction(
+        np.empty(size),
+        np.empty(size),
+        np.empty(size),
+        np.empty(size),
+        np.empty(size, dtype=np.bool_),
+        np.empty((size, size)),
+    )
+
+
+@compiled(nrt=False)
+def _reference(start: Array, end: Array, period: float, part: float, q_ref: Array, v_ref: Array) -> None:
+    """Cubic from start to end (2, n) at a part 0..1 of the period."""
+    s, r = part, 1.0 - part
+    for j in range(q_ref.size):
+        q0, q1, v0, v1 = start[0, j], end[0, j], start[1, j] * period, end[1, j] * period
+        q_ref[j] = (
+            (1.0 + 2.0 * s) * r * r * q0 + s * r * r * v0 + s * s * (3.0 - 2.0 * s) * q1 - s * s * r * v1
+        )
+        v_ref[j] = (6.0 * s * r * (q1 - q0) + r * (1.0 - 3.0 * s) * v0 + s * (3.0 * s - 2.0) * v1) / period
+
+
+@compiled(nrt=False)
+def _ahead(drive: Array, state: Array, q_ref: Array, v_ref: Array, feed: Array, ahead: Array) -> None:
+    """Fill ahead (n,): torques known beforehand; friction in the direction that the position control wants.
+
+    An axis that should creep while it stands is given its stiction, so that it comes loose and does not wait
+    for the integrator, which would then carry it past its target, again and again.
+    """
+    for j in range(ahead.size):
+        wanted = v_ref[j] + drive[POSITION_GAIN, j] * (q_ref[j] - state[MOTOR, j])
+        friction = feed[1, j]
+        if state[MOTOR_DOT, j] == 0.0:
+            friction *= drive[STICTION, j]
+        ahead[j] = feed[0, j] + friction * min(max(wanted / CREEP, -1.0), 1.0)
+
+
+@compiled(nrt=False)
+def _motor_torques(
+    drive: Array,
+    state: Array,
+    q_ref: Array,
+    v_ref: Array,
+    ahead: Array,
+    saturated: Array,
+    h: float,
+    current: Array,
+) -> None:
+    """Fill current (2, n): mean torque of the step = row 0 - row 1 * mean motor speed.
+
+    Cascade: speed error e = v_ref + position_gain (q_ref - motor) - motor_dot; torque
+    velocity_gain (e + integral / integral_time) + ahead; then the current control, a second-order lag.
+    """
+    for j in range(state.shape[1]):
+        if saturated[j] != 0.0:
+            a, slope = saturated[j] * drive[TORQUE_LIMIT, j], 0.0
+        else:
+            gain = drive[VELOCITY_GAIN, j]
+            growth = 1.0 + 0.5 * h / drive[INTEGRAL_TIME, j]
+            kp = drive[POSITION_GAIN, j]
+            a = gain * (growth * (v_ref[j] + kp * (q_ref[j] - state[MOTOR, j])) + state[INTEGRAL, j])
+            a += ahead[j]
+            slope = gain * growth * (1.0 + 0.5 * h * kp)
+        w = drive[CURRENT_FREQUENCY, j]
+        if np.isfinite(w):
+            lag = 0.25 * (h * w) ** 2
+            divisor = 1.0 + h * drive[CURRENT_DAMPING, j] * w + lag
+            a = (state[TORQUE, j] + 0.5 * h * state[TORQUE_RATE, j] + lag * a) / divisor
+            slope = (lag * slope + 0.5 * h * drive[BACK_EMF, j]) / divisor
+        current[0, j], current[1, j] = a, slope
+
+
+@compiled(nrt=False)
+def _assemble(
+    drive: Array,
+    motors: NDArray[np.int64],
+    state: Array,
+    M: Array,
+    bias: Array,
+    current: Array,
+    h: float,
+    A: Array,
+    b: Array,
+) -> None:
+    """Fill A and b of the velocities at the end of the step without friction: A w = b."""
+    n = state.shape[1]
+    A[:], b[:] = 0.0, 0.0
+    for i in range(n):
+        total = 0.0
+        for j in range(n):
+            A[i, j] = M[i, j]
+            total += M[i, j] * state[Q_DOT, j]
+        b[i] = total - h * bias[i]
+    for j in range(n):
+        m = motors[j]
+        speed = state[MOTOR_DOT, j]
+        resist = 0.5 * h * (current[1, j] + drive[VISCOUS, j])
+        A[m, m] += drive[INERTIA, j] + resist
+        b[m] += (drive[INERTIA, j] - resist) * speed + h * current[0, j]
+        if m == j:
+            continue
+        # The spring at the middle of the step, its ends moving at their mean speeds.
+        stiffness, damping = drive[STIFFNESS, j], drive[DAMPING, j]
+        coupling = 0.25 * h * h * stiffness + 0.5 * h * damping
+        wind = state[MOTOR, j] - state[Q, j]
+        push = h * stiffness * wind + coupling * (speed - state[Q_DOT, j])
+        A[j, j] += coupling
+        A[m, m] += coupling
+        A[j, m] -= coupling
+        A[m, j] -= coupling
+        b[j] += push
+        b[m] -= push
+
+
+@compiled(nrt=False)
+def _solve_with_friction(
+    drive: Array,
+    motors: NDArray[np.int64],
+    state: Array,
+    h: float,
+    A: Array,
+    b: Array,
+    friction: Friction,
+    w: Array,
+) -> None:
+    """Fill w: velocities at the end of the step with friction on the motors.
+
+    A first guess, each axis sliding on or standing as before, is exact in nearly every step; sweeps over the
+    axes (coordinate descent) end at the minimum from any guess. An axis that stands is held up to its
+    stiction; once it slips, the others see it slide.
+    """
+    n, size = state.shape[1], b.size
+    hold, slide, sign, stands = friction.hold, friction.slide, friction.sign, friction.stands
+    hold[:], slide[:], sign[:], stands[:] = 0.0, 0.0, 0.0, False
+    for j in range(n):
+        m = motors[j]
+        slide[m] = h * drive[COULOMB, j]
+        hold[m] = slide[m]
+        if state[MOTOR_DOT, j] == 0.0 and slide[m] > 0.0:
+            stands[m] = True
+            hold[m] *= drive[STICTION, j]
+        else:
+            sign[m] = np.sign(state[MOTOR_DOT, j])
+    for i in range(size):
+        friction.now[i] = sign[i] * slide[i]
+    solve_free(A, b, friction.now, stands, friction.L, w)
+    for j in range(n):
+        m = motors[j]
+        if slide[m] > 0.0 and w[m] * sign[m] <= 0.0:
+            w[m] = 0.0
+    for _ in range(size + 1):
+        sweep(A, b, hold, w)
+        slipped = False
+        for i in range(size):
+            if hold[i] > slide[i] and w[i] != 0.0:
+                hold[i] = slide[i]
+                slipped = True
+        if not slipped:
+            return
+
+
+@compiled(nrt=False)
+def _saturate(
+    drive: Array,
+    motors: NDArray[np.int64],
+    state: Array,
+    q_ref: Array,
+    v_ref: Array,
+    ahead: Array,
+    h: float,
+    w: Array,
+    saturated: Array,
+) -> bool:
+    """Set saturated (n,) to the sign of wanted torques past their limit; True if there is a new one."""
+    found = False
+    for j in range(state.shape[1]):
+        if saturated[j] == 0.0:
+            mean = 0.5 * (state[MOTOR_DOT, j] + w[motors[j]])
+            torque = _wanted(drive, state, q_ref, v_ref, h, mean, j) + ahead[j]
+            if abs(torque) > drive[TORQUE_LIMIT, j]:
+                saturated[j] = np.sign(torque)
+                found = True
+    return found
+
+
+@compiled(nrt=False)
+def _speed_error(
+    drive: Array, state: Array, q_ref: Array, v_ref: Array, h: float, mean: float, j: int
+) -> float:
+    position = state[MOTOR, j] + 0.5 * h * mean
+    return float(v_ref[j] + drive[POSITION_GAIN, j] * (q_ref[j] - position) - mean)
+
+
+@compiled(nrt=False)
+def _wanted(drive: Array, state: Array, q_ref: Array, v_ref: Array, h: float, mean: float, j: int) -> float:
+    error = _speed_error(drive, state, q_ref, v_ref, h, mean, j)
+    growth = 1.0 + 0.5 * h / drive[INTEGRAL_TIME, j]
+    return float(drive[VELOCITY_GAIN, j] * (growth * error + state[INTEGRAL, j]))
+
+
+@compiled(nrt=False)
+def _move(
+    drive: Array,
+    motors: NDArray[np.int64],
+    state: Array,
+    q_ref: Array,
+    v_ref: Array,
+    ahead: Array,
+    saturated: Array,
+    M: Array,
+    bias: Array,
+    current: Array,
+    h: float,
+    w: Array,
+) -> None:
+    """Write the end of the step into the state."""
+    n = state.shape[1]
+    for j in range(n):
+        state[Q_DDOT, j] = (w[j] - state[Q_DOT, j]) / h
+    for j in range(n):
+        mean = 0.5 * (state[MOTOR_DOT, j] + w[motors[j]])
+        torque = current[0, j] - current[1, j] * mean
+        wanted = _wanted(drive, state, q_ref, v_ref, h, mean, j) + ahead[j]
+        if saturated[j] != 0.0:
+            wanted = saturated[j] * drive[TORQUE_LIMIT, j]
+        error = _speed_error(drive, state, q_ref, v_ref, h, mean, j)
+        # The integrator holds while the torque is at its limit, unless it leads back.
+        if error * saturated[j] <= 0.0:
+            state[INTEGRAL, j] += h / drive[INTEGRAL_TIME, j] * error
+        frequency = drive[CURRENT_FREQUENCY, j]
+        if np.isfinite(frequency):
+            state[TORQUE_RATE, j] += h * frequency * frequency * (wanted - torque)
+            state[TORQUE, j] = 2.0 * torque - state[TORQUE, j]
+        else:
+            state[TORQUE, j] = torque
+        total = bias[j]
+        for k in range(n):
+            total += M[j, k] * state[Q_DDOT, k]
+        state[JOINT_TORQUE, j] = total
+        state[MOTOR, j] += h * mean
+        state[MOTOR_DOT, j] = w[motors[j]]
+    for j in range(n):
+        state[Q, j] += 0.5 * h * (state[Q_DOT, j] + w[j])
+        state[Q_DOT, j] = w[j]

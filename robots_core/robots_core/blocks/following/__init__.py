@@ -1,0 +1,1 @@
+"""Blocks that follow a reference which is known only as it arrives."""

@@ -1,0 +1,147 @@
+"""Following a reference pose period by period, by each of the inverse kinematics blocks."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from robots_core.blocks.following.axis_following import AxisFollowing
+from robots_core.blocks.following.following_methods import METHODS
+from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKinematic
+from robots_core.blocks.inverse_kinematics.constrained import (
+    ConstrainedInverseKinematics,
+    braking_deceleration,
+)
+from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
+from robots_core.errors import InvalidInputError
+from robots_core.pose import Pose
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array
+
+TOLERANCES: Final = (1e-8, 1e-8)  # m and rad: below what a drive resolves
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedStep:
+    """Motion of one period.
+
+    Attributes:
+        state: (3, n): positions and velocities at its end, accelerations during it.
+        position_error: Distance to the reference at its end, m.
+        orientation_error: Angle to the reference at its end, rad.
+        slack: By how much a limit had to be broken, relative to it.
+        limits: Limits that cost accuracy, for a person; empty where the method does not tell.
+    """
+
+    state: Array
+    position_error: float
+    orientation_error: float
+    slack: float = 0.0
+    limits: tuple[str, ...] = ()
+
+
+class PoseFollowing(ABC):
+    """Follows a reference pose; the state it leads to can always be braked.
+
+    Args:
+        robot: The robot.
+        dt: Period, s.
+        tool: Pose of the tool centre point in tool0, which follows the reference.
+    """
+
+    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose) -> None:
+        self.robot, self.dt, self.tool = robot, dt, tool
+        self._axes = AxisFollowing(robot.axes_data, dt, deceleration=braking_deceleration(robot))
+
+    @abstractmethod
+    def follow(self, pose: Pose, twist: Array, q: Array, q_dot: Array) -> FollowedStep:
+        """Motion of the next period towards a pose with a twist (6,) at its end, from state q, q_dot (n,).
+
+        Raises:
+            UnreachablePoseError: the method finds no posture.
+        """
+
+    def brake(self, q: Array, q_dot: Array) -> Array:
+        """State (3, n) after a period of braking."""
+        return self._axes.brake(q, q_dot)
+
+    def pose(self, q: Array) -> Pose:
+        """Pose of the tool centre point."""
+        return Pose(*self.robot.direct_kinematics(q)) @ self.tool
+
+
+class ConstrainedFollowing(PoseFollowing):
+    """By `ConstrainedInverseKinematics`: all limits, torques too, and the way there is the reference's."""
+
+    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose) -> None:
+        super().__init__(robot, dt, tool)
+        self._ik = ConstrainedInverseKinematics(robot, dt, tool=tool)
+
+    def follow(self, pose: Pose, twist: Array, q: Array, q_dot: Array) -> FollowedStep:
+        """See `PoseFollowing.follow`."""
+        step = self._ik.step(pose, q, q_dot, twist)
+        limits = tuple(f'{limit.joint} {limit.quantity} {limit.side}' for limit in step.active_limits)
+        return FollowedStep(step.values[:3], step.position_error, step.orientation_error, step.slack, limits)
+
+
+class _JointFollowing(PoseFollowing):
+    """By the posture for each pose: axes follow it each on its own, inside all limits but torques."""
+
+    _last: Array | None = None
+
+    @abstractmethod
+    def _posture(self, pose: Pose, q: Array) -> Array:
+        """Posture for a pose of tool0, near `q`."""
+
+    def follow(self, pose: Pose, twist: Array, q: Array, q_dot: Array) -> FollowedStep:
+        """See `PoseFollowing.follow`."""
+        del twist
+        posture = self._posture(pose @ self.tool.inverse(), q)
+        velocity = np.zeros_like(q) if self._last is None else (posture - self._last) / self.dt
+        if (np.abs(velocity) > self.robot.axes_data.velocity).any():  # a jump of the reference
+            velocity = np.zeros_like(q)
+        self._last = posture
+        state = self._axes.step(q, q_dot, posture, velocity)
+        return FollowedStep(state, *self.pose(state[0]).distance_to(pose))
+
+
+class DampedLeastSquaresFollowing(_JointFollowing):
+    """By `DampedLeastSquares` from the last posture; an unreachable pose leads to the closest posture."""
+
+    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose) -> None:
+        super().__init__(robot, dt, tool)
+        self._ik = DampedLeastSquares(robot, tolerances=TOLERANCES, restarts=0)
+        self._posture(Pose(*robot.direct_kinematics(robot.home)), np.array(robot.home))
+
+    def _posture(self, pose: Pose, q: Array) -> Array:
+        return self._ik.solve(pose, q).q
+
+
+class AnalyticalFollowing(_JointFollowing):
+    """By `AnalyticalInverseKinematic`, the branch nearest to the last posture."""
+
+    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose) -> None:
+        super().__init__(robot, dt, tool)
+        self._ik = AnalyticalInverseKinematic(robot)
+
+    def _posture(self, pose: Pose, q: Array) -> Array:
+        return self._ik.solve(pose, q)
+
+
+def pose_following(method: str, robot: BaseRobotModel, dt: float, tool: Pose) -> PoseFollowing:
+    """The following by a method, one of METHODS.
+
+    Raises:
+        InvalidInputError: no such method.
+        NoAnalyticInverseKinematicsError: the robot has no closed form.
+    """
+    if method == 'constrained':
+        return ConstrainedFollowing(robot, dt, tool)
+    if method == 'damped_least_squares':
+        return DampedLeastSquaresFollowing(robot, dt, tool)
+    if method == 'analytical':
+        return AnalyticalFollowing(robot, dt, tool)
+    raise InvalidInputError(f'unknown method {method!r}; methods are {", ".join(METHODS)}')

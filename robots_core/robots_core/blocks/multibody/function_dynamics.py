@@ -1,0 +1,75 @@
+"""FunctionDynamics: the dynamics of a robot by its own function."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from robots_core.blocks.direct_kinematics import DirectKinematics
+from robots_core.blocks.drives.friction_kernel import add_losses
+from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics, chain_dynamics_of
+from robots_core.blocks.multibody.base_motion import BaseMotion
+from robots_core.blocks.multibody.dynamics import Dynamics
+from robots_core.errors import InvalidInputError
+from robots_core.pose import Pose
+from robots_core.validation import Array
+
+
+class FunctionDynamics(Dynamics):
+    """The robot's `rigid_dynamics`, whatever it is made of, with payload, base, friction and rotors added.
+
+    Payload by the projection of its Newton-Euler equations through the Jacobian at its centre of mass
+    (Kane); an inclined or accelerated base by the difference in gravity. A base that turns takes
+    `NumericalDynamics`. Arguments are those of `Dynamics`.
+
+    Raises:
+        InvalidInputError: a base that turns; or a payload or an inclined or accelerated base with a robot
+            whose own dynamics are not those of its bodies, so that its gravity is not known.
+    """
+
+    def _prepare(self) -> None:
+        self._loses = bool(self._losses.any())
+        self._loads = self.payload.mass > 0.0 or bool(self.payload.inertia.any())
+        self._tool = DirectKinematics(self.robot, tool=Pose(self.payload.center, np.eye(3)))
+
+    def _use_base(self, base: BaseMotion) -> None:
+        if base.turns:
+            raise InvalidInputError(
+                f'FunctionDynamics knows no base that turns (angular velocity '
+                f'{base.angular_velocity.tolist()} rad/s); use NumericalDynamics'
+            )
+        self._inclined = bool(base.acceleration.any()) or not np.array_equal(base.T, np.eye(3))
+        if self._inclined or self._loads:
+            gravity = self._chain.gravity
+            self._fall = base.free_fall(gravity)
+            self._relative_fall = self._fall - gravity
+
+    @cached_property
+    def _chain(self) -> ChainDynamics:
+        return chain_dynamics_of(self.robot)
+
+    def _loaded(self, q: Array, q_dot: Array) -> tuple[Array, Array]:
+        _, M, tau_aux = self.robot.rigid_dynamics(q, q_dot, self._no_motion)
+        M, tau_aux = np.array(M, order='C'), np.array(tau_aux)
+        if self._inclined:
+            tau_aux += self._chain.weight(q, self._relative_fall)
+        if self._loads:
+            self._add_payload(q, q_dot, M, tau_aux)
+        if self._loses:
+            self._q_dot[:] = q_dot
+            add_losses(self._losses, self._q_dot, M, tau_aux)
+        return M, tau_aux
+
+    def _add_payload(self, q: Array, q_dot: Array, M: Array, tau_aux: Array) -> None:
+        mass = self.payload.mass
+        J = self._tool.jacobian(q)
+        T = self._tool.forward(q).T
+        inertia = T @ self.payload.inertia @ T.T
+        linear, angular = J[:3], J[3:]
+        # Acceleration of the payload while no axis accelerates.
+        drift = self._tool.jacobian_der(q, q_dot) @ q_dot
+        omega = angular @ q_dot
+        M += mass * linear.T @ linear + angular.T @ inertia @ angular
+        tau_aux += mass * linear.T @ (drift[:3] - self._fall)
+        tau_aux += angular.T @ (inertia @ drift[3:] + np.cross(omega, inertia @ omega))

@@ -1,0 +1,294 @@
+"""The serial chain inside a URDF, cut out and checked."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import yaml
+from lxml import etree
+
+from robots_core.errors import UnknownRobotError
+from robots_core.robot_model.axes_data import AxesData
+from robots_core.robot_model.urdf.urdf_tree import MOVING_JOINTS, TOOL, LinkTree
+
+# The rule for a URDF that says nothing: full speed within half a second, full acceleration within a tenth.
+DEFAULT_RAMP_TIME = 0.5  # s
+DEFAULT_JERK_TIME = 0.1  # s
+
+XACRO: Final = 'http://www.ros.org/wiki/xacro'
+
+EXTRA_KEYS: Final = (
+    'min_position',
+    'max_position',
+    'max_velocity',
+    'max_acceleration',
+    'max_jerk',
+    'max_effort',
+    'gear_ratio',
+    'rotor_inertia',
+    'coulomb_friction',
+    'viscous_friction',
+)
+
+
+@dataclass(frozen=True)
+class UrdfChain:
+    """A URDF reduced to one serial chain.
+
+    Attributes:
+        xml: URDF text: root is `base`, the chain's joints are the only moving ones, their limits are those
+            of `axes_data`, and a link `tool0` marks the tip unless the URDF has one elsewhere.
+        base: Name of the base link.
+        tip: Name of the tool link.
+        joints: Names of the moving joints, base to tip.
+        axes_data: Their limits.
+    """
+
+    xml: str
+    base: str
+    tip: str
+    joints: tuple[str, ...]
+    axes_data: AxesData
+
+
+def read_urdf_chain(
+    xml: str, *, base: str | None = None, tip: str | None = None, joint_limits: Path | None = None
+) -> UrdfChain:
+    """Cut the chain from `base` to `tip` out of a URDF.
+
+    The default base is the URDF's root. The default tip is `tool0` if there is one; else the way leads at
+    every branch to the most axes. It ends before branches that are shorter than the way so far: the fingers
+    of a hand. Behind the last axis, the fixed links are followed to the end. Branches of equal length (two
+    arms, four legs) are refused: choose a tip.
+
+    Moving joints off the chain, such as fingers or joints that mimic others, are held fixed at zero.
+    Accelerations and jerks come from `joint_limits` (the format of MoveIt's joint_limits.yaml), which goes
+    before the URDF with every other limit too, with friction (`<dynamics>`) and with gear ratios; where it
+    has none, full speed is reached in 0.5 s and full acceleration in 0.1 s. Speed and effort have no
+    default: a robot needs them from one of the files.
+
+    Args:
+        xml: URDF text.
+        base: Base link.
+        tip: Tool link.
+        joint_limits: A YAML file with further limits.
+
+    Raises:
+        UnknownRobotError: not a URDF, no such link, no single chain, no moving joint, or a moving joint
+            without limits.
+        InvalidInputError: limits that contradict each other.
+    """
+    root = _parse(xml)
+    tree = LinkTree(root)
+    base = tree.base(base)
+    tip = tree.tip(base, tip)
+    chain = tree.chain(base, tip)
+    moving = [joint for joint in chain if joint.get('type') in MOVING_JOINTS]
+    if not moving:
+        raise UnknownRobotError(f'the URDF has no moving joint from {base!r} to {tip!r}')
+    axes_data = _axes_data(root, moving, _extra_limits(joint_limits))
+    _reduce(root, tree.below(base), {str(joint.get('name')) for joint in moving})
+    _write_limits(moving, axes_data)
+    if TOOL not in tree.links:
+        _add_tool(root, tip)
+    return UrdfChain(
+        xml=etree.tostring(root, encoding='unicode'),
+        base=base,
+        tip=tip,
+        joints=axes_data.names,
+        axes_data=axes_data,
+    )
+
+
+def pinocchio_xml(chain: UrdfChain) -> str:
+    """The chain's URDF with continuous joints as revolute ones, so that q has one number per axis."""
+    root = copy.deepcopy(_parse(chain.xml))
+    for joint in root.findall('joint'):
+        if joint.get('type') == 'continuous':
+            joint.set('type', 'revolute')
+            limit = joint.find('limit')
+            limit = etree.SubElement(joint, 'limit') if limit is None else limit
+            for key, value in (('lower', '-1e3'), ('upper', '1e3'), ('velocity', '1'), ('effort', '1')):
+                limit.set(key, limit.get(key, value))
+    return str(etree.tostring(root, encoding='unicode'))
+
+
+def _parse(xml: str) -> etree._Element:
+    try:
+        root = etree.fromstring(xml.encode())
+    except etree.XMLSyntaxError as error:
+        raise UnknownRobotError(f'not a URDF: {error}') from error
+    if root.tag != 'robot':
+        raise UnknownRobotError(f'not a URDF: the root element is <{root.tag}>, not <robot>')
+    if next(root.iter(f'{{{XACRO}}}*'), None) is not None:
+        raise UnknownRobotError(
+            'not a URDF but a xacro file: expand it first (xacro robot.xacro > robot.urdf)'
+        )
+    return root
+
+
+def _extra_limits(path: Path | None) -> dict[str, dict[str, float]]:
+    if path is None:
+        return {}
+    if not path.is_file():
+        raise UnknownRobotError(f'limits file {str(path)!r} not found')
+    try:
+        content = yaml.safe_load(path.read_text())
+    except yaml.YAMLError as error:
+        raise UnknownRobotError(f'{path.name}: not YAML: {error}') from error
+    joints = content.get('joint_limits') if isinstance(content, dict) else None
+    if not isinstance(joints, dict) or not all(isinstance(joint, dict) for joint in joints.values()):
+        raise UnknownRobotError(f'{path.name}: expected a mapping `joint_limits:` of joint names')
+    return {
+        str(name): {
+            key: _number(f'{path.name}: joint {str(name)!r}', key, value)
+            for key, value in joint.items()
+            if key in EXTRA_KEYS and joint.get(_switch(key), True)
+        }
+        for name, joint in joints.items()
+    }
+
+
+def _switch(key: str) -> str:
+    """The key with which MoveIt's format switches a limit on or off."""
+    return f'has_{key.partition("_")[2]}_limits'
+
+
+def _number(where: str, key: str, value: object) -> float:
+    try:
+        return float(str(value))
+    except ValueError as error:
+        raise UnknownRobotError(f'{where}: {key} = {value!r} must be a number') from error
+
+
+def _axes_data(
+    root: etree._Element, moving: list[etree._Element], limits: dict[str, dict[str, float]]
+) -> AxesData:
+    columns: dict[str, list[float]] = {
+        key: []
+        for key in (
+            'lower',
+            'upper',
+            'velocity',
+            'acceleration',
+            'jerk',
+            'effort',
+            'gear',
+            'rotor',
+            'coulomb',
+            'viscous',
+        )
+    }
+    reductions = _transmissions(root)
+    for joint in moving:
+        name = str(joint.get('name'))
+        extra = limits.get(name, {})
+        limit = joint.find('limit')
+        given = (
+            {}
+            if limit is None
+            else {
+                str(key): _number(f'joint {name!r}', str(key), value) for key, value in limit.attrib.items()
+            }
+        )
+        for key in ('velocity', 'effort'):
+            given[key] = extra.get(f'max_{key}', given.get(key, 0.0))
+            if not given[key] > 0.0:
+                raise UnknownRobotError(
+                    f'joint {name!r} needs a {key} limit above 0: as {key} in <limit>, or as max_{key} in '
+                    f'joint_limits.yaml'
+                )
+        continuous = joint.get('type') == 'continuous'
+        velocity = given['velocity']
+        acceleration = extra.get('max_acceleration', velocity / DEFAULT_RAMP_TIME)
+        columns['lower'].append(extra.get('min_position', -np.inf if continuous else given.get('lower', 0.0)))
+        columns['upper'].append(extra.get('max_position', np.inf if continuous else given.get('upper', 0.0)))
+        columns['velocity'].append(velocity)
+        columns['acceleration'].append(acceleration)
+        columns['jerk'].append(extra.get('max_jerk', acceleration / DEFAULT_JERK_TIME))
+        columns['effort'].append(given['effort'])
+        columns['gear'].append(extra.get('gear_ratio', reductions.get(name, np.nan)))
+        columns['rotor'].append(extra.get('rotor_inertia', 0.0))
+        resistance = _dynamics(joint)
+        columns['coulomb'].append(extra.get('coulomb_friction', resistance.get('friction', 0.0)))
+        columns['viscous'].append(extra.get('viscous_friction', resistance.get('damping', 0.0)))
+    return AxesData(
+        names=tuple(str(joint.get('name')) for joint in moving),
+        lower=np.array(columns['lower']),
+        upper=np.array(columns['upper']),
+        velocity=np.array(columns['velocity']),
+        acceleration=np.array(columns['acceleration']),
+        jerk=np.array(columns['jerk']),
+        effort=np.array(columns['effort']),
+        gear_ratio=np.array(columns['gear']),
+        rotor_inertia=np.array(columns['rotor']),
+        coulomb_friction=np.array(columns['coulomb']),
+        viscous_friction=np.array(columns['viscous']),
+        prismatic=tuple(joint.get('type') == 'prismatic' for joint in moving),
+    )
+
+
+def _dynamics(joint: etree._Element) -> dict[str, float]:
+    """Friction and damping of a joint, where the URDF has them."""
+    dynamics = joint.find('dynamics')
+    where = f'joint {str(joint.get("name"))!r}'
+    return (
+        {}
+        if dynamics is None
+        else {str(key): _number(where, str(key), value) for key, value in dynamics.attrib.items()}
+    )
+
+
+def _transmissions(root: etree._Element) -> dict[str, float]:
+    reductions = {}
+    for transmission in root.findall('transmission'):
+        joint = transmission.find('joint')
+        reduction = transmission.findtext('.//mechanicalReduction')
+        if joint is not None and reduction is not None:
+            name = str(joint.get('name'))
+            reductions[name] = _number(f'transmission of joint {name!r}', 'mechanicalReduction', reduction)
+    return reductions
+
+
+def _reduce(root: etree._Element, kept: tuple[set[str], set[str]], moving: set[str]) -> None:
+    """Keep the links and joints `kept`; hold every joint fixed that is not in `moving`."""
+    links, joints = kept
+    for element in list(root):
+        name = element.get('name')
+        keep = {'link': links, 'joint': joints}.get(str(element.tag))
+        if keep is not None and name not in keep:
+            root.remove(element)
+        elif element.tag == 'joint' and name not in moving:
+            element.set('type', 'fixed')
+            for tag in ('axis', 'limit', 'mimic', 'dynamics'):
+                for part in element.findall(tag):
+                    element.remove(part)
+
+
+def _write_limits(moving: list[etree._Element], axes: AxesData) -> None:
+    """Write the limits into the URDF, so that it says the same as the axes' data."""
+    for index, joint in enumerate(moving):
+        limit = joint.find('limit')
+        limit = etree.SubElement(joint, 'limit') if limit is None else limit
+        if axes.continuous[index]:
+            joint.set('type', 'continuous')
+            for key in ('lower', 'upper'):
+                limit.attrib.pop(key, None)
+        else:
+            if joint.get('type') == 'continuous':
+                joint.set('type', 'revolute')
+            limit.set('lower', repr(float(axes.lower[index])))
+            limit.set('upper', repr(float(axes.upper[index])))
+        limit.set('velocity', repr(float(axes.velocity[index])))
+        limit.set('effort', repr(float(axes.effort[index])))
+
+
+def _add_tool(root: etree._Element, tip: str) -> None:
+    etree.SubElement(root, 'link', name=TOOL)
+    joint = etree.SubElement(root, 'joint', name=f'{TOOL}_joint', type='fixed')
+    etree.SubElement(joint, 'parent', link=tip)
+    etree.SubElement(joint, 'child', link=TOOL)

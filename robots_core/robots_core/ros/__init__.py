@@ -1,0 +1,1 @@
+"""What all nodes share: messages, quality of service, parameters, health, spinning."""

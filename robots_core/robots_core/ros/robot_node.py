@@ -1,0 +1,166 @@
+"""RobotNode: what every node of the suite has: a robot, a health report, checked parameters."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.robot_choice import load_robot_model
+from robots_core.ros.messages import diagnostic_status
+from robots_core.ros.qos import COMMAND
+
+HEALTH_PERIOD = 1.0  # s
+REPEAT_PERIOD = 5.0  # s
+
+
+class RobotNode(Node):
+    """A node with parameter `robot_model` and a diagnostic status of its own.
+
+    The status is published on `/diagnostics` once a second and at every change. A node is ready when
+    its status is OK.
+
+    Args:
+        name: Default node name.
+        robot: Default of parameter `robot_model`.
+        options: Passed on to `rclpy.node.Node`.
+
+    Raises:
+        UnknownRobotError: the parameter names no robot.
+    """
+
+    def __init__(self, name: str, *, robot: str = 'bello_bot', **options: Any) -> None:
+        super().__init__(name, **options)
+        self._checks: dict[str, Callable[[Any], object]] = {}
+        self.add_on_set_parameters_callback(self._check_parameters)
+        self.robot_name: str = self.parameter(
+            'robot_model', robot, "the robot's name, or urdf:/path/to/robot.urdf", read_only=True
+        )
+        self.robot = load_robot_model(self.robot_name)
+        self._health = (DiagnosticStatus.STALE, 'starting')
+        self._health_values: dict[str, object] = {}
+        self._bad_streams: dict[str, float] = {}
+        self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', COMMAND)
+        self.create_timer(HEALTH_PERIOD, self._repeat_health)
+
+    def parameter(
+        self,
+        name: str,
+        default: Any,
+        description: str,
+        *,
+        bounds: tuple[float, float] | None = None,
+        check: Callable[[Any], object] | None = None,
+        read_only: bool = False,
+    ) -> Any:
+        """Declare a parameter and return its value.
+
+        Args:
+            name: The parameter's name.
+            default: Its default; it also fixes the type.
+            description: One line with the unit, shown by `ros2 param describe`.
+            bounds: Lowest and highest valid number.
+            check: Raises a RobotsError for a value that is not valid, now and at every change.
+            read_only: The value cannot change after start.
+
+        Raises:
+            InvalidInputError: the value given at start is of another type or not valid.
+        """
+        descriptor = ParameterDescriptor(description=description, read_only=read_only)
+        if bounds is not None:
+            low, high = bounds
+            descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+        try:
+            value = self.declare_parameter(name, default, descriptor).value
+            if check is not None:
+                check(value)
+        except (InvalidParameterTypeException, InvalidParameterValueException, RobotsError) as error:
+            raise InvalidInputError(f'parameter {name}: {error}') from error
+        if check is not None:
+            self._checks[name] = check
+        return value
+
+    def _check_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
+        for parameter in parameters:
+            check = self._checks.get(parameter.name)
+            if check is None:
+                continue
+            try:
+                check(parameter.value)
+            except RobotsError as error:
+                return SetParametersResult(successful=False, reason=f'{parameter.name}: {error}')
+        return SetParametersResult(successful=True)
+
+    def ready(self, message: str = 'ready', **values: object) -> None:
+        """Report that all is well."""
+        self.report_health(DiagnosticStatus.OK, message, **values)
+
+    def report_health(self, level: bytes, message: str, **values: object) -> None:
+        """Set the node's health; a change is published at once."""
+        changed = (level, message) != self._health
+        self._health, self._health_values = (level, message), values
+        if changed:
+            self._publish_health()
+
+    def look_after_health(self) -> None:
+        """Called before health is told again: for nodes whose health has values that change."""
+
+    def _repeat_health(self) -> None:
+        self.look_after_health()
+        self._publish_health()
+
+    def _publish_health(self) -> None:
+        level, message = self._health
+        status = diagnostic_status(
+            self.get_fully_qualified_name(),
+            message,
+            level=level,
+            hardware_id=self.robot_name,
+            pid=os.getpid(),
+            **self._health_values,
+        )
+        array = DiagnosticArray(status=[status])
+        array.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(array)
+
+    def thread_failed(self, error: BaseException) -> None:
+        """Report that a thread of this node ended by itself, and end the node."""
+        if not self.context.ok():  # shut down from outside: the thread only noticed it first
+            return
+        self.get_logger().fatal(f'internal error: {error!r}')  # type: ignore[no-untyped-call]
+        self.report_health(DiagnosticStatus.ERROR, f'internal error: {error!r}')
+        self.context.try_shutdown()
+
+    def refuse(self, topic: str, error: RobotsError, *, stream: bool = False) -> None:
+        """Log and report bad input on a topic; the node goes on.
+
+        Args:
+            topic: Where it came from.
+            error: What is wrong with it.
+            stream: The topic is a stream: as long as it stays bad it is logged once in `REPEAT_PERIOD`.
+        """
+        now = time.monotonic()
+        if not stream or now - self._bad_streams.get(topic, -REPEAT_PERIOD) >= REPEAT_PERIOD:
+            self._bad_streams[topic] = now
+            self.get_logger().error(f'{topic}: {error}')  # type: ignore[no-untyped-call]
+        self.report_health(DiagnosticStatus.WARN, f'{topic}: {error}')
+
+
+def bounded(low: float, high: float, unit: str = '') -> Callable[[Any], None]:
+    """A check that a number lies in [low, high], for `RobotNode.parameter`."""
+
+    def check(value: Any) -> None:
+        if not low <= value <= high:
+            raise InvalidInputError(
+                f'{value!r} {unit}'.rstrip() + f' is outside [{low:g}, {high:g}] {unit}'.rstrip()
+            )
+
+    return check

@@ -1,0 +1,72 @@
+"""The one place that spins: start a node, serve it, and end it cleanly."""
+
+from __future__ import annotations
+
+import atexit
+import gc
+import inspect
+import os
+import sys
+from collections.abc import Callable
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import try_shutdown
+
+from robots_core.errors import RobotsError
+from robots_core.ros.interrupt import interrupt
+from robots_core.ros.middleware import choose_transports
+
+EXIT_BAD_INPUT = 2
+
+
+def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
+    """Run a node until it is interrupted.
+
+    A mistake of the user (a `RobotsError`) is told in one line, without traceback.
+
+    Args:
+        make_node: Creates the node once ROS is initialised.
+        args: Command line; `sys.argv` by default.
+
+    Returns:
+        Exit code: 0 after Ctrl-C or terminate, 2 if the node cannot start as configured.
+    """
+    # A process that ends need not look through all that it has loaded: that takes half a second.
+    atexit.register(gc.freeze)
+    choose_transports()
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    # MultiThreadedExecutor is several times slower here and EventsExecutor is experimental; what must not
+    # wait has a thread of its own.
+    executor = SingleThreadedExecutor()
+    node: Node | None = None
+
+    def wake() -> None:
+        if node is None:
+            # Models and compiled code may take long to load, and nothing is there yet that wants closing.
+            sys.stdout.flush()
+            os._exit(0)
+        executor.wake()
+
+    with interrupt(wake) as stopping:
+        try:
+            node = make_node()
+            # A logger looks for its caller, the first time through all modules: not while a robot moves.
+            inspect.stack()
+            executor.add_node(node)
+            while not stopping.is_set():
+                executor.spin_once()
+        except ExternalShutdownException:
+            return 0
+        except RobotsError as error:
+            print(f'error: {error}', file=sys.stderr)
+            return EXIT_BAD_INPUT
+        finally:
+            # The page, the bag and the last messages are closed before another signal may end the process.
+            if node is not None:
+                node.destroy_node()
+            executor.shutdown()
+            try_shutdown()
+    return 0

@@ -1,0 +1,174 @@
+"""CommandQueue: which motions are commanded, planned and not over yet."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from robots_planning.motion_settings import MotionSettings
+from robots_planning.pathplanning import Target
+from robots_planning.robot_command_state import RobotCommandState, Shape
+from robots_planning.trajectory import Trajectory
+
+LONGEST_CHAIN = 32  # motions that run through in one; the last of so many stops
+
+
+@dataclass(frozen=True, eq=False)
+class QueuedCommand:
+    """A motion as it was commanded.
+
+    Attributes:
+        id: Its command.
+        state: The kind of motion.
+        target: Joint positions (n,), a pose, or the poses of an arc or a spline.
+        shape: Of a Cartesian motion: 'line', 'circle' or 'spline'.
+        settings: The modal settings of that instant.
+        received: When it came, s.
+    """
+
+    id: str
+    state: RobotCommandState
+    target: Target
+    settings: MotionSettings
+    received: float
+    shape: Shape = 'line'
+
+
+@dataclass(frozen=True, eq=False)
+class RunningMotion:
+    """A planned motion that has not ended.
+
+    Attributes:
+        ids: The commands in it, one or a chain of blended ones; the last is the motion's own.
+        trajectory: The plan.
+        ends: When each of the commands is done with, s of the plan.
+    """
+
+    ids: tuple[str, ...]
+    trajectory: Trajectory
+    ends: tuple[float, ...]
+
+    @property
+    def id(self) -> str:
+        """The motion's id: that of its last command."""
+        return self.ids[-1]
+
+    def passed(self, progress: float) -> Iterator[tuple[str, bool]]:
+        """For each command before the last: its id, and whether it was done with at that part of the plan."""
+        done = progress * self.trajectory.duration
+        for id_, end in zip(self.ids[:-1], self.ends[:-1], strict=True):
+            yield id_, progress == 1.0 or end <= done
+
+
+class CommandQueue:
+    """Collects blended commands to chains, and knows what runs. Safe to call from any thread.
+
+    A motion that fails takes all with it that were commanded before it ended: after a stop the robot stands
+    until somebody commands it anew.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.RLock()
+        self._held: list[QueuedCommand] = []
+        self._known: set[str] = set()
+        self._running: dict[str, RunningMotion] = {}
+        self._failed_at = -float('inf')
+        self._failed = ''
+        self._failures = 0
+
+    # -- commands ------------------------------------------------------------------------------------
+
+    def knows(self, id_: str) -> bool:
+        """A command with this id has come and is not over."""
+        with self._lock:
+            return id_ in self._known
+
+    def hold(self, order: QueuedCommand) -> tuple[QueuedCommand, ...]:
+        """Take a command; returns what is to be planned now: nothing while a chain may go on."""
+        with self._lock:
+            self._known.add(order.id)
+            self._held.append(order)
+            if order.settings.blends and len(self._held) < LONGEST_CHAIN:
+                return ()
+            return self.release()
+
+    def release(self) -> tuple[QueuedCommand, ...]:
+        """The commands that were held, as nothing follows them."""
+        with self._lock:
+            held, self._held = tuple(self._held), []
+            return held
+
+    def given_up(self, orders: Sequence[QueuedCommand]) -> str:
+        """Why commands are void; '' if they are not."""
+        with self._lock:
+            if min(order.received for order in orders) <= self._failed_at:
+                return f'given up with motion {self._failed} before it, which did not reach its target'
+            return ''
+
+    def refused(self, id_: str) -> None:
+        """A command was answered without a motion."""
+        with self._lock:
+            self._known.discard(id_)
+
+    # -- motions -------------------------------------------------------------------------------------
+
+    @property
+    def running(self) -> tuple[RunningMotion, ...]:
+        """Planned motions that have not ended, oldest first."""
+        with self._lock:
+            return tuple(self._running.values())
+
+    @property
+    def failures(self) -> int:
+        """How many motions have not reached their targets; another one voids what was planned after it."""
+        with self._lock:
+            return self._failures
+
+    def planned(self, motion: RunningMotion, failures: int) -> bool:
+        """Take a motion into the book.
+
+        Args:
+            motion: The plan.
+            failures: Those that were known when it was planned.
+
+        Returns:
+            False if a motion has failed meanwhile: the plan starts where the robot will not be.
+        """
+        with self._lock:
+            if failures != self._failures:
+                return False
+            self._running[motion.id] = motion
+            return True
+
+    def replaced(self, motion: RunningMotion) -> None:
+        """A motion goes on in the place of this one: what follows starts at that one's end."""
+        with self._lock:
+            self._running.pop(motion.id, None)
+            self._known.difference_update(motion.ids)
+
+    def ended(self, id_: str, *, ok: bool, at: float) -> RunningMotion | None:
+        """A motion has ended; returns it if it is one of these.
+
+        Args:
+            id_: The motion.
+            ok: It reached its target.
+            at: When, s; what was commanded until then is void if it did not.
+        """
+        with self._lock:
+            motion = self._running.pop(id_, None)
+            if motion is None:
+                return None
+            self._known.difference_update(motion.ids)
+            if not ok:
+                self._failed_at, self._failed = max(at, self._failed_at), id_
+                self._failures += 1
+                self.forget()
+            return motion
+
+    def forget(self) -> None:
+        """Nobody follows any motion: the controller is gone."""
+        with self._lock:
+            for motion in self._running.values():
+                self._known.difference_update(motion.ids)
+            self._running.clear()

@@ -1,0 +1,1 @@
+"""Inverse kinematics along a whole path, through singularities too."""

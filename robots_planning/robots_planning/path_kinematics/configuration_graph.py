@@ -1,0 +1,146 @@
+"""PostureGraph: which postures a robot takes along a path of the tool."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKinematic
+from robots_core.blocks.inverse_kinematics.chain import SerialChain
+from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
+from robots_core.errors import NoAnalyticInverseKinematicsError, PlanningError
+from robots_core.pose import Pose
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array
+from robots_planning.path_kinematics.guided_following_kernel import follow_guide
+from robots_planning.path_kinematics.path_following_kernel import FOLLOWED, MOST_KNOTS
+from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
+from robots_planning.path_kinematics.route import Route, RoutePiece, joined
+from robots_planning.path_kinematics.self_motion_kernel import (
+    MOST_POSTURES,
+    cheapest_postures,
+    follow_layers,
+    relax,
+)
+from robots_planning.path_kinematics.singularity_passage import SingularityPassage
+from robots_planning.paths.cartesian_path import CartesianPath
+from robots_planning.paths.joint_path import JointPath
+
+LAYER_LENGTH = 0.03  # m and rad between the poses at which self-motion is sampled
+LAYERS = (12, 120)  # fewest and most
+RELAXATIONS = (60, 15, 0)  # tried in turn: smoother postures may come nearer to limits than the search
+LIMIT_ROOM = 0.03  # rad (m) that smoothed postures leave to the limits
+OTHER_STARTS = 16  # random ones, where there is no closed form
+
+
+class PostureGraph:
+    """Finds continuous postures from a start along a path of the tool, inside the axis limits.
+
+    Six axes leave no choice but in singularities, see `SingularityPassage`. With more axes, postures are
+    sampled by self-motion at poses along the path, the sequence that the axes pass soonest at full speed is
+    found by dynamic programming (over path and posture), smoothed by self-motion, and followed; besides,
+    there is the path of least joint motion.
+
+    Args:
+        robot: The robot.
+        kinematics: Of the tool along paths.
+        tool: Pose of the tool centre point in tool0.
+    """
+
+    def __init__(
+        self, robot: BaseRobotModel, kinematics: PathInverseKinematics, tool: Pose | None = None
+    ) -> None:
+        self._robot, self._kinematics, self._tool = robot, kinematics, tool
+        self._axes = robot.axes_data
+        self._chain = SerialChain.of(robot, tool).arrays
+        self._limits = np.array([self._axes.lower, self._axes.upper])
+        self._analytic: AnalyticalInverseKinematic | None
+        try:
+            self._analytic = AnalyticalInverseKinematic(robot, tool=tool)
+        except NoAnalyticInverseKinematicsError:
+            self._analytic = None
+        self._passage = (
+            None if self._analytic is None else SingularityPassage(robot, kinematics, self._analytic, tool)
+        )
+
+    def routes(self, path: CartesianPath, start: Array) -> list[Route]:
+        """Ways along a path that begins at joint positions `start`, (n,); at least one.
+
+        Raises:
+            PlanningError: there is none; says at which part of the path what stops the posture, and from
+                which configuration the path could be done.
+        """
+        found: list[Route] = []
+        part = self._kinematics.follow_far(path, start, inside_limits=True)
+        if part.end == 1.0:
+            found.append((joined([part]),))
+        if self._robot.num_axes > 6:
+            guided = self._guided(path, start)
+            if guided is not None:
+                found.append((RoutePiece(guided, 0.0, 1.0),))
+        elif part.blocked and self._passage is not None:
+            found.extend(self._passage.routes(path, start, part))
+        if not found:
+            raise self._explained(path, start)
+        return found
+
+    # More than six axes
+
+    def _guided(self, path: CartesianPath, start: Array) -> JointPath | None:
+        n = self._robot.num_axes
+        count = int(np.clip(np.ceil((path.length + path.angle) / LAYER_LENGTH), *LAYERS))
+        s = np.linspace(0.0, 1.0, count + 1)
+        layers, chosen = np.empty((count + 1, MOST_POSTURES, n)), np.empty((count + 1, n))
+        begin = np.ascontiguousarray(start, dtype=np.float64)
+        reached, counts = follow_layers(self._chain, self._limits, path.arrays, s, begin, layers)
+        if reached <= count or cheapest_postures(layers, counts, self._axes.velocity, chosen) <= count:
+            return None
+        size = MOST_KNOTS + 1
+        knots = (np.empty(size), np.empty((size, n)), np.empty((size, n)), np.empty((size, n)))
+        for rounds in RELAXATIONS:
+            smooth = chosen.copy()
+            relax(self._chain, self._limits, path.arrays, s, LIMIT_ROOM, rounds, smooth)
+            spline = CubicSpline(s, smooth, axis=0, bc_type='natural')
+            guide = (s, np.ascontiguousarray(spline.c))
+            result, last = follow_guide(self._chain, self._limits, path.arrays, begin, guide, knots)
+            if result == FOLLOWED:
+                return JointPath(*(values[:last].copy() for values in knots))
+        return None
+
+    # Why not
+
+    def _explained(self, path: CartesianPath, start: Array) -> PlanningError:
+        """Why it cannot be followed, with the configurations from which it can."""
+        try:
+            self._kinematics.follow(path, start)
+        except PlanningError as error:
+            reason = error
+        able = []
+        for posture in self._other_starts(path.start):
+            try:
+                self._kinematics.follow(path, posture)
+            except PlanningError:
+                continue
+            able.append(posture)
+        if not able:
+            advice, details = '; no other configuration at its start was found that can do it', {}
+        else:
+            times = [float((np.abs(q - start) / self._axes.velocity).max()) for q in able]
+            nearest = able[int(np.argmin(times))]
+            values = ', '.join(
+                f'{name} = {value:.4g}' for name, value in zip(self._axes.names, nearest, strict=True)
+            )
+            name = '' if self._analytic is None else f' {self._analytic.configuration(nearest)}'
+            advice = f'; it can be done from configuration{name} ({values})'
+            details = {'configuration': name.strip() or values}
+        return PlanningError(reason.message + advice, **reason.details, **details)
+
+    def _other_starts(self, pose: Pose) -> list[Array]:
+        if self._analytic is not None:
+            return list(self._analytic.solve_all(pose, turns=True))
+        rng, axes = np.random.default_rng(0), self._axes
+        low = np.where(axes.continuous, -np.pi, axes.lower)
+        high = np.where(axes.continuous, np.pi, axes.upper)
+        search = DampedLeastSquares(self._robot, tool=self._tool, restarts=0)
+        results = [search.solve(pose, rng.uniform(low, high)) for _ in range(OTHER_STARTS)]
+        return [result.q for result in results if result.converged]

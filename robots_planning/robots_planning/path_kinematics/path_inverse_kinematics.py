@@ -1,0 +1,165 @@
+"""Inverse kinematics along a Cartesian path: from poses over s to a joint path over s."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from robots_core.blocks.inverse_kinematics.chain import SerialChain
+from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
+from robots_core.errors import PlanningError
+from robots_core.pose import Pose
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array
+from robots_planning.path_kinematics.path_following_kernel import (
+    BLOCKED,
+    FOLLOWED,
+    FULL,
+    MOST_KNOTS,
+    OUTSIDE,
+    SINGULAR_START,
+    Knots,
+    follow,
+)
+from robots_planning.path_kinematics.route import FollowedPart
+from robots_planning.paths.cartesian_path import CartesianPath
+from robots_planning.paths.joint_path import JointPath
+
+LOOK_AHEAD = 1e-3  # of the path: where the closest posture to a place out of reach is searched
+
+
+class PathInverseKinematics:
+    """Follows a path with q' = J^+ x' and q'' = d/ds (J^+ x'), knot by knot, each corrected by Newton.
+
+    Redundant robots move with the smallest joint motion (pseudo-inverse). Knots are as far apart as the
+    interpolation between them stays on the path; near a singularity they come close together. An instance
+    keeps scratch memory: use one per thread.
+
+    Args:
+        robot: The robot.
+        tool: Pose of the tool centre point in tool0, which follows the path; tool0 itself by default.
+
+    Raises:
+        InvalidInputError: a robot whose axes are coupled.
+    """
+
+    def __init__(self, robot: BaseRobotModel, tool: Pose | None = None) -> None:
+        self._robot = robot
+        self._axes = robot.axes_data
+        self._tool = tool
+        self._chain = SerialChain.of(robot, tool)
+        self._limits = np.array([self._axes.lower, self._axes.upper])
+        self._endless = np.array([[-np.inf], [np.inf]]) * np.ones(robot.num_axes)
+        n = robot.num_axes
+        self._knots = (
+            np.empty(MOST_KNOTS + 1),
+            np.empty((MOST_KNOTS + 1, n)),
+            np.empty((MOST_KNOTS + 1, n)),
+            np.empty((MOST_KNOTS + 1, n)),
+        )
+
+    @cached_property
+    def _closest(self) -> DampedLeastSquares:
+        return DampedLeastSquares(self._robot, tool=self._tool)
+
+    def pose(self, q: Array) -> Pose:
+        """Pose of the tool centre point at joint positions `q`, (n,)."""
+        return self._chain.forward(q)
+
+    def follow(self, path: CartesianPath, start: Array) -> JointPath:
+        """The joint path (k knots) of a path that begins at joint positions `start`, (n,).
+
+        Raises:
+            PlanningError: the path leaves the axis limits or the reach, or crosses a singularity; names the
+                fraction of the path, the joint, its value and bound, and what would help.
+        """
+        result, count = self._fill(path, start, self._limits)
+        s, q, _, _ = self._knots
+        if result == FOLLOWED:
+            return JointPath(*self._filled(count))
+        if result == SINGULAR_START:
+            raise self._singular(path, 0.0, q[0].copy())
+        if result == OUTSIDE:
+            raise self._outside(path, s[count - 1 : count + 1], q[count - 1 : count + 1])
+        fraction = float(s[count - 1])
+        if result == FULL:
+            raise PlanningError(
+                f'the {path.kind} takes more than {MOST_KNOTS} supporting points, which end at '
+                f'{100.0 * fraction:.1f} % of its {path.describe_length()}: split it into shorter ones, or '
+                f'leave out poses',
+                fraction=fraction,
+            )
+        raise self._blocked(path, fraction, q[count - 1].copy())
+
+    def follow_far(self, path: CartesianPath, start: Array, *, inside_limits: bool = False) -> FollowedPart:
+        """As `follow`, as far as it goes, whatever the axis limits if they are not asked for."""
+        result, count = self._fill(path, start, self._limits if inside_limits else self._endless)
+        blocked = result in {BLOCKED, SINGULAR_START}
+        if count < 2:
+            return FollowedPart(None, 0.0, 0.0, blocked)
+        return FollowedPart(self._filled(count), 0.0, float(self._knots[0][count - 1]), blocked)
+
+    def _fill(self, path: CartesianPath, start: Array, limits: Array) -> tuple[int, int]:
+        """Fill the knots; what `follow` of the kernel returns."""
+        begin = np.array(start, dtype=np.float64)
+        return follow(self._chain.arrays, limits, path.arrays, begin, self._knots)
+
+    def _filled(self, count: int) -> Knots:
+        """The first knots, over an s of their own."""
+        s, q, q_s, q_ss = (values[:count] for values in self._knots)
+        way = s[-1]
+        return s / way, q.copy(), q_s * way, q_ss * way**2
+
+    def _outside(self, path: CartesianPath, s: Array, q: Array) -> PlanningError:
+        """The limit that is passed between two knots, s (2,) and q (2, n)."""
+        axes, (before, after) = self._axes, q
+        axis = int(np.argmax(np.maximum(axes.lower - after, after - axes.upper)))
+        bound = float(axes.lower[axis] if after[axis] < axes.lower[axis] else axes.upper[axis])
+        span = float(after[axis] - before[axis])
+        part = min(max((bound - float(before[axis])) / span, 0.0), 1.0) if span else 0.0
+        fraction = float(s[0] + part * (s[1] - s[0]))
+        name, unit = axes.names[axis], axes.unit(axis)
+        return PlanningError(
+            f'the {path.kind} leaves the axis limits at {100.0 * fraction:.1f} % of its '
+            f'{path.describe_length()}: {name} would pass {bound:.6g} {unit} and have {after[axis]:.6g} '
+            f'{unit} at {100.0 * s[1]:.1f} %, allowed is [{axes.lower[axis]:.6g}, {axes.upper[axis]:.6g}] '
+            f'{unit}; start in another configuration, shorten the {path.kind}, or move in joint space',
+            fraction=fraction,
+            joint=name,
+            value=float(after[axis]),
+            bound=bound,
+            unit=unit,
+        )
+
+    def _blocked(self, path: CartesianPath, fraction: float, q: Array) -> PlanningError:
+        """Why no step along the path is possible: out of reach, or a singularity."""
+        s = min(fraction + LOOK_AHEAD, 1.0)
+        inside = np.clip(q, self._axes.lower, self._axes.upper)
+        near = self._closest.solve(path.pose(s), inside)
+        if near.converged:
+            return self._singular(path, fraction, q)
+        return PlanningError(
+            f'the {path.kind} leaves the reach of {self._robot.name} at {100.0 * fraction:.1f} % of its '
+            f'{path.describe_length()}: the closest posture at {100.0 * s:.1f} % is '
+            f'{near.position_error * 1e3:.3g} mm and {near.orientation_error:.3g} rad off; move the '
+            f'{path.kind} closer to the robot or turn the tool',
+            fraction=fraction,
+            position_error=near.position_error,
+            orientation_error=near.orientation_error,
+        )
+
+    def _singular(self, path: CartesianPath, fraction: float, q: Array) -> PlanningError:
+        _, values, directions = np.linalg.svd(self._robot.jacobian(q))
+        axis = int(np.argmax(np.abs(directions[len(values) - 1])))
+        name = self._axes.names[axis]
+        return PlanningError(
+            f'the {path.kind} meets a singularity at {100.0 * fraction:.1f} % of its '
+            f'{path.describe_length()}: {name} would have to turn without bound at {q[axis]:.6g} '
+            f'{self._axes.unit(axis)} (smallest singular value of the Jacobian {values[-1]:.2g}); move in '
+            f'joint space, or shift or tilt the {path.kind} a little',
+            fraction=fraction,
+            joint=name,
+            value=float(q[axis]),
+            smallest_singular_value=float(values[-1]),
+        )

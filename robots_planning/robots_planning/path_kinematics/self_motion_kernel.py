@@ -1,0 +1,282 @@
+# ruff: noqa: PLR0917, SIM110  # compiled loops over arrays
+"""Postures of a redundant robot along a path, compiled: sampled self-motion, the cheapest way, smoothed."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robots_core.blocks.inverse_kinematics.chain import ChainArrays
+from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.validation import Array
+from robots_planning.path_kinematics.configuration_kernel import View, aim_at, correct, look_from, view_of
+from robots_planning.path_kinematics.pseudo_inverse import least_motion, multiply, pseudo_inverse
+from robots_planning.paths.cartesian_path_kernel import PathArrays
+
+SPACING = 0.12  # rad (m) of the axis that moves most, between neighbouring postures of one pose
+MOST_POSTURES = 160  # of one pose
+# Postures of neighbouring poses that are further apart, in rad (m) of one axis, do not follow each other.
+LARGEST_MOTION = 0.35
+NOWHERE = -1
+INSIDE_STEPS = 4
+INSIDE_MOTION = 0.3  # rad (m) of the axis that moves most, in one step
+INSIDE_ROOM = 1e-3  # rad (m)
+RELAXATION = 0.3  # part of the way to the smoother posture that one step goes
+
+
+@compiled(nrt=False)
+def sample_layer(
+    chain: ChainArrays, limits: Array, seeds: Array, nodes: Array, view: View, memory: Array
+) -> int:
+    """Fill nodes (k, n) with postures of the pose aimed at that are joined to `seeds` (m, n), and return k.
+
+    From every seed, corrected to the pose, self-motion is followed both ways until a limit or a posture that
+    is known already. `memory` is (4, n).
+    """
+    q, first = memory[0], memory[1]
+    count = 0
+    for seed in range(seeds.shape[0]):
+        _copy(seeds[seed], q)
+        # Corrections are small: most seeds need none to be known.
+        if _known(nodes, count, q, 0.5 * SPACING) or not correct(chain, q, view):
+            continue
+        if not _brought_inside(chain, limits, q, view, memory[2]) or _known(nodes, count, q, 0.6 * SPACING):
+            continue
+        if count == nodes.shape[0]:
+            break
+        _copy(q, first)
+        _copy(q, nodes[count])
+        count += 1
+        for sign in (1.0, -1.0):
+            _copy(first, q)
+            count = _sample_side(chain, limits, q, sign, nodes, count, view, memory[2:])
+    return count
+
+
+@compiled(nrt=False)
+def _sample_side(
+    chain: ChainArrays,
+    limits: Array,
+    q: Array,
+    sign: float,
+    nodes: Array,
+    count: int,
+    view: View,
+    memory: Array,
+) -> int:
+    """Add nodes, of which there are `count`, on one side of posture `q`, which moves; return how many."""
+    way, last = memory[0], memory[1]
+    look_from(chain, q, view)
+    _null_direction(view, way)
+    while count < nodes.shape[0]:
+        for k in range(q.size):
+            last[k] = sign * way[k]
+            q[k] += SPACING * last[k]
+        if not correct(chain, q, view) or not _inside(limits, q) or _known(nodes, count, q, 0.6 * SPACING):
+            break
+        _copy(q, nodes[count])
+        count += 1
+        _null_direction(view, way)
+        along = 0.0
+        for k in range(q.size):
+            along += last[k] * way[k]
+        sign = 1.0 if along >= 0.0 else -1.0
+    return count
+
+
+@compiled(nrt=False)
+def _copy(values: Array, to: Array) -> None:
+    for k in range(values.size):
+        to[k] = values[k]
+
+
+@compiled(nrt=False)
+def _inside(limits: Array, q: Array) -> bool:
+    for k in range(q.size):
+        if not limits[0, k] <= q[k] <= limits[1, k]:
+            return False
+    return True
+
+
+@compiled(nrt=False)
+def _brought_inside(chain: ChainArrays, limits: Array, q: Array, view: View, way: Array) -> bool:
+    """Self-motion of a posture in view, in place, that brings back axes that are a little outside.
+
+    False if it does not. `way` (n,) is memory.
+    """
+    n = q.size
+    for _ in range(INSIDE_STEPS):
+        worst, excess = NOWHERE, 0.0
+        for k in range(n):
+            outside = max(limits[0, k] - q[k], q[k] - limits[1, k])
+            if outside > excess:
+                worst, excess = k, outside
+        if worst == NOWHERE:
+            return True
+        _null_direction(view, way)
+        goal = max(limits[0, worst] + INSIDE_ROOM, min(q[worst], limits[1, worst] - INSIDE_ROOM)) - q[worst]
+        if INSIDE_MOTION * abs(way[worst]) < abs(goal):
+            return False
+        for k in range(n):
+            q[k] += goal / way[worst] * way[k]
+        if not correct(chain, q, view):
+            return False
+    return False
+
+
+@compiled(nrt=False)
+def _known(nodes: Array, count: int, q: Array, distance: float) -> bool:
+    for i in range(count):
+        if _apart(nodes[i], q) < distance:
+            return True
+    return False
+
+
+@compiled(nrt=False)
+def _apart(p: Array, q: Array) -> float:
+    largest = 0.0
+    for k in range(q.size):
+        largest = max(largest, abs(p[k] - q[k]))
+    return largest
+
+
+@compiled(nrt=False)
+def _null_direction(view: View, way: Array) -> None:
+    """Fill the joint motion (n,) that leaves the pose; its largest entry is 1 rad (m)."""
+    n = way.size
+    J, P = view.J, view.P
+    pseudo_inverse(J, P, view.solver)
+    # The longest column of I - J^+ J.
+    axis, longest = 0, 0.0
+    for k in range(n):
+        square = 1.0
+        for i in range(6):
+            square -= P[k, i] * J[i, k]
+        if square > longest:
+            axis, longest = k, square
+    largest = 0.0
+    for k in range(n):
+        way[k] = 1.0 if k == axis else 0.0
+        for i in range(6):
+            way[k] -= P[k, i] * J[i, axis]
+        largest = max(largest, abs(way[k]))
+    for k in range(n):
+        way[k] /= largest
+
+
+@compiled()
+def follow_layers(
+    chain: ChainArrays, limits: Array, path: PathArrays, s: Array, start: Array, layers: Array
+) -> tuple[int, NDArray[np.int64]]:
+    """Fill layers (m, k, n), postures of the poses at s (m,), the first `start` alone.
+
+    Returns:
+        Number of layers that have postures, and how many each has, (m,).
+    """
+    m, n = s.size, start.size
+    counts = np.zeros(m, np.int64)
+    layers[0, 0] = start
+    counts[0] = 1
+    view, memory = view_of(n), np.empty((4, n))
+    for i in range(1, m):
+        seeds = layers[i - 1, : counts[i - 1]].copy()
+        aim_at(path, s[i - 1], view)
+        _move_along(chain, s[i] - s[i - 1], seeds, view, memory[0])
+        aim_at(path, s[i], view)
+        counts[i] = sample_layer(chain, limits, seeds, layers[i], view, memory)
+        if counts[i] == 0:
+            return i, counts
+    return m, counts
+
+
+@compiled(nrt=False)
+def _move_along(chain: ChainArrays, way: float, postures: Array, view: View, step: Array) -> None:
+    """Move postures (k, n) by `way` of s along the path aimed at, where that is no jump; `step` is memory."""
+    for k in range(postures.shape[0]):
+        look_from(chain, postures[k], view)
+        least_motion(view.J, view.x_s, step, view.solver)
+        largest = 0.0
+        for axis in range(step.size):
+            largest = max(largest, abs(step[axis]))
+        if way * largest < LARGEST_MOTION:
+            for axis in range(step.size):
+                postures[k, axis] += way * step[axis]
+
+
+@compiled()
+def cheapest_postures(layers: Array, counts: NDArray[np.int64], velocity: Array, chosen: Array) -> int:
+    """Fill chosen (m, n) with the postures that the axes pass soonest at full speed.
+
+    Returns:
+        The first layer that cannot be reached, or m.
+    """
+    m, n = chosen.shape
+    cost = np.full((m, layers.shape[1]), np.inf)
+    came = np.full((m, layers.shape[1]), NOWHERE)
+    cost[0, 0] = 0.0
+    for i in range(1, m):
+        reached = False
+        for k in range(counts[i]):
+            for j in range(counts[i - 1]):
+                if cost[i - 1, j] >= cost[i, k]:
+                    continue
+                way, time = 0.0, 0.0
+                for axis in range(n):
+                    moved = abs(layers[i, k, axis] - layers[i - 1, j, axis])
+                    way, time = max(way, moved), max(time, moved / velocity[axis])
+                if way <= LARGEST_MOTION and cost[i - 1, j] + time < cost[i, k]:
+                    cost[i, k], came[i, k] = cost[i - 1, j] + time, j
+                    reached = True
+        if not reached:
+            return i
+    node = int(np.argmin(cost[m - 1, : counts[m - 1]]))
+    for i in range(m - 1, -1, -1):
+        chosen[i] = layers[i, node]
+        node = came[i, node]
+    return int(m)
+
+
+@compiled()
+def relax(
+    chain: ChainArrays, limits: Array, path: PathArrays, s: Array, margin: float, rounds: int, q: Array
+) -> None:
+    """Smooth postures q (m, n) at s (m,) by self-motion, the first one fixed, `margin` inside the limits."""
+    n = q.shape[1]
+    _relax(chain, limits, path, s, margin, rounds, q, view_of(n), np.empty((3, n)))
+
+
+@compiled(nrt=False)
+def _relax(
+    chain: ChainArrays,
+    limits: Array,
+    path: PathArrays,
+    s: Array,
+    margin: float,
+    rounds: int,
+    q: Array,
+    view: View,
+    memory: Array,
+) -> None:
+    wish, back, moved, reached = memory[0], memory[1], memory[2], view.rest
+    m, n = q.shape
+    for _ in range(rounds):
+        for i in range(1, m):
+            for k in range(n):
+                # The end is free: there the smoothest is to go on as before.
+                target = 0.5 * (q[i - 1, k] + q[i + 1, k]) if i < m - 1 else 2.0 * q[i - 1, k] - q[i - 2, k]
+                wish[k] = RELAXATION * (target - q[i, k])
+            aim_at(path, s[i], view)
+            look_from(chain, q[i], view)
+            multiply(view.J, wish, reached)
+            least_motion(view.J, reached, back, view.solver)
+            for k in range(n):
+                moved[k] = q[i, k] + wish[k] - back[k]
+            if not correct(chain, moved, view):
+                continue
+            good = True
+            for k in range(n):
+                room = min(margin, 0.25 * (limits[1, k] - limits[0, k]))
+                low, high = min(limits[0, k] + room, q[i, k]), max(limits[1, k] - room, q[i, k])
+                good = good and low <= moved[k] <= high
+            if good:
+                _copy(moved, q[i])

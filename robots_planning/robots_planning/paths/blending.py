@@ -1,0 +1,149 @@
+"""Blending: consecutive joint paths run through without a stop, the corners rounded within zones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from robots_core.errors import InvalidInputError
+from robots_core.validation import Array, positive
+from robots_planning.paths.joint_path import JointPath
+from robots_planning.timing.quintic import quintic_coefficients, quintics_at
+
+JOINED = 1e-6  # rad (m): where one path ends, the next begins
+LARGEST_PART = 0.49  # of a path that a zone at one of its ends may use: something is left in between
+SAMPLES = 65  # of a path or a blend, to measure it
+NARROWER = 0.8  # a blend that leaves its zone is tried with less of both paths
+TRIES = 60
+
+Measure = Callable[[Array, Array], float]
+"""From two postures (n,) to their distance, in the unit of the zones."""
+
+
+def joint_distance(first: Array, second: Array) -> float:
+    """Largest difference of one axis, rad (m)."""
+    return float(np.abs(first - second).max())
+
+
+def blend(
+    paths: Sequence[JointPath], zones: Sequence[float], *, measure: Measure = joint_distance
+) -> JointPath:
+    """One path that follows several in turn and rounds each corner by a quintic in joint space.
+
+    Position and two derivatives are continuous. Outside the zones it is the paths themselves; a blend stays
+    within its zone around the corner, and uses less than half of a path.
+
+    Args:
+        paths: At least one; each begins where the one before ends.
+        zones: Size of the zone around every corner, one fewer than paths, in the unit of `measure`.
+        measure: Distance of two postures: of joints (rad) by default, or of what they carry (m).
+
+    Raises:
+        InvalidInputError: no path, another number of zones, a zone that is not above 0, or paths that do not
+            join.
+    """
+    return blend_with_corners(paths, zones, measures=[measure] * len(zones))[0]
+
+
+def blend_with_corners(
+    paths: Sequence[JointPath], zones: Sequence[float], *, measures: Sequence[Measure]
+) -> tuple[JointPath, Array]:
+    """As `blend`, with a measure for every zone; also tells where the corners were.
+
+    Returns:
+        The path, and the s of the middle of every blend, (len(zones),).
+    """
+    if not paths or len(zones) != len(paths) - 1:
+        raise InvalidInputError(
+            f'{len(paths)} paths need {max(len(paths) - 1, 0)} zones between them, got {len(zones)}; '
+            'at least 1 path is needed'
+        )
+    for index, zone in enumerate(zones):
+        positive(zone, f'zones[{index}]')
+        gap = joint_distance(paths[index].q[-1], paths[index + 1].q[0])
+        if gap > JOINED:
+            raise InvalidInputError(
+                f'path {index + 1} begins {gap:.3g} rad from where path {index} ends, '
+                f'allowed is {JOINED:g} rad',
+                index=index,
+            )
+    weights = [_length(path) for path in paths]
+    cuts = [
+        _cut(paths[i], paths[i + 1], weights[i : i + 2], zones[i], measures[i]) for i in range(len(zones))
+    ]
+    first = [0.0, *(begin for _, begin in cuts)]
+    last = [*(1.0 - end for end, _ in cuts), 1.0]
+    starts = np.concatenate([[0.0], np.cumsum(weights)])
+    rows = []
+    for path, weight, start, low, high in zip(paths, weights, starts[:-1], first, last, strict=True):
+        inner = path.s[(path.s > low) & (path.s < high)]
+        s = np.concatenate([[low], inner, [high]])
+        q, q_s, q_ss = path.evaluate(s)
+        rows.append((start + weight * s, q, q_s / weight, q_ss / weight**2))
+    s, q, q_s, q_ss = (np.concatenate(parts) for parts in zip(*rows, strict=True))
+    total = float(starts[-1])
+    s = s / total
+    s[-1] = 1.0
+    begins, ends = (np.array(starts[:-1] + np.multiply(weights, part)) / total for part in (first, last))
+    seams = np.concatenate([ends[:-1], begins[1:]])
+    return JointPath(s, q, q_s * total, q_ss * total**2, np.sort(seams)), starts[1:-1] / total
+
+
+def _length(path: JointPath) -> float:
+    """Way of the joints, so that speed over the path's own coordinate is about 1 on all of them."""
+    s = np.linspace(0.0, 1.0, SAMPLES)
+    speed = np.linalg.norm(path.evaluate(s)[1], axis=1)
+    return float(np.trapezoid(speed, s))
+
+
+def _cut(
+    before: JointPath, after: JointPath, weights: Sequence[float], zone: float, measure: Measure
+) -> tuple[float, float]:
+    """Parts of both paths that a blend replaces."""
+    corner = after.q[0]
+    end = _part_inside(before, corner, zone, measure, from_end=True)
+    begin = _part_inside(after, corner, zone, measure, from_end=False)
+    # Equal ways on both sides make a blend that cuts the corner evenly.
+    way = min(end * weights[0], begin * weights[1])
+    for _ in range(TRIES):
+        end, begin = way / weights[0], way / weights[1]
+        curve = _blend_samples(before, after, weights, end, begin)
+        if max(measure(q, corner) for q in curve) <= zone:
+            break
+        way *= NARROWER
+    return end, begin
+
+
+def _part_inside(path: JointPath, corner: Array, zone: float, measure: Measure, *, from_end: bool) -> float:
+    """The largest part of a path, at most half, that lies in the zone from the corner on."""
+    parts = np.linspace(0.0, LARGEST_PART, SAMPLES)
+    postures = path.evaluate(1.0 - parts if from_end else parts)[0]
+    inside = 0.0
+    for index in range(1, SAMPLES):
+        if measure(postures[index], corner) > zone:
+            low, high = float(parts[index - 1]), float(parts[index])
+            for _ in range(30):
+                middle = 0.5 * (low + high)
+                q = path.evaluate(np.array([1.0 - middle if from_end else middle]))[0][0]
+                low, high = (middle, high) if measure(q, corner) <= zone else (low, middle)
+            return low
+        inside = float(parts[index])
+    return inside
+
+
+def _blend_samples(
+    before: JointPath, after: JointPath, weights: Sequence[float], end: float, begin: float
+) -> Array:
+    """Postures on the quintic between two paths, (m, n)."""
+    states = [
+        [values[0] / weight**order for order, values in enumerate(path.evaluate(np.array([s])))]
+        for path, weight, s in ((before, weights[0], 1.0 - end), (after, weights[1], begin))
+    ]
+    x = np.array([0.0, end * weights[0] + begin * weights[1]])
+    p, v, a = (np.array([states[0][order], states[1][order]]) for order in range(3))
+    coefficients = np.empty((1, 6, p.shape[1]))
+    quintic_coefficients(x, p, v, a, coefficients)
+    q, q_s, q_ss = (np.empty((SAMPLES, p.shape[1])) for _ in range(3))
+    quintics_at(x, coefficients, np.linspace(x[0], x[1], SAMPLES), q, q_s, q_ss)
+    return q

@@ -1,0 +1,36 @@
+"""CartesianLine: a straight line of the tool with rotation about one axis."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robots_core.orientation import rotation_vector
+from robots_core.pose import Pose
+from robots_core.validation import read_only
+from robots_planning.paths.cartesian_path import CartesianPath, no_pieces
+
+
+class CartesianLine(CartesianPath):
+    """The position moves straight, the orientation turns about one fixed axis, both at an even rate.
+
+    Args:
+        start: Pose at s = 0.
+        end: Pose at s = 1; of the two ways to turn, the shorter one is taken.
+    """
+
+    kind = 'line'
+
+    def __init__(self, start: Pose, end: Pose) -> None:
+        self.translation = read_only(end.r - start.r)
+        """m, (3,)."""
+        self.rotation = read_only(rotation_vector(end.T @ start.T.T))
+        """Axis times angle, rad, (3,); the angle is in [0, pi]."""
+        pieces = no_pieces(1)
+        _, position, _, _, turn, T = pieces
+        position[0, 0], position[0, 1] = start.r, self.translation
+        turn[0, 1], T[0] = self.rotation, start.T
+        super().__init__(
+            pieces,
+            length=float(np.linalg.norm(self.translation)),
+            angle=float(np.linalg.norm(self.rotation)),
+        )

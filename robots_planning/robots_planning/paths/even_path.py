@@ -1,0 +1,105 @@
+"""EvenPath: a joint path over a coordinate along which the axes move evenly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from robots_core.validation import Array
+from robots_planning.paths.joint_path import JointPath
+from robots_planning.paths.path_grid import path_grid
+from robots_planning.timing.quintic import quintic_coefficients, quintics_at
+
+NODES = 4  # per interval between two knots of the path
+SMALLEST_WAY = 1e-12  # s at full speed; below it the axes do not move at all
+SLOWEST_TURN = 0.05  # of the mean rate: where the axes hardly move, their direction means nothing
+
+
+class EvenPath:
+    """A joint path over a coordinate sigma from 0 to 1, twice continuously differentiable.
+
+    Close to a singularity the axes do most of their way within a small part of s. There their accelerations
+    are small differences of large ones, q'' s_dot^2 and q' s_ddot, and a speed profile over s is coarse. With
+
+        d sigma / ds ~ sqrt(1 + (rate / mean rate)^2),
+
+    the rate being the length of q' over the axes' speeds, neither holds over sigma: q' is bounded.
+
+    Args:
+        path: The joint path, over s.
+        velocity: Highest speeds of the axes, (n,), rad/s (m/s), which make them comparable.
+        acceleration: Highest accelerations of the axes, (n,), rad/s^2 (m/s^2).
+    """
+
+    def __init__(self, path: JointPath, velocity: Array, acceleration: Array) -> None:
+        self._path = path
+        parts = np.arange(NODES) / NODES
+        self._s = np.append((path.s[:-1, None] + np.diff(path.s)[:, None] * parts).ravel(), 1.0)
+        _, q_s, q_ss = path.evaluate(self._s)
+        first, second = q_s / velocity, q_ss / velocity
+        square, product = np.einsum('mk,mk->m', first, first), np.einsum('mk,mk->m', first, second)
+        mean = max(float(self._integral(np.sqrt(square))[-1]), SMALLEST_WAY)
+        slope = np.sqrt(1.0 + square / mean**2)
+        change = product / (mean**2 * slope)
+        steps = np.diff(self._s)
+        sigma = self._integral(slope)
+        # With it, the integral of cubics.
+        sigma[1:] += np.cumsum(steps**2 / 12.0 * (change[:-1] - change[1:]))
+        whole = float(sigma[-1])
+        self._sigma = sigma / whole
+        s_1, s_2 = whole / slope, -(whole**2) * change / slope**3
+        self._coefficients = np.empty((len(steps), 6, 1))
+        quintic_coefficients(self._sigma, self._s[:, None], s_1[:, None], s_2[:, None], self._coefficients)
+
+        along = (product / np.maximum(square, SMALLEST_WAY**2))[:, None]
+        bend, turn = (q_ss - along * q_s) / acceleration, second - along * first
+        # The least times that speed and centripetal acceleration allow, per s.
+        times = np.sqrt(square + np.linalg.norm(bend, axis=1))
+        times = np.sqrt(1.0 + (times / max(float(self._integral(times)[-1]), SMALLEST_WAY)) ** 2)
+        turns = np.linalg.norm(turn, axis=1) / np.sqrt(np.maximum(square, (SLOWEST_TURN * mean) ** 2))
+        self._duration, self._turn = self._integral(times), self._integral(turns)
+
+    def _integral(self, values: Array) -> Array:
+        """Over s up to every node, by trapezoids, (m,)."""
+        return np.append(0.0, np.cumsum(0.5 * np.diff(self._s) * (values[1:] + values[:-1])))
+
+    @property
+    def grid(self) -> Array:
+        """Grid of sigma for a speed profile, (m,) from 0 to 1; see `path_grid`."""
+        return path_grid(self._sigma, self._duration, self._turn)
+
+    @property
+    def ends(self) -> Array:
+        """Positions at both ends, (2, n)."""
+        return self._path.q[[0, -1]]
+
+    @property
+    def seams(self) -> Array:
+        """Sigma of the path's seams, which are knots, (j,)."""
+        return np.asarray(np.interp(self._path.seams, self._s, self._sigma))
+
+    def s_of(self, sigma: Array) -> tuple[Array, Array, Array]:
+        """The path's s and its two derivatives at sigma (m,), clipped to [0, 1], each (m,)."""
+        s, first, second = (np.empty((len(sigma), 1)) for _ in range(3))
+        quintics_at(self._sigma, self._coefficients, sigma, s, first, second)
+        s[sigma >= 1.0] = 1.0
+        return s[:, 0], first[:, 0], second[:, 0]
+
+    def evaluate(self, sigma: Array) -> tuple[Array, Array, Array]:
+        """Positions and their two derivatives at sigma (m,), clipped to [0, 1], each (m, n)."""
+        s, *slopes = self.s_of(sigma)
+        q, q_s, q_ss = self._path.evaluate(s)
+        return q, *_chained(q_s, q_ss, *slopes)
+
+    def derivatives(
+        self, over_s: Callable[[Array], tuple[Array, Array]], sigma: Array
+    ) -> tuple[Array, Array]:
+        """First and second derivatives at sigma (m,) of something whose derivatives over s are given."""
+        s, *slopes = self.s_of(sigma)
+        return _chained(*over_s(s), *slopes)
+
+
+def _chained(over_s: Array, twice_over_s: Array, s_1: Array, s_2: Array) -> tuple[Array, Array]:
+    """Derivatives over sigma, (m, k), of those over s (m, k) and of s itself (m,)."""
+    return over_s * s_1[:, None], twice_over_s * (s_1**2)[:, None] + over_s * s_2[:, None]

@@ -1,0 +1,1 @@
+"""Time laws: how fast a path can be followed inside the limits."""

@@ -1,0 +1,384 @@
+"""TimeOptimalTiming: the fastest trajectory along a joint path inside all limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from robots_core.blocks.inverse_kinematics.chain import SerialChain
+from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics, bodies_of
+from robots_core.errors import InvalidInputError, PlanningError
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array
+from robots_planning.paths.even_path import EvenPath
+from robots_planning.paths.joint_path import JointPath
+from robots_planning.paths.path_grid import finer_grid
+from robots_planning.timing.path_dynamics import memory_for, torque_rows, torque_use
+from robots_planning.timing.path_timing import TooSlowError
+from robots_planning.timing.quintic import quintic_coefficients, quintic_uses, quintics_at
+from robots_planning.timing.speed_profile import fastest_speeds
+from robots_planning.timing.switched_time_law import SwitchedTimeLaw
+from robots_planning.trajectory import Trajectory
+
+# Ramps of acceleration: this part of the duration each, which is what all of them together cost.
+RAMP = 3e-4
+SHORTEST_RAMP = 5e-5  # s; shorter ones would magnify the rounding of positions
+LONGEST_STEP = 0.006  # s between points of the trajectory
+CHECKS_PER_STEP = 5
+TORQUE_CHECK = 2  # one in so many checks
+# Torques are looked at where the profile uses more than this part of their limits.
+TORQUE_LOOK = 0.7
+RESERVE = 3e-4  # of the limits, at first, so that most trajectories need no second round
+# Ramps tried with jerk limits, as parts of what the largest jump of acceleration needs: a shorter one costs
+# less time everywhere, and more where the motion is slowed down for its jerk.
+JERK_RAMPS = (1.0, 0.75, 0.55)
+ROUNDS = 6  # of lowering the limits where the trajectory broke them
+DISCRETISATION = 1e-3  # of a duration, by which a profile may be slower than the fastest
+LOWEST_SCALE = 0.1  # of the limits, below which lowering them further helps nobody
+CLOSEST_SEAM = 2e-4  # s to the next point of the trajectory; shorter steps would magnify rounding of jerk
+# Parts of a limit: where more is used than the first, the grid is too coarse for the path, and made finer
+# wherever more is used than the second.
+COARSE, TOO_LONG = 1.04, 1.005
+EXCESS = 3e-4  # part of a limit that is not worth another round; limits were lowered by a third of it before
+
+
+@dataclass(frozen=True, eq=False)
+class ToolLimits:
+    """Limits of k quantities that go with a path: the tool's travel, and on curves what is across it.
+
+    Attributes:
+        derivatives: From s (m,) to their first and second derivatives over s, (m, k) each: of the travelled
+            length (m) and angle (rad), for example.
+        velocity: (k,), m/s and rad/s.
+        acceleration: (k,), m/s^2 and rad/s^2.
+    """
+
+    derivatives: Callable[[Array], tuple[Array, Array]]
+    velocity: Array
+    acceleration: Array
+
+
+class TimeOptimalTiming:
+    """From joint paths to the fastest trajectories, by dynamic programming over path and speed.
+
+    Velocity, acceleration and torque limits hold on a grid that is finer where the path is curved, in between
+    by the rule that joins grid points (see `fastest_speeds`), and in the trajectory that comes of it by
+    comparison: where a limit is passed, limits are lowered locally and the profile is made again. Torques
+    are those of the robot's rigid dynamics; gravity included.
+
+    Args:
+        robot: The robot.
+        velocity: Highest speed per axis, (n,), rad/s (m/s).
+        acceleration: Highest acceleration per axis, (n,), rad/s^2 (m/s^2).
+        effort: Highest torque per axis, (n,), N m (N); None for no torque limits.
+        jerk: Highest jerk per axis, (n,), rad/s^3 (m/s^3); None for no jerk limits. With them the motion is
+            no longer the fastest: the time law is smoothed until it keeps them.
+        ramp: Part of the duration in which acceleration may jump from one value to another.
+    """
+
+    def __init__(
+        self,
+        robot: BaseRobotModel,
+        velocity: Array,
+        acceleration: Array,
+        effort: Array | None = None,
+        *,
+        jerk: Array | None = None,
+        ramp: float = RAMP,
+    ) -> None:
+        self._robot = robot
+        self._jerk = jerk
+        self._velocity, self._acceleration, self._effort = velocity, acceleration, effort
+        self._axis_limits = np.array(
+            [velocity, acceleration, np.full(len(velocity), np.inf) if jerk is None else jerk]
+        )
+        self._ramp = ramp
+        self._dynamics = None if effort is None else _dynamics_of(robot)
+
+    def trajectory(
+        self, path: JointPath, tool: ToolLimits | None = None, longest: float = np.inf
+    ) -> Trajectory:
+        """The fastest trajectory from rest to rest along a path.
+
+        With jerk limits, the fastest of those that come of smoothing over several windows.
+
+        Args:
+            path: Where to go.
+            tool: Limits of the tool besides those of the axes.
+            longest: Time that is of use, s; see `PathTiming`.
+
+        Raises:
+            PlanningError: the robot cannot hold itself against gravity somewhere on the path; names axis,
+                torque, limit and the part of the path.
+            TooSlowError: the fastest trajectory takes longer.
+        """
+        ramps = [SHORTEST_RAMP]
+        if self._jerk is not None:
+            # A jump from one limit to the other, as a ramp.
+            jump = float((2.0 * self._acceleration / self._jerk).max())
+            ramps = [part * jump for part in JERK_RAMPS]
+        plans = [plan for ramp in ramps for plan in self._plans(path, tool, ramp, longest)]
+        fastest = min(plans, key=lambda plan: plan.duration, default=None)
+        if fastest is None or fastest.duration > longest:
+            raise TooSlowError
+        return fastest
+
+    def _plans(
+        self, path: JointPath, tool: ToolLimits | None, shortest: float, longest: float
+    ) -> list[Trajectory]:
+        """Trajectories inside the limits whose ramps of acceleration last `shortest` (s) or more.
+
+        Given up as soon as they are sure to take more than `longest`, s: lowered limits make them but slower.
+        """
+        even = EvenPath(path, self._velocity, self._acceleration)
+        if tool is not None:
+            tool = replace(tool, derivatives=partial(even.derivatives, tool.derivatives))
+        s = even.grid
+        limits = self._limits(s, *even.evaluate(s), tool)
+        scale = np.full(len(s), 1.0 - RESERVE)
+        plans: list[Trajectory] = []
+        for number in range(ROUNDS):
+            law = self._law(s, limits, scale, even, shortest)
+            if law.duration * (1.0 - DISCRETISATION) > longest:
+                return plans
+            trajectory = self._sampled(even, law, np.abs(limits[0][:, :, 0]).max(axis=1))
+            times, use, jerk = self._use(trajectory, law, tool, limits[0])
+            worst = float(use.max())
+            if number == 0 and worst > COARSE:
+                s = finer_grid(s, law.s_of(times[use > TOO_LONG])[0])
+                limits = self._limits(s, *even.evaluate(s), tool)
+                scale = np.full(len(s), 1.0 - RESERVE)
+                continue
+            if self._jerk is not None:
+                plans.append(self._slowed(trajectory, law, worst))
+                # Jerk is a jump of acceleration over its ramp: it falls with the acceleration limits.
+                use = np.maximum(use, jerk)
+            excess = float(use.max())
+            if excess <= 1.0 + EXCESS:
+                return [*plans, slower(trajectory, excess)]
+            scale = scale / local_excess(law, times, use)
+            if float(scale.min()) < LOWEST_SCALE:
+                break
+        return [*plans, self._slowed(trajectory, law, worst)]
+
+    def _slowed(self, trajectory: Trajectory, law: SwitchedTimeLaw, worst: float) -> Trajectory:
+        """The same in the time that the limits take, where `worst` is the largest use of one."""
+        for _ in range(ROUNDS):
+            if worst <= 1.0 + EXCESS:
+                break
+            trajectory = slower(trajectory, worst)
+            worst = float(self._use(trajectory, law, None)[1].max())
+        if self._jerk is None:
+            return trajectory
+        for _ in range(ROUNDS):
+            jerk = float(self._use(trajectory, law, None)[2].max())
+            if jerk <= 1.0:
+                break
+            trajectory = slower(trajectory, jerk ** (1.0 / 3.0) * (1.0 + EXCESS))
+        return trajectory
+
+    def _limits(
+        self, s: Array, q: Array, q_s: Array, q_ss: Array, tool: ToolLimits | None
+    ) -> tuple[Array, Array]:
+        """Rows (m, k, 3) of a, b and c, and the highest s_dot^2 of the velocity limits, (m,)."""
+        m, n = q.shape
+        rows = np.zeros(
+            (m, n * (2 if self._effort is not None else 1) + (len(tool.acceleration) if tool else 0), 3)
+        )
+        rows[:, :n, 0], rows[:, :n, 1] = q_s / self._acceleration, q_ss / self._acceleration
+        fraction = np.abs(q_s / self._velocity).max(axis=1)
+        if tool is not None:
+            first, second = tool.derivatives(s)
+            part = slice(n, n + len(tool.acceleration))
+            rows[:, part, 0], rows[:, part, 1] = first / tool.acceleration, second / tool.acceleration
+            fraction = np.maximum(fraction, (first / tool.velocity).max(axis=1))
+        if self._effort is not None:
+            self._torque_rows(q, q_s, q_ss, rows[:, -n:])
+        with np.errstate(divide='ignore'):
+            return rows, 1.0 / fraction**2
+
+    def _torque_rows(self, q: Array, q_s: Array, q_ss: Array, rows: Array) -> None:
+        effort = self._effort
+        assert effort is not None
+        if self._dynamics is not None:
+            filled = np.empty(rows.shape)
+            torque_rows(self._dynamics.arrays, q, q_s, q_ss, effort, filled, memory_for(len(effort)))
+            rows[:] = filled
+            return
+        still = np.zeros(q.shape[1])
+        for row, *state in zip(rows, q, q_s, q_ss, strict=True):
+            position, first, second = state
+            rest = self._robot.rigid_dynamics(position, still, still)[2]
+            tau, M, _ = self._robot.rigid_dynamics(position, first, second)
+            row[:] = np.column_stack([M @ first, tau - rest, rest]) / effort[:, None]
+
+    def _law(
+        self, s: Array, limits: tuple[Array, Array], scale: Array, path: EvenPath, shortest: float
+    ) -> SwitchedTimeLaw:
+        u, difference = np.empty(len(s)), np.empty(len(s) - 1)
+        failed = fastest_speeds(s, limits[0], limits[1] * scale**2, scale, u, difference)
+        if failed >= 0:
+            place = s[failed : failed + 1]
+            raise self._too_heavy(float(path.s_of(place)[0][0]), path.evaluate(place)[0][0])
+        stuck = int(np.argmin(u[1:-1])) + 1
+        if not u[stuck] > 0.0:
+            fraction = float(path.s_of(s[stuck : stuck + 1])[0][0])
+            raise PlanningError(
+                f'the limits leave no speed at {100.0 * fraction:.1f} % of the path', fraction=fraction
+            )
+        return SwitchedTimeLaw(s, u, difference, self._ramp, shortest)
+
+    def _sampled(self, path: EvenPath, law: SwitchedTimeLaw, weight: Array) -> Trajectory:
+        times = law.sample_times(LONGEST_STEP, weight)
+        if len(path.seams):
+            times = with_times(times, law.times_of(path.seams))
+        t = Trajectory.message_times(times)
+        s, s_dot, s_ddot = law.s_of(t)
+        s[0], s[-1] = 0.0, 1.0
+        s_dot[[0, -1]] = s_ddot[[0, -1]] = 0.0
+        q, q_s, q_ss = path.evaluate(s)
+        q[[0, -1]] = path.ends  # without rounding: what follows begins exactly there
+        return Trajectory(t, q, q_s * s_dot[:, None], q_ss * (s_dot**2)[:, None] + q_s * s_ddot[:, None])
+
+    def _use(
+        self,
+        trajectory: Trajectory,
+        law: SwitchedTimeLaw,
+        tool: ToolLimits | None,
+        rows: Array | None = None,
+    ) -> tuple[Array, Array, Array]:
+        """Times between the points, the largest use of a limit there, and that of the jerk limits.
+
+        With the `rows` of the limits torques are looked at where they may be large, else everywhere.
+        """
+        points = trajectory.time
+        parts = np.arange(CHECKS_PER_STEP) / CHECKS_PER_STEP
+        times = (points[:-1, None] + np.diff(points)[:, None] * parts).ravel()
+        coefficients = np.empty((len(points) - 1, 6, trajectory.num_axes))
+        quintic_coefficients(
+            points, trajectory.position, trajectory.velocity, trajectory.acceleration, coefficients
+        )
+        uses = np.empty((len(points) - 1, 3))
+        quintic_uses(points, coefficients, self._axis_limits, uses)
+        use, jerk = (np.repeat(values, CHECKS_PER_STEP) for values in (uses[:, :2].max(axis=1), uses[:, 2]))
+        if tool is not None:
+            s, s_dot, s_ddot = law.s_of(times)
+            first, second = tool.derivatives(s)
+            speed, acceleration = (
+                first * s_dot[:, None],
+                second * (s_dot**2)[:, None] + first * s_ddot[:, None],
+            )
+            use = np.maximum(use, (speed / tool.velocity).max(axis=1))
+            use = np.maximum(use, np.abs(acceleration / tool.acceleration).max(axis=1))
+        if self._effort is not None:
+            # Torques follow the accelerations, which are looked at everywhere.
+            some = np.arange(0, len(times), TORQUE_CHECK)
+            if rows is not None and self._jerk is None:
+                some = some[self._heavy(law, rows[:, -trajectory.num_axes :], times[some])]
+            q, q_dot, q_ddot = (np.empty((len(some), trajectory.num_axes)) for _ in range(3))
+            quintics_at(points, coefficients, times[some], q, q_dot, q_ddot)
+            use[some] = np.maximum(use[some], self._torque_use(q, q_dot, q_ddot))
+        return times, use, jerk
+
+    @staticmethod
+    def _heavy(law: SwitchedTimeLaw, rows: Array, times: Array) -> Array:
+        """Whether the torques of the profile are large near by, at times (k,); from their rows, (m, n, 3)."""
+        speed, begin, end = law.at_grid
+        parts = [
+            np.abs(part[:, :, 0] * x[:, None] + part[:, :, 1] * (v**2)[:, None] + part[:, :, 2]).max(axis=1)
+            for part, v, x in ((rows[:-1], speed[:-1], begin), (rows[1:], speed[1:], end))
+        ]
+        heavy = np.concatenate([[False], np.maximum(*parts) > TORQUE_LOOK, [False]])
+        heavy[1:-1] |= heavy[:-2] | heavy[2:]
+        index = np.searchsorted(law.grid_times, times)
+        chosen: Array = heavy[np.clip(index, 1, len(heavy) - 2)]
+        return chosen
+
+    def _torque_use(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
+        effort = self._effort
+        assert effort is not None
+        if self._dynamics is None:
+            model = self._robot.rigid_dynamics_model
+            tau = np.array([model.torques(*state) for state in zip(q, q_dot, q_ddot, strict=True)])
+            slow: Array = np.abs(tau / effort).max(axis=1)
+            return slow
+        filled = np.empty(q.shape)
+        torque_use(self._dynamics.arrays, q, q_dot, q_ddot, effort, filled, bodies_of(len(effort)))
+        use: Array = filled.max(axis=1)
+        return use
+
+    def _too_heavy(self, s: float, q: Array) -> PlanningError:
+        assert self._effort is not None
+        still = np.zeros(len(q))
+        tau = self._robot.rigid_dynamics(q, still, still)[2]
+        axis = int(np.argmax(np.abs(tau / self._effort)))
+        axes = self._robot.axes_data
+        unit = 'N' if axes.prismatic[axis] else 'N m'
+        return PlanningError(
+            f'{axes.names[axis]} cannot hold the robot at {100.0 * s:.1f} % of the path: gravity asks for '
+            f'{abs(tau[axis]):.6g} {unit}, its limit is {self._effort[axis]:.6g} {unit}; choose another '
+            'path or configuration',
+            fraction=s,
+            joint=axes.names[axis],
+            value=float(tau[axis]),
+            bound=float(self._effort[axis]),
+            unit=unit,
+        )
+
+
+_DYNAMICS: WeakKeyDictionary[BaseRobotModel, ChainDynamics | None] = WeakKeyDictionary()
+
+
+def _dynamics_of(robot: BaseRobotModel) -> ChainDynamics | None:
+    """The robot's dynamics for compiled code, found once; None where only its own methods know them."""
+    if robot not in _DYNAMICS:
+        try:
+            _DYNAMICS[robot] = ChainDynamics.of(robot, SerialChain.of(robot))
+        except InvalidInputError:
+            _DYNAMICS[robot] = None
+    return _DYNAMICS[robot]
+
+
+def local_excess(law: SwitchedTimeLaw, times: Array, use: Array) -> Array:
+    """By how much limits are lowered at the grid points: what is passed near by, and a little more."""
+    grid_times, excess = law.grid_times, np.maximum(use, 1.0)
+    if law.window > LONGEST_STEP:
+        # All that the window reaches makes the acceleration.
+        even = np.arange(0.0, law.duration, LONGEST_STEP)
+        worst = np.ones(len(even))
+        np.maximum.at(worst, np.minimum((times / LONGEST_STEP).astype(int), len(even) - 1), excess)
+        reach = 2 * int(0.5 * law.window / LONGEST_STEP) + 3
+        excess, times = maximum_filter1d(worst, reach), even
+    # A grid point counts for the checks until its neighbours, and for the check before it where it is finer.
+    index = np.clip(np.searchsorted(grid_times, times), 1, len(grid_times) - 1)
+    lowered = excess[np.clip(np.searchsorted(times, grid_times) - 1, 0, len(times) - 1)]
+    np.maximum.at(lowered, index, excess)
+    np.maximum.at(lowered, index - 1, excess)
+    spread = np.maximum(lowered, np.maximum(np.append(lowered[1:], 1.0), np.append(1.0, lowered[:-1])))
+    return np.asarray(1.0 + 1.2 * (spread - 1.0))
+
+
+def with_times(times: Array, others: Array) -> Array:
+    """Increasing times with others among them; those that nearly coincide with one of the others give way."""
+    inner = others[(others > times[0] + CLOSEST_SEAM) & (others < times[-1] - CLOSEST_SEAM)]
+    bounds = np.concatenate([[-np.inf], inner, [np.inf]])
+    after = np.searchsorted(inner, times) + 1
+    distance = np.minimum(times - bounds[after - 1], bounds[after] - times)
+    return np.union1d(times[distance > CLOSEST_SEAM], inner)
+
+
+def slower(trajectory: Trajectory, use: float) -> Trajectory:
+    """The same motion, from rest to rest, in the time in which the largest use of a limit, `use`, is 1."""
+    if use <= 1.0:
+        return trajectory
+    t = Trajectory.message_times(trajectory.time * use)
+    # Rounding times moves the points along the motion; see `message_times`.
+    q, q_dot, q_ddot = trajectory.sample(t / use)
+    q[[0, -1]] = trajectory.position[[0, -1]]
+    q_dot[[0, -1]] = q_ddot[[0, -1]] = 0.0
+    return Trajectory(t, q, q_dot / use, q_ddot / use**2)

@@ -1,0 +1,269 @@
+# ruff: noqa: PLR0917  # compiled loops over arrays
+"""From a joint path to the points of a trajectory by the two-pass algorithm, compiled."""
+
+from __future__ import annotations
+
+from math import ceil, inf, sqrt
+
+import numpy as np
+
+from robots_core.robot_model.analytic.compiled import compiled, sort_in_place
+from robots_core.validation import Array
+from robots_planning.paths.cartesian_path_kernel import PathArrays, pose_on_path
+from robots_planning.timing.quintic import (
+    interval_at,
+    quintic_coefficients,
+    quintic_extremes,
+    quintics_at,
+)
+from robots_planning.timing.time_law import TimeLaw, smooth_law_at, time_law
+from robots_planning.timing.two_pass import Grid, MotionLimits, two_pass
+
+GRID = 240  # points of the speed profile over the path, at least
+GRID_ROUNDING = 1e-9  # of a point: what rounding of the knots must not add
+POINTS_PER_KNOT = 4  # so that the trajectory's quintics follow those of the joint path
+# Points closer than this are one: the quintic between them would divide rounding by its fifth power.
+CLOSEST_POINTS = 2e-4  # s
+# Of the smoothing window: other points closer to the end of a jump than this are left out.
+POINT_DISTANCE = 0.2
+# Jumps of acceleration that a limit feels by more than this part get points at both ends of their smoothing.
+NOTABLE_JUMP = 0.03
+ROUNDS = 16  # of lowering the limits where smoothing broke them
+# A little more than needed, so that few rounds suffice.
+SLOWER = 1.1
+# At most in a round: where much is missing, less slow-down than that is enough in the end.
+LARGEST_FACTOR = 1.5
+GOOD_ENOUGH = 1.002  # use of a limit that an even slow-down costs less than another round
+# Smoothing and interpolation move speeds to where the limits are slightly different.
+SMOOTHING_MARGIN = 1e-3
+STRETCH_EXCESS = 1e-7  # so that rounding does not ask for another round
+STRETCHES = 4
+
+Points = tuple[Array, Array, Array, Array]
+"""Times (k,), positions, velocities and accelerations (k, n)."""
+
+AllLimits = tuple[MotionLimits, Array, float]
+"""Velocity and acceleration limits, jerk of the axes (n,) and of the tool; infinite where there is none."""
+
+
+@compiled()
+def speed_grid(knots: Array) -> Array:
+    """Path grid that holds all knots, subdivided evenly so that it has at least about `GRID` intervals."""
+    total = 0
+    for i in range(knots.size - 1):
+        total += _parts(knots[i + 1] - knots[i])
+    s, row = np.empty(total + 1), 0
+    for i in range(knots.size - 1):
+        parts = _parts(knots[i + 1] - knots[i])
+        for part in range(parts):
+            s[row] = knots[i] + (knots[i + 1] - knots[i]) * part / parts
+            row += 1
+    s[row] = knots[-1]
+    return s
+
+
+@compiled(nrt=False)
+def _parts(interval: float) -> int:
+    """In how many parts an interval of the path is divided."""
+    return max(ceil(interval * GRID - GRID_ROUNDING), POINTS_PER_KNOT)
+
+
+@compiled()
+def grid_of(knots: Array, coefficients: Array, tool_path: PathArrays) -> Grid:
+    """Derivatives of axes and tool on the speed grid of a joint path."""
+    s = speed_grid(knots)
+    m, n = s.size, coefficients.shape[2]
+    q, q_s, q_ss = np.empty((m, n)), np.empty((m, n)), np.empty((m, n))
+    quintics_at(knots, coefficients, s, q, q_s, q_ss)
+    x_s, x_ss = np.empty((m, 6)), np.empty((m, 6))
+    r, T = np.empty(3), np.empty((3, 3))
+    for i in range(m):
+        pose_on_path(tool_path, s[i], r, T, x_s[i], x_ss[i])
+    return s, q_s, q_ss, x_s, x_ss
+
+
+@compiled()
+def timed_points(
+    knots: Array, coefficients: Array, grid: Grid, limits: AllLimits, window: float, share: float
+) -> Points:
+    """The points of the fastest smooth motion along a joint path that keeps all limits, between points too.
+
+    Where smoothing breaks a limit, the motion is slowed down locally, a few times; what is left then is
+    slowed down evenly.
+
+    Args:
+        knots: s of the joint path, (k,).
+        coefficients: Of its quintics, (k - 1, 6, n).
+        grid: From `grid_of`.
+        limits: See `AllLimits`.
+        window: Longest smoothing of acceleration, s; the motion is longer by the window.
+        share: Longest smoothing, as part of the duration.
+    """
+    m = grid[0].size
+    scale, speeds = np.full(m, 1.0 - SMOOTHING_MARGIN), np.empty(m)
+    two_pass(grid, limits[0], scale, speeds)
+    law = time_law(grid[0], speeds)
+    width = max(min(window, share * law[0][-1]), 2.0 * CLOSEST_POINTS)
+    points, use = _sampled(knots, coefficients, grid, limits, law, width, 1.0)
+    for _ in range(ROUNDS):
+        if use.max() <= GOOD_ENOUGH:
+            break
+        _slow_down(law[0], width, points[0], use, scale)
+        two_pass(grid, limits[0], scale, speeds)
+        law = time_law(grid[0], speeds)
+        points, use = _sampled(knots, coefficients, grid, limits, law, width, 1.0)
+    stretch = 1.0
+    for _ in range(STRETCHES):
+        if use.max() <= 1.0:
+            break
+        # Use of acceleration and squared speed falls with the square of time, that of jerk faster.
+        stretch *= sqrt(use.max()) * (1.0 + STRETCH_EXCESS)
+        points, use = _sampled(knots, coefficients, grid, limits, law, width, stretch)
+    return points
+
+
+@compiled()
+def jerk_window(grid: Grid, limits: AllLimits) -> float:
+    """The smoothing window with which no jump of the unsmoothed law breaks a jerk limit, s."""
+    (s, q_s, _, x_s, _), (motion, jerk, tool_jerk) = grid, limits
+    speeds = np.empty(s.size)
+    two_pass(grid, motion, np.ones(s.size), speeds)
+    s_ddot = time_law(s, speeds)[4]
+    window = 0.0
+    for i in range(s.size):
+        jump = abs((s_ddot[i] if i < s.size - 1 else 0.0) - (s_ddot[i - 1] if i > 0 else 0.0))
+        for k in range(jerk.size):
+            window = max(window, abs(q_s[i, k]) * jump / jerk[k])
+        window = max(window, sqrt(x_s[i, 0] ** 2 + x_s[i, 1] ** 2 + x_s[i, 2] ** 2) * jump / tool_jerk)
+    return window
+
+
+@compiled(nrt=False)
+def _slow_down(t: Array, window: float, times: Array, use: Array, scale: Array) -> None:
+    """Lower the limits at the grid points whose smoothing window reaches a place where a limit is broken."""
+    first = 0
+    for i in range(t.size):
+        while first < use.size - 1 and times[first + 1] < t[i] - window:
+            first += 1
+        worst, k = 1.0, first
+        while k < use.size and times[k] <= t[i] + 2.0 * window:
+            worst = max(worst, use[k])
+            k += 1
+        scale[i] /= min(worst, LARGEST_FACTOR) ** SLOWER
+
+
+@compiled()
+def _point_times(law: TimeLaw, grid: Grid, limits: AllLimits, window: float) -> Array:
+    """Instants for points: both ends of the smoothing of every notable jump, and the grid in between."""
+    t, s_ddot, q_s = law[0], law[4], grid[1]
+    acceleration, jerk = limits[0][1], limits[1]
+    m = t.size
+    ends, count = np.empty(2 * m), 0
+    for i in range(m):
+        jump = abs((s_ddot[i] if i < m - 1 else 0.0) - (s_ddot[i - 1] if i > 0 else 0.0))
+        for k in range(acceleration.size):
+            felt = abs(q_s[i, k]) * jump
+            if felt > NOTABLE_JUMP * acceleration[k] or felt > NOTABLE_JUMP * jerk[k] * window:
+                ends[count], ends[count + 1] = t[i], t[i] + window
+                count += 2
+                break
+    kinks = ends[:count].copy()
+    sort_in_place(kinks)
+    others = t[1 : m - 1] + 0.5 * window
+    duration = t[-1] + window
+    gap = max(POINT_DISTANCE * window, CLOSEST_POINTS)
+    times, size = np.empty(count + others.size + 2), 1
+    times[0] = 0.0
+    i, j = 0, 0
+    while i < count or j < others.size:
+        kink = kinks[i] if i < count else inf
+        other = others[j] if j < others.size else inf
+        if kink <= other:
+            i += 1
+            if kink - times[size - 1] < CLOSEST_POINTS or duration - kink < CLOSEST_POINTS:
+                continue
+            times[size] = kink
+        else:
+            j += 1
+            if other - times[size - 1] < gap or min(kink, duration) - other < gap:
+                continue
+            times[size] = other
+        size += 1
+    times[size] = duration
+    return times[: size + 1].copy()
+
+
+@compiled()
+def _sampled(
+    knots: Array,
+    coefficients: Array,
+    grid: Grid,
+    limits: AllLimits,
+    law: TimeLaw,
+    window: float,
+    stretch: float,
+) -> tuple[Points, Array]:
+    """The points of a law, slowed down evenly by `stretch`, and the worst use of a limit in every interval.
+
+    Use is that of acceleration, of jerk, and the square of that of speed.
+    """
+    s, _, _, x_s, x_ss = grid
+    (velocity, acceleration, tool), jerk, tool_jerk = limits
+    plan = _point_times(law, grid, limits, window)
+    k, n = plan.size, velocity.size
+    times, path = np.empty(k), np.empty((3, k))
+    for row in range(k):
+        # Messages hold nanoseconds; points planned at such times keep their acceleration when they travel.
+        times[row] = np.floor(plan[row] * stretch * 1e9 + 0.5) / 1e9
+        path[0, row], path[1, row], path[2, row] = smooth_law_at(law, window, times[row] / stretch)
+    path[0, 0], path[0, k - 1] = 0.0, 1.0
+    for row in (0, k - 1):
+        path[1, row], path[2, row] = 0.0, 0.0
+    q, q_dot, q_ddot = np.empty((k, n)), np.empty((k, n)), np.empty((k, n))
+    quintics_at(knots, coefficients, path[0], q, q_dot, q_ddot)
+    tool_use = np.empty(k)
+    linear, last_linear = np.zeros(3), np.zeros(3)
+    for row in range(k):
+        rate, change = path[1, row] / stretch, path[2, row] / stretch**2
+        for axis in range(n):
+            q_ddot[row, axis] = q_ddot[row, axis] * rate * rate + q_dot[row, axis] * change
+            q_dot[row, axis] *= rate
+        tool_use[row] = _tool_use(s, x_s, x_ss, tool, path[0, row], rate, change, linear)
+        if row > 0 and tool_jerk < inf:
+            difference = sqrt(np.sum((linear - last_linear) ** 2)) / (times[row] - times[row - 1])
+            tool_use[row] = max(tool_use[row], difference / tool_jerk)
+        last_linear[:] = linear
+    curve = np.empty((k - 1, 6, n))
+    quintic_coefficients(times, q, q_dot, q_ddot, curve)
+    use = np.empty(k - 1)
+    for row in range(k - 1):
+        worst = max(tool_use[row], tool_use[row + 1])
+        for axis in range(n):
+            first, second, third = quintic_extremes(curve[row, :, axis], times[row + 1] - times[row])
+            worst = max(worst, (first / velocity[axis]) ** 2, second / acceleration[axis])
+            worst = max(worst, third / jerk[axis])
+        use[row] = worst
+    return (times, q, q_dot, q_ddot), use
+
+
+@compiled(nrt=False)
+def _tool_use(
+    s: Array, x_s: Array, x_ss: Array, tool: Array, place: float, rate: float, change: float, linear: Array
+) -> float:
+    """Worst use of the tool's limits at a place of the path; fills its linear acceleration, (3,)."""
+    i = interval_at(s, place)
+    part = (place - s[i]) / (s[i + 1] - s[i])
+    worst = 0.0
+    for first in (0, 3):
+        speed, acceleration = 0.0, 0.0
+        for k in range(first, first + 3):
+            a = x_s[i, k] + part * (x_s[i + 1, k] - x_s[i, k])
+            b = x_ss[i, k] + part * (x_ss[i + 1, k] - x_ss[i, k])
+            vector = b * rate * rate + a * change
+            if first == 0:
+                linear[k] = vector
+            speed += (a * rate) ** 2
+            acceleration += vector * vector
+        which = first // 3 * 2
+        worst = max(worst, speed / tool[which] ** 2, sqrt(acceleration) / tool[which + 1])
+    return worst

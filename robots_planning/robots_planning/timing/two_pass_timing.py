@@ -1,0 +1,80 @@
+"""TwoPassTiming: when to be where on a path, by the two-pass algorithm."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robots_core.validation import Array, positive
+from robots_planning.paths.cartesian_path import CartesianPath
+from robots_planning.paths.joint_path import JointPath
+from robots_planning.timing.path_timing import ToolLimits, TooSlowError
+from robots_planning.timing.two_pass_kernel import (
+    AllLimits,
+    Points,
+    grid_of,
+    jerk_window,
+    timed_points,
+)
+from robots_planning.trajectory import Trajectory
+
+SMOOTHING_SHARE = 0.005  # of the duration: what smoothing may cost
+# Windows tried with jerk limits, as parts of the one that suits the largest jump of acceleration: a shorter
+# one costs less everywhere and slows down more around that jump.
+JERK_WINDOWS = (1.0, 0.7, 0.5, 0.35, 0.2)
+
+
+class TwoPassTiming:
+    """The fastest motion along a path that keeps the limits of axes and tool, with continuous acceleration.
+
+    A backward and a forward pass over the path speed hold velocity and acceleration limits on a grid; the
+    time law is then smoothed, and slowed down where it would break a limit. With jerk limits the window of
+    the smoothing follows from them.
+
+    Args:
+        velocity: Of the axes, (n,), rad/s (m/s).
+        acceleration: rad/s^2 (m/s^2).
+        jerk: rad/s^3 (m/s^3); None: acceleration is continuous, and jerk not limited.
+        tool: Limits of the tool.
+        smoothing: Longest smoothing of acceleration without jerk limits, s.
+
+    Raises:
+        InvalidInputError: `smoothing` not above 0.
+    """
+
+    def __init__(
+        self, velocity: Array, acceleration: Array, jerk: Array | None, tool: ToolLimits, *, smoothing: float
+    ) -> None:
+        self._smoothing = positive(smoothing, 'smoothing', 's')
+        self._jerk_limited = jerk is not None
+        no_limit = np.full(len(velocity), np.inf)
+        self._limits: AllLimits = (
+            (
+                np.array(velocity),
+                np.array(acceleration),
+                np.array([tool.speed, tool.acceleration, tool.rotation_speed, tool.rotation_acceleration]),
+            ),
+            no_limit if jerk is None else np.array(jerk),
+            np.inf if tool.jerk is None or jerk is None else float(tool.jerk),
+        )
+
+    def trajectory(
+        self, joint_path: JointPath, tool_path: CartesianPath, longest: float = np.inf
+    ) -> Trajectory:
+        """The timed motion along a path; see `PathTiming`."""
+        trajectory = self._trajectory(joint_path, tool_path)
+        if trajectory.duration > longest:
+            raise TooSlowError
+        return trajectory
+
+    def _trajectory(self, joint_path: JointPath, tool_path: CartesianPath) -> Trajectory:
+        s, coefficients = joint_path.s, joint_path.coefficients
+        grid = grid_of(s, coefficients, tool_path.arrays)
+
+        def points(window: float, share: float) -> Points:
+            return timed_points(s, coefficients, grid, self._limits, window, share)
+
+        if not self._jerk_limited:
+            return Trajectory(*points(self._smoothing, SMOOTHING_SHARE))
+        window = jerk_window(grid, self._limits)
+        plans = [points(part * window, np.inf) for part in JERK_WINDOWS]
+        return Trajectory(*min(plans, key=lambda plan: float(plan[0][-1])))
