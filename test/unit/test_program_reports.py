@@ -15,7 +15,7 @@ from rich.console import Console
 
 from robots_controller.program.program_header import read_program_header
 from robots_controller.recording.bag_file import read_bag
-from robots_controller.report import run_report
+from robots_controller.report.run_report import run_report
 from robots_controller.simulate import simulate
 from robots_controller.simulation.command_line import (
     EXIT_FAILED,

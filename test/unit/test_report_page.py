@@ -11,8 +11,10 @@ from typing import Any
 import pytest
 from py_mini_racer import MiniRacer
 
-from robots_controller.report import compare_runs, run_report, write_report
+from robots_controller.report.comparison import compare_runs
 from robots_controller.report.page.comparison_page import comparison_page
+from robots_controller.report.page.page import write_report
+from robots_controller.report.run_report import run_report
 from robots_core.errors import RobotsError
 
 from .report_bags import tending_bag

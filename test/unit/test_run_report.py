@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robots_controller.report import RunReport, compare_runs, run_report
+from robots_controller.report.comparison import compare_runs
 from robots_controller.report.line_times import time_spans
 from robots_controller.report.page.page import report_page
+from robots_controller.report.run_report import RunReport, run_report
 from robots_controller.report.run_signals import energy
 from robots_controller.testing import BAG_TYPES, write_bag
 from robots_core.errors import RobotsError

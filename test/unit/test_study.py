@@ -8,9 +8,10 @@ import pytest
 from distributed import LocalCluster
 from pyarrow import csv, parquet
 
-from robots_controller.study import Study, read_study, run_study
 from robots_controller.study.results import ROWS, StudyResults
 from robots_controller.study.run_case import FIGURES, run_case
+from robots_controller.study.run_study import run_study
+from robots_controller.study.study_file import Study, read_study
 from robots_core.errors import InvalidInputError, RobotsError
 
 PROGRAM = """local ANGLE, PAUSE = 10, 0.1

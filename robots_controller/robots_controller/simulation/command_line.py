@@ -25,8 +25,8 @@ from robots_controller.cell_arguments import (
     exit_code,
     take_from_program,
 )
-from robots_controller.report import write_report
 from robots_controller.report.motion_report import motion_report
+from robots_controller.report.page.page import write_report
 from robots_controller.simulate import LONGEST_TIME, simulate
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.following.following_methods import METHODS

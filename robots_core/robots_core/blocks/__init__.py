@@ -2,8 +2,5 @@
 
 import lazy_loader
 
-# Not on demand: a module has the same name.
-from robots_core.blocks.drives.drive_level import drive_train as drive_train
-
 # The names are in the stub; each is imported when it is first asked for, with no other module of the package.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
