@@ -27,6 +27,7 @@ from std_msgs.msg import UInt8MultiArray
 
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.live_cell.cell_graph import NodeDescription
+from robots_controller.program.cell_port import DetachedCell
 from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.middleware import choose_transports
 from robots_core.ros.qos import STATE
@@ -67,7 +68,9 @@ def run_sandboxed(text: str, folder: Path) -> float:
     path = folder / 'loop.lua'
     path.write_text(f'setDigitalOutput(1, 1)\n{text}\nsetDigitalOutput(1, 0)\n')
     times: list[float] = []
-    program = LuaProgram(6, on_output=lambda _: times.append(time.perf_counter()))
+    cell = DetachedCell()
+    cell.output_changed = lambda _: times.append(time.perf_counter())  # type: ignore[method-assign]
+    program = LuaProgram(6, cell)
     program.open(path)
     program.run()
     if not program.join(10.0 * PATIENCE) or program.error is not None:

@@ -17,7 +17,8 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.nodes.lua_program_node import LuaProgramNode
-from robots_core.ros.messages import MotionResult, diagnostic_values, stamp_id
+from robots_core.motion_result import MotionResult
+from robots_core.ros.messages import diagnostic_values, motion_result_message, stamp_id
 from robots_core.ros.qos import COMMAND, STATE
 
 ROBOT = 'kuka_kr210_r2700'
@@ -103,7 +104,7 @@ class Bench:
         self.answer(id_)
 
     def answer(self, id_: str, message: str = 'reached', *, ok: bool = True, **details: str) -> None:
-        self.results.publish(MotionResult(id_, ok, message, details).to_message(ROBOT))
+        self.results.publish(motion_result_message(MotionResult(id_, ok, message, details), ROBOT))
 
     def command_id(self) -> str:
         return stamp_id(self.commands[-1][1].header.stamp)

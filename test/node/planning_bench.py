@@ -16,10 +16,12 @@ from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core import load_robot_model
+from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import (
-    MotionResult,
     doubles,
     joint_state_message,
+    motion_result_from_message,
+    motion_result_message,
     pose_stamped_message,
     stamp_id,
 )
@@ -49,7 +51,7 @@ class Bench:
         peer.create_subscription(
             DiagnosticStatus,
             'motion_result',
-            lambda message: self.results.append(MotionResult.from_message(message)),
+            lambda message: self.results.append(motion_result_from_message(message)),
             COMMAND,
         )
         peer.create_subscription(
@@ -133,6 +135,6 @@ class Bench:
     def end(self, id_: str, *, ok: bool = True) -> None:
         """End a motion, as the controller does."""
         result = MotionResult(id_, ok, 'reached' if ok else 'stopped')
-        self.publishers['motion_result'].publish(result.to_message(ROBOT))
+        self.publishers['motion_result'].publish(motion_result_message(result, ROBOT))
         self.wait(lambda: not self.node._book.knows(id_), 'the node has heard the result')
         self.wait(lambda: id_ in [result.id for result in self.results], 'so has everybody')

@@ -20,10 +20,11 @@ from visualization_msgs.msg import Marker, MarkerArray
 from robots_core import Pose, load_robot_model
 from robots_core.blocks import CollisionDetection, Scene, SceneObject
 from robots_core.errors import InvalidInputError
+from robots_core.motion_result import MotionResult
 from robots_core.nodes.collision_node import CollisionNode
 from robots_core.nodes.scene_messages import markers
 from robots_core.robot_model.shapes import Sphere
-from robots_core.ros.messages import MotionResult, diagnostic_values, doubles
+from robots_core.ros.messages import diagnostic_values, doubles, motion_result_message
 from robots_core.ros.qos import COMMAND, STATE
 
 ROBOT = 'kuka_kr210_r2700'
@@ -174,7 +175,7 @@ def test_a_path_into_an_object_is_stopped_when_it_is_near(bench: Bench):
     bench.wait(lambda: any('stopped the controller' in item.message for item in bench.health), 'health')
     bench.publishers['motion_progress'].publish(Float64(data=(near + 0.05) / 10.0))
     result = MotionResult('5.000000000', ok=False, message='stopped')
-    bench.publishers['motion_result'].publish(result.to_message(ROBOT))
+    bench.publishers['motion_result'].publish(motion_result_message(result, ROBOT))
     bench.wait(lambda: not bench.node._motions, 'the motion has ended')
     assert bench.stops == 1  # asked once
 

@@ -19,8 +19,9 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
+from robots_core.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.ros.messages import MotionResult, doubles, stamp_id
+from robots_core.ros.messages import doubles, motion_result_from_message, stamp_id
 from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE
 
 ROBOT = load_robot_model('kuka_kr210_r2700')
@@ -57,7 +58,7 @@ class Bench:
         node.create_subscription(
             DiagnosticStatus,
             'motion_result',
-            lambda m: self.results.append(MotionResult.from_message(m)),
+            lambda m: self.results.append(motion_result_from_message(m)),
             COMMAND,
         )
         node.create_subscription(Float64, 'motion_progress', lambda m: self.progress.append(m.data), MANY)

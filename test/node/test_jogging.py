@@ -17,8 +17,9 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
+from robots_core.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.ros.messages import MotionResult, joint_state_message
+from robots_core.ros.messages import joint_state_message, motion_result_from_message
 from robots_core.ros.qos import COMMAND
 from robots_planning.nodes.planning_node import PlanningNode
 
@@ -55,7 +56,7 @@ class Bench:
         node.create_subscription(
             DiagnosticStatus,
             'motion_result',
-            lambda m: self.results.append(MotionResult.from_message(m)),
+            lambda m: self.results.append(motion_result_from_message(m)),
             COMMAND,
         )
         node.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, MANY)

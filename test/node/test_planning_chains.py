@@ -9,7 +9,8 @@ from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.parameter import Parameter
 
 from robots_core import Pose
-from robots_core.ros.messages import MotionResult, stamp_id
+from robots_core.motion_result import MotionResult
+from robots_core.ros.messages import motion_result_message, stamp_id
 from robots_planning import verify
 from robots_planning.command_queue import LONGEST_CHAIN
 
@@ -77,7 +78,7 @@ def test_a_chain_that_was_stopped_tells_which_of_its_motions_were_passed(ros_nod
     (motion,) = bench.node._book.running
     between = 0.5 * (motion.ends[0] + motion.ends[1]) / motion.trajectory.duration
     stopped = MotionResult(ids[-1], ok=False, message='stopped by ~/stop', details={'progress': str(between)})
-    bench.publishers['motion_result'].publish(stopped.to_message(ROBOT))
+    bench.publishers['motion_result'].publish(motion_result_message(stopped, ROBOT))
     bench.wait(lambda: len(bench.results) == 3, 'a result for each')
     results = {result.id: (result.ok, result.message) for result in bench.results}
     assert [results[id_] for id_ in ids] == [

@@ -20,9 +20,10 @@ from std_msgs.msg import Bool
 
 from robots_core import Pose
 from robots_core.errors import InvalidInputError
+from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import (
-    MotionResult,
     diagnostic_values,
+    motion_result_message,
     pose_stamped_message,
 )
 from robots_core.ros.qos import STATE
@@ -159,7 +160,7 @@ def test_after_a_stop_nothing_moves_that_was_commanded_before(bench: Bench) -> N
     bench.stand(home + 0.03)  # on its way, stopped there
     stopped = bench.node.get_clock().now().nanoseconds * 1e-9 + 3600.0
     late = MotionResult(first, ok=False, message='stopped', details={'ended': f'{stopped:.9f}'})
-    bench.publishers['motion_result'].publish(late.to_message(ROBOT))
+    bench.publishers['motion_result'].publish(motion_result_message(late, ROBOT))
     bench.wait(lambda: not bench.node._book.knows(first), 'the node has heard of the stop')
     void = bench.command('ptpjoint_joint', home, 6)  # sent before that stop
     assert f'given up with motion {first} before it' in bench.refusal(void).message

@@ -18,8 +18,9 @@ from trajectory_msgs.msg import JointTrajectory
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core import load_robot_model
+from robots_core.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.ros.messages import MotionResult, diagnostic_values
+from robots_core.ros.messages import diagnostic_values, motion_result_from_message
 from robots_core.ros.qos import COMMAND, STATE
 from robots_planning.nodes.planning_node import PlanningNode
 
@@ -51,7 +52,7 @@ class Cell:
         peer.create_subscription(
             DiagnosticStatus,
             'motion_result',
-            lambda m: self.results.append(MotionResult.from_message(m)),
+            lambda m: self.results.append(motion_result_from_message(m)),
             COMMAND,
         )
         self.inputs = peer.create_publisher(UInt8MultiArray, 'digital_inputs', STATE)

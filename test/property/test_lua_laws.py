@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_program import LuaProgram
+from robots_controller.program.cell_port import DetachedCell
 from robots_controller.program.program_state import MotionCommand, OutputChange, RunState
 from robots_core.errors import ProgramError
 
@@ -24,10 +25,12 @@ class LuaHost:
     def __init__(self, folder: Path) -> None:
         self.commands: list[MotionCommand] = []
         self.outputs: list[OutputChange] = []
-        self.program = LuaProgram(6, on_command=self._on_command, on_output=self.outputs.append)
+        cell = DetachedCell()
+        cell.command, cell.output_changed = self._command, self.outputs.append
+        self.program = LuaProgram(6, cell)
         self._path = folder / 'test.lua'
 
-    def _on_command(self, command: MotionCommand) -> None:
+    def _command(self, command: MotionCommand) -> None:
         self.commands.append(command)
         self.program.finish_motion()
 

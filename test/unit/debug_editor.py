@@ -10,7 +10,8 @@ from typing import Any
 
 from robots_controller.editor.debug_adapter_server import HOST, DebugAdapterServer
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_core.errors import ProgramError
+
+from .lua_host import cell_with
 
 DEADLINE = 20.0  # s
 
@@ -86,22 +87,15 @@ class DebuggedProgram:
         self.path.write_text(text)
         self.program = LuaProgram(
             6,
-            on_held=self._on_held,
-            on_print=self._on_print,
-            on_finished=self._on_finished,
+            cell_with(
+                held_changed=lambda: self.server.on_held(),
+                printed=lambda text, line: self.server.on_print(text, line),
+                ended=lambda error: self.server.on_finished(error),
+            ),
         )
         self.server = DebugAdapterServer(self.program)
         self.server.start()
         self.editor = Editor(self.server.port)
-
-    def _on_held(self) -> None:
-        self.server.on_held()
-
-    def _on_print(self, text: str, line: int) -> None:
-        self.server.on_print(text, line)
-
-    def _on_finished(self, error: ProgramError | None) -> None:
-        self.server.on_finished(error)
 
     def close(self) -> None:
         self.editor.close()

@@ -5,18 +5,32 @@ from __future__ import annotations
 import queue
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from robots_controller.interpreter.lua_program import LuaProgram
+from robots_controller.program.cell_port import DetachedCell
 from robots_controller.program.program_state import MotionCommand, OutputChange
 from robots_core.errors import ProgramError, RobotsError
 
 DEADLINE = 20.0  # s, for programs that should need milliseconds
 
 
+def cell_with(**functions: Callable[..., Any]) -> DetachedCell:
+    """A cell without a robot, but for some functions of its port."""
+    cell = DetachedCell()
+    for name, function in functions.items():
+        assert callable(getattr(cell, name)), name
+        setattr(cell, name, function)
+    return cell
+
+
 class LuaHost:
-    """Runs a program; every motion ends at once, or with the error given for its number (from 0)."""
+    """Runs a program; every motion ends at once, or with the error given for its number (from 0).
+
+    Options are functions of the cell's port, or options of the program.
+    """
 
     def __init__(self, folder: Path, num_axes: int = 6, **options: Any) -> None:
         self.commands: list[MotionCommand] = []
@@ -30,24 +44,30 @@ class LuaHost:
         self.spoken = threading.Semaphore(0)
         self._folder = folder
         self._robot: queue.SimpleQueue[int] = queue.SimpleQueue()
+        functions = {name: options.pop(name) for name in tuple(options) if hasattr(DetachedCell, name)}
         self.program = LuaProgram(
             num_axes,
-            on_command=self._on_command,
-            on_output=self.outputs.append,
-            on_print=self._on_print,
-            on_line=self.lines.append,
-            on_finished=self.finished.append,
+            cell_with(
+                **{
+                    'command': self._command,
+                    'output_changed': self.outputs.append,
+                    'printed': self._print,
+                    'line_reached': self.lines.append,
+                    'ended': self.finished.append,
+                }
+                | functions
+            ),
             **options,
         )
         threading.Thread(target=self._move, daemon=True).start()
 
-    def _on_command(self, command: MotionCommand) -> None:
+    def _command(self, command: MotionCommand) -> None:
         self.commands.append(command)
         if not self.holding:
             self._robot.put(len(self.commands) - 1)
         self.commanded.release()
 
-    def _on_print(self, text: str, _line: int) -> None:
+    def _print(self, text: str, _line: int) -> None:
         self.printed.append(text)
         self.spoken.release()
 

@@ -36,7 +36,7 @@ def test_an_input_or_the_time_ends_it(tmp_path: Path, function: str, mode: Robot
 @pytest.mark.parametrize(('function', 'mode'), MODES)
 def test_the_host_hears_who_guides_the_robot(tmp_path: Path, function: str, mode: RobotCommandState):
     told: list[RobotCommandState] = []
-    host = LuaHost(tmp_path, joint_position=lambda: np.zeros(6), on_guided=told.append)
+    host = LuaHost(tmp_path, joint_position=lambda: np.zeros(6), guide=told.append)
     assert host.run(f'{function}(0.001)') is None
     assert told == [mode, RobotCommandState.IDLE]
 

@@ -32,9 +32,9 @@ class DebugHost(LuaHost):
 
     def __init__(self, folder: Path, **options: Any) -> None:
         self.held = threading.Semaphore(0)
-        super().__init__(folder, on_held=self._on_held, **options)
+        super().__init__(folder, held_changed=self._held_changed, **options)
 
-    def _on_held(self) -> None:
+    def _held_changed(self) -> None:
         if self.program.call_stack.frames:
             self.held.release()
 

@@ -82,7 +82,7 @@ class BrakingHost(LuaHost):
     def __init__(self, folder: Path) -> None:
         self.holds: list[bool] = []
         self.aborts = 0
-        super().__init__(folder, on_hold=self.holds.append, on_abort=self._abort)
+        super().__init__(folder, hold=lambda *, held: self.holds.append(held), abort=self._abort)
         self.holding = True
 
     def _abort(self) -> None:

@@ -144,7 +144,7 @@ def test_settings_travel_with_the_motion_in_si(tmp_path: Path):
 
 def test_override_scales_at_once(tmp_path: Path):
     told: list[float] = []
-    host = LuaHost(tmp_path, on_override=told.append)
+    host = LuaHost(tmp_path, set_override=told.append)
     assert host.run('setOverride(0.25)') is None
     assert told == [0.25]
     np.testing.assert_array_equal(host.program.overrides, np.full(6, 0.25))
@@ -169,7 +169,7 @@ def test_arc_and_spline_are_paths_of_poses(tmp_path: Path):
 
 def test_blended_motions_follow_each_other_without_waiting(tmp_path: Path):
     flushed: list[int] = []
-    host = LuaHost(tmp_path, on_flush=lambda: flushed.append(len(host.commands)))
+    host = LuaHost(tmp_path, flush=lambda: flushed.append(len(host.commands)))
     host.holding = True
     host.start("""
         ptpCartesianSpace(1, 0, 1, 0, 90, 0, {blend = 0.05})
@@ -197,7 +197,7 @@ def test_blended_motions_follow_each_other_without_waiting(tmp_path: Path):
 
 def test_last_motion_of_a_chain_comes_before_the_end_of_blending(tmp_path: Path):
     flushed: list[int] = []
-    host = LuaHost(tmp_path, on_flush=lambda: flushed.append(len(host.commands)))
+    host = LuaHost(tmp_path, flush=lambda: flushed.append(len(host.commands)))
     host.holding = True
     host.start("""
         ptpCartesianSpace(1, 0, 1, 0, 90, 0, {blend = 0.05})

@@ -10,9 +10,12 @@ import pytest
 
 from robots_controller.interpreter.lua_program import LuaProgram
 
+from .lua_host import cell_with
+
 RUN = (
     'import sys; from robots_controller.interpreter.lua_program import LuaProgram\n'
-    'program = LuaProgram(6, on_print=lambda text, line: print(text))\n'
+    'from robots_controller.program.cell_port import DetachedCell\n'
+    'cell = DetachedCell(); cell.printed = lambda text, line: print(text); program = LuaProgram(6, cell)\n'
     'program.open(sys.argv[1]); program.run(); program.join()'
 )
 
@@ -21,7 +24,7 @@ def printed(tmp_path: Path, text: str) -> list[str]:
     lines: list[str] = []
     path = tmp_path / 'program.lua'
     path.write_text(text)
-    program = LuaProgram(6, on_print=lambda line, _: lines.append(line))
+    program = LuaProgram(6, cell_with(printed=lambda line, _: lines.append(line)))
     program.open(path)
     program.run()
     program.join()

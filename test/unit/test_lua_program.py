@@ -14,7 +14,7 @@ from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.pose import Pose
 from robots_planning.robot_command_state import RobotCommandState
 
-from .lua_host import DEADLINE, LuaHost
+from .lua_host import DEADLINE, LuaHost, cell_with
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'
 MOVE = 'ptpJointSpaceAngles(0, 0, 0, 0, 0, 0)'
@@ -48,7 +48,7 @@ def test_motion_call_returns_when_the_host_says_so(tmp_path: Path):
 
 
 def test_host_that_answers_inside_the_callback(tmp_path: Path):
-    program = LuaProgram(6, on_command=lambda _: program.finish_motion())
+    program = LuaProgram(6, cell_with(command=lambda _: program.finish_motion()))
     path = tmp_path / 'p.lua'
     path.write_text(MOVE)
     program.open(path)
@@ -61,7 +61,7 @@ def test_error_raised_by_the_host_fails_the_motion(tmp_path: Path):
     def refuse(_: object) -> None:
         raise ProgramError('not now')
 
-    program = LuaProgram(6, on_command=refuse)
+    program = LuaProgram(6, cell_with(command=refuse))
     path = tmp_path / 'p.lua'
     path.write_text(MOVE)
     program.open(path)
@@ -79,7 +79,7 @@ def test_exception_of_a_callback_ends_the_program_and_is_told(tmp_path: Path):
     def broken(*_: object) -> None:
         raise TypeError('a mistake of the host')
 
-    program = LuaProgram(6, on_print=broken, on_finished=ended.append)
+    program = LuaProgram(6, cell_with(printed=broken, ended=ended.append))
     path = tmp_path / 'p.lua'
     path.write_text("while true do pcall(print, 'x') end")
     program.open(path)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
@@ -17,6 +16,7 @@ from robots_controller.control.motion_queue import MotionQueue
 from robots_controller.control.path_speed import PathSpeed
 from robots_controller.control.streamed_reference import StreamedReference, StreamPoint
 from robots_core.errors import TrajectoryRefusedError
+from robots_core.motion_result import MotionResult
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, fraction
 from robots_planning.trajectory import Trajectory
@@ -33,23 +33,6 @@ class ControllerState(StrEnum):
     STREAMING = 'following a stream'
 
 
-@dataclass(frozen=True)
-class MotionOutcome:
-    """How a motion ended.
-
-    Attributes:
-        id: The id given to `Controller.follow`.
-        ok: The robot stands at the target.
-        message: 'reached', or why not.
-        details: duration (s), progress (0..1) and what else is known.
-    """
-
-    id: str
-    ok: bool
-    message: str
-    details: dict[str, str | float] = field(default_factory=dict)
-
-
 class Controller:
     """The robot controller's loop body: sampling, override, smoothing, guard.
 
@@ -63,7 +46,7 @@ class Controller:
 
     def __init__(self, axes: AxesData, settings: ControllerSettings | None = None) -> None:
         self.settings = settings or ControllerSettings()
-        self.outcomes: deque[MotionOutcome] = deque()
+        self.outcomes: deque[MotionResult] = deque()
         """Ends of motions, oldest first; the caller takes them out."""
         self.override = 1.0
         self.paused = False
@@ -279,7 +262,7 @@ class Controller:
         stream = self._stream
         duration = round(now - stream.start, 6)
         message = failure or 'the stream ended'
-        self.outcomes.append(MotionOutcome(stream.id, not failure, message, {'duration': duration}))
+        self.outcomes.append(MotionResult(stream.id, not failure, message, {'duration': duration}))
         if failure and not stream.stale:  # who goes on sending must notice
             self._stream_refused_until = now + self.settings.stream_timeout
         stream.end()
@@ -384,10 +367,10 @@ class Controller:
             self.outcomes.append(_outcome(unbegun, now, reason, ok=False))
 
 
-def _outcome(motion: FollowedMotion, now: float, message: str, *, ok: bool) -> MotionOutcome:
+def _outcome(motion: FollowedMotion, now: float, message: str, *, ok: bool) -> MotionResult:
     details: dict[str, str | float] = {
         'duration': round(now - motion.start, 6),
         'planned_duration': round(motion.trajectory.duration, 6),
         'progress': round(motion.progress, 6),
     }
-    return MotionOutcome(motion.id, ok, message, details)
+    return MotionResult(motion.id, ok, message, details)

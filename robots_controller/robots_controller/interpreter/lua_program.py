@@ -7,7 +7,7 @@ The language is Lua 5.4; the reasons stand in `lua_sandbox`. Which functions a p
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -16,29 +16,16 @@ from robots_controller.interpreter.debugger import CallStack, Debugger, HoldReas
 from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.program_run import ProgramRun
-from robots_controller.program.clock import Clock, WallClock
+from robots_controller.program.cell_port import CellPort, DetachedCell
 from robots_controller.program.motion_target import RobotView
-from robots_controller.program.program_events import ProgramEvents
-from robots_controller.program.program_state import (
-    MotionCommand,
-    OutputChange,
-    ProgramState,
-    RunState,
-)
+from robots_controller.program.program_state import ProgramState, RunState
 from robots_controller.program.shared_data import SharedData
 from robots_controller.program.taught_points import SUFFIX
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.orientation import ORIENTATION_CONVENTIONS
-from robots_core.pose import Pose
-from robots_core.validation import Array
-from robots_planning.robot_command_state import RobotCommandState
 
 DIGITAL_SIZE: Final = 32
 ANALOG_SIZE: Final = 8
-
-
-def _ignore(*_: object) -> None:
-    pass
 
 
 class LuaProgram(SharedData):
@@ -49,28 +36,12 @@ class LuaProgram(SharedData):
 
     Args:
         num_axes: n.
+        cell: The cell in which the program runs; by default one without a robot.
         digital_size: Number of digital inputs, and of digital outputs.
         analog_size: Number of analog inputs, and of analog outputs.
         io_labels: Names of inputs and outputs, see `IoImage`.
         orientation_convention: Order of the angles phi, one of `ORIENTATION_CONVENTIONS`.
         prismatic: (n,) which axes slide, so that their targets are metres; none by default.
-        clock: The time that `wait` takes; the wall's by default.
-        joint_position: Gives the measured joint positions (n,), rad (m); RobotsError if there are none.
-        direct_kinematics: Gives the pose of tool0 in the base frame for joint positions.
-        on_command: A motion is commanded. A RobotsError that it raises fails the motion.
-        on_flush: No motion follows for now, although the last one would blend into it.
-        on_abort: The commanded motions shall end where the robot is; each still gets its `finish_motion`.
-        on_guided: Others shall guide the robot, in state TRAJECTORY or TEACH, or no longer (IDLE). A
-            RobotsError that it raises for the first fails the call.
-        on_hold: The robot shall stand on its path (True), or go on (False); from any thread.
-        on_override: The speed scale of all motions, 0..1.
-        on_output: An output changed.
-        on_print: A printed text and the program's line.
-        on_line: The program calls a robot function on another line than before, or is held before a line.
-        on_held: The program is held; `call_stack` shows where. Called again when it goes on.
-        on_finished: The program ended: None, or why it failed. `run_state` tells a stop from the end.
-
-        All callbacks but `on_hold` are called from the program's thread.
 
     Raises:
         InvalidInputError: a size below 1, an unknown convention, or not one `prismatic` per axis.
@@ -79,26 +50,13 @@ class LuaProgram(SharedData):
     def __init__(
         self,
         num_axes: int,
+        cell: CellPort | None = None,
         *,
         digital_size: int = DIGITAL_SIZE,
         analog_size: int = ANALOG_SIZE,
         io_labels: Mapping[str, Sequence[str]] = MappingProxyType({}),
         orientation_convention: str = 'zyx',
         prismatic: Sequence[bool] = (),
-        clock: Clock | None = None,
-        joint_position: Callable[[], Array] | None = None,
-        direct_kinematics: Callable[[Array], Pose] | None = None,
-        on_command: Callable[[MotionCommand], None] = _ignore,
-        on_flush: Callable[[], None] = _ignore,
-        on_abort: Callable[[], None] = _ignore,
-        on_guided: Callable[[RobotCommandState], None] = _ignore,
-        on_hold: Callable[[bool], None] = _ignore,
-        on_override: Callable[[float], None] = _ignore,
-        on_output: Callable[[OutputChange], None] = _ignore,
-        on_print: Callable[[str, int], None] = _ignore,
-        on_line: Callable[[int], None] = _ignore,
-        on_held: Callable[[], None] = _ignore,
-        on_finished: Callable[[ProgramError | None], None] = _ignore,
     ) -> None:
         if orientation_convention not in ORIENTATION_CONVENTIONS:
             raise InvalidInputError(
@@ -107,29 +65,12 @@ class LuaProgram(SharedData):
             )
         if prismatic and len(prismatic) != num_axes:
             raise InvalidInputError(f'prismatic has {len(prismatic)} values for {num_axes} axes')
+        cell = cell or DetachedCell()
         state = ProgramState(
-            num_axes,
-            digital=digital_size,
-            analog=analog_size,
-            clock=clock or WallClock(),
-            labels=io_labels,
+            num_axes, digital=digital_size, analog=analog_size, clock=cell.clock, labels=io_labels
         )
-        events = ProgramEvents(
-            command=on_command,
-            flush=on_flush,
-            abort=on_abort,
-            guided=on_guided,
-            output=on_output,
-            override=on_override,
-            printed=on_print,
-        )
-        super().__init__(state, events, tuple(prismatic))
+        super().__init__(state, cell, tuple(prismatic))
         self._convention = orientation_convention
-        self._joint_position = joint_position
-        self._direct_kinematics = direct_kinematics
-        self._on_line = on_line
-        self._on_hold = on_hold
-        self._on_held = on_held
         self._hold_lock = threading.Lock()
         self._told_hold = False
         self.debugger = Debugger()
@@ -137,7 +78,6 @@ class LuaProgram(SharedData):
         self._call_stack = CallStack()
         self.points_file: Path | None = None
         """Where taught points stand; beside the program by default."""
-        self._on_finished = on_finished
         self._source: LuaSource | None = None
         self._line_source: LuaSource | None = None
         self._thread: threading.Thread | None = None
@@ -179,6 +119,7 @@ class LuaProgram(SharedData):
             self.debugger.step('in' if hold else None, entry=hold)
             self._set_hold_reason('')
             self._state.set_run_state(RunState.RUNNING)
+            self._cell.started()
             self._thread = threading.Thread(
                 target=self._run, args=(source,), name=f'lua {source.file}', daemon=True
             )
@@ -241,7 +182,7 @@ class LuaProgram(SharedData):
             self._state.set_run_state(RunState.OPENED)
 
     def join(self, timeout: float | None = None) -> bool:
-        """Wait until the program has ended and `on_finished` has returned.
+        """Wait until the program has ended and `CellPort.ended` has returned.
 
         Args:
             timeout: s of the wall's time; None waits for ever.
@@ -326,11 +267,11 @@ class LuaProgram(SharedData):
             held = self._state.robot_held
             if held != self._told_hold:
                 self._told_hold = held
-                self._on_hold(held)
+                self._cell.hold(held=held)
 
     def _set_call_stack(self, stack: CallStack) -> None:
         self._call_stack = stack
-        self._on_held()
+        self._cell.held_changed()
 
     # -- the program's thread -----------------------------------------------------------------------
 
@@ -338,14 +279,13 @@ class LuaProgram(SharedData):
         view = RobotView(
             self._convention,
             self._prismatic,
-            self._joint_position,
-            self._direct_kinematics,
+            self._cell,
             self.points_file or source.path.with_suffix(SUFFIX),
         )
         run = ProgramRun(
             source,
             self._state,
-            self._events,
+            self._cell,
             view,
             self.debugger,
             hold=self._hold,
@@ -367,11 +307,11 @@ class LuaProgram(SharedData):
             self._told_hold = False
         else:
             self._tell_hold()
-        self._on_finished(error)
+        self._cell.ended(error)
 
     def _set_line(self, source: LuaSource, line: int) -> None:
         self._line_source, self._line = source, line
-        self._on_line(line)
+        self._cell.line_reached(line)
 
     def _refuse_while_running(self, action: str) -> None:
         if self._state.running:

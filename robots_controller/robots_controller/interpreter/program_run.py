@@ -18,8 +18,8 @@ from robots_controller.interpreter.lua_sandbox import (
 )
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.robot_functions import RobotFunctions
+from robots_controller.program.cell_port import CellPort
 from robots_controller.program.motion_target import RobotView
-from robots_controller.program.program_events import ProgramEvents
 from robots_controller.program.program_state import ProgramState, RunState
 from robots_core.errors import ProgramError
 
@@ -29,8 +29,8 @@ class ProgramRun:
 
     Args:
         source: The program.
-        state: What the robot's side sees.
-        events: What it hears.
+        state: What the program shares with its cell.
+        cell: The cell.
         view: What the program sees of the robot.
         debugger: Where to hold.
         hold: Holds the program, if it runs.
@@ -43,7 +43,7 @@ class ProgramRun:
         self,
         source: LuaSource,
         state: ProgramState,
-        events: ProgramEvents,
+        cell: CellPort,
         view: RobotView,
         debugger: Debugger,
         *,
@@ -54,7 +54,7 @@ class ProgramRun:
     ) -> None:
         self._source = source
         self._state = state
-        self._events = events
+        self._cell = cell
         self._debugger = debugger
         self._hold = hold
         self._tell_hold = tell_hold
@@ -63,7 +63,7 @@ class ProgramRun:
         self._sources = {source.chunk_name: source}
         self._chunk = ''
         self._functions = RobotFunctions(
-            state, events, view, subprogram=self._subprogram, motion_ended=self._motion_ended
+            state, cell, view, subprogram=self._subprogram, motion_ended=self._motion_ended
         )
 
     def run(self) -> tuple[ProgramError | None, bool]:
@@ -87,7 +87,7 @@ class ProgramRun:
             error = self._error(failure)
             self._functions.pulses.end(all_of_them=True)
             if error is not None and self._state.motions:
-                self._events.abort()
+                self._cell.abort()
         return error, bool(failure)
 
     def source_of(self, file: str) -> LuaSource:

@@ -17,11 +17,11 @@ from robots_controller.interpreter.lua_functions import (
     pose_to_program,
 )
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, Result, Waiting
+from robots_controller.program.cell_port import CellPort
 from robots_controller.program.guided_motion import guided
 from robots_controller.program.motion_command import Kind, MotionCommand, OutputChange
 from robots_controller.program.motion_target import MotionTarget, RobotView
 from robots_controller.program.output_pulses import OutputPulses
-from robots_controller.program.program_events import ProgramEvents
 from robots_controller.program.program_state import ProgramState
 from robots_controller.program.taught_points import TaughtPoint, read_points, write_points
 from robots_core.errors import ProgramError, RobotsError
@@ -43,8 +43,8 @@ class RobotFunctions:
     """The functions of `LUA_FUNCTIONS`, for one run.
 
     Args:
-        state: What the robot's side sees.
-        events: What it hears.
+        state: What the program shares with its cell.
+        cell: The cell.
         view: What the program sees of the robot.
         subprogram: Gives a subprogram's name and text.
         motion_ended: A motion that the program waited for has ended well.
@@ -53,14 +53,14 @@ class RobotFunctions:
     def __init__(
         self,
         state: ProgramState,
-        events: ProgramEvents,
+        cell: CellPort,
         view: RobotView,
         *,
         subprogram: Callable[[str], tuple[str, str]],
         motion_ended: Callable[[], None],
     ) -> None:
         self.state = state
-        self.events = events
+        self.cell = cell
         self.view = view
         self.line = 0
         self.error: RobotsError | None = None
@@ -119,7 +119,7 @@ class RobotFunctions:
         while self.state.needs_attention():
             yield
         if name == 'print':
-            self.events.printed(_text(arguments), self.line)
+            self.cell.printed(_text(arguments), self.line)
             return None
         checked = check_arguments(LUA_FUNCTIONS[name], arguments, self._sizes)
         try:
@@ -211,7 +211,7 @@ class RobotFunctions:
         self.target.set(q, pose)
         if chained and not blend:
             # Switched off before, blending would end the chain before its last motion.
-            self.events.flush()
+            self.cell.flush()
         if not blend:
             yield from self._standstill(command)
             self._motion_ended()
@@ -221,7 +221,7 @@ class RobotFunctions:
         try:
             self.state.command_motion(command)
             try:
-                self.events.command(command)
+                self.cell.command(command)
             except BaseException:
                 self.state.finish_motion()
                 raise
@@ -231,7 +231,7 @@ class RobotFunctions:
     def _standstill(self, command: MotionCommand | None = None) -> Generator[None, None, None]:
         motions = self.state.motions
         if motions and motions[-1].blend:
-            self.events.flush()
+            self.cell.flush()
         yield from self.state.waiting(lambda: not self.state.motions or self.state.braked)
         self._raise_failure(command)
 
@@ -264,7 +264,7 @@ class RobotFunctions:
     def _abort_motions(self) -> list[MotionCommand]:
         motions = list(self.state.motions)
         if motions:
-            self.events.abort()
+            self.cell.abort()
             self.state.wait_for_standstill()
             self.state.take_motion_error()
             self.target.forget()
@@ -283,7 +283,7 @@ class RobotFunctions:
 
     def _set_override(self, arguments: Arguments) -> None:
         self.state.set_overrides(np.full(self.state.num_axes, arguments.values[0]))
-        self.events.override(arguments.values[0])
+        self.cell.set_override(arguments.values[0])
 
     def _set_limits(self, what: str) -> Callable[[Arguments], None]:
         names = (f'{what}_fraction', f'cartesian_{what}', f'rotation_{what}')
@@ -353,7 +353,7 @@ class RobotFunctions:
                 return index is not None and self._input('digital', inputs) == wanted
 
             result = yield from guided(
-                self.state, mode, ended, duration, self.view.position, told=self.events.guided
+                self.state, mode, ended, duration, self.view.position, hand_over=self.cell.guide
             )
             self.target.forget()
             return result
@@ -367,7 +367,7 @@ class RobotFunctions:
 
     def _set_output(self, kind: Kind, index: int, value: float) -> None:
         if self.state.set_output(kind, index, value):
-            self.events.output(OutputChange(kind, index, value, self.line))
+            self.cell.output_changed(OutputChange(kind, index, value, self.line))
 
     def _on_digital_input(self, arguments: Arguments) -> Result:
         index, value, _ = arguments.values

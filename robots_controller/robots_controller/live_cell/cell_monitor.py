@@ -35,7 +35,12 @@ from robots_controller.live_cell.cell_events import (
 )
 from robots_controller.recording.motion_record import COMMAND_TOPICS, motion_kind
 from robots_core.pose import Pose
-from robots_core.ros.messages import MotionResult, diagnostic_values, pose_from_message, stamp_id
+from robots_core.ros.messages import (
+    diagnostic_values,
+    motion_result_from_message,
+    pose_from_message,
+    stamp_id,
+)
 from robots_core.validation import Array, read_only
 
 # Topics arrive in any order; after this long everything that was sent before has arrived.
@@ -180,5 +185,5 @@ def _progress(message: Float64) -> Iterable[Event]:
 
 
 def _result(message: DiagnosticStatus) -> Iterable[Event]:
-    result = MotionResult.from_message(message)
+    result = motion_result_from_message(message)
     yield MotionEnded(result.id, result.ok, result.message, result.details)

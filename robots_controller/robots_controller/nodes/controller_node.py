@@ -18,16 +18,17 @@ from std_msgs.msg import Bool, Float64
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.control.controller import Controller, ControllerState, MotionOutcome
+from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.motion_result import MotionResult
 from robots_core.periodic_thread import PeriodicThread
 from robots_core.realtime import ask_for_realtime
 from robots_core.ros.joint_state_reader import JointStateReader
-from robots_core.ros.messages import MotionResult, stamp_id
+from robots_core.ros.messages import motion_result_message, stamp_id
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE, subscribe_state
 from robots_core.ros.reference_stream import ReferenceStream
@@ -159,12 +160,12 @@ class ControllerNode(RobotNode):
             self.refuse('joint_states', error, stream=True)
             return None
 
-    def _publish_result(self, outcome: MotionOutcome) -> None:
+    def _publish_result(self, outcome: MotionResult) -> None:
         # Who has commanded another motion meanwhile can tell whether that was before or after this end.
         ended = 1e-9 * self.get_clock().now().nanoseconds
         details = {key: str(value) for key, value in outcome.details.items()} | {'ended': f'{ended:.9f}'}
         result = MotionResult(outcome.id, outcome.ok, outcome.message, details)
-        self._result_publisher.publish(result.to_message(self.robot_name))
+        self._result_publisher.publish(motion_result_message(result, self.robot_name))
         if not outcome.ok:
             self.get_logger().warning(f'motion stopped: {outcome.message}')  # type: ignore[no-untyped-call]
 
@@ -242,7 +243,9 @@ class ControllerNode(RobotNode):
     def _refuse_motion(self, id_: str, error: RobotsError) -> None:
         details = {key: str(value) for key, value in error.details.items()}
         self._result_publisher.publish(
-            MotionResult(id_, ok=False, message=error.message, details=details).to_message(self.robot_name)
+            motion_result_message(
+                MotionResult(id_, ok=False, message=error.message, details=details), self.robot_name
+            )
         )
         self.get_logger().error(f'joint_trajectory: {error}')  # type: ignore[no-untyped-call]
 

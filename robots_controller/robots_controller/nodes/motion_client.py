@@ -20,7 +20,12 @@ from std_srvs.srv import Trigger
 from robots_controller.nodes.planner_settings import BLEND_ZONES, PlannerSettings
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import PlanningError, RobotsError
-from robots_core.ros.messages import MotionResult, joint_state_message, pose_stamped_message, stamp_id
+from robots_core.ros.messages import (
+    joint_state_message,
+    motion_result_from_message,
+    pose_stamped_message,
+    stamp_id,
+)
 from robots_core.ros.qos import COMMAND
 from robots_planning.robot_command_state import RobotCommandState
 
@@ -209,7 +214,7 @@ class MotionClient:
     # -- the executor's thread ------------------------------------------------------------------
 
     def _on_motion_result(self, message: DiagnosticStatus) -> None:
-        result = MotionResult.from_message(message)
+        result = motion_result_from_message(message)
         with self._lock:
             command = self._sent.pop(result.id, None)
             if command is None:

@@ -25,7 +25,7 @@ def guided(
     duration: float,
     position: Callable[[], Array],
     *,
-    told: Callable[[RobotCommandState], None],
+    hand_over: Callable[[RobotCommandState], None],
 ) -> Generator[None, None, bool]:
     """Hand the robot over, and take it back when it stands.
 
@@ -35,23 +35,23 @@ def guided(
         ended: The program shall go on.
         duration: Longest time of it, s; braking comes after that.
         position: Measured joint positions, (n,).
-        told: Hears that the robot is handed over (the mode) and taken back (IDLE).
+        hand_over: Hands the robot over (the mode) and takes it back (IDLE).
 
     Returns:
         True if it ended before `duration`.
 
     Raises:
-        RobotsError: `told` knows that nobody can guide the robot.
-        ProgramError: whoever guides the robot does not let go of it.
+        RobotsError: nothing can guide the robot.
+        ProgramError: the robot still moves long after it was taken back.
         ProgramStopped: the program shall stop.
     """
     state.set_command_state(mode)
     try:
-        told(mode)
+        hand_over(mode)
         early = yield from state.waiting(ended, duration)
     finally:
         state.set_command_state(RobotCommandState.IDLE)
-        told(RobotCommandState.IDLE)
+        hand_over(RobotCommandState.IDLE)
     last, still, looks = position(), 0, 0
     while still < LOOKS:
         yield from state.waiting(lambda: False, LOOK_PERIOD)

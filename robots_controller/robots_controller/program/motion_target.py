@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from robots_core.errors import ProgramError
+from robots_controller.program.cell_port import CellPort
 from robots_core.pose import Pose
 from robots_core.validation import Array
 
@@ -18,15 +18,13 @@ class RobotView:
     Attributes:
         convention: Order of the orientation angles.
         prismatic: (n,) which axes slide; () for none.
-        joint_position: Gives the measured joint positions (n,); None where nobody measures.
-        direct_kinematics: Gives the pose of tool0 in the base frame; None where nobody knows.
+        cell: Measures joint positions and computes kinematics.
         points_file: Where taught points stand.
     """
 
     convention: str
     prismatic: tuple[bool, ...]
-    joint_position: Callable[[], Array] | None
-    direct_kinematics: Callable[[Array], Pose] | None
+    cell: CellPort
     points_file: Path
 
     def pose(self, values: Sequence[float]) -> Pose:
@@ -39,19 +37,15 @@ class RobotView:
         Raises:
             RobotsError: they are not known.
         """
-        if self.joint_position is None:
-            raise ProgramError('the position of the robot is not known here')
-        return self.joint_position()
+        return self.cell.joint_position()
 
     def flange(self, q: Array) -> Pose:
         """tool0 in the base frame.
 
         Raises:
-            ProgramError: the robot's kinematics are not known.
+            RobotsError: the robot's kinematics are not known.
         """
-        if self.direct_kinematics is None:
-            raise ProgramError("the robot's kinematics are not known here")
-        return self.direct_kinematics(q)
+        return self.cell.direct_kinematics(q)
 
 
 class MotionTarget:

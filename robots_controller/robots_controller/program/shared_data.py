@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robots_controller.io.io_image import IoImage
+from robots_controller.program.cell_port import CellPort
 from robots_controller.program.motion_command import MotionCommand, OutputChange
-from robots_controller.program.program_events import ProgramEvents
 from robots_controller.program.program_state import ProgramState
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.pose import Pose
@@ -20,12 +20,12 @@ class SharedData:
 
     Args:
         state: Holds the data.
-        events: Hears of switched outputs.
-        prismatic: Per axis, whether it slides; () if nobody says.
+        cell: Gets the changes of outputs.
+        prismatic: Per axis, whether it slides; () if unknown.
     """
 
-    def __init__(self, state: ProgramState, events: ProgramEvents, prismatic: tuple[bool, ...]) -> None:
-        self._state, self._events, self._prismatic = state, events, prismatic
+    def __init__(self, state: ProgramState, cell: CellPort, prismatic: tuple[bool, ...]) -> None:
+        self._state, self._cell, self._prismatic = state, cell, prismatic
 
     @property
     def num_axes(self) -> int:
@@ -69,7 +69,7 @@ class SharedData:
     def switch_output(self, change: OutputChange) -> None:
         """Switch an output for a motion on its way (see `PathSwitch`); from any thread."""
         if self._state.set_output(change.kind, change.index, change.value):
-            self._events.output(change)
+            self._cell.output_changed(change)
 
     @property
     def reference_cartesian_position(self) -> Pose | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from robots_controller.control.controller import MotionOutcome
+from robots_controller.control.controller import MotionResult
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.io.io_image import Channel, IoImage
@@ -30,6 +30,7 @@ from robots_controller.simulation.simulated_bag import START, SimulatedBag
 from robots_controller.simulation.simulated_clock import SimulatedClock
 from robots_controller.simulation.simulated_motions import MotionEnd, motion_settings
 from robots_core.errors import RobotsError
+from robots_core.motion_result import MotionResult
 from robots_planning.command_planner import PlannedCommands
 from robots_planning.motion_settings import MotionSettings, settings_as_text
 from robots_planning.robot_command_state import RobotCommandState
@@ -254,7 +255,7 @@ class CellLog:
         message = ros.planned_trajectory(stamp, self._joints, planned.motion.trajectory)
         self._write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', message)
 
-    def result(self, end: MotionEnd | MotionOutcome) -> None:
+    def result(self, end: MotionEnd | MotionResult) -> None:
         """A command has its result, or a stream of references has ended."""
         if self._bag is None:
             return

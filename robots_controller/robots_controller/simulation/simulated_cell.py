@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from robots_controller.control.controller import Controller, ControllerState, MotionOutcome
+from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.program.program_state import MotionCommand, OutputChange, RunState
@@ -29,6 +29,7 @@ from robots_controller.simulation.simulated_plc import SimulatedPlc
 from robots_controller.simulation.simulated_switches import SimulatedSwitches
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.errors import ProgramError
+from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array, read_only
 from robots_planning.command_planner import PlannedCommands
@@ -304,7 +305,7 @@ class SimulatedCell:
         if self._controller.state is ControllerState.STREAMING and watch.ahead(q, q_dot):
             self._controller.stop(STOPPED)
 
-    def _end_motion(self, outcome: MotionOutcome) -> None:
+    def _end_motion(self, outcome: MotionResult) -> None:
         if not self._motions.end(outcome):
             self._log.result(outcome)
 

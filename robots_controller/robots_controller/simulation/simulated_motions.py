@@ -12,10 +12,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from robots_controller.control.controller import Controller, MotionOutcome
+from robots_controller.control.controller import Controller
 from robots_controller.program.motion_command import MotionCommand
 from robots_controller.simulation.simulation_run import SimulatedMotion
 from robots_core.errors import PlanningError, RobotsError
+from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
@@ -166,12 +167,12 @@ class SimulatedMotions:
             try:
                 self._controller.follow(trajectory, id_, now, join_time=planned.join_time)
             except RobotsError as error:
-                self.end(MotionOutcome(id_, ok=False, message=error.message, details=error.details))
+                self.end(MotionResult(id_, ok=False, message=error.message, details=error.details))
                 continue
             if standing:
                 self._note_start(id_, now)
 
-    def end(self, outcome: MotionOutcome) -> bool:
+    def end(self, outcome: MotionResult) -> bool:
         """A motion of the controller has ended; False if it is none of the program's."""
         motion = self._book.ended(outcome.id, ok=outcome.ok, at=float(next(self._order)))
         if motion is None:

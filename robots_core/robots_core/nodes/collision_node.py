@@ -21,10 +21,10 @@ from robots_core.blocks.collision_detection import ENGINES, CollisionDetection, 
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import (
-    MotionResult,
     diagnostic_status,
     joint_indices,
     joint_values,
+    motion_result_from_message,
     stamp_id,
 )
 from robots_core.ros.polled_subscription import PolledSubscription
@@ -160,7 +160,7 @@ class CollisionNode(RobotNode):
         self._stop_before_dangers()
 
     def _on_result(self, message: DiagnosticStatus) -> None:
-        if self._motions.pop(MotionResult.from_message(message).id, None) is not None:
+        if self._motions.pop(motion_result_from_message(message).id, None) is not None:
             self._progress = 0.0
             if not self._motions:
                 self.ready(objects=len(self._detection.scene.objects))

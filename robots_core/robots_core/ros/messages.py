@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import array
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -14,6 +13,7 @@ from geometry_msgs.msg import PoseStamped
 from sensor_msgs.msg import JointState
 
 from robots_core.errors import InvalidInputError, JointNamesError
+from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
 
@@ -121,30 +121,15 @@ def diagnostic_values(status: DiagnosticStatus) -> dict[str, str]:
     return {item.key: item.value for item in status.values}
 
 
-@dataclass(frozen=True)
-class MotionResult:
-    """End of a motion, as it travels on `motion_result`.
+def motion_result_message(result: MotionResult, robot: str) -> DiagnosticStatus:
+    """A result as it travels on `motion_result`; `robot` is the robot's name."""
+    level = DiagnosticStatus.OK if result.ok else DiagnosticStatus.ERROR
+    values = {'id': result.id, **result.details}
+    return diagnostic_status('motion', result.message, level=level, hardware_id=robot, **values)
 
-    Attributes:
-        id: The command's id (see `stamp_id`).
-        ok: The robot stands at the target.
-        message: 'reached', or the reason why not.
-        details: Further facts: duration, limiting_axis, or the data of the error.
-    """
 
-    id: str
-    ok: bool
-    message: str
-    details: dict[str, str] = field(default_factory=dict)
-
-    def to_message(self, robot: str) -> DiagnosticStatus:
-        """The result as message."""
-        level = DiagnosticStatus.OK if self.ok else DiagnosticStatus.ERROR
-        values = {'id': self.id, **self.details}
-        return diagnostic_status('motion', self.message, level=level, hardware_id=robot, **values)
-
-    @classmethod
-    def from_message(cls, status: DiagnosticStatus) -> MotionResult:
-        """The result of a message."""
-        details = diagnostic_values(status)
-        return cls(details.pop('id', ''), status.level == DiagnosticStatus.OK, status.message, details)
+def motion_result_from_message(status: DiagnosticStatus) -> MotionResult:
+    """The result of a message; all details are texts."""
+    details = diagnostic_values(status)
+    id_ = details.pop('id', '')
+    return MotionResult(id_, status.level == DiagnosticStatus.OK, status.message, details)

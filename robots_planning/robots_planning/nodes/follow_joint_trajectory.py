@@ -14,7 +14,8 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from robots_core.errors import InvalidInputError, JointNamesError, PlanningError, RobotsError
-from robots_core.ros.messages import MotionResult, joint_indices, stamp_id
+from robots_core.motion_result import MotionResult
+from robots_core.ros.messages import joint_indices, stamp_id
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory

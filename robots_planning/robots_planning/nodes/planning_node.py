@@ -21,9 +21,17 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
+from robots_core.motion_result import MotionResult
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.pose import Pose
-from robots_core.ros.messages import MotionResult, id_stamp, joint_values, pose_from_message, stamp_id
+from robots_core.ros.messages import (
+    id_stamp,
+    joint_values,
+    motion_result_from_message,
+    motion_result_message,
+    pose_from_message,
+    stamp_id,
+)
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, STREAM
 from robots_core.ros.robot_node import RobotNode
@@ -301,7 +309,7 @@ class PlanningNode(RobotNode):
         self._answer(MotionResult(id_, ok=False, message=error.message, details=details))
 
     def _answer(self, result: MotionResult) -> None:
-        self._result_publisher.publish(result.to_message(self.robot_name))
+        self._result_publisher.publish(motion_result_message(result, self.robot_name))
 
     def _standing_reference(self) -> Array:
         """Where the controller's reference stands, (n,).
@@ -364,7 +372,7 @@ class PlanningNode(RobotNode):
         self._progress = (message.data, time.monotonic())
 
     def _on_motion_result(self, message: DiagnosticStatus) -> None:
-        result = MotionResult.from_message(message)
+        result = motion_result_from_message(message)
         if self._action is not None:
             self._action.ended(result)
         ended = float(result.details.get('ended', self._now()))

@@ -1,0 +1,100 @@
+"""Ports of the cell: what a transport provides to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, Literal, Protocol
+
+from robots_controller.program.motion_command import MotionCommand, OutputChange
+from robots_controller.program.program_state import RunState
+from robots_core.errors import PlanningError, ProgramError
+from robots_core.validation import Array
+from robots_planning.robot_command_state import RobotCommandState
+
+ControllerRequest = Literal['pause', 'resume', 'stop']
+Configured = Callable[[PlanningError | None], None]
+
+
+class PlannerPort(Protocol):
+    """The planner as a program's motions reach it. Results come back to `ProgramMotions.result`."""
+
+    def plans(self, command: MotionCommand) -> bool:
+        """A planner takes motions of this kind."""
+
+    def differs(self, settings: Mapping[str, object]) -> bool:
+        """The planner has other modal settings than these."""
+
+    @property
+    def configurable(self) -> bool:
+        """The planner takes settings now."""
+
+    def configure(self, settings: Mapping[str, object], done: Configured, *, moving: bool) -> None:
+        """Set these modal settings and take back all others; returns at once.
+
+        Args:
+            settings: Values by parameter name, SI.
+            done: Called with None, or why the planner refuses.
+            moving: A motion was sent just now, which keeps the settings before these.
+        """
+
+    def next_id(self) -> str:
+        """The id of the next command."""
+
+    def command(self, id_: str, command: MotionCommand) -> None:
+        """Send a motion."""
+
+    def followers(self) -> Mapping[Collection[int], str]:
+        """Those who can end a motion: an identity each, and the name of its node."""
+
+
+class ControllerPort(Protocol):
+    """Requests to the controller, without waiting for an answer."""
+
+    def request(self, request: ControllerRequest) -> None:
+        """Pause on the path, resume, or stop and give up all motions."""
+
+    def set_override(self, value: float) -> None:
+        """Scale the speed of all motions, 0..1."""
+
+
+class RobotPort(Protocol):
+    """The robot as a program measures it."""
+
+    def joint_position(self) -> Array:
+        """Measured joint positions, (n,), rad (m).
+
+        Raises:
+            RobotsError: no feedback.
+        """
+
+    def guide(self, state: RobotCommandState) -> None:
+        """Hand the robot over to a sensor (TRAJECTORY) or a person (TEACH), or take it back (IDLE).
+
+        Raises:
+            RobotsError: nothing can guide the robot in this state.
+        """
+
+
+class ProgramObserver(Protocol):
+    """Those who follow a program: operators, recorders, editors."""
+
+    def command_state(self, state: RobotCommandState) -> None:
+        """What the robot is commanded to do."""
+
+    def status(self, state: RunState, error: str, values: Mapping[str, Any]) -> None:
+        """State, place and motion of the program."""
+
+    def outputs_changed(self, change: OutputChange) -> None:
+        """An output has changed."""
+
+    def printed(self, text: str, line: int) -> None:
+        """The program printed."""
+
+    def line_reached(self, line: int) -> None:
+        """The program is on another line."""
+
+    def held_changed(self) -> None:
+        """The program is held, or goes on."""
+
+    def ended(self, error: ProgramError | None) -> None:
+        """The program has ended."""

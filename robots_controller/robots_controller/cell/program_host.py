@@ -1,0 +1,263 @@
+"""ProgramHost: runs a robot program in a cell, whatever the transport is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+
+from robots_controller.cell.path_switching import PathSwitching
+from robots_controller.cell.ports import ControllerPort, PlannerPort, ProgramObserver, RobotPort
+from robots_controller.cell.program_motions import ProgramMotions
+from robots_controller.cell.program_reporter import ProgramReporter
+from robots_controller.interpreter.debugger import Step
+from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE, LuaProgram
+from robots_controller.program.clock import Clock
+from robots_controller.program.motion_command import MotionCommand, OutputChange
+from robots_controller.program.run_state import RunState
+from robots_core.errors import ProgramError, RobotsError
+from robots_core.pose import Pose
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array
+from robots_planning.robot_command_state import RobotCommandState
+
+
+class ProgramHost:
+    """A program, its motions, the outputs that they switch, and the reports of all that.
+
+    It is the cell (`CellPort`) of its `program`. A transport calls `result` with the ends of motions,
+    `switching` with plans and progress, `motions.watch` and `reporter.report_in_time` regularly.
+
+    Args:
+        robot: The robot.
+        clock: The program's time.
+        robot_port: Measures and hands over the robot.
+        planner: Plans motions.
+        controller: Follows them.
+        observer: Gets the reports.
+        digital_size: Number of digital inputs, and of digital outputs.
+        analog_size: Number of analog inputs, and of analog outputs.
+        io_labels: Names of inputs and outputs, see `IoImage`.
+        orientation_convention: Order of the angles phi; the robot's own by default.
+        planner_timeout: Longest wait of a motion for a planner, s.
+
+    Raises:
+        InvalidInputError: as `LuaProgram`.
+    """
+
+    def __init__(
+        self,
+        robot: BaseRobotModel,
+        *,
+        clock: Clock,
+        robot_port: RobotPort,
+        planner: PlannerPort,
+        controller: ControllerPort,
+        observer: ProgramObserver,
+        digital_size: int = DIGITAL_SIZE,
+        analog_size: int = ANALOG_SIZE,
+        io_labels: Mapping[str, Sequence[str]] = MappingProxyType({}),
+        orientation_convention: str = '',
+        planner_timeout: float = 5.0,
+    ) -> None:
+        self.clock = clock
+        self._robot, self._robot_port = robot, robot_port
+        self._controller, self._observer = controller, observer
+        self.program = LuaProgram(
+            robot.num_axes,
+            self,
+            digital_size=digital_size,
+            analog_size=analog_size,
+            io_labels=io_labels,
+            orientation_convention=orientation_convention or robot.orientation_convention,
+            prismatic=robot.axes_data.prismatic,
+        )
+        self.reporter = ProgramReporter(self.program, clock, observer.status)
+        self.switching = PathSwitching(self.direct_kinematics, self.program.switch_output)
+        self.motions = ProgramMotions(
+            planner,
+            controller,
+            clock,
+            planner_timeout=planner_timeout,
+            on_sent=self._sent,
+            on_result=self._ended,
+        )
+        self._files: dict[MotionCommand, str] = {}  # the programs of motions that were not sent yet
+
+    # -- operation ------------------------------------------------------------------------------------
+
+    def open(self, path: Path | str, points_file: Path | str = '') -> str:
+        """Open a program.
+
+        Args:
+            path: Its file.
+            points_file: Where taught points stand; '' for the program's name with .points.yaml.
+
+        Returns:
+            What has happened, for a person; as all operations.
+
+        Raises:
+            ProgramError: the file is not a program, or one is running; the one before stays open.
+        """
+        try:
+            if not path:
+                raise ProgramError("parameter 'program' is empty; set it to the path of a Lua program")
+            self.program.open(path)
+        except RobotsError as error:
+            self.reporter.open_error = str(error)
+            self.reporter.report()
+            raise
+        self.program.points_file = Path(points_file) if points_file else None
+        self._report_well()
+        return f'{self.program.file} is open'
+
+    def run(self, *, hold: bool = False) -> str:
+        """Run the program from its start; with `hold`, hold it before its first line.
+
+        Raises:
+            ProgramError: no program is open, one is running, or the robot still moves.
+        """
+        self.program.run(hold=hold)
+        return f'{self.program.file} is held before its first line' if hold else f'{self.program.file} runs'
+
+    def pause(self) -> str:
+        """Hold the program, and the robot on its path.
+
+        Raises:
+            ProgramError: no program is running.
+        """
+        if not self.program.pause():
+            raise ProgramError('no program is running')
+        self.reporter.report()
+        return f'{self.program.file} is paused'
+
+    def resume(self) -> str:
+        """Let the program go on.
+
+        Raises:
+            ProgramError: no program is held.
+        """
+        if not self.program.resume():
+            raise ProgramError('no program is paused')
+        self.reporter.report()
+        return f'{self.program.file} goes on'
+
+    def step(self, step: Step) -> str:
+        """Let the program go on for one step; one that is open begins and is held before its first line.
+
+        Raises:
+            ProgramError: no program is open or held.
+        """
+        if self.program.run_state is RunState.OPENED:
+            return self.run(hold=True)
+        if not self.program.step(step):
+            raise ProgramError('no program is held; pause it, or set breakpoints')
+        self.reporter.report()
+        return f'{self.program.file} makes a step'
+
+    def stop(self) -> str:
+        """Stop the program for good, and the robot on its path.
+
+        Raises:
+            ProgramError: no program is running.
+        """
+        if not self.program.stop():
+            raise ProgramError('no program is running')
+        self.motions.stop()
+        return f'{self.program.file} stops'
+
+    def reset(self) -> str:
+        """Set the program back to its start.
+
+        Raises:
+            ProgramError: no program is open, it is running, or the robot still moves.
+        """
+        self.program.reset()
+        self._report_well()
+        return f'{self.program.file} is at its start'
+
+    def _report_well(self) -> None:
+        self.reporter.open_error = ''
+        self.reporter.report()
+
+    # -- the motions ----------------------------------------------------------------------------------
+
+    def _sent(self, id_: str, command: MotionCommand) -> None:
+        self.switching.sent(id_, command)
+        self.reporter.motion_sent(id_, self._files.pop(command, ''), command.line)
+
+    def _ended(self, id_: str, command: MotionCommand, error: RobotsError | None) -> None:
+        self.switching.finish(id_, ok=error is None)
+        self._files.pop(command, None)
+        # IDLE is reported before the program can command the next motion.
+        if error is not None or command in self.program.motions[-1:]:
+            self._observer.command_state(RobotCommandState.IDLE)
+        self.program.finish_motion(error, command)
+
+    # -- the program's cell ---------------------------------------------------------------------------
+
+    def joint_position(self) -> Array:
+        """See `CellPort`."""
+        return self._robot_port.joint_position()
+
+    def direct_kinematics(self, q: Array) -> Pose:
+        """See `CellPort`."""
+        return Pose(*self._robot.direct_kinematics(q))
+
+    def command(self, command: MotionCommand) -> None:
+        """See `CellPort`."""
+        self.reporter.report_if_due()
+        self._observer.command_state(self.program.command_state)
+        self._files[command] = self.program.line_file
+        self.motions.send(command)
+        if self.program.stopping:  # the stop came before there was a motion to stop
+            self.motions.stop()
+
+    def flush(self) -> None:
+        """See `CellPort`."""
+        self.motions.flush()
+
+    def abort(self) -> None:
+        """See `CellPort`."""
+        self.motions.stop()
+
+    def guide(self, state: RobotCommandState) -> None:
+        """See `CellPort`."""
+        self._robot_port.guide(state)
+        self._observer.command_state(state)
+
+    def hold(self, *, held: bool) -> None:
+        """See `CellPort`."""
+        self._controller.request('pause' if held else 'resume')
+
+    def set_override(self, value: float) -> None:
+        """See `CellPort`."""
+        self._controller.set_override(value)
+
+    def output_changed(self, change: OutputChange) -> None:
+        """See `CellPort`."""
+        self.reporter.report_if_due()
+        self._observer.outputs_changed(change)
+
+    def printed(self, text: str, line: int) -> None:
+        """See `CellPort`."""
+        self._observer.printed(text, line)
+
+    def started(self) -> None:
+        """See `CellPort`."""
+        self._report_well()
+
+    def line_reached(self, line: int) -> None:
+        """See `CellPort`."""
+        self._observer.line_reached(line)
+        self.reporter.line_changed()
+
+    def held_changed(self) -> None:
+        """See `CellPort`."""
+        self.reporter.report()
+        self._observer.held_changed()
+
+    def ended(self, error: ProgramError | None) -> None:
+        """See `CellPort`."""
+        self._observer.ended(error)
+        self.reporter.report()

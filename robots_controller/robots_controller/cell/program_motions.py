@@ -1,0 +1,200 @@
+"""ProgramMotions: the motions of a program on their way to the planner and back."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Collection
+from functools import partial
+from typing import Final
+
+from robots_controller.cell.ports import ControllerPort, PlannerPort
+from robots_controller.program.clock import Clock
+from robots_controller.program.motion_command import MotionCommand
+from robots_core.errors import PlanningError, RobotsError
+from robots_core.motion_result import MotionResult
+
+# A node restarts in about this time; a motion that no node will end must not be waited for longer.
+LOST_TIMEOUT: Final = 2.0  # s
+# Motions on their way at once: fewer than the controller queues and than the middleware keeps of commands.
+MOST_SENT: Final = 50
+BLEND_ZONES: Final = ('blend_zone', 'joint_blend_zone')
+
+
+class ProgramMotions:
+    """Motions in their order: sent when a planner listens, ended by their results or when no node is left.
+
+    A motion is sent at once; the program commands the next one before its end only if they blend. Before a
+    motion the planner gets the settings that it was commanded with, if they differ from its own. Safe from
+    any thread.
+
+    Args:
+        planner: The planner.
+        controller: Stopped with the motions.
+        clock: The program's time.
+        planner_timeout: Longest wait for a planner, s.
+        on_sent: A motion is being sent, with its id.
+        on_result: A motion has ended; its id ('' if it was not sent), and None, or why the robot is not at
+            the target.
+    """
+
+    def __init__(
+        self,
+        planner: PlannerPort,
+        controller: ControllerPort,
+        clock: Clock,
+        *,
+        planner_timeout: float,
+        on_sent: Callable[[str, MotionCommand], None],
+        on_result: Callable[[str, MotionCommand, RobotsError | None], None],
+    ) -> None:
+        self._planner, self._controller, self._clock = planner, controller, clock
+        self._planner_timeout = planner_timeout
+        self._on_sent, self._on_result = on_sent, on_result
+        # Entered again by an answer of the planner that is there at once.
+        self._lock = threading.RLock()
+        self._unsent: deque[MotionCommand] = deque()
+        self._sent: dict[str, MotionCommand] = {}  # by id, oldest first
+        self._configuring: MotionCommand | None = None  # whose settings are on their way
+        self._flush = False
+        self._since = 0.0  # when the command came, or when all its followers were last present
+        self._followers: dict[Collection[int], str] = {}
+        self._stopping = False
+
+    def send(self, command: MotionCommand) -> None:
+        """Send a motion, at once or as soon as a planner listens."""
+        with self._lock:
+            if not self._unsent:
+                self._since = self._clock.now()
+            self._unsent.append(command)
+            self._stopping = self._flush = False
+            self._send_planned()
+
+    def flush(self) -> None:
+        """No motion follows for now: a planner need not wait for the next one to blend into."""
+        with self._lock:
+            self._flush = True
+            self._send_planned()
+
+    def stop(self) -> None:
+        """Give up all motions; the results of those that were sent still come."""
+        with self._lock:
+            # A motion that is being planned reaches the controller after its stop: `watch` repeats it.
+            self._stopping = bool(self._sent)
+            unsent = list(self._unsent)
+            self._unsent.clear()
+            self._configuring = None
+        self._controller.request('stop')
+        for command in unsent:
+            self._on_result('', command, PlanningError('stopped before it began'))
+
+    def result(self, result: MotionResult) -> None:
+        """A motion has ended."""
+        with self._lock:
+            command = self._sent.pop(result.id, None)
+            if command is None:
+                return
+            before = {}
+            if result.ok:  # those before it have ended too
+                before = {id_: one for id_, one in self._sent.items() if _number(id_) < _number(result.id)}
+                for id_ in before:
+                    del self._sent[id_]
+            if not self._sent:
+                self._stopping = False
+            if result.ok:
+                self._since = self._clock.now()
+                self._send_planned()
+        for id_, one in before.items():
+            self._on_result(id_, one, None)
+        self._on_result(result.id, command, result.error)
+
+    def watch(self) -> None:
+        """Send what waits for a planner, and give up motions that no node will end; called regularly."""
+        with self._lock:
+            now, stopping = self._clock.now(), self._stopping
+            waiting = self._unsent and not self._full
+            problem = self._unplanned(now) if waiting else self._lost(now)
+            given_up = list(self._sent.items()) + [('', command) for command in self._unsent]
+            if problem:
+                self._sent.clear()
+                self._unsent.clear()
+                self._configuring, self._stopping = None, False
+        if problem:
+            for id_, command in given_up:
+                self._on_result(id_, command, PlanningError(problem))
+            self._controller.request('stop')
+        elif stopping:
+            self._controller.request('stop')
+
+    # -- inside, locked -------------------------------------------------------------------------
+
+    @property
+    def _full(self) -> bool:
+        return len(self._sent) >= MOST_SENT
+
+    def _send_planned(self) -> None:
+        planner = self._planner
+        while self._unsent and self._configuring is None and not self._full:
+            command = self._unsent[0]
+            if not planner.plans(command):
+                return
+            if planner.differs(command.settings):
+                if not planner.configurable:
+                    return
+                self._configuring = command
+                done = partial(self._configured, command)
+                planner.configure(command.settings, done, moving=bool(self._sent))
+                return
+            self._send(self._unsent.popleft())
+        if self._flush and not self._unsent and self._sent and not self._configuring and planner.configurable:
+            self._flush = False
+            last = next(reversed(self._sent.values()))
+            settings = {**last.settings, **dict.fromkeys(BLEND_ZONES, 0.0)}
+            planner.configure(settings, lambda _: None, moving=True)
+
+    def _configured(self, command: MotionCommand, error: PlanningError | None) -> None:
+        with self._lock:
+            if self._configuring is not command:  # given up meanwhile
+                return
+            self._configuring = None
+            if error is None:
+                self._send(self._unsent.popleft())
+                self._send_planned()
+                return
+            self._unsent.clear()
+        self._on_result('', command, error)
+
+    def _send(self, command: MotionCommand) -> None:
+        id_ = self._planner.next_id()
+        self._sent[id_] = command
+        self._since, self._followers = self._clock.now(), dict(self._planner.followers())
+        self._on_sent(id_, command)
+        self._planner.command(id_, command)
+
+    def _unplanned(self, now: float) -> str:
+        self._send_planned()
+        if not self._unsent or now - self._since < self._planner_timeout:
+            return ''
+        if self._configuring is not None:
+            return f'planning_node has not answered for {self._planner_timeout:g} s: is it still running?'
+        return (
+            f'no node plans {self._unsent[0].kind.topic} within {self._planner_timeout:g} s: '
+            'planning_node is not running, or in another namespace'
+        )
+
+    def _lost(self, now: float) -> str:
+        if not self._sent:
+            return ''
+        present = self._planner.followers()
+        gone = [name for identity, name in self._followers.items() if identity not in present]
+        self._followers |= present
+        if self._followers and not gone:
+            self._since = now
+        if now - self._since < LOST_TIMEOUT:
+            return ''
+        names = ', '.join(sorted(gone)) or 'every node that could end the motion'
+        return f'{names} has been gone for {LOST_TIMEOUT:g} s while the robot moved: is it still running?'
+
+
+def _number(id_: str) -> int:
+    return int(id_.replace('.', ''))

@@ -1,0 +1,137 @@
+"""CellPort: what a robot program needs of the cell that it runs in."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from robots_controller.program.clock import Clock, WallClock
+from robots_controller.program.motion_command import MotionCommand, OutputChange
+from robots_core.errors import ProgramError
+from robots_core.pose import Pose
+from robots_core.validation import Array
+from robots_planning.robot_command_state import RobotCommandState
+
+
+class CellPort(Protocol):
+    """Requests of a program to its cell, and reports of what the program does.
+
+    Every method but `hold` and `started` is called from the program's thread.
+    """
+
+    @property
+    def clock(self) -> Clock:
+        """The time that the program's waits take."""
+
+    def joint_position(self) -> Array:
+        """Measured joint positions, (n,), rad (m).
+
+        Raises:
+            RobotsError: no feedback.
+        """
+
+    def direct_kinematics(self, q: Array) -> Pose:
+        """Pose of tool0 in the base frame for joint positions (n,).
+
+        Raises:
+            RobotsError: the kinematics are unknown.
+        """
+
+    def command(self, command: MotionCommand) -> None:
+        """Start a motion; the cell ends it with `LuaProgram.finish_motion`.
+
+        Raises:
+            RobotsError: the motion is refused; the call in the program fails.
+        """
+
+    def flush(self) -> None:
+        """No motion follows for now, although the last one would blend into it."""
+
+    def abort(self) -> None:
+        """End all commanded motions where the robot is; each still gets its `finish_motion`."""
+
+    def guide(self, state: RobotCommandState) -> None:
+        """Let a sensor (TRAJECTORY) or a person (TEACH) guide the robot, or nobody any longer (IDLE).
+
+        Raises:
+            RobotsError: nothing can guide the robot in this state; the call in the program fails.
+        """
+
+    def hold(self, *, held: bool) -> None:
+        """Stop the robot on its path, or let it go on; from any thread."""
+
+    def set_override(self, value: float) -> None:
+        """Scale the speed of all motions, 0..1."""
+
+    def output_changed(self, change: OutputChange) -> None:
+        """An output has changed; from any thread where an output is switched on the path."""
+
+    def printed(self, text: str, line: int) -> None:
+        """The program printed a text on a line."""
+
+    def started(self) -> None:
+        """The program begins to run; called by `LuaProgram.run`."""
+
+    def line_reached(self, line: int) -> None:
+        """The program calls a robot function on another line than before, or is held before a line."""
+
+    def held_changed(self) -> None:
+        """The program is held (`LuaProgram.call_stack` shows where), or goes on."""
+
+    def ended(self, error: ProgramError | None) -> None:
+        """The program has ended: None, or why it failed. `LuaProgram.run_state` distinguishes a stop."""
+
+
+class DetachedCell:
+    """A cell without a robot: requests have no effect. For checks, and as a base of partial cells."""
+
+    def __init__(self) -> None:
+        self._clock = WallClock()
+
+    @property
+    def clock(self) -> Clock:
+        """The machine's monotonic time."""
+        return self._clock
+
+    def joint_position(self) -> Array:
+        """Raises a ProgramError: nothing is measured."""
+        raise ProgramError('the position of the robot is not known here')
+
+    def direct_kinematics(self, q: Array) -> Pose:  # noqa: ARG002
+        """Raises a ProgramError: there is no robot."""
+        raise ProgramError("the robot's kinematics are not known here")
+
+    def command(self, command: MotionCommand) -> None:
+        """No effect."""
+
+    def flush(self) -> None:
+        """No effect."""
+
+    def abort(self) -> None:
+        """No effect."""
+
+    def guide(self, state: RobotCommandState) -> None:
+        """No effect."""
+
+    def hold(self, *, held: bool) -> None:
+        """No effect."""
+
+    def set_override(self, value: float) -> None:
+        """No effect."""
+
+    def output_changed(self, change: OutputChange) -> None:
+        """No effect."""
+
+    def printed(self, text: str, line: int) -> None:
+        """No effect."""
+
+    def started(self) -> None:
+        """No effect."""
+
+    def line_reached(self, line: int) -> None:
+        """No effect."""
+
+    def held_changed(self) -> None:
+        """No effect."""
+
+    def ended(self, error: ProgramError | None) -> None:
+        """No effect."""

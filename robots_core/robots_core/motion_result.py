@@ -1,0 +1,40 @@
+"""MotionResult: how a motion command ended."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from robots_core.errors import RobotsError
+
+
+@dataclass(frozen=True)
+class MotionResult:
+    """End of a motion.
+
+    Attributes:
+        id: The command's id.
+        ok: The robot stands at the target, or passed it where motions blend.
+        message: 'reached', 'passed', or the reason why not.
+        details: Further facts: duration (s), progress (0..1), or the data of the error.
+    """
+
+    id: str
+    ok: bool
+    message: str
+    details: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def refused(cls, id_: str, error: RobotsError) -> MotionResult:
+        """The result of a command that an error ended."""
+        return cls(id_, ok=False, message=error.message, details=dict(error.details))
+
+    @property
+    def error(self) -> RobotsError | None:
+        """Why the robot is not at the target; None if it is."""
+        if self.ok:
+            return None
+        error = RobotsError(self.message)
+        error.details.update({key: str(value) for key, value in self.details.items()})
+        return error
