@@ -10,7 +10,6 @@ from robots_core.validation import Array
 from robots_planning.command_queue import CommandQueue, QueuedCommand, RunningMotion
 from robots_planning.motion_chain import MotionChain
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
-from robots_planning.robot_command_state import JOINT_STATES
 
 # A motion that takes the place of the running one does so this much later, which planning and messages take.
 REPLACE_LEAD = 0.15  # s
@@ -92,9 +91,7 @@ class CommandPlanner:
             if join_time > 0.0:
                 q, q_dot, q_ddot = running[-1].trajectory.sample(join_time)
                 only = orders[0]
-                motion = self._planning.plan_moving(
-                    only.state, (q, q_dot, q_ddot), only.target, only.settings
-                )
+                motion = self._planning.plan_moving(only.kind, (q, q_dot, q_ddot), only.target, only.settings)
             else:
                 q = running[-1].trajectory.position[-1] if running else self._standing()
                 motion, ends = self._chain.plan(orders, q)
@@ -106,7 +103,7 @@ class CommandPlanner:
         self._send(PlannedCommands(orders, motion, join_time))
 
     def _join_time(self, running: tuple[RunningMotion, ...], orders: tuple[QueuedCommand, ...]) -> float:
-        if not self.replace or len(running) != 1 or len(orders) != 1 or orders[0].state not in JOINT_STATES:
+        if not self.replace or len(running) != 1 or len(orders) != 1 or orders[0].kind.cartesian:
             return 0.0
         join_time = round(self._path_time() + REPLACE_LEAD, 9)  # as messages hold it
         return join_time if join_time < running[0].trajectory.duration else 0.0

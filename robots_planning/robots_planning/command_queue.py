@@ -6,9 +6,9 @@ import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from robots_planning.motion_kinds import MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import Target
-from robots_planning.robot_command_state import RobotCommandState, Shape
 from robots_planning.trajectory import Trajectory
 
 LONGEST_CHAIN = 32  # motions that run through in one; the last of so many stops
@@ -20,19 +20,17 @@ class QueuedCommand:
 
     Attributes:
         id: Its command.
-        state: The kind of motion.
+        kind: What kind of motion it is.
         target: Joint positions (n,), a pose, or the poses of an arc or a spline.
-        shape: Of a Cartesian motion: 'line', 'circle' or 'spline'.
         settings: The modal settings of that instant.
         received: When it came, s.
     """
 
     id: str
-    state: RobotCommandState
+    kind: MotionKind
     target: Target
     settings: MotionSettings
     received: float
-    shape: Shape = 'line'
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,6 @@ from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base
 from robots_planning.paths.blending import Measure, blend_with_corners, joint_distance
 from robots_planning.paths.cartesian_line import CartesianLine
 from robots_planning.paths.joint_path import JointPath
-from robots_planning.robot_command_state import JOINT_STATES
 from robots_planning.timing.chain_limits import SectionLimits, chain_limits
 from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits
 from robots_planning.trajectory import Trajectory, one_after_another
@@ -60,7 +59,7 @@ class MotionChain:
         """
         if len(orders) == 1:
             only = orders[0]
-            motion = self._planning.plan(only.state, q_start, only.target, only.settings, shape=only.shape)
+            motion = self._planning.plan(only.kind, q_start, only.target, only.settings)
             return motion, (motion.duration,)
         paths = self._paths(orders, q_start)
         plans: list[tuple[Trajectory, tuple[float, ...]]] = []
@@ -77,7 +76,7 @@ class MotionChain:
                 raise
         trajectory, ends = min(plans, key=lambda plan: plan[0].duration)
         last = orders[-1]
-        motion = self._planning.checked(trajectory, last.state, last.settings)
+        motion = self._planning.checked(trajectory, last.kind, last.settings)
         return motion, (*ends, trajectory.duration)
 
     def _paths(self, orders: tuple[QueuedCommand, ...], q_start: Array) -> list[JointPath]:
@@ -106,7 +105,7 @@ class MotionChain:
         parts: list[Trajectory] = []
         q = q_start
         for order in self._limited(orders):
-            plan = self._planning.trajectory(order.state, q, order.target, order.settings, order.shape)
+            plan = self._planning.trajectory(order.kind, q, order.target, order.settings)
             parts.append(plan)
             q = plan.position[-1]
         ends = np.cumsum([part.duration for part in parts[:-1]])
@@ -122,10 +121,10 @@ class MotionChain:
 
     def _path(self, order: QueuedCommand, q_start: Array) -> JointPath | None:
         """The path that a motion alone would take; None if it stands still on the way."""
-        state, settings = order.state, order.settings
+        settings = order.settings
         start = self._robot.axes_data.check_position(q_start, 'q_start')
-        generator = self._planning.generator(state, settings, order.shape)
-        goal = in_base(state, order.shape, order.target, settings)
+        generator = self._planning.generator(order.kind, settings)
+        goal = in_base(order.kind, order.target, settings)
         if isinstance(generator, JointSpaceGenerator) and not isinstance(goal, tuple):
             end = generator.goal(start, goal)
             if float(np.abs(end - start).max()) < SHORTEST_MOVE:
@@ -137,13 +136,13 @@ class MotionChain:
         if isinstance(generator, LINES) and isinstance(goal, Pose):
             # As the motion alone computes it: rounding may decide between postures.
             return generator.follow(CartesianLine(generator.path_kinematics.pose(start), goal), start)
-        raise InvalidInputError(f'{state} has no path that could run through')
+        raise InvalidInputError(f'{order.kind.title} has no path that could run through')
 
     def _zone(self, settings: MotionSettings, order: QueuedCommand) -> tuple[float, Measure]:
         """Size of the zone behind a motion, and the distance that it is a size of."""
         tip = partial(self._distance, settings.tool_pose)
         joints, tool = (settings.joint_blend_zone, joint_distance), (settings.blend_zone, tip)
-        own, other = (joints, tool) if order.state in JOINT_STATES else (tool, joints)
+        own, other = (tool, joints) if order.kind.cartesian else (joints, tool)
         return own if own[0] > 0.0 else other
 
     def _distance(self, tool: Pose, first: Array, second: Array) -> float:
@@ -169,9 +168,8 @@ def _jerk_limited(orders: tuple[QueuedCommand, ...]) -> bool:
 
 def _section(order: QueuedCommand) -> SectionLimits:
     settings = order.settings
-    if order.state in JOINT_STATES:
-        velocity = acceleration = np.full(2, np.inf)
-    else:
+    velocity = acceleration = np.full(2, np.inf)
+    if order.kind.cartesian:
         velocity = np.array([settings.cartesian_speed, settings.rotation_speed])
         acceleration = np.array([settings.cartesian_acceleration, settings.rotation_acceleration])
     return SectionLimits(settings.speed_fraction, settings.acceleration_fraction, velocity, acceleration)

@@ -1,10 +1,9 @@
-"""PathPlanning: switches between the trajectory generators by the robot's command state."""
+"""PathPlanning: switches between the trajectory generators by the kind of motion."""
 
 from __future__ import annotations
 
 import contextlib
 from collections import OrderedDict
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final, cast
 
@@ -16,9 +15,9 @@ from robots_core.blocks.collision_detection import CollisionDetection, checked_m
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE, MotionKind
 from robots_planning.motion_settings import IDENTITY, MotionSettings, known_configuration
 from robots_planning.paths.path_deviation import SampledPath
-from robots_planning.robot_command_state import JOINT_STATES, RobotCommandState, Shape
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.cartesian_generator import Planner
 from robots_planning.trajectory_generators.circular_cartesian import CircularCartesian
@@ -51,12 +50,12 @@ class PlannedMotion:
 
     Attributes:
         trajectory: What to do.
-        kind: The command state that asked for it.
+        kind: What was commanded; None for a trajectory that was given.
         report: What verification found; `report.ok` is true.
     """
 
     trajectory: Trajectory
-    kind: RobotCommandState
+    kind: MotionKind | None
     report: VerificationReport
 
     @property
@@ -71,7 +70,7 @@ class PlannedMotion:
 
 
 class PathPlanning:
-    """The paper's path-planning component: the right generator for every command state, then verification.
+    """The paper's path-planning component: the right generator for every kind of motion, then verification.
 
     Generators keep scratch memory: use an instance in one thread.
 
@@ -98,58 +97,54 @@ class PathPlanning:
 
     def plan(
         self,
-        state: RobotCommandState,
+        kind: MotionKind,
         q_start: ArrayLike,
         target: Target,
         settings: MotionSettings | None = None,
-        *,
-        shape: Shape = 'line',
     ) -> PlannedMotion:
         """Plan and verify a motion from rest to rest.
 
         Args:
-            state: PTPJOINT_JOINT, PTPJOINT_CARTESIAN or PTPCARTESIAN.
+            kind: One of `MOTION_KINDS`.
             q_start: Joint positions to start from, (n,), rad (m).
-            target: Joint positions (n,) for PTPJOINT_JOINT; else a Pose of the tool in the frame `base` of
-                the settings, or the poses of a curve: (via, end) or (via, second via, start) of a circle,
-                all to pass of a spline.
+            target: What the kind needs: joint positions (n,), a Pose of the tool in the frame `base` of the
+                settings, or the poses of a curve: (via, end) or (via, second via, start) of a circle, all to
+                pass of a spline.
             settings: Modal settings.
-            shape: Of the tool's path in PTPCARTESIAN.
 
         Raises:
             JointLimitError: start or target outside the axis limits.
             UnreachablePoseError: no joint positions inside the limits reach the pose.
             PlanningError: the motion is impossible, or its plan breaks a limit; says where and why.
             CollisionError: the motion collides, or comes closer to something than the margin.
-            InvalidInputError: a state that plans nothing, or a target of another kind than the state's.
+            InvalidInputError: a target of another kind than the motion's.
         """
         settings = settings or MotionSettings()
-        trajectory = self.trajectory(state, q_start, target, settings, shape)
+        trajectory = self.trajectory(kind, q_start, target, settings)
         line, path = None, None
-        if state is RobotCommandState.PTPCARTESIAN:
-            generator, goal = self.generator(state, settings, shape), in_base(state, shape, target, settings)
+        if kind.cartesian:
+            generator, goal = self.generator(kind, settings), in_base(kind, target, settings)
             start = Pose(*self.robot.direct_kinematics(trajectory.position[0])) @ settings.tool_pose
             if isinstance(goal, Pose):
                 line = (start, goal)
             elif isinstance(generator, PosesGenerator) and isinstance(goal, tuple):
                 path = generator.path(start, goal)
-        return self.checked(trajectory, state, settings, line=line, path=path)
+        return self.checked(trajectory, kind, settings, line=line, path=path)
 
     def trajectory(
         self,
-        state: RobotCommandState,
+        kind: MotionKind,
         q_start: ArrayLike,
         target: Target,
         settings: MotionSettings,
-        shape: Shape = 'line',
     ) -> Trajectory:
         """The plan alone, without verification; arguments as for `plan`.
 
         Raises:
             RobotsError: as `plan`.
         """
-        generator = self.generator(state, settings, shape)
-        goal = in_base(state, shape, target, settings)
+        generator = self.generator(kind, settings)
+        goal = in_base(kind, target, settings)
         if isinstance(generator, PosesGenerator):
             return generator.generate(q_start, goal if isinstance(goal, tuple) else ())
         assert not isinstance(goal, tuple)
@@ -157,7 +152,7 @@ class PathPlanning:
 
     def plan_moving(
         self,
-        state: RobotCommandState,
+        kind: MotionKind,
         motion: tuple[ArrayLike, ArrayLike, ArrayLike],
         target: Target,
         settings: MotionSettings,
@@ -165,7 +160,7 @@ class PathPlanning:
         """Plan and verify a joint motion from a robot that moves, to rest.
 
         Args:
-            state: PTPJOINT_JOINT or PTPJOINT_CARTESIAN.
+            kind: A joint motion.
             motion: Joint positions, velocities and accelerations to start from, (n,) each.
             target: Joint positions (n,) or a Pose, as for `plan`.
             settings: Modal settings.
@@ -173,19 +168,19 @@ class PathPlanning:
         Raises:
             RobotsError: as `plan`.
         """
-        generator = self.generator(state, settings)
-        goal = in_base(state, 'line', target, settings)
+        generator = self.generator(kind, settings)
+        goal = in_base(kind, target, settings)
         if not isinstance(generator, JointSpaceGenerator) or isinstance(goal, tuple):
-            raise InvalidInputError(f'{state} cannot start from a robot that moves')
+            raise InvalidInputError(f'{kind.title} cannot start from a robot that moves')
         q, q_dot, q_ddot = motion
         trajectory = generator.generate(q, goal, q_dot_start=q_dot, q_ddot_start=q_ddot)
-        return self.checked(trajectory, state, settings, start_motion=(q_dot, q_ddot))
+        return self.checked(trajectory, kind, settings, start_motion=(q_dot, q_ddot))
 
     def checked(
         self,
         trajectory: Trajectory,
-        state: RobotCommandState,
-        settings: MotionSettings,
+        kind: MotionKind | None = None,
+        settings: MotionSettings | None = None,
         *,
         line: tuple[Pose, Pose] | None = None,
         path: SampledPath | None = None,
@@ -198,7 +193,8 @@ class PathPlanning:
             CollisionError: it collides, or comes closer to something than the margin.
         """
         # The other generators do not plan with torque limits, and say so.
-        torque = settings.cartesian_planner == 'dynamic_programming' and state not in JOINT_STATES
+        settings = settings or MotionSettings()
+        torque = settings.cartesian_planner == 'dynamic_programming' and kind is not None and kind.cartesian
         report = verify(
             trajectory,
             self.robot,
@@ -209,9 +205,10 @@ class PathPlanning:
             start_motion=start_motion,
         )
         if not report.ok:
-            raise PlanningError(f'the plan of {state} breaks a limit: {report.describe()}')
+            what = f'the plan of {kind.title}' if kind is not None else 'the trajectory'
+            raise PlanningError(f'{what} breaks a limit: {report.describe()}')
         self.check_collisions(trajectory)
-        return PlannedMotion(trajectory, state, report)
+        return PlannedMotion(trajectory, kind, report)
 
     def check_collisions(self, trajectory: Trajectory) -> None:
         """Pass a trajectory on which nothing comes closer than the margin.
@@ -231,47 +228,35 @@ class PathPlanning:
         axes = self.robot.axes_data
         near = home + np.where(home + WARM_UP_STEP < axes.upper, WARM_UP_STEP, -WARM_UP_STEP)
         pose = Pose(*self.robot.direct_kinematics(near))
-        for state, target in (
-            (RobotCommandState.PTPJOINT_JOINT, near),
-            (RobotCommandState.PTPJOINT_CARTESIAN, pose),
-            (RobotCommandState.PTPCARTESIAN, pose),
-        ):
+        for kind, target in ((JOINT, near), (JOINT_TO_POSE, pose), (LINE, pose)):
             # A home may be singular, and then has no line; its code is loaded all the same.
             with contextlib.suppress(RobotsError):
-                self.plan(state, home, target)
+                self.plan(kind, home, target)
 
-    def generator(
-        self, state: RobotCommandState, settings: MotionSettings, shape: Shape = 'line'
-    ) -> Generator:
-        """The trajectory generator for a command state; made once for the same settings.
+    def generator(self, kind: MotionKind, settings: MotionSettings) -> Generator:
+        """The trajectory generator for a kind of motion; made once for the same settings.
 
         Raises:
-            InvalidInputError: a state that plans nothing, or settings that the robot or the planner cannot
-                keep.
+            InvalidInputError: settings that the robot or the planner cannot keep.
         """
-        key = (state, shape, settings)
+        key = (kind, settings)
         if key not in self._generators:
-            self._generators[key] = self._make(state, settings, shape)
+            self._generators[key] = self._make(kind, settings)
             if len(self._generators) > MOST_GENERATORS:
                 self._generators.popitem(last=False)
         self._generators.move_to_end(key)
         return self._generators[key]
 
-    def _make(self, state: RobotCommandState, settings: MotionSettings, shape: Shape) -> Generator:
+    def _make(self, kind: MotionKind, settings: MotionSettings) -> Generator:
         tool = None if settings.tool == IDENTITY else settings.tool_pose
-        if state in JOINT_STATES:
-            wanted = settings.configuration if state is RobotCommandState.PTPJOINT_CARTESIAN else ''
+        if not kind.cartesian:
+            wanted = settings.configuration if kind is JOINT_TO_POSE else ''
             return JOINT_GENERATORS[settings.joint_planner](
                 self.robot,
                 speed_fraction=settings.speed_fraction,
                 acceleration_fraction=settings.acceleration_fraction,
                 tool=tool,
                 configuration=known_configuration(wanted),
-            )
-        if state is not RobotCommandState.PTPCARTESIAN:
-            raise InvalidInputError(
-                f'{state} is not planned ahead; planned are PTPJOINT_JOINT, PTPJOINT_CARTESIAN and '
-                'PTPCARTESIAN'
             )
         options: dict[str, Any] = {
             name: getattr(settings, name)
@@ -286,27 +271,27 @@ class PathPlanning:
             )
         }
         options['tool'] = tool
-        if shape != 'line':
-            return CURVES[shape](self.robot, **options, planner=cast('Planner', settings.cartesian_planner))
+        if kind.planner:
+            return CURVES[kind.name](
+                self.robot, **options, planner=cast('Planner', settings.cartesian_planner)
+            )
         if settings.cartesian_planner == 'dynamic_programming':
             return LinearCartesianDynamicProgramming(self.robot, **options)
         return LinearCartesianLimited(self.robot, **options)
 
 
-def in_base(
-    state: RobotCommandState, shape: Shape, target: Target, settings: MotionSettings
-) -> Pose | ArrayLike | tuple[Pose, ...]:
+def in_base(kind: MotionKind, target: Target, settings: MotionSettings) -> Target:
     """A target in the robot's base frame.
 
     Raises:
         InvalidInputError: a target of another kind than the motion's.
     """
-    curve = state is RobotCommandState.PTPCARTESIAN and shape != 'line'
-    if curve and isinstance(target, Sequence) and all(isinstance(pose, Pose) for pose in target):
-        return tuple(settings.in_base(pose) for pose in target if isinstance(pose, Pose))
-    if curve:
-        raise InvalidInputError(f'a {shape} needs poses as target, got {type(target).__name__}')
-    if isinstance(target, Pose) == (state is RobotCommandState.PTPJOINT_JOINT):
-        expected = 'joint positions' if state is RobotCommandState.PTPJOINT_JOINT else 'a Pose'
-        raise InvalidInputError(f'{state} needs {expected} as target, got {type(target).__name__}')
-    return settings.in_base(target) if isinstance(target, Pose) else target
+    match target:
+        case Pose() if kind.target == 'pose':
+            return settings.in_base(target)
+        case tuple() | list() if kind.target == 'poses' and all(isinstance(pose, Pose) for pose in target):
+            return tuple(settings.in_base(pose) for pose in target if isinstance(pose, Pose))
+        case _ if kind.target == 'joints' and not isinstance(target, Pose):
+            return target
+    needed = {'joints': 'joint positions', 'pose': 'a Pose', 'poses': 'poses'}[kind.target]
+    raise InvalidInputError(f'{kind.title} needs {needed} as target, got {type(target).__name__}')

@@ -1,7 +1,6 @@
 """RobotCommandState: the main arbiter between robot program and path planning (paper, section 4.3)."""
 
 from enum import StrEnum
-from typing import Final, Literal
 
 
 class RobotCommandState(StrEnum):
@@ -13,9 +12,3 @@ class RobotCommandState(StrEnum):
     PTPCARTESIAN = 'PTPCARTESIAN'
     TRAJECTORY = 'TRAJECTORY'
     TEACH = 'TEACH'
-
-
-JOINT_STATES: Final = (RobotCommandState.PTPJOINT_JOINT, RobotCommandState.PTPJOINT_CARTESIAN)
-"""Those of motions in joint space."""
-Shape = Literal['line', 'circle', 'spline']
-"""Of a motion of the tool in state PTPCARTESIAN."""

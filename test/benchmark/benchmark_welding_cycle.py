@@ -19,14 +19,14 @@ from rich.table import Table
 
 from robots_controller.simulate import simulate
 from robots_core import BaseRobotModel, Pose, load_robot_model
-from robots_planning import MotionSettings, PathPlanning, RobotCommandState
+from robots_planning import MotionSettings, PathPlanning
+from robots_planning.motion_kinds import LINE
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.paths.cartesian_line import CartesianLine
 
 ROBOT = 'kuka_kr210_r2700'
 PROGRAM = Path(__file__).parents[2] / 'programs' / 'welding.lua'
 SAMPLES = 2000  # of a trapezoid, to see what the axes do
-LINE = RobotCommandState.PTPCARTESIAN
 
 
 def trapezoid_duration(way: float, velocity: float, acceleration: float) -> float:
@@ -89,14 +89,14 @@ def main() -> None:
         command = motion.command
         assert motion.plan is not None
         start, end = motion.plan.trajectory.position[[0, -1]]
-        if command.state is LINE:
+        if command.kind is LINE:
             assert command.pose is not None
             target: Pose | np.ndarray = command.pose
             common = line_trapezoid(robot, start, command.pose, motion.settings)
         else:
             assert command.q is not None
             target, common = command.q, joint_trapezoid(robot, start, end)
-        best = planning.plan(command.state, start, target, optimal)
+        best = planning.plan(command.kind, start, target, optimal)
         rows.append((command.line, command.function, motion.plan.duration, best.duration, common))
     table = Table(title=f'{PROGRAM.name} on {ROBOT}, motions from rest to rest, s')
     for column in ('line', 'function'):

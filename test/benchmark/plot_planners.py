@@ -24,13 +24,13 @@ from robots_planning import (
     LinearJointAxes,
     MotionSettings,
     PathPlanning,
-    RobotCommandState,
     SplineCartesian,
     Trajectory,
     verify,
 )
 from robots_planning.command_queue import QueuedCommand
 from robots_planning.motion_chain import MotionChain
+from robots_planning.motion_kinds import LINE
 
 STEP = 1e-3  # s
 COLOURS = ('#2f6fb0', '#e08a2c', '#3d9a5f', '#b5464b', '#7b63a8', '#5b6672', '#c06c9c')
@@ -128,10 +128,7 @@ def pictures(robot: BaseRobotModel) -> list[Picture]:
 
 def chain(robot: BaseRobotModel, q: np.ndarray, poses: list[Pose]) -> Trajectory:
     modal = MotionSettings(blend_zone=0.1, cartesian_planner='dynamic_programming', **FAST)  # type: ignore[arg-type]
-    orders = tuple(
-        QueuedCommand(str(number), RobotCommandState.PTPCARTESIAN, pose, modal, 0.0)
-        for number, pose in enumerate(poses)
-    )
+    orders = tuple(QueuedCommand(str(number), LINE, pose, modal, 0.0) for number, pose in enumerate(poses))
     return MotionChain(robot, PathPlanning(robot)).plan(orders, q)[0].trajectory
 
 

@@ -12,9 +12,9 @@ from sensor_msgs.msg import JointState
 
 from robots_controller.live_cell.cell_events import Event, MotionCommanded
 from robots_controller.live_cell.cell_monitor import CellMonitor
-from robots_controller.recording.motion_record import COMMAND_TOPICS
 from robots_core.pose import Pose
 from robots_core.ros.messages import stamp_id
+from robots_planning.motion_kinds import KIND_OF_TOPIC
 
 STAMP = Time(sec=12, nanosec=34)
 
@@ -48,7 +48,7 @@ COMMANDS = {
 
 
 def test_all_commands_are_here() -> None:
-    assert set(COMMANDS) == set(COMMAND_TOPICS)
+    assert set(COMMANDS) == set(KIND_OF_TOPIC)
 
 
 @pytest.mark.parametrize('topic', COMMANDS)

@@ -11,17 +11,16 @@ from hypothesis import strategies as st
 
 from robots_core import Pose, load_robot_model
 from robots_core.errors import RobotsError
-from robots_planning import MotionSettings, PathPlanning, RobotCommandState, verify
+from robots_planning import MotionSettings, PathPlanning, verify
 from robots_planning.command_queue import QueuedCommand
 from robots_planning.motion_chain import MotionChain
+from robots_planning.motion_kinds import CIRCLE, JOINT, LINE, MotionKind
 from robots_planning.pathplanning import Target
 from robots_planning.paths.circular_arc import CircularArc
-from robots_planning.robot_command_state import Shape
 from robots_planning.verification import LINE_TOLERANCE
 
 ROBOTS = ('kuka_kr210_r2700', 'staubli_tx2_90', 'bello_bot')
 _PLANNING = {name: PathPlanning(load_robot_model(name)) for name in ROBOTS}
-JOINTS, LINE = RobotCommandState.PTPJOINT_JOINT, RobotCommandState.PTPCARTESIAN
 ON_JOINT_LINE = 1e-9  # rad: rounding of the polynomials of a path that is straight
 SHORTEST_WAY = 0.02  # m and rad
 EDGE = 1.0 + 1e-6  # of a zone: its edge is found by bisection
@@ -60,29 +59,29 @@ class Chain:
         self.stops = 0.0
 
     def add(
-        self, kind: str, turn: list[float], way: tuple[float, ...], reach: float, modal: MotionSettings
+        self, form: str, turn: list[float], way: tuple[float, ...], reach: float, modal: MotionSettings
     ) -> None:
         """One more motion; draws another example if the robot cannot do it."""
         axes, begin = self.robot.axes_data, self.q
         pose = Pose(*self.robot.direct_kinematics(begin))
-        target, shape, state = self._target(kind, turn, way, reach, pose)
+        target, kind = self._target(form, turn, way, reach, pose)
         if isinstance(target, np.ndarray):
             target = np.clip(target, axes.lower, axes.upper)
             assume(np.abs(target - begin).max() > SHORTEST_WAY)
-        order = QueuedCommand(str(len(self.orders)), state, target, modal, 0.0, shape)
+        order = QueuedCommand(str(len(self.orders)), kind, target, modal, 0.0)
         try:
-            alone = self.planning.plan(state, begin, target, modal, shape=shape)
+            alone = self.planning.plan(kind, begin, target, modal)
         except RobotsError:
             assume(False)  # reach and singularities are not these laws' business
         self.stops += alone.duration
         self.q = end = alone.trajectory.position[-1]
         corner = self.robot.direct_kinematics(end)[0]
-        if kind == 'joints':
+        if form == 'joints':
             self.near.append(lambda q, _: np.abs(q - end).max(axis=1) / modal.joint_blend_zone)
             self.away.append(lambda q, _: from_segment(q, begin, end) / ON_JOINT_LINE)
         else:
             self.near.append(lambda _, r: np.linalg.norm(r - corner, axis=1) / modal.blend_zone)
-            if kind == 'line':
+            if form == 'line':
                 self.away.append(lambda _, r: from_segment(r, pose.r, corner) / LINE_TOLERANCE)
             else:
                 assert isinstance(target, tuple)
@@ -91,17 +90,17 @@ class Chain:
         self.orders.append(order)
 
     def _target(
-        self, kind: str, turn: list[float], way: tuple[float, ...], reach: float, pose: Pose
-    ) -> tuple[Target, Shape, RobotCommandState]:
-        if kind == 'joints':
-            return self.q + turn[: len(self.q)], 'line', JOINTS
+        self, form: str, turn: list[float], way: tuple[float, ...], reach: float, pose: Pose
+    ) -> tuple[Target, MotionKind]:
+        if form == 'joints':
+            return self.q + turn[: len(self.q)], JOINT
         move = reach * np.array(way)
         assume(np.linalg.norm(move) > SHORTEST_WAY)
         end = Pose(pose.r + move, Pose.from_angles([0.0] * 3, turn[:3]).T @ pose.T)
-        if kind == 'line':
-            return end, 'line', LINE
+        if form == 'line':
+            return end, LINE
         across = np.cross(move, np.eye(3)[int(np.argmin(np.abs(move)))])
-        return (Pose(pose.r + 0.5 * move + 0.4 * across, pose.T), end), 'circle', LINE
+        return (Pose(pose.r + 0.5 * move + 0.4 * across, pose.T), end), CIRCLE
 
 
 def from_segment(points: np.ndarray, begin: np.ndarray, end: np.ndarray) -> np.ndarray:

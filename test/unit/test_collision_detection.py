@@ -22,7 +22,8 @@ from robots_core.blocks import (
 from robots_core.errors import InvalidInputError, PlanningError
 from robots_core.robot_model.shapes import Box, Mesh, Sphere
 from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
-from robots_planning import PathPlanning, RobotCommandState
+from robots_planning import PathPlanning
+from robots_planning.motion_kinds import JOINT
 
 
 @pytest.fixture(scope='module')
@@ -129,7 +130,7 @@ def test_a_colliding_motion_is_refused_with_bodies_and_place(robot: BaseRobotMod
     planning = PathPlanning(robot, collision=collision, collision_margin=0.01)
     target = turned(robot, 1.2)
     with pytest.raises(CollisionError, match=r'ball after .* % of the path .*; the margin is 10 mm') as info:
-        planning.plan(RobotCommandState.PTPJOINT_JOINT, robot.home, target)
+        planning.plan(JOINT, robot.home, target)
     assert isinstance(info.value, PlanningError)
     details = info.value.details
     assert details['obstacle'] == 'ball'
@@ -141,7 +142,7 @@ def test_a_colliding_motion_is_refused_with_bodies_and_place(robot: BaseRobotMod
     near = collision.distance(place.q)
     assert near is not None
     assert near.distance == pytest.approx(0.01, abs=1e-3)
-    free = planning.plan(RobotCommandState.PTPJOINT_JOINT, robot.home, turned(robot, -1.2))
+    free = planning.plan(JOINT, robot.home, turned(robot, -1.2))
     closest = collision.closest_approach(
         JointPath(
             free.trajectory.time,

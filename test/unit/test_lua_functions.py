@@ -11,7 +11,7 @@ import pytest
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, PAPER_FUNCTIONS, in_degrees
 from robots_core.errors import JointLimitError, PlanningError, RobotsError
 from robots_core.pose import Pose
-from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, KIND_OF_FUNCTION, LINE, MotionKind
 
 from .lua_host import LuaHost
 
@@ -30,6 +30,10 @@ def test_functions_are_those_of_the_paper():
     assert LUA_FUNCTIONS['waitDigitalInput'].signature == 'waitDigitalInput(index, value, [timeout])'
 
 
+def test_every_function_that_moves_the_robot_is_there_and_takes_options():
+    assert {name for name, function in LUA_FUNCTIONS.items() if function.options} == set(KIND_OF_FUNCTION)
+
+
 def test_all_functions_exist_in_a_program(tmp_path: Path):
     host = LuaHost(tmp_path)
     assert host.run(f'for _, f in ipairs {{{", ".join(LUA_FUNCTIONS)}}} do print(type(f)) end') is None
@@ -41,8 +45,8 @@ def test_joint_angles_are_degrees(tmp_path: Path, arguments: str):
     host = LuaHost(tmp_path)
     assert host.run(f'\nptpJointSpaceAngles({arguments})') is None
     (command,) = host.commands
-    assert (command.state, command.line, command.function, command.pose) == (
-        RobotCommandState.PTPJOINT_JOINT,
+    assert (command.kind, command.line, command.function, command.pose) == (
+        JOINT,
         2,
         'ptpJointSpaceAngles',
         None,
@@ -59,14 +63,14 @@ def test_sliding_axes_are_metres(tmp_path: Path):
 
 @pytest.mark.parametrize('convention', ['zyx', 'xyz', 'zyz', 'XYZ'])
 @pytest.mark.parametrize(
-    ('function', 'state'),
+    ('function', 'kind'),
     [
-        ('ptpCartesianSpace', RobotCommandState.PTPCARTESIAN),
-        ('ptpJointSpacePosition', RobotCommandState.PTPJOINT_CARTESIAN),
+        ('ptpCartesianSpace', LINE),
+        ('ptpJointSpacePosition', JOINT_TO_POSE),
     ],
 )
 def test_poses_are_metres_and_degrees_of_the_convention(
-    tmp_path: Path, function: str, state: RobotCommandState, convention: str
+    tmp_path: Path, function: str, kind: MotionKind, convention: str
 ):
     host = LuaHost(tmp_path, orientation_convention=convention)
     assert host.run(f'{function}(0.37, -1.78, 1.21, -42.03, 117.47, -35.89)') is None
@@ -74,7 +78,7 @@ def test_poses_are_metres_and_degrees_of_the_convention(
     expected = Pose.from_angles(
         [0.37, -1.78, 1.21], np.radians([-42.03, 117.47, -35.89]), convention=convention
     )
-    assert command.state is state
+    assert command.kind is kind
     assert command.q is None
     assert command.pose is not None
     np.testing.assert_array_equal(command.pose.r, expected.r)

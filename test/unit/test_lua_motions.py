@@ -160,7 +160,7 @@ def test_arc_and_spline_are_paths_of_poses(tmp_path: Path):
         is None
     )
     arc, spline = host.commands
-    assert arc.state is spline.state is RobotCommandState.TRAJECTORY
+    assert arc.kind.state is spline.kind.state is RobotCommandState.TRAJECTORY
     assert [len(arc.path), len(spline.path)] == [2, 3]
     np.testing.assert_array_equal(spline.path[1].r, [1, 0.5, 1])
     assert spline.pose is spline.path[-1]

@@ -9,13 +9,12 @@ import pytest
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError
-from robots_planning import MotionSettings, PathPlanning, RobotCommandState, verify
+from robots_planning import MotionSettings, PathPlanning, verify
 from robots_planning.command_queue import QueuedCommand
 from robots_planning.motion_chain import MotionChain
+from robots_planning.motion_kinds import CIRCLE, JOINT, LINE, MotionKind
 from robots_planning.pathplanning import Target
-from robots_planning.robot_command_state import Shape
 
-JOINTS, LINE = RobotCommandState.PTPJOINT_JOINT, RobotCommandState.PTPCARTESIAN
 ZONE = 0.03  # m
 JOINT_ZONE = 0.1  # rad
 
@@ -35,10 +34,8 @@ def start() -> np.ndarray:
     return np.array([0.2, -1.2, 1.6, -1.9, -1.4, 0.3])
 
 
-def order(
-    number: int, state: RobotCommandState, target: Target, shape: Shape = 'line', **settings: object
-) -> QueuedCommand:
-    return QueuedCommand(str(number), state, target, MotionSettings(**settings), 0.0, shape)  # type: ignore[arg-type]
+def order(number: int, kind: MotionKind, target: Target, **settings: object) -> QueuedCommand:
+    return QueuedCommand(str(number), kind, target, MotionSettings(**settings), 0.0)  # type: ignore[arg-type]
 
 
 def square(robot: BaseRobotModel, start: np.ndarray, side: float = 0.2) -> list[Pose]:
@@ -119,10 +116,10 @@ def test_joint_motions_and_lines_blend_with_each_other(
     lower = Pose(pose.r - [0.0, 0.0, 0.15], pose.T)
     arc = tuple(Pose(lower.r + np.array(step), pose.T) for step in ([0.1, 0.1, 0.0], [0.0, 0.2, 0.0]))
     orders = (
-        order(0, JOINTS, away, joint_blend_zone=JOINT_ZONE),
+        order(0, JOINT, away, joint_blend_zone=JOINT_ZONE),
         order(1, LINE, lower, blend_zone=ZONE),
-        order(2, LINE, arc, 'circle', blend_zone=ZONE),
-        order(3, JOINTS, start),
+        order(2, CIRCLE, arc, blend_zone=ZONE),
+        order(3, JOINT, start),
     )
     motion, _ = chain.plan(orders, start)
     report = verify(motion.trajectory, robot)
@@ -209,4 +206,4 @@ def test_a_chain_that_is_faster_with_stops_stops() -> None:
 
 def test_a_motion_that_goes_nowhere_is_told(chain: MotionChain, start: np.ndarray) -> None:
     with pytest.raises(PlanningError, match='motion 0 goes nowhere'):
-        chain.plan((order(0, JOINTS, start, joint_blend_zone=0.1), order(1, JOINTS, start + 0.1)), start)
+        chain.plan((order(0, JOINT, start, joint_blend_zone=0.1), order(1, JOINT, start + 0.1)), start)

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robots_planning import MotionSettings, RobotCommandState, Trajectory
+from robots_planning import MotionSettings, Trajectory
 from robots_planning.command_queue import LONGEST_CHAIN, CommandQueue, QueuedCommand, RunningMotion
+from robots_planning.motion_kinds import JOINT
 
 STOPS, BLENDS = MotionSettings(), MotionSettings(blend_zone=0.01)
 JOINT_BLENDS = MotionSettings(joint_blend_zone=0.1)
@@ -18,7 +19,7 @@ JOINT_BLENDS = MotionSettings(joint_blend_zone=0.1)
 
 def order(number: int, how: MotionSettings = STOPS, received: float | None = None) -> QueuedCommand:
     at = float(number) if received is None else received
-    return QueuedCommand(str(number), RobotCommandState.PTPJOINT_JOINT, np.zeros(2), how, at)
+    return QueuedCommand(str(number), JOINT, np.zeros(2), how, at)
 
 
 def running(*ids: str) -> RunningMotion:

@@ -9,12 +9,11 @@ import pytest
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError, RobotsError
-from robots_planning import MotionSettings, PathPlanning, RobotCommandState
+from robots_planning import MotionSettings, PathPlanning
 from robots_planning.command_planner import REPLACE_LEAD, CommandPlanner, PlannedCommands
 from robots_planning.command_queue import CommandQueue, QueuedCommand
+from robots_planning.motion_kinds import JOINT, LINE, MotionKind
 from robots_planning.pathplanning import Target
-
-JOINTS, LINE = RobotCommandState.PTPJOINT_JOINT, RobotCommandState.PTPCARTESIAN
 
 
 @pytest.fixture(scope='module')
@@ -49,8 +48,8 @@ class Desk:
     def refuse(self, order: QueuedCommand, error: RobotsError) -> None:
         self.refused[order.id] = error
 
-    def order(self, number: int, target: Target, state: RobotCommandState = JOINTS, **how: object) -> None:
-        order = QueuedCommand(str(number), state, target, MotionSettings(**how), float(number))  # type: ignore[arg-type]
+    def order(self, number: int, target: Target, kind: MotionKind = JOINT, **how: object) -> None:
+        order = QueuedCommand(str(number), kind, target, MotionSettings(**how), float(number))  # type: ignore[arg-type]
         orders = self.book.hold(order)
         if orders:
             self.planner.plan(orders)

@@ -17,6 +17,7 @@ from robots_controller.program.program_state import (
 )
 from robots_core.errors import InvalidInputError, PlanningError, ProgramError
 from robots_core.pose import Pose
+from robots_planning.motion_kinds import LINE
 from robots_planning.robot_command_state import RobotCommandState
 
 DEADLINE = 10.0  # s, for threads that should need milliseconds
@@ -49,7 +50,7 @@ def running_state(clock: SteppedClock | WallClock | None = None, num_axes: int =
 
 
 def command(line: int = 1) -> MotionCommand:
-    return MotionCommand(RobotCommandState.PTPCARTESIAN, line, 'ptpCartesianSpace', pose=Pose.identity())
+    return MotionCommand(LINE, line, 'ptpCartesianSpace', pose=Pose.identity())
 
 
 def wait(state: ProgramState, ready: Callable[[], bool], duration: float | None = None) -> bool:

@@ -13,6 +13,7 @@ import pytest
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_core import available_robot_models, load_robot_model
 from robots_planning import MotionSettings
+from robots_planning.motion_kinds import MOTION_KINDS
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / 'README.md').read_text()
@@ -79,6 +80,11 @@ def test_the_names_of_the_paper_lead_to_something() -> None:
 def test_the_lua_functions_are_those_of_the_interpreter() -> None:
     listed = {names(row[0])[0]: (row[1], row[2]) for row in table('Robot programs')}
     assert listed == {f.signature: (f.doc, f.result or '-') for f in LUA_FUNCTIONS.values()}
+
+
+def test_the_topics_of_motion_commands_are_those_of_the_table() -> None:
+    listed = {topic: row[1] for row in table('Topics') if 'command:' in row[3] for topic in names(row[0])}
+    assert listed == {kind.topic: kind.message_type.replace('/msg', '') for kind in MOTION_KINDS}
 
 
 def test_the_motion_settings_are_those_of_the_planner() -> None:

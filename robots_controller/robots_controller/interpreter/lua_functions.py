@@ -17,6 +17,7 @@ import numpy as np
 
 from robots_core.errors import RobotsError
 from robots_core.validation import Array
+from robots_planning.motion_kinds import KIND_OF_FUNCTION
 
 Kind = Literal[
     'number',
@@ -74,7 +75,6 @@ class LuaFunction:
         doc: What it does, for the reference.
         result: What it returns, '' for nothing.
         result_type: The same for the Lua language server.
-        options: Which table of options may follow the arguments, '' for none.
         more: Further arguments of any kind may follow.
     """
 
@@ -83,8 +83,15 @@ class LuaFunction:
     doc: str
     result: str = ''
     result_type: str = ''
-    options: Options = ''
     more: bool = False
+
+    @property
+    def options(self) -> Options:
+        """Which table of options may follow the arguments: those of its kind of motion; '' for none."""
+        kind = KIND_OF_FUNCTION.get(self.name)
+        if kind is None:
+            return ''
+        return 'cartesian' if kind.cartesian else 'joint'
 
     @property
     def signature(self) -> str:
@@ -145,19 +152,16 @@ _FUNCTIONS: Final = (
         'ptpCartesianSpace',
         _POSE,
         'Moves the tool on a straight line to a pose; returns when the robot stands there.',
-        options='cartesian',
     ),
     LuaFunction(
         'ptpJointSpaceAngles',
         (_JOINTS,),
         'Moves all axes together to joint angles; returns when the robot stands there.',
-        options='joint',
     ),
     LuaFunction(
         'ptpJointSpacePosition',
         _POSE,
         'Moves all axes together to a pose; returns when the robot stands there.',
-        options='joint',
     ),
     LuaFunction(
         'circCartesianSpace',
@@ -166,13 +170,11 @@ _FUNCTIONS: Final = (
             Argument('target', 'pose', '', 'pose at the end of the arc'),
         ),
         'Moves the tool on an arc through `via` to `target`, each {x, y, z, phi1, phi2, phi3}.',
-        options='cartesian',
     ),
     LuaFunction(
         'splineCartesianSpace',
         (Argument('pose', 'pose', '', 'pose on the curve', repeated=True),),
         'Moves the tool on a smooth curve through poses, each {x, y, z, phi1, phi2, phi3}.',
-        options='cartesian',
     ),
     LuaFunction(
         'linearRelative',
@@ -182,7 +184,6 @@ _FUNCTIONS: Final = (
             Argument('frame', 'frame', '', "'base' (default) or 'tool': whose axes are meant", optional=True),
         ),
         'Moves the tool on a straight line, relative to the last target.',
-        options='cartesian',
     ),
     LuaFunction(
         'ptpJointSpaceAnglesRelative',
@@ -192,7 +193,6 @@ _FUNCTIONS: Final = (
             ),
         ),
         'Moves all axes together by joint angles, relative to the last target.',
-        options='joint',
     ),
     LuaFunction(
         'setTool', _FRAME, 'Sets the tool: its tip seen from the flange (tool0); poses are of the tip.'

@@ -27,6 +27,7 @@ from robots_controller.program.taught_points import TaughtPoint, read_points, wr
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, read_only
+from robots_planning.motion_kinds import KIND_OF_FUNCTION
 from robots_planning.robot_command_state import RobotCommandState
 
 _COMPARE: Final[Mapping[str, Callable[[float, float], bool]]] = {
@@ -77,11 +78,9 @@ class RobotFunctions:
             state.num_axes, sizes.size('digital_inputs'), sizes.size('analog_inputs'), view.prismatic
         )
         self._handlers: dict[str, Callable[[Arguments], Result | Waiting]] = {
-            'ptpCartesianSpace': self._to_pose(RobotCommandState.PTPCARTESIAN, 'ptpCartesianSpace'),
+            'ptpCartesianSpace': self._to_pose('ptpCartesianSpace'),
             'ptpJointSpaceAngles': self._to_joints,
-            'ptpJointSpacePosition': self._to_pose(
-                RobotCommandState.PTPJOINT_CARTESIAN, 'ptpJointSpacePosition'
-            ),
+            'ptpJointSpacePosition': self._to_pose('ptpJointSpacePosition'),
             'circCartesianSpace': self._along('circCartesianSpace'),
             'splineCartesianSpace': self._along('splineCartesianSpace'),
             'linearRelative': self._linear_relative,
@@ -138,20 +137,20 @@ class RobotFunctions:
 
     # -- motions --------------------------------------------------------------------------------
 
-    def _to_pose(self, state: RobotCommandState, function: str) -> Callable[[Arguments], Waiting]:
+    def _to_pose(self, function: str) -> Callable[[Arguments], Waiting]:
         def move(arguments: Arguments) -> Waiting:
-            return self._move(state, function, arguments, pose=self.view.pose(arguments.values))
+            return self._move(function, arguments, pose=self.view.pose(arguments.values))
 
         return move
 
     def _to_joints(self, arguments: Arguments) -> Waiting:
         q = read_only(arguments.values)
-        return self._move(RobotCommandState.PTPJOINT_JOINT, 'ptpJointSpaceAngles', arguments, q=q)
+        return self._move('ptpJointSpaceAngles', arguments, q=q)
 
     def _along(self, function: str) -> Callable[[Arguments], Waiting]:
         def move(arguments: Arguments) -> Waiting:
             path = tuple(self.view.pose(values) for values in arguments.values)
-            return self._move(RobotCommandState.TRAJECTORY, function, arguments, pose=path[-1], path=path)
+            return self._move(function, arguments, pose=path[-1], path=path)
 
         return move
 
@@ -161,21 +160,16 @@ class RobotFunctions:
         way, frame = self.view.pose(arguments.values[:6]), arguments.values[6] or 'base'
         start = self.target.pose()
         pose = start @ way if frame == 'tool' else Pose(start.r + way.r, way.T @ start.T)
-        return (yield from self._move(RobotCommandState.PTPCARTESIAN, 'linearRelative', arguments, pose=pose))
+        return (yield from self._move('linearRelative', arguments, pose=pose))
 
     def _joints_relative(self, arguments: Arguments) -> Waiting:
         if not self.target.in_joints:
             yield from self._standstill()
         q = read_only(self.target.joints() + np.array(arguments.values))
-        return (
-            yield from self._move(
-                RobotCommandState.PTPJOINT_JOINT, 'ptpJointSpaceAnglesRelative', arguments, q=q
-            )
-        )
+        return (yield from self._move('ptpJointSpaceAnglesRelative', arguments, q=q))
 
     def _move(
         self,
-        state: RobotCommandState,
         function: str,
         arguments: Arguments,
         *,
@@ -183,18 +177,18 @@ class RobotFunctions:
         pose: Pose | None = None,
         path: tuple[Pose, ...] = (),
     ) -> Waiting:
+        kind = KIND_OF_FUNCTION[function]
         blend, before = arguments.options.blend, self.state.motions
         chained = bool(before and before[-1].blend)
         if blend:
-            joint = function.startswith('ptpJointSpace')
             self._settings |= {
-                'blend_zone': 0.0 if joint else blend,
-                'joint_blend_zone': blend if joint else 0.0,
+                'blend_zone': blend if kind.cartesian else 0.0,
+                'joint_blend_zone': 0.0 if kind.cartesian else blend,
             }
         elif not chained and 'blend_zone' in self._settings:
             self._settings |= {'blend_zone': 0.0, 'joint_blend_zone': 0.0}
         command = MotionCommand(
-            state,
+            kind,
             self.line,
             function,
             q=q,

@@ -42,6 +42,7 @@ from robots_controller.live_cell.cell_monitor import CellMonitor
 from robots_controller.live_cell.cell_view import CellView
 from robots_controller.live_cell.node_processes import NodeProcesses
 from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.recording.motion_record import MOTION_TOPICS
 from robots_controller.report.motion_report import motion_report
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
@@ -55,21 +56,7 @@ REST_TIMEOUT = 5.0  # s, for the robot to stop on its path
 POLL = 0.05  # s between looks at processes and events
 
 # What a report needs; the recorder is subscribed to these before the program starts.
-REPORTED_TOPICS = (
-    'circcartesian',
-    'command_state',
-    'digital_outputs',
-    'joint_reference',
-    'joint_states',
-    'joint_trajectory',
-    'motion_result',
-    'motion_settings',
-    'program_status',
-    'ptpcartesian',
-    'ptpjoint_cartesian',
-    'ptpjoint_joint',
-    'splinecartesian',
-)
+REPORTED_TOPICS = (*MOTION_TOPICS, 'command_state', 'digital_outputs', 'joint_reference', 'joint_states')
 
 
 @dataclass(frozen=True)

@@ -33,8 +33,8 @@ from robots_controller.live_cell.cell_events import (
     ProgramPrint,
     ProgramStatus,
 )
-from robots_controller.recording.motion_record import COMMAND_TOPICS, motion_kind
 from robots_core.pose import Pose
+from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     diagnostic_values,
     motion_result_from_message,
@@ -42,6 +42,7 @@ from robots_core.ros.messages import (
     stamp_id,
 )
 from robots_core.validation import Array, read_only
+from robots_planning.motion_kinds import MOTION_KINDS
 
 # Topics arrive in any order; after this long everything that was sent before has arrived.
 ORDERING_TIME = 0.06  # s
@@ -50,15 +51,6 @@ SERVICES = ('lua_program_node/open', 'lua_program_node/run', 'controller_node/st
 
 LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 VOLATILE = QoSProfile(depth=100, durability=DurabilityPolicy.VOLATILE)
-
-
-_COMMAND_TYPES: Final[dict[str, Any]] = {
-    'ptpjoint_joint': JointState,
-    'ptpjoint_cartesian': PoseStamped,
-    'ptpcartesian': PoseStamped,
-    'circcartesian': Path,
-    'splinecartesian': Path,
-}
 
 
 class CellMonitor(Node):
@@ -81,9 +73,9 @@ class CellMonitor(Node):
         self._listen(DiagnosticArray, '/diagnostics', self._health, VOLATILE)
         self._listen(Log, '/rosout', _prints, LATCHED)
         self._listen(DiagnosticStatus, 'program_status', _program_status, LATCHED)
-        for topic, (state, shape) in COMMAND_TOPICS.items():
-            kind = motion_kind(state, shape)
-            self._listen(_COMMAND_TYPES[topic], topic, partial(_command, kind), VOLATILE)
+        for kind in MOTION_KINDS:
+            listen = partial(_command, kind.title)
+            self._listen(message_class(kind.message_type), kind.topic, listen, VOLATILE)
         self._listen(JointTrajectory, 'joint_trajectory', _planned, VOLATILE)
         self._listen(Float64, 'motion_progress', _progress, VOLATILE)
         self._listen(DiagnosticStatus, 'motion_result', _result, VOLATILE)

@@ -10,8 +10,8 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from robots_controller.nodes.message_types import message_class
 from robots_controller.recording.bag_replay import ReplayPlan
+from robots_core.ros.message_class import message_class
 
 POLL: Final = 0.01  # s between looks for subscribers
 DEPTH: Final = 1000  # messages that a slow subscriber may lag behind

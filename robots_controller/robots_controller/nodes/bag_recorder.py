@@ -15,9 +15,9 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosbags.interfaces import Connection, Qos
 from rosbags.typesys import Stores, get_typestore
 
-from robots_controller.nodes.message_types import message_class
 from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.crash_safe_writer import CrashSafeWriter
+from robots_core.ros.message_class import message_class
 from robots_core.ros.polled_subscription import PolledSubscription
 
 DISCOVERY_PERIOD = 0.1  # s

@@ -12,8 +12,9 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from robots_controller.io.io_conversion import INTEGERS, InputValue, to_field
 from robots_controller.io.io_map import IoMap, IoRow, TopicQos, read_io_map
 from robots_controller.nodes.io_images import InputImages, OutputImages
-from robots_controller.nodes.message_types import make_room, message_class, number_type
+from robots_controller.nodes.message_types import make_room, number_type
 from robots_core.errors import InvalidInputError
+from robots_core.ros.message_class import message_class
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 

@@ -1,39 +1,19 @@
-"""Message types by name, and the types of their fields."""
+"""The types of a message's fields."""
 
 from __future__ import annotations
 
 import re
-from importlib import import_module
 from typing import Any, Final
 
 from robots_controller.io.field_path import FieldPath
 from robots_core.errors import InvalidInputError
+from robots_core.ros.message_class import message_class
 
 _ARRAY: Final = re.compile(r'sequence<(?P<listed>[^,]+)(, \d+)?>|(?P<fixed>[^\[]+)\[\d+\]')
 NUMBERS: Final = (
     *('boolean', 'float', 'double'),
     *('int8', 'int16', 'int32', 'int64', 'uint8', 'uint16', 'uint32', 'uint64'),
 )
-
-
-def message_class(type_name: str) -> Any:
-    """The class of a message type.
-
-    Args:
-        type_name: As package/msg/Name.
-
-    Raises:
-        InvalidInputError: the package is not installed, or has no such message.
-    """
-    package, _, name = type_name.split('/')
-    try:
-        module = import_module(f'{package}.msg')
-    except ImportError as error:
-        raise InvalidInputError(f'{type_name}: the package {package!r} cannot be imported: {error}') from None
-    found = getattr(module, name, None)
-    if found is None:
-        raise InvalidInputError(f'{type_name}: {package!r} has no message {name!r}')
-    return found
 
 
 def number_type(kind: Any, path: FieldPath) -> str:

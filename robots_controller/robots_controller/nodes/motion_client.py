@@ -11,15 +11,14 @@ from typing import Any, Final
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
-from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from rclpy.node import Node
-from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
 from robots_controller.nodes.planner_settings import BLEND_ZONES, PlannerSettings
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import PlanningError, RobotsError
+from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     joint_state_message,
     motion_result_from_message,
@@ -27,7 +26,7 @@ from robots_core.ros.messages import (
     stamp_id,
 )
 from robots_core.ros.qos import COMMAND
-from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
 
 # A node restarts in about this time; a robot that nobody plans for must not be waited for longer.
 LOST_TIMEOUT: Final = 2.0  # s
@@ -35,14 +34,6 @@ WATCH_PERIOD: Final = 0.1  # s
 # Motions on their way at once: fewer than the controller queues and than the middleware keeps of commands.
 MOST_SENT: Final = 50
 UNKNOWN_NODE: Final = '_NODE_NAME_UNKNOWN_'
-
-_TOPICS: Final[dict[str, tuple[str, Any]]] = {
-    RobotCommandState.PTPJOINT_JOINT: ('ptpjoint_joint', JointState),
-    RobotCommandState.PTPJOINT_CARTESIAN: ('ptpjoint_cartesian', PoseStamped),
-    RobotCommandState.PTPCARTESIAN: ('ptpcartesian', PoseStamped),
-    'circCartesianSpace': ('circcartesian', Path),
-    'splineCartesianSpace': ('splinecartesian', Path),
-}
 
 
 class MotionClient:
@@ -87,7 +78,8 @@ class MotionClient:
         self._servers: dict[bytes, str] = {}  # who could end the motion: endpoint and its node
         self._stopping = False
         self._publishers = {
-            kind: node.create_publisher(type_, topic, COMMAND) for kind, (topic, type_) in _TOPICS.items()
+            kind: node.create_publisher(message_class(kind.message_type), kind.topic, COMMAND)
+            for kind in MOTION_KINDS
         }
         node.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
         self._controller = {
@@ -134,7 +126,7 @@ class MotionClient:
                 throttle_duration_sec=5.0,
             )
 
-    def planner_listens(self, kind: str = RobotCommandState.PTPJOINT_JOINT) -> bool:
+    def planner_listens(self, kind: MotionKind = JOINT) -> bool:
         """A node that publishes `joint_trajectory` is subscribed to a motion's topic.
 
         The number of subscriptions alone says nothing: a recorder has them too.
@@ -145,7 +137,7 @@ class MotionClient:
         if endpoints - self._planners:  # one that was started anew has not heard our settings
             self._settings.forget()
         self._planners = endpoints
-        return bool(planners & _names(self._node.get_subscriptions_info_by_topic(_TOPICS[kind][0])))
+        return bool(planners & _names(self._node.get_subscriptions_info_by_topic(kind.topic)))
 
     # -- both threads, locked -------------------------------------------------------------------
 
@@ -156,7 +148,7 @@ class MotionClient:
     def _send_planned(self) -> None:
         while self._unsent and self._setting is None and not self._full:
             command = self._unsent[0]
-            if not self.planner_listens(_kind(command)):
+            if not self.planner_listens(command.kind):
                 return
             if self._settings.differ(command.settings):
                 if not self._settings.ready:
@@ -198,7 +190,7 @@ class MotionClient:
         self._sent[id_] = command
         self._since, self._servers = time.monotonic(), self._result_servers()
         self._on_sent(id_, command)
-        self._publishers[_kind(command)].publish(message)
+        self._publishers[command.kind].publish(message)
 
     def _next_stamp(self) -> Time:
         # The stamp is the command's id: unique even while a simulated clock stands still.
@@ -260,10 +252,9 @@ class MotionClient:
             return ''
         if self._setting is not None:
             return f'planning_node has not answered for {self._planner_timeout:g} s: is it still running?'
-        topic = _TOPICS[_kind(self._unsent[0])][0]
         return (
-            f'nobody plans {topic} within {self._planner_timeout:g} s: planning_node is not running, '
-            'or in another namespace'
+            f'nobody plans {self._unsent[0].kind.topic} within {self._planner_timeout:g} s: planning_node is '
+            'not running, or in another namespace'
         )
 
     def _lost(self, now: float) -> str:
@@ -278,10 +269,6 @@ class MotionClient:
             return ''
         names = ', '.join(sorted(gone)) or 'everyone who could end the motion'
         return f'{names} has been gone for {LOST_TIMEOUT:g} s while the robot moved: is it still running?'
-
-
-def _kind(command: MotionCommand) -> str:
-    return command.function if command.path else command.state
 
 
 def _number(id_: str) -> int:

@@ -9,7 +9,7 @@ from typing import Literal
 
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.motion_kinds import MotionKind
 
 Kind = Literal['digital', 'analog']
 Anchor = Literal['distance_before_end', 'distance_after_start', 'time_before_end', 'time_after_start']
@@ -39,7 +39,7 @@ class MotionCommand:
     """One motion as the program commands it.
 
     Attributes:
-        state: The kind of motion.
+        kind: What kind of motion it is.
         line: The program's line, counted from 1.
         function: The Lua function's name.
         q: Target in joint space (n,), rad (m), read-only; None for a target pose.
@@ -53,7 +53,7 @@ class MotionCommand:
         options: Further wishes of this motion; none yet.
     """
 
-    state: RobotCommandState
+    kind: MotionKind
     line: int
     function: str
     q: Array | None = None

@@ -285,7 +285,7 @@ class ProgramState:
             if self._motions and not self._motions[-1].blend:
                 raise ProgramError(f'the motion of line {self._motions[-1].line} has not finished')
             self._motions.append(command)
-            self._command_state = command.state
+            self._command_state = command.kind.state
             if command.pose is not None:
                 self._reference_pose = command.pose
 

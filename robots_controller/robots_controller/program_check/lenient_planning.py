@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 from robots_core.errors import RobotsError, UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.validation import Array
+from robots_planning.motion_kinds import JOINT_TO_POSE, MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion, Target
-from robots_planning.robot_command_state import JOINT_STATES, RobotCommandState, Shape
 from robots_planning.trajectory import Trajectory
 from robots_planning.verification import verify
 
@@ -45,51 +45,45 @@ class LenientPlanning(PathPlanning):
 
     def plan(
         self,
-        state: RobotCommandState,
+        kind: MotionKind,
         q_start: ArrayLike,
         target: Target,
         settings: MotionSettings | None = None,
-        *,
-        shape: Shape = 'line',
     ) -> PlannedMotion:
         """See `PathPlanning.plan`; raises nothing."""
         try:
-            motion = super().plan(state, q_start, target, settings, shape=shape)
+            motion = super().plan(kind, q_start, target, settings)
         except RobotsError as error:
-            return self._in_its_place(error, state, q_start, target, settings, shape)
+            return self._in_its_place(error, kind, q_start, target, settings)
         self._astray = False
         return motion
 
-    def _in_its_place(  # noqa: PLR0917  # the arguments of `plan`, as they came
+    def _in_its_place(  # the arguments of `plan`, as they came
         self,
         error: RobotsError,
-        state: RobotCommandState,
+        kind: MotionKind,
         q_start: ArrayLike,
         target: Target,
         settings: MotionSettings | None,
-        shape: Shape,
     ) -> PlannedMotion:
         astray, self._astray = self._astray, False
         end = target[-1] if isinstance(target, tuple) else target
-        for kind, goal, path in (
-            (state, target, shape),
-            (RobotCommandState.PTPJOINT_CARTESIAN, end, 'line'),
-        ):
-            if kind not in JOINT_STATES and isinstance(error, UnreachablePoseError):
+        for other, goal in ((kind, target), (JOINT_TO_POSE, end)):
+            if other.cartesian and isinstance(error, UnreachablePoseError):
                 continue
-            if kind is RobotCommandState.PTPJOINT_CARTESIAN and not isinstance(goal, Pose):
+            if other is JOINT_TO_POSE and not isinstance(goal, Pose):
                 continue
             try:
                 with self._through_everything():
-                    motion = super().plan(kind, q_start, goal, settings, shape=path)  # type: ignore[arg-type]
+                    motion = super().plan(other, q_start, goal, settings)
             except RobotsError:
                 continue
             # A way of the tool from a place where the program never is tells nothing.
-            if not (astray and state is RobotCommandState.PTPCARTESIAN):
+            if not (astray and kind.cartesian):
                 self.problems[motion] = error
             return motion
         self._astray = True
-        motion = self._stay(np.asarray(q_start, dtype=np.float64), state)
+        motion = self._stay(np.asarray(q_start, dtype=np.float64), kind)
         self.problems[motion] = error
         return motion
 
@@ -101,7 +95,7 @@ class LenientPlanning(PathPlanning):
         finally:
             self.collision = held
 
-    def _stay(self, q: Array, state: RobotCommandState) -> PlannedMotion:
+    def _stay(self, q: Array, kind: MotionKind) -> PlannedMotion:
         still = np.zeros((2, q.size))
         trajectory = Trajectory(np.array([0.0, STAY]), np.stack([q, q]), still, still)
-        return PlannedMotion(trajectory, state, verify(trajectory, self.robot))
+        return PlannedMotion(trajectory, kind, verify(trajectory, self.robot))

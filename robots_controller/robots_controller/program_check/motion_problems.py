@@ -11,7 +11,6 @@ from robots_core.blocks.visualizer import reach
 from robots_core.errors import RobotsError, UnreachablePoseError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.pathplanning import PlannedMotion
-from robots_planning.robot_command_state import RobotCommandState
 from robots_planning.verification import RATIO_TOLERANCE, verify
 
 # Smallest over largest singular value of the Jacobian, lengths in reaches of the robot: the joints move a
@@ -25,7 +24,7 @@ def motion_problems(robot: BaseRobotModel, motion: PlannedMotion) -> Iterator[st
     use = verify(motion.trajectory, robot).uses['torque']
     if use.ratio > 1.0 + RATIO_TOLERANCE:
         yield f'limit: {use.describe()}'
-    if motion.kind is RobotCommandState.PTPCARTESIAN:
+    if motion.kind is not None and motion.kind.cartesian:
         yield from _singular_passage(robot, motion)
 
 

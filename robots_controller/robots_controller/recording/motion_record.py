@@ -14,21 +14,14 @@ from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
+from robots_planning.motion_kinds import KIND_OF_TOPIC, LINE, MotionKind
 from robots_planning.motion_results import PASSED
 from robots_planning.motion_settings import MotionSettings, settings_from_text
-from robots_planning.robot_command_state import JOINT_STATES, RobotCommandState, Shape
 from robots_planning.trajectory import Trajectory
 
 OK: Final = 0  # DiagnosticStatus.OK
-COMMAND_TOPICS: Final[dict[str, tuple[RobotCommandState, Shape]]] = {
-    'ptpjoint_joint': (RobotCommandState.PTPJOINT_JOINT, 'line'),
-    'ptpjoint_cartesian': (RobotCommandState.PTPJOINT_CARTESIAN, 'line'),
-    'ptpcartesian': (RobotCommandState.PTPCARTESIAN, 'line'),
-    'circcartesian': (RobotCommandState.PTPCARTESIAN, 'circle'),
-    'splinecartesian': (RobotCommandState.PTPCARTESIAN, 'spline'),
-}
 MOTION_TOPICS: Final = (
-    *COMMAND_TOPICS, 'motion_settings', 'joint_trajectory', 'motion_result', 'program_status'
+    *KIND_OF_TOPIC, 'motion_settings', 'joint_trajectory', 'motion_result', 'program_status'
 )  # fmt: skip
 Messages = Mapping[str, Sequence[tuple[float, Any]]]
 """(time in s, message) by topic, in order."""
@@ -42,8 +35,7 @@ class CommandRecord:
         id: Its stamp.
         file: The program that commanded it; '' if none ran.
         line: Its line there.
-        state: The kind of motion.
-        shape: Of a Cartesian motion.
+        kind: What kind of motion it is.
         settings: What held for it.
         q: Joint target, (n,); None for poses.
         pose: Target of tool0 in the robot's base; for a joint target where those joints lead; nothing if not
@@ -55,18 +47,12 @@ class CommandRecord:
     id: str
     file: str
     line: int
-    state: RobotCommandState
-    shape: Shape
+    kind: MotionKind
     settings: MotionSettings
     q: Array | None
     pose: Pose
     ok: bool
     message: str
-
-    @property
-    def kind(self) -> str:
-        """State and shape in words."""
-        return motion_kind(self.state, self.shape)
 
     @property
     def tool_target(self) -> Pose:
@@ -76,13 +62,13 @@ class CommandRecord:
     @property
     def straight(self) -> bool:
         """The tool moves on a straight line."""
-        return self.state is RobotCommandState.PTPCARTESIAN and self.shape == 'line'
+        return self.kind is LINE
 
     @property
     def zone(self) -> tuple[float, bool]:
         """Size of the zone around its target, and whether it is one of joints (rad) or of the tool (m)."""
         joints, tool = (self.settings.joint_blend_zone, True), (self.settings.blend_zone, False)
-        own, other = (joints, tool) if self.state in JOINT_STATES else (tool, joints)
+        own, other = (tool, joints) if self.kind.cartesian else (joints, tool)
         return own if own[0] > 0.0 else other
 
 
@@ -108,11 +94,6 @@ class MotionRecord:
     followed: bool = False
 
 
-def motion_kind(state: RobotCommandState, shape: Shape) -> str:
-    """State and shape in words."""
-    return state.value if shape == 'line' else f'{state.value} {shape}'
-
-
 def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionRecord, ...]:
     """The motions of a bag in order.
 
@@ -125,7 +106,7 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
     # Those that a status tells of; the first one that does counts.
     places = {told['motion']: told for told in reversed(program.values) if 'motion' in told}
     commands = sorted(
-        ((time, topic, message) for topic in COMMAND_TOPICS for time, message in messages[topic]),
+        ((time, topic, message) for topic in KIND_OF_TOPIC for time, message in messages[topic]),
         key=lambda item: seconds(item[2].header.stamp),
     )
     motions: list[MotionRecord] = []
@@ -198,7 +179,6 @@ def _command(
     place: tuple[str, int],
 ) -> CommandRecord:
     topic, message = sent
-    state, shape = COMMAND_TOPICS[topic]
     ok = result is not None and result.level == OK
     q, pose = None, Pose.identity()
     if not ok:
@@ -216,8 +196,7 @@ def _command(
         id=_stamp_id(message),
         file=place[0],
         line=place[1],
-        state=state,
-        shape=shape,
+        kind=KIND_OF_TOPIC[topic],
         settings=settings,
         q=q,
         pose=pose,

@@ -232,7 +232,7 @@ class _Judge:
             row = MotionRow(
                 place=_place(command, self._program),
                 line=command.line,
-                kind=command.kind,
+                kind=command.kind.title,
                 planned=float(plans[number]),
                 duration=float(durations[number]),
                 position_error=errors[0],
@@ -289,7 +289,7 @@ def _failed_row(command: CommandRecord, program: str) -> MotionRow:
     return MotionRow(
         place=_place(command, program),
         line=command.line,
-        kind=command.kind,
+        kind=command.kind.title,
         planned=nan,
         duration=nan,
         position_error=nan,

@@ -13,7 +13,6 @@ from robots_controller.recording.motion_record import CommandRecord, MotionRecor
 from robots_controller.report.tool_path import ToolPath
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.robot_command_state import RobotCommandState
 from robots_planning.trajectory import Trajectory
 
 MOTION_TOPICS: Final = motion_record.MOTION_TOPICS
@@ -51,8 +50,8 @@ class RecordedMotion:
 
     @property
     def kind(self) -> str:
-        """Command state and shape."""
-        return self.command.kind
+        """What kind of motion it is."""
+        return self.command.kind.title
 
     @property
     def ok(self) -> bool:
@@ -67,7 +66,7 @@ class RecordedMotion:
     @property
     def cartesian(self) -> bool:
         """The tool follows a line, an arc or a spline."""
-        return self.command.state is RobotCommandState.PTPCARTESIAN
+        return self.command.kind.cartesian
 
     @property
     def moved(self) -> bool:

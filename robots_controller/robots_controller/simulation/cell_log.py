@@ -33,24 +33,9 @@ from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult
 from robots_planning.command_planner import PlannedCommands
 from robots_planning.motion_settings import MotionSettings, settings_as_text
-from robots_planning.robot_command_state import RobotCommandState
 
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
 STATUS_TYPE: Final = 'diagnostic_msgs/msg/DiagnosticStatus'
-COMMAND_TYPES: Final = {
-    'ptpjoint_joint': 'sensor_msgs/msg/JointState',
-    'ptpjoint_cartesian': 'geometry_msgs/msg/PoseStamped',
-    'ptpcartesian': 'geometry_msgs/msg/PoseStamped',
-    'circcartesian': 'nav_msgs/msg/Path',
-    'splinecartesian': 'nav_msgs/msg/Path',
-}
-COMMAND_TOPICS: Final = {
-    RobotCommandState.PTPJOINT_JOINT: 'ptpjoint_joint',
-    RobotCommandState.PTPJOINT_CARTESIAN: 'ptpjoint_cartesian',
-    RobotCommandState.PTPCARTESIAN: 'ptpcartesian',
-    'circCartesianSpace': 'circcartesian',
-    'splineCartesianSpace': 'splinecartesian',
-}
 
 
 class CellLog:
@@ -230,8 +215,7 @@ class CellLog:
         else:
             assert command.pose is not None
             message = ros.pose_stamped(nanoseconds, command.pose)
-        topic = COMMAND_TOPICS[command.function if command.path else command.state]
-        self._write(topic, COMMAND_TYPES[topic], message, since_start)
+        self._write(command.kind.topic, command.kind.message_type, message, since_start)
 
     def _tell_settings(self, nanoseconds: int, command: MotionCommand) -> None:
         try:

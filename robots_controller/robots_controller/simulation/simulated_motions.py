@@ -7,8 +7,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import count
-from types import MappingProxyType
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
@@ -25,13 +24,8 @@ from robots_planning.command_queue import CommandQueue, QueuedCommand, RunningMo
 from robots_planning.motion_results import PASSED
 from robots_planning.motion_settings import CHECKS, MotionSettings
 from robots_planning.pathplanning import PathPlanning, Target
-from robots_planning.robot_command_state import RobotCommandState, Shape
 from robots_planning.standing_robot import check_standing
 from robots_planning.trajectory import Trajectory
-
-CURVES: Final[Mapping[str, Shape]] = MappingProxyType(
-    {'circCartesianSpace': 'circle', 'splineCartesianSpace': 'spline'}
-)
 
 
 @dataclass(frozen=True)
@@ -139,9 +133,7 @@ class SimulatedMotions:
             self._end(id_, ok=False, message=error.message, details=error.details)
             return
         self._change(id_, settings=settings)
-        shape = CURVES.get(command.function, 'line') if command.path else 'line'
-        state = RobotCommandState.PTPCARTESIAN if command.path else command.state
-        order = QueuedCommand(id_, state, _target(command), settings, float(next(self._order)), shape)
+        order = QueuedCommand(id_, command.kind, _target(command), settings, float(next(self._order)))
         self._plan(self._book.hold(order))
 
     def flush(self) -> None:

@@ -24,6 +24,7 @@ from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.pose import Pose
+from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     id_stamp,
     joint_values,
@@ -39,6 +40,7 @@ from robots_core.ros.run import run
 from robots_core.validation import Array
 from robots_planning.command_planner import CommandPlanner, PlannedCommands
 from robots_planning.command_queue import CommandQueue, QueuedCommand, RunningMotion
+from robots_planning.motion_kinds import JOINT, LINE, MOTION_KINDS, MotionKind
 from robots_planning.motion_results import PASSED
 from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, checked
 from robots_planning.nodes.command_inbox import CommandInbox
@@ -46,8 +48,7 @@ from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory,
 from robots_planning.nodes.jogging import Jogging
 from robots_planning.nodes.settings_publisher import SettingsPublisher
 from robots_planning.nodes.trajectory_messages import BASE_FRAME, trajectory_message
-from robots_planning.pathplanning import PathPlanning, Target
-from robots_planning.robot_command_state import RobotCommandState, Shape
+from robots_planning.pathplanning import PathPlanning, PlannedMotion, Target
 from robots_planning.standing_robot import check_standing
 
 LOOK_PERIOD = 0.1  # s between looks for a first reference
@@ -143,16 +144,10 @@ class PlanningNode(RobotNode):
             )
 
     def _subscribe(self) -> None:
-        states = RobotCommandState
-        kinds: tuple[tuple[type, str, RobotCommandState, Shape, Callable[[Any], Target]], ...] = (
-            (JointState, 'ptpjoint_joint', states.PTPJOINT_JOINT, 'line', self._joints),
-            (PoseStamped, 'ptpjoint_cartesian', states.PTPJOINT_CARTESIAN, 'line', self._pose),
-            (PoseStamped, 'ptpcartesian', states.PTPCARTESIAN, 'line', self._pose),
-            (Path, 'circcartesian', states.PTPCARTESIAN, 'circle', self._poses),
-            (Path, 'splinecartesian', states.PTPCARTESIAN, 'spline', self._poses),
-        )
-        for kind, topic, state, shape, read in kinds:
-            self.create_subscription(kind, topic, partial(self._command, state, shape, read), COMMAND)
+        readers = {'joints': self._joints, 'pose': self._pose, 'poses': self._poses}
+        for kind in MOTION_KINDS:
+            command = partial(self._command, kind, readers[kind.target])
+            self.create_subscription(message_class(kind.message_type), kind.topic, command, COMMAND)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
         self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
         self.create_subscription(PoseStamped, 'reference_pose', self._on_reference_pose, STREAM)
@@ -166,19 +161,16 @@ class PlanningNode(RobotNode):
 
     # -- commands ------------------------------------------------------------------------------------
 
-    def _command(
-        self, state: RobotCommandState, shape: Shape, read: Callable[[Any], Target], message: Any
-    ) -> None:
+    def _command(self, kind: MotionKind, read: Callable[[Any], Target], message: Any) -> None:
         stamp = message.header.stamp
         if stamp.sec == 0 and stamp.nanosec == 0:
             stamp = self.get_clock().now().to_msg()
-        obey = partial(self._obey, state, shape, partial(read, message), stamp, self._settings())
+        obey = partial(self._obey, kind, partial(read, message), stamp, self._settings())
         self._inbox.put(stamp, obey)
 
     def _obey(
         self,
-        state: RobotCommandState,
-        shape: Shape,
+        kind: MotionKind,
         target_of_it: Callable[[], Target],
         stamp: Time,
         settings: MotionSettings,
@@ -186,22 +178,22 @@ class PlanningNode(RobotNode):
         id_ = stamp_id(stamp)
         if self._book.knows(id_):
             self.get_logger().warning(  # type: ignore[no-untyped-call]
-                f'{state}: command {id_} came twice, the second is ignored'
+                f'{kind.title}: command {id_} came twice, the second is ignored'
             )
             return
         try:
             target = target_of_it()
         except RobotsError as error:
-            self._refuse_command(state, id_, error)
+            self._refuse_command(kind, id_, error)
             return
-        order = QueuedCommand(id_, state, target, settings, self._now(), shape)
+        order = QueuedCommand(id_, kind, target, settings, self._now())
         self._forget_lost_controller()
         self._submit(self._book.hold(order))
         if order.settings.blends:
             self._patience.reset()
 
     def _joints(self, message: JointState) -> Target:
-        return joint_values(message.name, message.position, self._names, 'ptpjoint_joint')
+        return joint_values(message.name, message.position, self._names, JOINT.topic)
 
     def _pose(self, message: PoseStamped) -> Pose:
         self._check_frame(message.header.frame_id)
@@ -233,8 +225,7 @@ class PlanningNode(RobotNode):
                 raise PlanningError('trigger came without a valid reference_pose before it')
             return pose
 
-        state, settings = RobotCommandState.PTPCARTESIAN, self._settings()
-        self._inbox.put(stamp, partial(self._obey, state, 'line', target, stamp, settings))
+        self._inbox.put(stamp, partial(self._obey, LINE, target, stamp, self._settings()))
 
     def _settings(self) -> MotionSettings:
         values: dict[str, Any] = {name: self.get_parameter(name).value for name in DESCRIPTIONS}
@@ -269,18 +260,19 @@ class PlanningNode(RobotNode):
     # -- the planner's thread ------------------------------------------------------------------------
 
     def _send(self, planned: PlannedCommands) -> None:
-        last, motion = planned.orders[-1], planned.motion
+        titles = ' + '.join(order.kind.title for order in planned.orders)
+        self._follow(planned.orders[-1].id, planned.motion, titles, planned.join_time)
+
+    def _follow(self, id_: str, motion: PlannedMotion, title: str, join_time: float = 0.0) -> None:
         self._controllers = self._reference_publishers()
         if len(self._book.running) == 1:
             self._progress = (0.0, time.monotonic())
         self._finished_publisher.publish(Bool(data=False))
-        message = trajectory_message(
-            motion.trajectory, self._names, id_stamp(last.id), join_time=planned.join_time
-        )
+        message = trajectory_message(motion.trajectory, self._names, id_stamp(id_), join_time=join_time)
         self._trajectory_publisher.publish(message)
         limit = motion.report.limiting
         self.get_logger().info(  # type: ignore[no-untyped-call]
-            f'{" + ".join(order.state for order in planned.orders)} planned: {motion.duration:.3f} s, '
+            f'{title} planned: {motion.duration:.3f} s, '
             f'limited by {100.0 * limit.ratio:.0f} % of the {limit.quantity} of {limit.joint}'
         )
         self.ready()
@@ -294,17 +286,16 @@ class PlanningNode(RobotNode):
         if self._book.running:
             raise PlanningError('the robot is still moving; wait for its motion_result or stop it')
         trajectory = waypoints_trajectory(message, self._names, self._standing_reference())
-        state, settings = RobotCommandState.TRAJECTORY, MotionSettings()
-        motion = self._planning.checked(trajectory, state, settings)
+        motion = self._planning.checked(trajectory)
         self._book.planned(RunningMotion((id_,), trajectory, (trajectory.duration,)), self._book.failures)
-        self._send(PlannedCommands((QueuedCommand(id_, state, (), settings, self._now()),), motion))
+        self._follow(id_, motion, 'a given trajectory')
 
     def _refuse_order(self, order: QueuedCommand, error: RobotsError) -> None:
         self._book.refused(order.id)
-        self._refuse_command(order.state, order.id, error)
+        self._refuse_command(order.kind, order.id, error)
 
-    def _refuse_command(self, state: RobotCommandState, id_: str, error: RobotsError) -> None:
-        self.refuse(state.value.lower(), error)
+    def _refuse_command(self, kind: MotionKind, id_: str, error: RobotsError) -> None:
+        self.refuse(kind.topic, error)
         details = {key: str(value) for key, value in error.details.items()}
         self._answer(MotionResult(id_, ok=False, message=error.message, details=details))
 
