@@ -100,7 +100,7 @@ class CommandQueue:
     def given_up(self, orders: Sequence[QueuedCommand]) -> str:
         """Why commands are void; '' if they are not."""
         with self._lock:
-            if min(order.received for order in orders) <= self._failed_at:
+            if min(order.received for order in orders) < self._failed_at:
                 return f'given up with motion {self._failed} before it, which did not reach its target'
             return ''
 

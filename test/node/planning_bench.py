@@ -136,5 +136,5 @@ class Bench:
         """End a motion, as the controller does."""
         result = MotionResult(id_, ok, 'reached' if ok else 'stopped')
         self.publishers['motion_result'].publish(motion_result_message(result, ROBOT))
-        self.wait(lambda: not self.node._book.knows(id_), 'the node has heard the result')
+        self.wait(lambda: not self.node.planner.knows(id_), 'the node has heard the result')
         self.wait(lambda: id_ in [result.id for result in self.results], 'so has everybody')

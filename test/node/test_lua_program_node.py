@@ -118,7 +118,7 @@ def test_motion_without_planner_is_an_error_although_a_recorder_listens(ros_node
     bench = Bench(ros_nodes, tmp_path, planner=False, planner_timeout=0.3)
     bench.start(MOVE)
     error = bench.wait_for_state('FAILED')['error']
-    assert error.startswith('test.lua:1: ptpJointSpaceAngles: nobody plans ptpjoint_joint within 0.3 s')
+    assert error.startswith('test.lua:1: ptpJointSpaceAngles: no node plans ptpjoint_joint within 0.3 s')
     assert 'planning_node is not running' in error
     bench.start_planner()
     bench.start(MOVE)
@@ -341,7 +341,7 @@ def test_outputs_switch_on_the_path(ros_nodes: Any, tmp_path: Path):
         rest.time / rest.duration * 4.0, rest.position, 0.0 * rest.velocity, 0.0 * rest.acceleration
     )
     trajectories.publish(trajectory_message(slow, list(bench.node.robot.axes_data.names), stamp))
-    ros_nodes.wait_for(lambda: bench.node._switching._active, what='the planned motion')
+    ros_nodes.wait_for(lambda: bench.node.host.switching._planned, what='the planned motion')
     progress.publish(Float64(data=0.70))
     progress.publish(Float64(data=0.76))
     ros_nodes.wait_for(lambda: bench.digital[-1][:2] == [1, 0], what='the first output')

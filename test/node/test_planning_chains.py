@@ -50,7 +50,7 @@ def test_blended_commands_become_one_trajectory_of_the_last_one(ros_nodes: Any) 
     bench = blended(ros_nodes)
     targets = steps(bench, 3)
     ids = [bench.command('ptpjoint_joint', target, 5 + number) for number, target in enumerate(targets)]
-    bench.wait(lambda: all(bench.node._book.knows(id_) for id_ in ids), 'all are held')
+    bench.wait(lambda: all(bench.node.planner.knows(id_) for id_ in ids), 'all are held')
     set_zones(bench, 0.0)
     trajectory = bench.planned()
     assert [stamp_id(message.header.stamp) for message in bench.trajectories] == ids[-1:]
@@ -75,7 +75,7 @@ def test_a_chain_that_was_stopped_tells_which_of_its_motions_were_passed(ros_nod
     bench = blended(ros_nodes)
     ids = [bench.command('ptpjoint_joint', target, 5 + k) for k, target in enumerate(steps(bench, 3))]
     bench.planned()
-    (motion,) = bench.node._book.running
+    (motion,) = bench.node.planner.motions
     between = 0.5 * (motion.ends[0] + motion.ends[1]) / motion.trajectory.duration
     stopped = MotionResult(ids[-1], ok=False, message='stopped by ~/stop', details={'progress': str(between)})
     bench.publishers['motion_result'].publish(motion_result_message(stopped, ROBOT))
@@ -101,7 +101,7 @@ def test_a_command_that_stops_ends_the_chain_before_it(ros_nodes: Any) -> None:
     set_zones(bench, 0.05)
     targets = steps(bench, 2)
     first = bench.command('ptpjoint_joint', targets[0], 5)
-    bench.wait(lambda: bench.node._book.knows(first), 'the first is held')
+    bench.wait(lambda: bench.node.planner.knows(first), 'the first is held')
     set_zones(bench, 0.0)  # nothing that it could run through to is coming
     bench.planned()
     bench.command('ptpjoint_joint', targets[1], 6)

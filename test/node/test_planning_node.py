@@ -161,7 +161,7 @@ def test_after_a_stop_nothing_moves_that_was_commanded_before(bench: Bench) -> N
     stopped = bench.node.get_clock().now().nanoseconds * 1e-9 + 3600.0
     late = MotionResult(first, ok=False, message='stopped', details={'ended': f'{stopped:.9f}'})
     bench.publishers['motion_result'].publish(motion_result_message(late, ROBOT))
-    bench.wait(lambda: not bench.node._book.knows(first), 'the node has heard of the stop')
+    bench.wait(lambda: not bench.node.planner.knows(first), 'the node has heard of the stop')
     void = bench.command('ptpjoint_joint', home, 6)  # sent before that stop
     assert f'given up with motion {first} before it' in bench.refusal(void).message
     assert len(bench.trajectories) == 1
@@ -205,7 +205,7 @@ def test_unknown_ways_to_take_a_new_command_are_refused(ros_nodes: Any) -> None:
 
 def test_planning_does_not_keep_the_node_from_answering(bench: Bench) -> None:
     bench.stand(bench.robot.home)
-    planning, entered, leave = bench.node._planning, threading.Event(), threading.Event()
+    planning, entered, leave = bench.node.planner.planning, threading.Event(), threading.Event()
     plan = planning.plan
 
     def slow(*arguments: Any, **options: Any) -> Any:
@@ -326,7 +326,7 @@ def test_trigger_moves_to_the_newest_reference_pose_on_its_rising_edge(bench: Be
     bench.wait(lambda: bench.results, 'a refusal')
     assert 'without a valid reference_pose' in bench.results[0].message
     bench.publishers['reference_pose'].publish(pose_stamped_message(Time(), below(bench)))
-    bench.wait(lambda: bench.node._reference_pose is not None, 'the pose is taken')
+    bench.wait(lambda: bench.node.planner.reference_pose is not None, 'the pose is taken')
     bench.publishers['trigger'].publish(Bool(data=True))  # still high: no edge
     bench.publishers['trigger'].publish(Bool(data=False))
     bench.publishers['trigger'].publish(Bool(data=True))

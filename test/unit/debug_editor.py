@@ -10,8 +10,7 @@ from typing import Any
 
 from robots_controller.editor.debug_adapter_server import HOST, DebugAdapterServer
 from robots_controller.interpreter.lua_program import LuaProgram
-
-from .lua_host import cell_with
+from robots_controller.program.cell_port import DetachedCell
 
 DEADLINE = 20.0  # s
 
@@ -85,15 +84,10 @@ class DebuggedProgram:
     def __init__(self, folder: Path, text: str) -> None:
         self.path = folder / 'test.lua'
         self.path.write_text(text)
-        self.program = LuaProgram(
-            6,
-            cell_with(
-                held_changed=lambda: self.server.on_held(),
-                printed=lambda text, line: self.server.on_print(text, line),
-                ended=lambda error: self.server.on_finished(error),
-            ),
-        )
-        self.server = DebugAdapterServer(self.program)
+        cell = DetachedCell()
+        self.program = LuaProgram(6, cell)
+        self.server = server = DebugAdapterServer(self.program)
+        cell.held_changed, cell.printed, cell.ended = server.on_held, server.on_print, server.on_finished
         self.server.start()
         self.editor = Editor(self.server.port)
 

@@ -8,8 +8,9 @@ from collections.abc import Callable
 import pytest
 
 from robots_controller.program.clock import Clock
-from robots_controller.simulation.simulated_clock import CALLS_PER_PERIOD, SimulatedClock
+from robots_controller.simulation.simulated_clock import CALLS_PER_PERIOD, NANOSECONDS, START, SimulatedClock
 
+START_TIME = START / NANOSECONDS
 PERIOD = 0.004
 
 
@@ -39,7 +40,7 @@ def clock() -> SimulatedClock:
 
 def test_it_is_a_clock(clock: SimulatedClock):
     as_clock: Clock = clock
-    assert as_clock.now() == 0.0
+    assert as_clock.now() == START_TIME
 
 
 def test_a_waiting_program_goes_on_when_the_cell_lets_it(clock: SimulatedClock):
@@ -47,18 +48,18 @@ def test_a_waiting_program_goes_on_when_the_cell_lets_it(clock: SimulatedClock):
 
     def work(condition: threading.Condition) -> None:
         for deadline in (1.0, None, 2.5):
-            clock.wait(condition, deadline)
-            seen.append(clock.now())
+            clock.wait(condition, None if deadline is None else START_TIME + deadline)
+            seen.append(clock.elapsed)
 
     program = Program(clock, work)
     assert clock.waiting
-    assert clock.deadline == 1.0
+    assert clock.deadline == START_TIME + 1.0
     clock.nanoseconds = 1_000_000_000
     clock.let_program_work()
     assert clock.deadline == float('inf')
     clock.nanoseconds = 1_250_000_000
     clock.let_program_work()
-    assert clock.deadline == 2.5
+    assert clock.deadline == START_TIME + 2.5
     assert seen == [1.0, 1.25]
     clock.nanoseconds = 2_500_000_000
     clock.let_program_work()
@@ -79,7 +80,7 @@ def test_a_notification_alone_gives_no_turn(clock: SimulatedClock):
 
 def test_a_wait_shorter_than_the_rounding_of_time_ends(clock: SimulatedClock):
     clock.nanoseconds = 20_000_000_000
-    Program(clock, lambda condition: clock.wait(condition, 20.0 + 1e-18))
+    Program(clock, lambda condition: clock.wait(condition, START_TIME + 20.0 + 1e-18))
     assert clock.deadline > clock.now()
     clock.let_program_work()
 
@@ -90,7 +91,7 @@ def test_a_program_that_only_calls_lets_a_period_pass(clock: SimulatedClock):
             clock.called()
 
     program = Program(clock, work)
-    assert clock.deadline == PERIOD
+    assert clock.deadline == START_TIME + PERIOD
     assert not program.ended
     clock.nanoseconds = 4_000_000
     clock.let_program_work()
@@ -102,11 +103,11 @@ def test_calls_at_different_times_do_not_add_up(clock: SimulatedClock):
         for number in range(1, 4):
             for _ in range(CALLS_PER_PERIOD):
                 clock.called()
-            clock.wait(condition, float(number))
+            clock.wait(condition, START_TIME + number)
 
     Program(clock, work)
     for second in range(1, 4):
-        assert clock.deadline == float(second)
+        assert clock.deadline == START_TIME + second
         clock.nanoseconds = second * 1_000_000_000
         clock.let_program_work()
 

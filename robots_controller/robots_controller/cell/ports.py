@@ -7,7 +7,7 @@ from typing import Any, Literal, Protocol
 
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_state import RunState
-from robots_core.errors import PlanningError, ProgramError
+from robots_core.errors import PlanningError, ProgramError, RobotsError
 from robots_core.validation import Array
 from robots_planning.robot_command_state import RobotCommandState
 
@@ -80,6 +80,12 @@ class ProgramObserver(Protocol):
 
     def command_state(self, state: RobotCommandState) -> None:
         """What the robot is commanded to do."""
+
+    def motion_sent(self, id_: str, command: MotionCommand, file: str) -> None:
+        """A motion of a program or subprogram was sent."""
+
+    def motion_ended(self, id_: str, command: MotionCommand, error: RobotsError | None) -> None:
+        """A motion has ended: None, or why the robot is not at the target. '' for one that was not sent."""
 
     def status(self, state: RunState, error: str, values: Mapping[str, Any]) -> None:
         """State, place and motion of the program."""

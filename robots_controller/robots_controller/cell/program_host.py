@@ -183,12 +183,15 @@ class ProgramHost:
     # -- the motions ----------------------------------------------------------------------------------
 
     def _sent(self, id_: str, command: MotionCommand) -> None:
+        file = self._files.pop(command, '')
         self.switching.sent(id_, command)
-        self.reporter.motion_sent(id_, self._files.pop(command, ''), command.line)
+        self._observer.motion_sent(id_, command, file)
+        self.reporter.motion_sent(id_, file, command.line)
 
     def _ended(self, id_: str, command: MotionCommand, error: RobotsError | None) -> None:
         self.switching.finish(id_, ok=error is None)
         self._files.pop(command, None)
+        self._observer.motion_ended(id_, command, error)
         # IDLE is reported before the program can command the next motion.
         if error is not None or command in self.program.motions[-1:]:
             self._observer.command_state(RobotCommandState.IDLE)
@@ -261,3 +264,4 @@ class ProgramHost:
         """See `CellPort`."""
         self._observer.ended(error)
         self.reporter.report()
+        self.clock.program_ended()

@@ -75,7 +75,7 @@ class ProgramReporter:
             program = self._program
             state, line = program.run_state, program.line
             error = str(program.error or self.open_error)
-            values = {
+            values: dict[str, object] = {
                 'state': state.value,
                 'file': program.line_file,
                 'line': line,

@@ -178,4 +178,4 @@ def _progress(message: Float64) -> Iterable[Event]:
 
 def _result(message: DiagnosticStatus) -> Iterable[Event]:
     result = motion_result_from_message(message)
-    yield MotionEnded(result.id, result.ok, result.message, result.details)
+    yield MotionEnded(result.id, result.ok, result.message, dict(result.details))

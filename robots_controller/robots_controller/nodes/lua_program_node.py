@@ -3,40 +3,54 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import partial
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_controller.cell.ports import ControllerRequest
+from robots_controller.cell.program_host import ProgramHost
 from robots_controller.editor.debug_adapter_server import DebugAdapterServer
 from robots_controller.interpreter.debugger import STEPS, breakpoints_by_file
-from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE, LuaProgram
+from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.io_services import IoServices
-from robots_controller.nodes.motion_client import MotionClient
-from robots_controller.nodes.path_switching import PathSwitching
-from robots_controller.nodes.program_status import ProgramStatus
-from robots_controller.program.program_state import MotionCommand, OutputChange, RunState
+from robots_controller.nodes.planner_client import PlannerClient
+from robots_controller.program.clock import WallClock
+from robots_controller.program.motion_command import MotionCommand, OutputChange
+from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
-from robots_core.pose import Pose
-from robots_core.ros.messages import joint_values
+from robots_core.ros.messages import (
+    diagnostic_status,
+    joint_values,
+    motion_result_from_message,
+    serialized_stamp_id,
+)
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import SENSOR, STATE, STREAM
+from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode, bounded
 from robots_core.ros.run import run
 from robots_core.validation import Array
+from robots_planning.nodes.trajectory_messages import trajectory_from_message
+from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.trajectory import Trajectory
 
 AUTOSTART_PERIOD: Final = 0.1  # s
 JOIN_TIMEOUT: Final = 5.0  # s
+WATCH_PERIOD: Final = 0.1  # s
+STATUS_PERIOD: Final = 0.02  # s, after which a change that could not be reported at once is reported
 # Drives tell their position far more often; a program that asks at its start waits for the first one.
 FEEDBACK_TIMEOUT: Final = 2.0  # s
 FEEDBACK_PERIOD: Final = 0.005  # s
@@ -95,26 +109,32 @@ class LuaProgramNode(RobotNode):
             'autostart', False, 'open and run the program as soon as the robot can move', read_only=True
         )
         axes = self.robot.axes_data
-        self._program = LuaProgram(
-            axes.num_axes,
+        self._command_state_publisher = self.create_publisher(String, 'command_state', STATE)
+        self._override_publisher = self.create_publisher(Float64, 'override', STATE)
+        self._status_publisher = self.create_publisher(DiagnosticStatus, 'program_status', STATE)
+        self._print_logger = self.get_logger().get_child('print')  # type: ignore[no-untyped-call]
+        self._feedback: PolledSubscription[JointState] = PolledSubscription(
+            self, JointState, 'joint_states', SENSOR
+        )
+        self._measured: Array | None = None
+        self._planner = PlannerClient(self, axes.names)
+        self._controller = {
+            name: self.create_client(Trigger, f'controller_node/{name}')
+            for name in ('pause', 'resume', 'stop')
+        }
+        self.host = ProgramHost(
+            self.robot,
+            clock=WallClock(),
+            robot_port=self,
+            planner=self._planner,
+            controller=self,
+            observer=self,
             **sizes,
             io_labels=labels,
             orientation_convention=convention,
-            prismatic=axes.prismatic,
-            joint_position=self._joint_position,
-            direct_kinematics=lambda q: Pose(*self.robot.direct_kinematics(q)),
-            on_command=self._on_command,
-            on_flush=self._on_flush,
-            on_abort=self._on_abort,
-            on_guided=lambda state: self._command_state_publisher.publish(String(data=state.value)),
-            on_hold=self._on_hold,
-            on_override=lambda value: self._override_publisher.publish(Float64(data=value)),
-            on_output=self._on_output,
-            on_print=self._on_print,
-            on_line=self._on_line,
-            on_held=self._on_held,
-            on_finished=self._on_finished,
+            planner_timeout=timeout,
         )
+        self._program = self.host.program
         self.parameter('points_file', '', "where taught points stand; '' for a file beside the program")
         self.parameter(
             'breakpoints',
@@ -128,44 +148,30 @@ class LuaProgramNode(RobotNode):
         port = self.parameter(
             'debug_port', 0, 'port on this machine where editors connect; 0 for none', read_only=True
         )
-        self._status = ProgramStatus(self, self._program, self.robot_name)
-        self._print_logger = self.get_logger().get_child('print')  # type: ignore[no-untyped-call]
-        self._command_state_publisher = self.create_publisher(String, 'command_state', STATE)
-        self._override_publisher = self.create_publisher(Float64, 'override', STATE)
-        self._feedback: PolledSubscription[JointState] = PolledSubscription(
-            self, JointState, 'joint_states', SENSOR
-        )
-        self._measured: Array | None = None
-        self._files: dict[MotionCommand, str] = {}  # the programs of motions that were not sent yet
-        self._switching = PathSwitching(
-            self,
-            joint_names=axes.names,
-            direct_kinematics=lambda q: Pose(*self.robot.direct_kinematics(q)),
-            switch=self._program.switch_output,
-        )
-        self._motions = MotionClient(
-            self,
-            joint_names=axes.names,
-            planner_timeout=timeout,
-            on_sent=self._on_sent,
-            on_result=self._on_motion_result,
-        )
+        self._switch_timer: threading.Timer | None = None
+        # A motion that switches nothing is not worth its deserialization.
+        self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND, raw=True)
+        self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
+        self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
+        self.create_timer(WATCH_PERIOD, self.host.motions.watch)
+        self.create_timer(STATUS_PERIOD, self.host.reporter.report_in_time)
         self._io = IoServices(self, self._program.io, self._on_inputs)
+        host = self.host
         handlers: dict[str, Handler] = {
             'open': self._open,
-            'run': self._run,
-            'pause': self._pause,
-            'resume': self._resume,
-            'step': self._step,
-            'stop': self._stop,
+            'run': host.run,
+            'pause': host.pause,
+            'resume': host.resume,
+            'step': lambda: host.step(self.get_parameter('step_mode').value),
+            'stop': host.stop,
             'get_call_stack': self._get_call_stack,
-            'reset': self._reset,
+            'reset': host.reset,
             'get_command_state': lambda: self._program.command_state.value,
         }
         for name, handler in handlers.items():
             self.create_service(Trigger, f'~/{name}', partial(self._serve, name, handler))
-        self._publish_command_state()
-        self._status.publish()
+        self.command_state(self._program.command_state)
+        host.reporter.report()
         self._debug_server = DebugAdapterServer(self._program, port=port) if port else None
         if self._debug_server is not None:
             self._debug_server.start()
@@ -198,47 +204,7 @@ class LuaProgramNode(RobotNode):
         return response
 
     def _open(self) -> str:
-        path = self.get_parameter('program').value
-        try:
-            if not path:
-                raise ProgramError("parameter 'program' is empty; set it to the path of a Lua program")
-            self._program.open(path)
-            points = self.get_parameter('points_file').value
-            self._program.points_file = Path(points) if points else None
-        except RobotsError as error:
-            self._status.open_error = str(error)
-            self._status.publish()
-            raise
-        self._status.open_error = ''
-        self._status.publish()
-        return f'{self._program.file} is open'
-
-    def _run(self) -> str:
-        self._program.run()
-        self._status.open_error = ''
-        self._status.publish()
-        return f'{self._program.file} runs'
-
-    def _pause(self) -> str:
-        if not self._program.pause():
-            raise ProgramError('no program is running')
-        self._status.publish()
-        return f'{self._program.file} is paused'
-
-    def _resume(self) -> str:
-        if not self._program.resume():
-            raise ProgramError('no program is paused')
-        self._status.publish()
-        return f'{self._program.file} goes on'
-
-    def _step(self) -> str:
-        if self._program.run_state is RunState.OPENED:
-            self._program.run(hold=True)
-            return f'{self._program.file} is held before its first line'
-        if not self._program.step(self.get_parameter('step_mode').value):
-            raise ProgramError('no program is held; pause it, or set breakpoints')
-        self._status.publish()
-        return f'{self._program.file} makes a step'
+        return self.host.open(self.get_parameter('program').value, self.get_parameter('points_file').value)
 
     def _get_call_stack(self) -> str:
         stack = self._program.call_stack
@@ -251,26 +217,14 @@ class LuaProgramNode(RobotNode):
         for file in self._program.debugger.breakpoints.keys() | lines.keys():
             self._program.debugger.set_breakpoints(file, lines.get(file, ()))
 
-    def _stop(self) -> str:
-        if not self._program.stop():
-            raise ProgramError('no program is running')
-        self._motions.stop()
-        return f'{self._program.file} stops'
-
-    def _reset(self) -> str:
-        self._program.reset()
-        self._status.open_error = ''
-        self._status.publish()
-        return f'{self._program.file} is at its start'
-
     def _start(self) -> None:
-        if not (self._controller_works and self._motions.planner_listens()):
+        if not (self._controller_works and self._planner.listens()):
             return
         self.destroy_timer(self._autostart)
         self.destroy_subscription(self._reference)
         try:
             self._open()
-            self._run()
+            self.host.run()
         except RobotsError as error:
             self.get_logger().error(f'autostart: {error}')  # type: ignore[no-untyped-call]
 
@@ -286,30 +240,37 @@ class LuaProgramNode(RobotNode):
         else:
             self.refuse(topic, error)
 
-    def _on_motion_result(self, id_: str, command: MotionCommand, error: RobotsError | None) -> None:
-        self._switching.finish(id_, ok=error is None)
-        self._files.pop(command, None)
-        # IDLE is published before the program can command the next motion.
-        if error is not None or command in self._program.motions[-1:]:
-            self._command_state_publisher.publish(String(data='IDLE'))
-        self._program.finish_motion(error, command)
+    def _on_motion_result(self, message: DiagnosticStatus) -> None:
+        self.host.motions.result(motion_result_from_message(message))
 
-    # -- the program's thread -----------------------------------------------------------------------
+    def _on_trajectory(self, data: bytes) -> None:
+        self.host.switching.planned(serialized_stamp_id(data), partial(self._trajectory, data))
 
-    def _on_command(self, command: MotionCommand) -> None:
-        self._status.publish_if_due()
-        self._publish_command_state()
-        self._files[command] = self._program.line_file
-        self._motions.send(command)
-        if self._program.stopping:  # the stop came before there was a motion to stop
-            self._motions.stop()
+    def _trajectory(self, data: bytes) -> Trajectory | None:
+        try:
+            message = deserialize_message(data, JointTrajectory)
+            return trajectory_from_message(message, self.robot.axes_data.names)
+        except RobotsError:  # the controller refuses it and says why
+            return None
 
-    def _on_sent(self, id_: str, command: MotionCommand) -> None:
-        self._switching.watch(id_, command)
-        # The program may be far ahead of the motions that it blends: whoever reads along is told their lines.
-        self._status.motion_sent(id_, self._files.pop(command, ''), command.line)
+    def _on_progress(self, message: Float64) -> None:
+        switching = self.host.switching
+        switching.progress(self.host.clock.now(), message.data)
+        if self._switch_timer is not None:
+            self._switch_timer.cancel()
+        if switching.next_time < math.inf:
+            delay = max(0.0, switching.next_time - self.host.clock.now())
+            self._switch_timer = threading.Timer(delay, self._switch_in_time)
+            self._switch_timer.daemon = True
+            self._switch_timer.start()
 
-    def _joint_position(self) -> Array:
+    def _switch_in_time(self) -> None:
+        self.host.switching.step(self.host.clock.now())
+
+    # -- the program's robot and controller, from its thread ------------------------------------------
+
+    def joint_position(self) -> Array:
+        """See `RobotPort`; waits for the first feedback."""
         end = time.monotonic() + FEEDBACK_TIMEOUT
         while True:
             message = self._feedback.take()
@@ -323,33 +284,68 @@ class LuaProgramNode(RobotNode):
                 raise ProgramError('no joint_states received: is drive_node running?')
             time.sleep(FEEDBACK_PERIOD)
 
-    def _on_flush(self) -> None:
-        self._motions.flush()
+    def guide(self, state: RobotCommandState) -> None:
+        """See `RobotPort`; those who guide follow `command_state`."""
 
-    def _on_abort(self) -> None:
-        self._motions.stop()
+    def request(self, request: ControllerRequest) -> None:
+        """See `ControllerPort`."""
+        client = self._controller[request]
+        if client.service_is_ready():
+            client.call_async(Trigger.Request())
+        else:
+            self.get_logger().warning(  # type: ignore[no-untyped-call]
+                f'controller_node/{request} is not there: is controller_node running?',
+                throttle_duration_sec=5.0,
+            )
 
-    def _on_hold(self, held: bool) -> None:  # noqa: FBT001  # a callback's only argument
-        self._motions.ask_controller('pause' if held else 'resume')
+    def set_override(self, value: float) -> None:
+        """See `ControllerPort`."""
+        self._override_publisher.publish(Float64(data=value))
 
-    def _on_held(self) -> None:
-        self._status.publish()
-        if self._debug_server is not None:
-            self._debug_server.on_held()
+    # -- what the program does, from any thread -------------------------------------------------------
 
-    def _on_output(self, _: OutputChange) -> None:
-        self._status.publish_if_due()
+    def command_state(self, state: RobotCommandState) -> None:
+        """See `ProgramObserver`."""
+        self._command_state_publisher.publish(String(data=state.value))
+
+    def motion_sent(self, id_: str, command: MotionCommand, file: str) -> None:
+        """See `ProgramObserver`; the status names it."""
+
+    def motion_ended(self, id_: str, command: MotionCommand, error: RobotsError | None) -> None:
+        """See `ProgramObserver`; the result was published."""
+
+    def status(self, state: RunState, error: str, values: Mapping[str, Any]) -> None:
+        """See `ProgramObserver`."""
+        self._status_publisher.publish(
+            diagnostic_status(
+                'program',
+                error or f'{self._program.file or "no program"}: {state}',
+                level=DiagnosticStatus.ERROR if error else DiagnosticStatus.OK,
+                hardware_id=self.robot_name,
+                **values,
+            )
+        )
+
+    def outputs_changed(self, _change: OutputChange) -> None:
+        """See `ProgramObserver`."""
         self._io.publish()
 
-    def _on_print(self, text: str, line: int) -> None:
+    def printed(self, text: str, line: int) -> None:
+        """See `ProgramObserver`."""
         self._print_logger.info(text)
         if self._debug_server is not None:
             self._debug_server.on_print(text, line)
 
-    def _on_line(self, _line: int) -> None:
-        self._status.line_changed()
+    def line_reached(self, line: int) -> None:
+        """See `ProgramObserver`; the status names it."""
 
-    def _on_finished(self, error: ProgramError | None) -> None:
+    def held_changed(self) -> None:
+        """See `ProgramObserver`."""
+        if self._debug_server is not None:
+            self._debug_server.on_held()
+
+    def ended(self, error: ProgramError | None) -> None:
+        """See `ProgramObserver`."""
         if not self.context.ok():  # nobody listens any more
             return
         if error is None:
@@ -359,14 +355,8 @@ class LuaProgramNode(RobotNode):
         else:
             stack = error.details.get('stack', '')
             self.get_logger().error(f'{error}\n{stack}'.rstrip())  # type: ignore[no-untyped-call]
-        self._status.publish()
         if self._debug_server is not None:
             self._debug_server.on_finished(error)
-
-    # -- state, from any thread -----------------------------------------------------------------------
-
-    def _publish_command_state(self) -> None:
-        self._command_state_publisher.publish(String(data=self._program.command_state.value))
 
     def destroy_node(self) -> None:
         """End the program before what it uses."""

@@ -28,6 +28,9 @@ class Clock(Protocol):
             deadline: s, on this clock; None waits for a notification alone.
         """
 
+    def program_ended(self) -> None:
+        """The program has ended: it waits no more."""
+
     def called(self) -> None:
         """The program calls a robot function; on a clock that stands while it computes, time may pass."""
 
@@ -45,6 +48,9 @@ class WallClock:
             condition.wait()
         else:
             condition.wait(min(max(deadline - self.now(), 0.0), LONGEST_WAIT))
+
+    def program_ended(self) -> None:
+        """Nothing: time passes by itself."""
 
     def called(self) -> None:
         """Nothing: time passes by itself."""

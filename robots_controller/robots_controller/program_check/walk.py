@@ -111,7 +111,7 @@ def _walk(walk: _Walk) -> list[ProgramProblem]:
     for motion in run.motions:
         if motion.plan is None:
             continue
-        file, command = cell.files[motion.command], motion.command
+        file, command = motion.file, motion.command
         error = planning.problems.get(motion.plan)
         reasons = [refusal(error)] if error is not None else motion_problems(parts.robot, motion.plan)
         for reason in reasons:

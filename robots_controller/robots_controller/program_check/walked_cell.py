@@ -1,29 +1,16 @@
-"""WalkedCell: a simulated cell that knows which file of a program each motion is from."""
+"""WalkedCell: a simulated cell in which nothing guides the robot."""
 
 from __future__ import annotations
 
-from typing import Any
-
-from robots_controller.program.motion_command import MotionCommand
 from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_planning.robot_command_state import RobotCommandState
 
 
 class WalkedCell(SimulatedCell):
-    """A simulated cell that notes files; arguments as of `SimulatedCell`.
+    """A simulated cell whose robot stands while a program lets others guide it; arguments as there.
 
-    Attributes:
-        files: File of the program or subprogram that commanded a motion.
+    Where a sensor or a person would lead the robot is unknown.
     """
 
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        self.files: dict[MotionCommand, str] = {}
-        super().__init__(*arguments, **options)
-
-    def _on_command(self, command: MotionCommand) -> None:
-        self.files[command] = self._program.line_file
-        super()._on_command(command)
-
-    def _on_guided(self, state: RobotCommandState) -> None:
-        # Nobody knows where a sensor or a person would lead the robot: it stands meanwhile.
-        self._log.command_state(state.value)
+    def guide(self, state: RobotCommandState) -> None:
+        """See `RobotPort`."""

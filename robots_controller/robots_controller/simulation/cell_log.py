@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
-from robots_controller.control.controller import MotionResult
 from robots_controller.control.streamed_reference import StreamPoint
-from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.io.io_image import Channel, IoImage
 from robots_controller.program.motion_command import MotionCommand, OutputChange
-from robots_controller.program.program_position import TellingPace, told_place
 from robots_controller.program.program_state import RunState
 from robots_controller.simulation import ros_messages as ros
 from robots_controller.simulation.collision_watch import Clearness
@@ -25,26 +22,28 @@ from robots_controller.simulation.events import (
     TextPrinted,
 )
 from robots_controller.simulation.guide_recording import GuidingMessage
+from robots_controller.simulation.motion_records import MotionRecords
 from robots_controller.simulation.recording import Recording
-from robots_controller.simulation.simulated_bag import START, SimulatedBag
-from robots_controller.simulation.simulated_clock import SimulatedClock
-from robots_controller.simulation.simulated_motions import MotionEnd, motion_settings
-from robots_core.errors import RobotsError
+from robots_controller.simulation.simulated_bag import SimulatedBag
+from robots_controller.simulation.simulated_clock import START, SimulatedClock
+from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
-from robots_planning.command_planner import PlannedCommands
 from robots_planning.motion_settings import MotionSettings, settings_as_text
+from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.trajectory import Trajectory
 
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
 STATUS_TYPE: Final = 'diagnostic_msgs/msg/DiagnosticStatus'
 
 
 class CellLog:
-    """Called by whoever has the turn, see `SimulatedClock`.
+    """Called by the thread that has the turn, see `SimulatedClock`; a `ProgramObserver`.
 
     Args:
         recording: Takes the events.
+        records: Take the motions.
         bag: Takes the messages; None for none.
-        clock: Tells the time.
+        clock: Simulated time.
         cost: Takes what writing costs.
         robot: The robot's name.
         joints: Names of its axes.
@@ -53,6 +52,7 @@ class CellLog:
     def __init__(
         self,
         recording: Recording,
+        records: MotionRecords,
         bag: SimulatedBag | None,
         clock: SimulatedClock,
         cost: Cost,
@@ -60,29 +60,31 @@ class CellLog:
         robot: str,
         joints: tuple[str, ...],
     ) -> None:
-        self._events = recording.events
+        self._events, self._records = recording.events, records
         self._bag, self._clock, self._cost = bag, clock, cost
         self._robot, self._joints = robot, joints
-        self._status_due = False
-        self._pace = TellingPace()
-        self._motion: dict[str, object] = {}
-        self._progress = -1.0
-        self._last_stamp = 0
+        self._state: RunState | None = None
+        self._latest = 0  # ns, of the messages that were written
         self._settings: MotionSettings | None = None
+        self.io: IoImage | None = None
+        """The program's inputs and outputs."""
+        self.on_output: Callable[[OutputChange], None] = lambda _: None
+        """Gets the changes of outputs."""
+        self.given_up: ProgramError | None = None
+        """Why the cell stopped the program, if it did: the program has failed."""
 
-    def begin(
-        self, program: LuaProgram, labels: Mapping[str, Sequence[str]], inputs: Mapping[str, int]
-    ) -> None:
-        """Tell what is so at the start.
+    def begin(self, io: IoImage, labels: Mapping[str, Sequence[str]], inputs: Mapping[str, int]) -> None:
+        """Write the state at the start.
 
         Args:
-            program: The program.
+            io: The program's inputs and outputs.
             labels: Names of inputs and outputs, by image; in a live cell they are parameters of a node.
-            inputs: Images of the inputs that the PLC sets, and how many inputs it tells of each.
+            inputs: Images of the inputs that the PLC sets, and the number of its inputs in each.
         """
+        self.io = io
         if self._bag is not None and labels:
             names = {f'{image.removesuffix("s")}_names': names for image, names in labels.items()}
-            event = ros.string_parameters(START + self._clock.nanoseconds, '/lua_program_node', names)
+            event = ros.string_parameters(self._clock.stamp, '/lua_program_node', names)
             self._write('/parameter_events', 'rcl_interfaces/msg/ParameterEvent', event)
         if self._bag is not None:
             status = ros.diagnostic_status(
@@ -90,109 +92,91 @@ class CellLog:
             )
             self._write('forced_inputs', STATUS_TYPE, status)
         for image in ('digital_outputs', 'analog_outputs'):
-            self.image(program.io, image)
-        self.command_state(program.command_state.value)
+            self.image(image)
+        self.command_state(RobotCommandState.IDLE)
         self.finished(done=False)
         for image, size in inputs.items():
-            self.image(program.io, image, size=size)
+            self.image(image, size=size)
         for image in ('digital_inputs', 'analog_inputs'):
-            self.image(program.io, image, 'lua_program_node/')
+            self.image(image, 'lua_program_node/')
 
     # -- the program ------------------------------------------------------------------------------
 
-    def state(self, program: LuaProgram, state: RunState, error: str = '') -> None:
-        """The program's run state has changed."""
-        self._events.append(ProgramStateChanged(self._clock.now(), state.value))
-        self._tell_status(program, state, error)
+    def status(self, state: RunState, error: str, values: Mapping[str, Any]) -> None:
+        """See `ProgramObserver`."""
+        if state is RunState.STOPPED and self.given_up is not None:
+            state, error = RunState.FAILED, str(self.given_up)
+            values = {**values, 'state': state.value, 'error': error}
+        if state is not self._state:
+            self._state = state
+            self._events.append(ProgramStateChanged(self._clock.elapsed, state.value))
+        if self._bag is not None:
+            words = error or f'{values["file"]}: {state}'
+            level = ros.ERROR if error else ros.OK
+            status = ros.diagnostic_status('program', words, self._robot, level, values)
+            self._write('program_status', STATUS_TYPE, status)
 
-    def line(self, program: LuaProgram, line: int) -> None:
-        """The program is on another line."""
-        self._events.append(LineReached(self._clock.now(), line))
-        self._status_due = True
-        self.status_in_time(program)
-
-    def status_in_time(self, program: LuaProgram) -> None:
-        """Tell where the program is, if that has changed and was not told just now."""
-        if self._status_due and self._pace.passes(self._clock.now()):
-            self._tell_status(program, program.run_state)
-
-    @property
-    def status_due(self) -> bool:
-        """The program is on a line that was not told yet."""
-        return self._status_due
-
-    def status(self, program: LuaProgram, nanoseconds: int | None = None) -> None:
-        """Tell where the program is, if that has changed; at that time since the start, or now."""
-        if self._status_due:
-            self._tell_status(program, program.run_state, nanoseconds=nanoseconds)
-
-    def commanded(self, program: LuaProgram, command: MotionCommand) -> str:
-        """Tell of a motion, and of which line of which file it is; returns its id."""
-        # The stamp is the id: unique even while time stands still.
-        stamp = self._last_stamp = max(START + self._clock.nanoseconds, self._last_stamp + 1)
-        id_ = ros.id_of(stamp)
-        self._motion = {'motion': id_, 'motion_file': program.line_file, 'motion_line': command.line}
-        self._tell_status(program, program.run_state, nanoseconds=stamp - START)
-        self.command_state(program.command_state.value)
-        self._command(stamp, command)
-        return id_
-
-    def _tell_status(
-        self, program: LuaProgram, state: RunState, error: str = '', nanoseconds: int | None = None
-    ) -> None:
-        self._status_due = False
-        if self._bag is None:
-            return
-        words = error or f'{program.file}: {state}'
-        status = ros.diagnostic_status(
-            'program',
-            words,
-            self._robot,
-            ros.ERROR if error else ros.OK,
-            told_place(program, state, error) | self._motion,
-        )
-        self._write('program_status', STATUS_TYPE, status, nanoseconds)
+    def line_reached(self, line: int) -> None:
+        """See `ProgramObserver`."""
+        self._events.append(LineReached(self._clock.elapsed, line))
 
     def printed(self, text: str, line: int) -> None:
-        """The program printed."""
+        """See `ProgramObserver`."""
         if len(text) > LONGEST_TEXT:
             text = f'{text[:LONGEST_TEXT]}... ({len(text)} characters)'
-        self._events.append(TextPrinted(self._clock.now(), line, text))
+        self._events.append(TextPrinted(self._clock.elapsed, line, text))
         if self._bag is not None:
-            log = ros.log(START + self._clock.nanoseconds, 'lua_program_node.print', text)
+            log = ros.log(self._clock.stamp, 'lua_program_node.print', text)
             self._write('/rosout', 'rcl_interfaces/msg/Log', log)
 
-    def command_state(self, state: str) -> None:
-        """The robot is commanded to do something else."""
-        self._events.append(CommandStateChanged(self._clock.now(), state))
+    def command_state(self, state: RobotCommandState) -> None:
+        """See `ProgramObserver`."""
+        self._events.append(CommandStateChanged(self._clock.elapsed, state.value))
         if self._bag is not None:
-            self._write('command_state', 'std_msgs/msg/String', ros.text(state))
+            self._write('command_state', 'std_msgs/msg/String', ros.text(state.value))
+
+    def motion_sent(self, id_: str, command: MotionCommand, file: str) -> None:
+        """See `ProgramObserver`."""
+        self._records.commanded(id_, command, file, self._clock.elapsed)
+
+    def motion_ended(self, id_: str, command: MotionCommand, error: RobotsError | None) -> None:
+        """See `ProgramObserver`."""
+        if not id_ and error is not None:
+            self._records.refused(command, error, self._clock.elapsed)
+
+    def held_changed(self) -> None:
+        """See `ProgramObserver`; the status is written."""
+
+    def ended(self, error: ProgramError | None) -> None:
+        """See `ProgramObserver`; the status is written."""
 
     def override(self, value: float) -> None:
         """The program scales the speed."""
-        self._events.append(OverrideChanged(self._clock.now(), value))
+        self._events.append(OverrideChanged(self._clock.elapsed, value))
         if self._bag is not None:
             self._write('override', 'std_msgs/msg/Float64', ros.message('std_msgs/msg/Float64', value))
 
     # -- inputs and outputs -----------------------------------------------------------------------
 
-    def output(self, io: IoImage, change: OutputChange) -> None:
-        """The program, or the path for it, has switched an output."""
-        event = OutputChanged(self._clock.now(), change.kind, change.index, change.value, change.line)
+    def outputs_changed(self, change: OutputChange) -> None:
+        """See `ProgramObserver`."""
+        event = OutputChanged(self._clock.elapsed, change.kind, change.index, change.value, change.line)
         self._events.append(event)
-        self.image(io, f'{change.kind}_outputs')
+        self.image(f'{change.kind}_outputs')
+        self.on_output(change)
 
-    def input(self, io: IoImage, channel: Channel, value: float, size: int) -> None:
-        """The PLC, which tells so many inputs, has set one."""
-        self._events.append(InputChanged(self._clock.now(), channel.kind, channel.index, value))
-        self.image(io, channel.image, size=size)
-        self.image(io, channel.image, 'lua_program_node/')
+    def input(self, channel: Channel, value: float, size: int) -> None:
+        """The PLC, which publishes so many inputs, has set one."""
+        self._events.append(InputChanged(self._clock.elapsed, channel.kind, channel.index, value))
+        self.image(channel.image, size=size)
+        self.image(channel.image, 'lua_program_node/')
 
-    def image(self, io: IoImage, image: str, prefix: str = '', *, size: int | None = None) -> None:
-        """Tell an image, whole or its first values."""
+    def image(self, image: str, prefix: str = '', *, size: int | None = None) -> None:
+        """Write an image, whole or its first values."""
         if self._bag is None:
             return
-        kind, values = image.split('_', maxsplit=1)[0], io.numbers(image)[:size]
+        assert self.io is not None
+        kind, values = image.split('_', maxsplit=1)[0], self.io.numbers(image)[:size]
         # The node names the channels of what it publishes; a PLC does not.
         own = bool(prefix) or image.endswith('outputs')
         label = f'{image.removesuffix("s")}.1..{values.size}' if own else ''
@@ -201,56 +185,47 @@ class CellLog:
 
     # -- motions ----------------------------------------------------------------------------------
 
-    def _command(self, nanoseconds: int, command: MotionCommand) -> None:
-        if self._bag is None:
-            return
-        # Commands of one instant have stamps of their own: each comes after its settings by these.
-        since_start = nanoseconds - START
-        self._tell_settings(since_start, command)
-        message: Any
-        if command.q is not None:
-            message = ros.joint_state(nanoseconds, self._joints, command.q)
-        elif command.path:
-            message = ros.path(nanoseconds, command.path)
-        else:
-            assert command.pose is not None
-            message = ros.pose_stamped(nanoseconds, command.pose)
-        self._write(command.kind.topic, command.kind.message_type, message, since_start)
-
-    def _tell_settings(self, nanoseconds: int, command: MotionCommand) -> None:
-        try:
-            settings = motion_settings(command.settings)
-        except RobotsError:  # refused: the motion's result says why
-            return
-        if settings != self._settings:
+    def settings(self, settings: MotionSettings) -> None:
+        """The modal settings were set."""
+        if self._bag is not None and settings != self._settings:
             self._settings = settings
             status = ros.diagnostic_status(
                 'motion settings', '', self._robot, ros.OK, settings_as_text(settings)
             )
-            self._write('motion_settings', STATUS_TYPE, status, nanoseconds)
+            self._write('motion_settings', STATUS_TYPE, status)
 
-    def planned(self, planned: PlannedCommands) -> None:
+    def command(self, stamp: int, command: MotionCommand, settings: MotionSettings) -> None:
+        """A motion was commanded; its stamp in ns is its id."""
+        if self._bag is None:
+            return
+        self.settings(settings)
+        message: Any
+        if command.q is not None:
+            message = ros.joint_state(stamp, self._joints, command.q)
+        elif command.path:
+            message = ros.path(stamp, command.path)
+        else:
+            assert command.pose is not None
+            message = ros.pose_stamped(stamp, command.pose)
+        # Commands of one instant have stamps of their own.
+        self._write(command.kind.topic, command.kind.message_type, message, stamp - START)
+
+    def planned(self, id_: str, trajectory: Trajectory) -> None:
         """A plan goes to the controller."""
-        if self._bag is None:
-            return
-        seconds, nanoseconds = planned.orders[-1].id.split('.')
-        stamp = int(seconds) * ros.NANOSECONDS + int(nanoseconds)
-        self.finished(done=False)
-        message = ros.planned_trajectory(stamp, self._joints, planned.motion.trajectory)
-        self._write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', message)
+        if self._bag is not None:
+            message = ros.planned_trajectory(int(id_.replace('.', '')), self._joints, trajectory)
+            self._write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', message)
 
-    def result(self, end: MotionEnd | MotionResult) -> None:
+    def result(self, result: MotionResult) -> None:
         """A command has its result, or a stream of references has ended."""
-        if self._bag is None:
-            return
-        ended = ros.id_of(START + self._clock.nanoseconds)
-        values: Mapping[str, object] = {'id': end.id, **end.details, 'ended': ended}
-        level = ros.OK if end.ok else ros.ERROR
-        status = ros.diagnostic_status('motion', end.message, self._robot, level, values)
-        self._write('motion_result', STATUS_TYPE, status)
+        if self._bag is not None:
+            values: Mapping[str, object] = {'id': result.id, **result.details}
+            level = ros.OK if result.ok else ros.ERROR
+            status = ros.diagnostic_status('motion', result.message, self._robot, level, values)
+            self._write('motion_result', STATUS_TYPE, status)
 
     def guided(self, message: GuidingMessage, type_name: str) -> None:
-        """What guides the robot was heard."""
+        """A message that guides the robot has arrived."""
         if self._bag is not None:
             before = self._cost.switch('recording')
             self._bag.write_serialized(message.topic, type_name, self._clock.nanoseconds, message.data)
@@ -258,7 +233,7 @@ class CellLog:
 
     def streamed(self, point: StreamPoint, period: float) -> str:
         """A point, `period` (s) before the next one, goes to the controller; returns its id."""
-        stamp = START + self._clock.nanoseconds
+        stamp = self._clock.stamp
         if self._bag is not None:
             after = round(ros.NANOSECONDS * period)
             row = (after, point.position, point.velocity, point.acceleration)
@@ -271,16 +246,13 @@ class CellLog:
         if self._bag is not None:
             self._write('finished', 'std_msgs/msg/Bool', ros.message('std_msgs/msg/Bool', done))
 
-    def progress(self, progress: float, *, due: bool) -> None:
-        """Done part of the current path; told when it is due, and always at its ends."""
-        if self._bag is None or progress == self._progress:
-            return
-        if due or progress in (0.0, 1.0):
-            self._progress = progress
+    def progress(self, progress: float) -> None:
+        """Done part of the current path."""
+        if self._bag is not None:
             self._bag.progress(self._clock.nanoseconds, progress)
 
     def clearness(self, seen: Clearness) -> None:
-        """Tell how close the robot is to something."""
+        """Write how close the robot is to something."""
         if self._bag is not None:
             level = ros.ERROR if seen.near else ros.OK
             status = ros.diagnostic_status('collision', seen.words, self._robot, level, seen.values)
@@ -292,6 +264,7 @@ class CellLog:
     def _write(self, topic: str, type_name: str, message: Any, nanoseconds: int | None = None) -> None:
         assert self._bag is not None
         before = self._cost.switch('recording')
-        at = self._clock.nanoseconds if nanoseconds is None else nanoseconds
-        self._bag.write(topic, type_name, at, message)
+        # Commands of one instant have stamps of their own: what follows them comes after them.
+        self._latest = max(self._latest, self._clock.nanoseconds if nanoseconds is None else nanoseconds)
+        self._bag.write(topic, type_name, self._latest, message)
         self._cost.switch(before)

@@ -15,12 +15,11 @@ from robots_controller.recording.crash_safe_writer import CrashSafeWriter
 from robots_controller.recording.message_rows import MessageRows, marks
 from robots_controller.simulation import ros_messages as ros
 from robots_controller.simulation.recording import Recording
+from robots_controller.simulation.simulated_clock import START
 from robots_core.errors import RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 
-# A stamp of zero means "none" in ROS: the program starts at this time.
-START: Final = 1_000_000_000  # ns
 TCP_RATE: Final = 50.0  # Hz
 # Samples wait for each other to be written at once, but not for longer than that a kill may cost.
 MOST_WAITING: Final = 250

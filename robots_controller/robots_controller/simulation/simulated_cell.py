@@ -1,55 +1,52 @@
-"""SimulatedCell: robot program, planner, controller, drives and PLC on one simulated clock."""
+"""SimulatedCell: the cell in one process, on a simulated clock."""
 
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 
-from robots_controller.control.controller import Controller, ControllerState
+from robots_controller.cell.ports import ControllerRequest
+from robots_controller.cell.program_host import ProgramHost
+from robots_controller.control.control_loop import STOPPED, ControlLoop
+from robots_controller.control.controller import ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles
-from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.program.program_state import MotionCommand, OutputChange, RunState
 from robots_controller.simulation.cell_log import CellLog
 from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.collision_watch import WATCH_RATE, CollisionWatch
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.deadlock_detection import DeadlockDetection
+from robots_controller.simulation.in_process_planner import InProcessPlanner, Mail
+from robots_controller.simulation.motion_records import MotionRecords
 from robots_controller.simulation.recording import Recording
 from robots_controller.simulation.simulated_bag import SimulatedBag
-from robots_controller.simulation.simulated_clock import NANOSECONDS, SimulatedClock
+from robots_controller.simulation.simulated_clock import NANOSECONDS, START, SimulatedClock
 from robots_controller.simulation.simulated_guide import SimulatedGuide
-from robots_controller.simulation.simulated_motions import MotionEnd, SimulatedMotions
 from robots_controller.simulation.simulated_plc import SimulatedPlc
-from robots_controller.simulation.simulated_switches import SimulatedSwitches
 from robots_controller.simulation.simulation_run import SimulationRun
-from robots_core.errors import ProgramError
+from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
-from robots_core.pose import Pose
 from robots_core.validation import Array, read_only
-from robots_planning.command_planner import PlannedCommands
 from robots_planning.robot_command_state import RobotCommandState
 
-STOPPED: Final = 'stopped by ~/stop'
+WATCH_PERIOD = 0.1  # s between looks at motions that nothing would end
 
 
 class SimulatedCell:
     """A cell for one run of one program.
 
-    Between two periods of the controller the program works, the planner plans and time stands still; in each
-    period the controller makes one step, then the drives, then the PLC. The program's own waits end in
-    between, when they are over. See `CellParts` for the parts.
+    In each period the PLC and those who guide the robot act first, then the controller makes one step, then
+    the drives. After that time stands still: results reach the planner and the program, the program works
+    until it waits, and the planner plans. The program's own waits end between two periods, too. See
+    `CellParts` for the parts.
 
     Args:
         parts: Robot, program and blocks.
         bag: Folder of a bag to write, or None.
         longest: Longest simulated time, s.
-        on_progress: Told now and then: time in s, line of the program. For a progress bar.
+        on_progress: Called now and then: time in s, line of the program. For a progress bar.
 
     Raises:
         RobotsError: the bag's folder exists.
@@ -67,54 +64,56 @@ class SimulatedCell:
         robot, period = parts.robot, parts.period
         axes = robot.axes_data
         self._period_ns = round(period * NANOSECONDS)
-        self._controller: Controller = parts.controller
         self._drives = parts.drives
-        self._clock = SimulatedClock(period)
+        self.clock = SimulatedClock(period)
         torque = parts.drives.torque is not None
         self._recording = Recording(axes.num_axes, torque=torque)
         self._bag = (
             None if bag is None else SimulatedBag(bag, robot, period=period, recording=self._recording)
         )
         self.cost = Cost()
+        self._records = MotionRecords()
         self._log = CellLog(
-            self._recording, self._bag, self._clock, self.cost, robot=parts.robot_name, joints=axes.names
+            self._recording,
+            self._records,
+            self._bag,
+            self.clock,
+            self.cost,
+            robot=parts.robot_name,
+            joints=axes.names,
         )
-        self._commands: deque[Callable[[], None]] = deque()
-        self._program = LuaProgram(
-            axes.num_axes,
-            io_labels=parts.io_labels,
-            orientation_convention=robot.orientation_convention,
-            prismatic=axes.prismatic,
-            clock=self._clock,
-            joint_position=lambda: read_only(self._drives.position),
-            direct_kinematics=lambda q: Pose(*robot.direct_kinematics(q)),
-            on_command=self._on_command,
-            on_flush=lambda: self._commands.append(self._motions_flush),
-            on_abort=lambda: self._commands.append(self._motions_abort),
-            on_guided=self._on_guided,
-            on_hold=self._on_hold,
-            on_override=self._on_override,
-            on_output=self._on_output,
-            on_print=self._log.printed,
-            on_line=lambda line: self._log.line(self._program, line),
-            on_finished=lambda _: self._clock.program_ended(),
-        )
-        self._motions = SimulatedMotions(
+        self._mail: Mail = Mail()
+        controller = self._controller = parts.controller
+        self._rates = ControllerRates(1.0 / period, controller.settings.feedback_timeout)
+        self._control = ControlLoop(controller, self._rates, self, progress_every=1)
+        link = InProcessPlanner(
             parts.planning,
-            parts.controller,
-            axes,
-            now=self._clock.now,
-            on_planned=self._on_planned,
-            on_end=self._on_end,
+            mail=self._mail,
+            clock=self.clock,
+            control=self._control,
+            log=self._log,
+            records=self._records,
+            cost=self.cost,
         )
-        self._plc = SimulatedPlc(parts.plc_script, self._program.io)
-        self._switches = SimulatedSwitches(
-            lambda q: Pose(*robot.direct_kinematics(q)), self._program.switch_output
+        self._planner = link.planner
+        self._host = ProgramHost(
+            robot,
+            clock=self.clock,
+            robot_port=self,
+            planner=link,
+            controller=self,
+            observer=self._log,
+            io_labels=parts.io_labels,
         )
+        link.on_result = self._motion_ended
+        link.on_planned = lambda id_, trajectory: self._host.switching.planned(id_, lambda: trajectory)
+        self._program = self._host.program
+        self._plc = SimulatedPlc(parts.plc_script, self._program.io, self.clock.now())
+        self._log.on_output = self._plc.hear
         self._guide = SimulatedGuide(
             parts.references,
             robot,
-            parts.controller,
+            self._control,
             method=parts.guided,
             on_message=self._log.guided,
             on_point=self._log.streamed,
@@ -122,14 +121,13 @@ class SimulatedCell:
         self._watch = None
         if parts.scene and parts.planning.collision is not None:
             self._watch = CollisionWatch(parts.planning.collision, axes)
-        self._watch_every = cycles(1.0 / period, WATCH_RATE)
-        self._rates = ControllerRates(1.0 / period, self._controller.settings.feedback_timeout)
+        self._look_every = cycles(1.0 / period, WATCH_RATE)
+        self._watch_every = cycles(1.0 / period, 1.0 / WATCH_PERIOD)
         self._cycle = -1
         self._settled = False
         self._changed = False
-        self._endlessness = DeadlockDetection(longest, self._recording)
+        self._deadlocks = DeadlockDetection(longest, self._recording)
         self._interrupted = self._over = self._running = False
-        self._error: ProgramError | None = None
 
     def stop(self) -> None:
         """End the simulation after the period under way; from any thread, and from a signal handler."""
@@ -146,8 +144,6 @@ class SimulatedCell:
             RobotsError: the program cannot be opened or is not Lua.
         """
         try:
-            self._program.open(self._parts.program)
-            self._program.points_file = self._parts.points_file
             self._begin()
             self._go()
         finally:
@@ -157,36 +153,38 @@ class SimulatedCell:
     # -- the run ----------------------------------------------------------------------------------
 
     def _begin(self) -> None:
-        log = self._log
         self._plc.begin()
-        log.begin(self._program, self._parts.io_labels, self._plc.images)
-        log.state(self._program, RunState.OPENED)
-        self._tick()  # the program finds a robot that stands and tells where
-        log.state(self._program, RunState.RUNNING)
+        self._log.begin(self._program.io, self._parts.io_labels, self._plc.images)
+        self._host.open(self._parts.program, self._parts.points_file or '')
+        self._tick()  # the program finds a robot that stands, and its position
         self._running = True
-        self._program.run()
         self.cost.begin()
         self.cost.switch('program')
-        self._clock.wait_for_program()
+        self._host.run()
+        self.clock.wait_for_program()
         self.cost.switch('other')
 
     def _go(self) -> None:
+        clock = self.clock
         while True:
-            while self._commands:
-                self._commands.popleft()()
-            if self._running and not self._clock.waiting:
+            self._deliver()
+            if self._running and not clock.waiting:
                 self._end_program()
-            at_rest = not self._running and not self._motions.any and self._stands()
+            at_rest = not self._running and not self._records.any_open and self._stands()
             if self._interrupted or self._over or at_rest:
                 return
             if not self._changed:
                 self._pass_time()
-            if self._changed or self._clock.deadline <= self._clock.now():
+            if self._changed or clock.deadline <= clock.now():
                 self._changed = False
-                if self._clock.waiting:
+                if clock.waiting:
                     self.cost.switch('program')
-                    self._clock.let_program_work()
+                    clock.let_program_work()
                     self.cost.switch('other')
+
+    def _deliver(self) -> None:
+        while self._mail:
+            self._mail.popleft()()
 
     def _stands(self) -> bool:
         return self._controller.state is ControllerState.HOLDING
@@ -194,34 +192,29 @@ class SimulatedCell:
     def _end_program(self) -> None:
         self._running = False
         self._program.join()
-        self._error = self._error or self._program.error
-        state = RunState.FAILED if self._error else self._program.run_state
-        self._log.state(self._program, state, str(self._error or ''))
 
     def _pass_time(self) -> None:
         """Go on to the next thing that happens: the end of the program's wait, or a period."""
-        clock = self._clock
-        wait = clock.deadline if clock.waiting else math.inf
-        next_tick = (self._cycle + 1) * self._period_ns
-        if wait * NANOSECONDS <= next_tick:
-            clock.nanoseconds = max(clock.nanoseconds, math.ceil(wait * NANOSECONDS - 1e-3))
-            while clock.now() < wait:  # a nanosecond is finer than the rounding of late times
-                clock.nanoseconds += 1
-            if clock.nanoseconds < next_tick:
-                return
-        # A line is told some periods after it was reached, not after its wait.
-        told = not self._log.status_due
-        if self._settled and told and self._skip(min(wait, self._next_event())):
+        clock = self.clock
+        wait = clock.deadline_stamp if clock.waiting else math.inf
+        next_tick = START + (self._cycle + 1) * self._period_ns
+        if wait < next_tick:
+            clock.nanoseconds = max(clock.nanoseconds, int(wait) - START)
             return
-        clock.nanoseconds = next_tick
+        # A line is reported some periods after it was reached, not after its wait.
+        reported = not self._host.reporter.due
+        if self._settled and reported and self._skip(min(wait / NANOSECONDS, self._next_event())):
+            return
+        clock.nanoseconds = next_tick - START
         self._tick()
-        self._guard_against_endlessness(wait)
+        self._deliver()
+        self._guard_against_deadlocks(wait)
 
     def _skip(self, until: float) -> bool:
         """Let periods pass at once in which nothing moves; False if there are too few."""
         if until == math.inf:
             return False
-        until = min(until, self._longest)
+        until = min(until - START / NANOSECONDS, self._longest)
         last = math.floor(until / self._parts.period) - 1
         # Time without feedback ends with a period that has it: it must not seem to be lost.
         last -= last % self._rates.holding_every + 1
@@ -229,89 +222,93 @@ class SimulatedCell:
         if count < self._rates.holding_every:
             return False
         self._recording.repeat(count, self._period_ns)
+        self._control.pass_over(count)
         self._cycle = last
-        self._clock.nanoseconds = last * self._period_ns
+        self.clock.nanoseconds = last * self._period_ns
         if self._bag is not None:
             self._bag.write_samples_in_time()
         return True
 
     def _next_event(self) -> float:
-        """When the PLC or who guides the robot does something by itself, s."""
+        """When the PLC or those who guide the robot do something by themselves, s."""
         return min(self._plc.next_time, self._guide.next_time)
 
-    def _guard_against_endlessness(self, wait: float) -> None:
-        if self._changed:  # the program will know what to do
+    def _guard_against_deadlocks(self, wait: float) -> None:
+        if self._changed:  # the program may go on
             return
-        now = self._clock.now()
-        reason = self._endlessness.reason(
+        now = self.clock.elapsed
+        reason = self._deadlocks.reason(
             now,
             expected=min(wait, self._next_event()) < math.inf,
-            at_rest=self._stands() and not self._motions.any,
-            waiting=self._clock.waiting,
+            at_rest=self._stands() and not self._records.any_open,
+            waiting=self.clock.waiting,
         )
         if reason:
             self._give_up(reason)
         self._over = now >= self._longest
 
     def _give_up(self, reason: str) -> None:
-        if self._error is None:
+        if self._log.given_up is None:
             program = self._program
-            self._error = ProgramError(reason, file=program.file, line=program.line)
+            self._log.given_up = ProgramError(reason, file=program.file, line=program.line)
             program.stop()
-            self._controller.stop(reason)
-            self._controller.paused = False
-            self._controller.set_override(1.0)
-            self._clock.end()
+            self._control.stop(reason)
+            self._control.request('resume')
+            self._control.set_override(1.0)
+            self.clock.end()
 
     def _tick(self) -> None:
         """One period of the controller."""
         self._cycle += 1
-        now, cycle = self._clock.now(), self._cycle
-        cost, controller = self.cost, self._controller
-        position = self._drives.position
-        self._motions.begin(now)
+        now, cycle, cost = self.clock.now(), self._cycle, self.cost
         cost.switch('controller')
-        self._guide.step(self._clock.nanoseconds)
-        due = self._rates.feedback_due(cycle, controller)
-        reference = controller.step(now, position if due else None)
+        self._step_plc(now)
+        self._guide.step(self.clock.stamp)
+        position = self._drives.position
+        reference = self._control.step(now, position if self._control.feedback_due else None)
         assert reference is not None
         cost.switch('drives')
         q, q_dot = self._drives.step(reference[0], reference[1])
         cost.switch('other')
-        self._settled = (
-            controller.state is ControllerState.HOLDING and not q_dot.any() and np.array_equal(q, position)
-        )
+        self._settled = self._stands() and not q_dot.any() and np.array_equal(q, position)
         cost.switch('recording')
-        self._recording.add(self._clock.nanoseconds, reference, q, q_dot, self._drives.torque)
+        self._recording.add(self.clock.nanoseconds, reference, q, q_dot, self._drives.torque)
         if self._bag is not None:
-            self._log.progress(controller.progress, due=cycle % self._rates.progress_every == 0)
             self._bag.write_samples_in_time()
-        if self._watch is not None and cycle % self._watch_every == 0:
+        if self._watch is not None and cycle % self._look_every == 0:
             self._look_around(self._watch, q, q_dot)
         cost.switch('other')
-        while controller.outcomes:
-            self._end_motion(controller.outcomes.popleft())
-        self._switches.reach(self._motions.running, controller.progress)
-        for channel, value in self._plc.step(now):
-            self._log.input(self._program.io, channel, value, self._plc.images[channel.image])
-            self._changed = True
-        self._log.status_in_time(self._program)
+        self._deliver()
+        self._note_start()
+        if cycle % self._watch_every == 0 and self._records.any_open:
+            self._host.motions.watch()
+        self._host.reporter.report_in_time()
         if self._on_progress is not None and cycle % self._rates.progress_every == 0:
-            self._on_progress(now, self._program.line)
+            self._on_progress(self.clock.elapsed, self._program.line)
+
+    def _step_plc(self, now: float) -> None:
+        for channel, value in self._plc.step(now):
+            self._log.input(channel, value, self._plc.images[channel.image])
+            self._changed = True
 
     def _look_around(self, watch: CollisionWatch, q: Array, q_dot: Array) -> None:
         if self._bag is not None:
             self._log.clearness(watch.look(q))
         if self._controller.state is ControllerState.STREAMING and watch.ahead(q, q_dot):
-            self._controller.stop(STOPPED)
+            self._control.stop(STOPPED)
 
-    def _end_motion(self, outcome: MotionResult) -> None:
-        if not self._motions.end(outcome):
-            self._log.result(outcome)
+    def _note_start(self) -> None:
+        if self._controller.progress < 1.0 and self._planner.motions:
+            self._records.started(self._planner.motions[0].id, self.clock.elapsed)
+
+    def _motion_ended(self, result: MotionResult) -> None:
+        self._records.ended(result, self.clock.elapsed)
+        self._host.motions.result(result)
+        self._changed = True
 
     def _close(self) -> None:
         self._program.stop()
-        self._clock.end()
+        self.clock.end()
         if self._running:
             self._end_program()
         if self._bag is not None:
@@ -322,7 +319,7 @@ class SimulatedCell:
     def _result(self) -> SimulationRun:
         parts, recording = self._parts, self._recording
         position, velocity, torque = recording.states
-        failed = self._error is not None
+        error = self._log.given_up or self._program.error
         return SimulationRun(
             program=Path(parts.program),
             robot=parts.robot_name,
@@ -336,65 +333,54 @@ class SimulatedCell:
             position=position,
             velocity=velocity,
             torque=torque,
-            motions=self._motions.records,
+            motions=self._records.all,
             events=tuple(recording.events),
-            state='FAILED' if failed else self._program.run_state.value,
-            error=self._error,
-            interrupted=self._interrupted and not failed,
+            state='FAILED' if error is not None else self._program.run_state.value,
+            error=error,
+            interrupted=self._interrupted and error is None,
             bag=None if self._bag is None else self._bag.path,
             cost=self.cost.seconds,
             processor_time=self.cost.processor,
         )
 
-    # -- the program's callbacks ------------------------------------------------------------------
+    # -- ports of the control loop ----------------------------------------------------------------
 
-    def _on_command(self, command: MotionCommand) -> None:
-        id_ = self._log.commanded(self._program, command)
-        self._commands.append(partial(self._plan, id_, command))
+    def result(self, result: MotionResult) -> None:
+        """See `ControlPort`."""
+        details = {**result.details, 'ended': f'{self.clock.now():.9f}'}
+        result = MotionResult(result.id, result.ok, result.message, details)
+        self._log.result(result)
+        self._mail.append(lambda: self._control_ended(result))
 
-    def _plan(self, id_: str, command: MotionCommand) -> None:
-        self.cost.switch('planning')
-        self._motions.command(id_, command)
-        self.cost.switch('other')
+    def _control_ended(self, result: MotionResult) -> None:
+        self._planner.result(result, self.clock.now())
+        self._motion_ended(result)
 
-    def _motions_flush(self) -> None:
-        self.cost.switch('planning')
-        self._motions.flush()
-        self.cost.switch('other')
+    def progress(self, progress: float) -> None:
+        """See `ControlPort`."""
+        if progress in (0.0, 1.0) or self._cycle % self._rates.progress_every == 0:
+            self._log.progress(progress)
+        now = self.clock.now()
+        self._mail.append(lambda: self._host.switching.progress(now, progress))
 
-    def _motions_abort(self) -> None:
-        self._motions.abort(STOPPED)
+    def stream_refused(self, error: RobotsError, now: float) -> None:
+        """See `ControlPort`; those who were stopped go on sending, as in a live cell."""
 
-    def _on_guided(self, state: RobotCommandState) -> None:
-        self._guide.hand_over(state, self._clock.nanoseconds, self._motions.tool)
-        self._log.command_state(state.value)
+    # -- ports of the program ---------------------------------------------------------------------
 
-    def _on_hold(self, held: bool) -> None:  # noqa: FBT001  # a callback's only argument
-        self._controller.paused = held
+    def joint_position(self) -> Array:
+        """See `RobotPort`."""
+        return read_only(self._drives.position)
 
-    def _on_override(self, value: float) -> None:
-        self._controller.set_override(value)
+    def guide(self, state: RobotCommandState) -> None:
+        """See `RobotPort`."""
+        self._guide.hand_over(state, self.clock.stamp, self._planner.settings.tool_pose)
+
+    def request(self, request: ControllerRequest) -> None:
+        """See `ControllerPort`."""
+        self._control.request(request)
+
+    def set_override(self, value: float) -> None:
+        """See `ControllerPort`."""
+        self._control.set_override(value)
         self._log.override(value)
-
-    def _on_output(self, change: OutputChange) -> None:
-        self._log.status(self._program, self._clock.nanoseconds)
-        self._log.output(self._program.io, change)
-        self._plc.hear(change)
-
-    # -- the motions' callbacks -------------------------------------------------------------------
-
-    def _on_planned(self, planned: PlannedCommands) -> None:
-        self._log.planned(planned)
-        ids = [order.id for order in planned.orders]
-        chain = [self._motions.commands[id_] for id_ in ids]
-        self._switches.planned(chain, ids[-1], planned.motion.trajectory)
-
-    def _on_end(self, end: MotionEnd) -> None:
-        self._log.result(end)
-        if end.ok and not self._motions.running:
-            self._log.finished(done=True)
-        self._switches.finish(end.id, ok=end.ok)
-        if not end.ok or end.command in self._program.motions[-1:]:
-            self._log.command_state('IDLE')
-        self._program.finish_motion(end.error, end.command)
-        self._changed = True

@@ -7,6 +7,7 @@ import threading
 from typing import Final
 
 NANOSECONDS: Final = 1_000_000_000
+START: Final = 1_000_000_000  # ns; a stamp of zero means "none" in ROS
 # A program that reads an input in a loop without waiting would let no time pass for the input to change.
 CALLS_PER_PERIOD: Final = 200
 
@@ -23,7 +24,7 @@ class SimulatedClock:
 
     def __init__(self, period: float) -> None:
         self.nanoseconds = 0
-        """Time of the simulation; the cell sets it."""
+        """Time since the start of the simulation; the cell sets it."""
         self.deadline = math.inf
         """Until when the waiting program waits, s; infinite for a change alone."""
         self._period = period
@@ -44,8 +45,28 @@ class SimulatedClock:
     # -- the program's thread ---------------------------------------------------------------------
 
     def now(self) -> float:
+        """Time in seconds, `START` at the start of the simulation."""
+        return self.stamp / NANOSECONDS
+
+    @property
+    def stamp(self) -> int:
+        """Time in nanoseconds, `START` at the start of the simulation."""
+        return START + self.nanoseconds
+
+    @property
+    def elapsed(self) -> float:
         """Seconds since the start of the simulation."""
         return self.nanoseconds / NANOSECONDS
+
+    @property
+    def deadline_stamp(self) -> float:
+        """Time in whole nanoseconds at which the program's wait is over; infinite for never."""
+        if self.deadline == math.inf:
+            return math.inf
+        stamp = math.ceil(self.deadline * NANOSECONDS - 1e-3)
+        while stamp / NANOSECONDS < self.deadline:  # a nanosecond is finer than the rounding of late times
+            stamp += 1
+        return stamp
 
     def wait(self, condition: threading.Condition, deadline: float | None) -> None:
         """Wait as `Clock.wait` says: the cell's turn until it says so."""
@@ -53,7 +74,7 @@ class SimulatedClock:
             return
         self._waits_in, self._waiting = condition, True
         # A wait whose rest is smaller than the rounding of the time would never end.
-        shortest = (self.nanoseconds + 1) / NANOSECONDS
+        shortest = (self.stamp + 1) / NANOSECONDS
         self.deadline = math.inf if deadline is None else max(deadline, shortest)
         self._program_has_turn = False
         self._cell_turn.release()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 from abc import ABC, abstractmethod
 from collections import deque
@@ -12,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from robots_controller.control.controller import Controller
+from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.simulation.guide_recording import (
     GUIDES,
@@ -21,7 +20,7 @@ from robots_controller.simulation.guide_recording import (
     GuidingMessage,
 )
 from robots_core.blocks.following.following_methods import LARGEST_DEVIATION, RATE
-from robots_core.errors import PlanningError, TrajectoryRefusedError
+from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
@@ -149,7 +148,7 @@ class SimulatedGuide:
     Args:
         recording: What guides the robot; None for nothing.
         robot: The robot.
-        controller: Follows the references.
+        control: Follows the references.
         method: Inverse kinematics that follows poses, one of `METHODS`.
         on_message: A message has come; with its type.
         on_point: A point goes to the controller, and there is this time between two, s; returns its id.
@@ -162,13 +161,13 @@ class SimulatedGuide:
         self,
         recording: GuideRecording | None,
         robot: BaseRobotModel,
-        controller: Controller,
+        control: ControlLoop,
         *,
         method: str,
         on_message: Callable[[GuidingMessage, str], None],
         on_point: Callable[[StreamPoint, float], str],
     ) -> None:
-        self._recording, self._controller = recording, controller
+        self._recording, self._control = recording, control
         self._on_message, self._on_point = on_message, on_point
         self._messages = deque(() if recording is None else recording.messages)
         self._start: int | None = None  # ns
@@ -191,7 +190,7 @@ class SimulatedGuide:
 
         Args:
             state: TRAJECTORY or TEACH; IDLE.
-            nanoseconds: Since the start of the program.
+            nanoseconds: On the simulated clock.
             tool: Pose of the program's tool in tool0, which a person jogs.
 
         Raises:
@@ -215,8 +214,8 @@ class SimulatedGuide:
             self._jog.let_go()
 
     def step(self, nanoseconds: int) -> None:
-        """Take what has come until now and tell the controller what to follow; ns since the start."""
-        reference = self._controller.reference
+        """Take what has come until now and send the controller what to follow; ns on the simulated clock."""
+        reference = self._control.controller.reference
         if self._start is None or reference is None:
             return
         self._take_messages(self._start, nanoseconds, reference)
@@ -225,9 +224,7 @@ class SimulatedGuide:
             for state, due in follower.states(now, reference):
                 point = StreamPoint(state[0], state[1], state[2], due)
                 id_ = self._on_point(point, follower.period)
-                # Whoever was stopped goes on sending, as in a live cell.
-                with contextlib.suppress(TrajectoryRefusedError):
-                    self._controller.stream(point, id_, now)
+                self._control.stream(point, id_)
 
     def _take_messages(self, start: int, nanoseconds: int, reference: Array) -> None:
         assert self._recording is not None

@@ -14,11 +14,12 @@ class SimulatedPlc:
     Args:
         script: Its rules.
         io: The program's inputs and outputs.
+        start: The time at which it starts, s.
     """
 
-    def __init__(self, script: PlcScript, io: IoImage) -> None:
+    def __init__(self, script: PlcScript, io: IoImage, start: float) -> None:
         self._script, self._io = script, io
-        self._plc = ScriptedPlc(script)
+        self._plc = ScriptedPlc(script, start)
         self._outputs = {channel for channel in script.channels if channel.direction == 'output'}
         self._heard: list[tuple[Channel, float]] = []
 

@@ -21,6 +21,7 @@ class SimulatedMotion:
     Attributes:
         id: As on the topics.
         command: Target, line and function.
+        file: The program or subprogram that commanded it.
         settings: The modal settings that it was planned with.
         commanded: When the program asked for it, s.
         started: When the controller began with it, or with the chain of blended motions it is part of, s; NaN
@@ -36,6 +37,7 @@ class SimulatedMotion:
 
     id: str
     command: MotionCommand
+    file: str
     settings: MotionSettings
     commanded: float
     started: float

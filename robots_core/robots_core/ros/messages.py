@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import array
+import struct
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -17,6 +19,10 @@ from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
 
+# CDR: the encapsulation, and then a message that begins with a header has the stamp's two 32-bit words.
+ENCAPSULATION_SIZE: Final = 4
+SERIALIZED_STAMP: Final = struct.Struct('<iI')
+
 
 def doubles(values: Array) -> array.array[float]:
     """A float64 array as the type that message fields take without a loop."""
@@ -26,6 +32,12 @@ def doubles(values: Array) -> array.array[float]:
 def stamp_id(stamp: Time) -> str:
     """A command's id: its stamp as seconds.nanoseconds."""
     return f'{stamp.sec}.{stamp.nanosec:09d}'
+
+
+def serialized_stamp_id(data: bytes) -> str:
+    """The id of a serialized message that begins with a header, without deserializing it."""
+    seconds, nanoseconds = SERIALIZED_STAMP.unpack_from(data, ENCAPSULATION_SIZE)
+    return f'{seconds}.{nanoseconds:09d}'
 
 
 def id_stamp(id_: str) -> Time:

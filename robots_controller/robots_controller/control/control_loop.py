@@ -1,0 +1,138 @@
+"""ControlLoop: one period of the controller after the other, whatever the transport is."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from typing import Literal, Protocol
+
+from robots_controller.control.controller import Controller
+from robots_controller.control.controller_rates import ControllerRates
+from robots_controller.control.streamed_reference import StreamPoint
+from robots_core.errors import RobotsError
+from robots_core.motion_result import MotionResult
+from robots_core.validation import Array
+from robots_planning.trajectory import Trajectory
+
+STOPPED = 'stopped by ~/stop'
+
+
+class ControlPort(Protocol):
+    """What a transport provides to the control loop; called from the loop's thread."""
+
+    def result(self, result: MotionResult) -> None:
+        """A motion or a stream has ended."""
+
+    def progress(self, progress: float) -> None:
+        """Done part of the current path, 0..1."""
+
+    def stream_refused(self, error: RobotsError, now: float) -> None:
+        """A streamed point was refused."""
+
+
+class ControlLoop:
+    """The controller with its mailbox, which is emptied once per period.
+
+    Requests may come from any thread; `step` is called by one.
+
+    Args:
+        controller: The controller.
+        rates: How often what is due.
+        port: The transport.
+        progress_every: Progress is reported each so many cycles, and always at its ends.
+    """
+
+    def __init__(
+        self, controller: Controller, rates: ControllerRates, port: ControlPort, *, progress_every: int
+    ) -> None:
+        self.controller, self._rates, self._port = controller, rates, port
+        self._progress_every = progress_every
+        self._mailbox: deque[Callable[[float], None]] = deque()
+        self.cycle = 0
+        """Number of the next cycle."""
+        self.feedback_due = True
+        """The next cycle takes feedback."""
+        self._reported = -1.0
+
+    # -- requests -------------------------------------------------------------------------------------
+
+    def follow(self, trajectory: Trajectory, id_: str, *, join_time: float = 0.0) -> None:
+        """Follow a trajectory, see `Controller.follow`."""
+        self._mailbox.append(partial(self._follow, trajectory, id_, join_time))
+
+    def stream(self, point: StreamPoint, id_: str) -> None:
+        """Follow a point of a stream, see `Controller.stream`."""
+        self._mailbox.append(partial(self._stream, point, id_))
+
+    def set_override(self, value: float) -> None:
+        """Scale the speed of all motions, 0..1."""
+        self._mailbox.append(lambda _: self.controller.set_override(value))
+
+    def request(self, request: Literal['pause', 'resume', 'stop']) -> None:
+        """Pause on the path, resume, or stop and give up all motions."""
+        if request == 'stop':
+            self._mailbox.append(partial(self._stop, STOPPED, resume=True))
+        else:
+            self._mailbox.append(partial(self._pause, paused=request == 'pause'))
+
+    def stop(self, reason: str) -> None:
+        """Stop and give up all motions for this reason; a pause stays."""
+        self._mailbox.append(partial(self._stop, reason, resume=False))
+
+    # -- the loop -------------------------------------------------------------------------------------
+
+    def step(self, now: float, position: Array | None) -> Array | None:
+        """One period.
+
+        Args:
+            now: Time, s.
+            position: Feedback, (n,), rad (m); None if none is due or came.
+
+        Returns:
+            The reference (3, n), None before the first feedback.
+        """
+        controller, mailbox = self.controller, self._mailbox
+        while mailbox:
+            mailbox.popleft()(now)
+        reference = controller.step(now, position)
+        while controller.outcomes:
+            self._port.result(controller.outcomes.popleft())
+        self._report_progress()
+        self.cycle += 1
+        self.feedback_due = self._rates.feedback_due(self.cycle, controller)
+        return reference
+
+    def pass_over(self, cycles: int) -> None:
+        """Leave out cycles of a robot that stands."""
+        self.cycle += cycles
+        self.feedback_due = self._rates.feedback_due(self.cycle, self.controller)
+
+    def _report_progress(self) -> None:
+        progress = self.controller.progress
+        ends = progress in (0.0, 1.0)  # both are reported, whatever the rate
+        if progress != self._reported and (ends or self.cycle % self._progress_every == 0):
+            self._reported = progress
+            self._port.progress(progress)
+
+    def _follow(self, trajectory: Trajectory, id_: str, join_time: float, now: float) -> None:
+        try:
+            self.controller.follow(trajectory, id_, now, join_time=join_time)
+        except RobotsError as error:
+            self._port.result(MotionResult.refused(id_, error))
+            return
+        self._report_progress()
+
+    def _stream(self, point: StreamPoint, id_: str, now: float) -> None:
+        try:
+            self.controller.stream(point, id_, now)
+        except RobotsError as error:
+            self._port.stream_refused(error, now)
+
+    def _stop(self, reason: str, _now: float, *, resume: bool) -> None:
+        self.controller.stop(reason)
+        if resume:
+            self.controller.paused = False
+
+    def _pause(self, _now: float, *, paused: bool) -> None:
+        self.controller.paused = paused

@@ -1,0 +1,101 @@
+"""PlannerClient: a program's motions as messages to planning_node."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Any, Final
+
+from builtin_interfaces.msg import Time
+from nav_msgs.msg import Path
+from rclpy.node import Node
+
+from robots_controller.cell.ports import Configured
+from robots_controller.nodes.planner_settings import PlannerSettings
+from robots_controller.program.motion_command import MotionCommand
+from robots_core.ros.message_class import message_class
+from robots_core.ros.messages import id_stamp, joint_state_message, pose_stamped_message, stamp_id
+from robots_core.ros.qos import COMMAND
+from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
+
+UNKNOWN_NODE: Final = '_NODE_NAME_UNKNOWN_'
+
+
+class PlannerClient:
+    """See `PlannerPort`; safe from any thread.
+
+    Args:
+        node: The node to publish from.
+        joint_names: The robot's joints.
+    """
+
+    def __init__(self, node: Node, joint_names: tuple[str, ...]) -> None:
+        self._node, self._joint_names = node, joint_names
+        self._last_stamp = 0
+        self._settings = PlannerSettings(node)
+        self._planners: set[bytes] = set()  # endpoints of those who plan
+        self._publishers = {
+            kind: node.create_publisher(message_class(kind.message_type), kind.topic, COMMAND)
+            for kind in MOTION_KINDS
+        }
+
+    def plans(self, command: MotionCommand) -> bool:
+        """See `PlannerPort`."""
+        return self.listens(command.kind)
+
+    def listens(self, kind: MotionKind = JOINT) -> bool:
+        """A node that publishes `joint_trajectory` is subscribed to a motion's topic.
+
+        The number of subscriptions alone says nothing: a recorder has them too.
+        """
+        publishers = self._node.get_publishers_info_by_topic('joint_trajectory')
+        planners = _names(publishers)
+        endpoints = {bytes(endpoint.endpoint_gid) for endpoint in publishers}
+        if endpoints - self._planners:  # one that was started anew has its own settings
+            self._settings.forget()
+        self._planners = endpoints
+        return bool(planners & _names(self._node.get_subscriptions_info_by_topic(kind.topic)))
+
+    def differs(self, settings: Mapping[str, object]) -> bool:
+        """See `PlannerPort`."""
+        return self._settings.differ(settings)
+
+    @property
+    def configurable(self) -> bool:
+        """See `PlannerPort`."""
+        return self._settings.ready
+
+    def configure(self, settings: Mapping[str, object], done: Configured, *, moving: bool) -> None:
+        """See `PlannerPort`."""
+        self._settings.apply(settings, done, moving=moving)
+
+    def next_id(self) -> str:
+        """The stamp of the next command: unique even while a simulated clock stands still."""
+        self._last_stamp = max(self._node.get_clock().now().nanoseconds, self._last_stamp + 1)
+        seconds, nanoseconds = divmod(self._last_stamp, 1_000_000_000)
+        return stamp_id(Time(sec=seconds, nanosec=nanoseconds))
+
+    def command(self, id_: str, command: MotionCommand) -> None:
+        """See `PlannerPort`."""
+        stamp = id_stamp(id_)
+        if command.q is not None:
+            message: Any = joint_state_message(stamp, self._joint_names, command.q)
+        elif command.path:
+            message = Path(poses=[pose_stamped_message(stamp, pose) for pose in command.path])
+            message.header = message.poses[0].header
+        else:
+            assert command.pose is not None
+            message = pose_stamped_message(stamp, command.pose)
+        self._publishers[command.kind].publish(message)
+
+    def followers(self) -> Mapping[Collection[int], str]:
+        """See `PlannerPort`; by endpoint: a node that was started anew has none of the motions."""
+        endpoints = self._node.get_publishers_info_by_topic('motion_result')
+        return {bytes(endpoint.endpoint_gid): endpoint.node_name for endpoint in endpoints}
+
+
+def _names(endpoints: list[Any]) -> set[str]:
+    return {
+        f'{endpoint.node_namespace.rstrip("/")}/{endpoint.node_name}'
+        for endpoint in endpoints
+        if endpoint.node_name != UNKNOWN_NODE
+    }

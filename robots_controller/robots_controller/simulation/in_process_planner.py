@@ -1,0 +1,197 @@
+"""InProcessPlanner: the planner in one process with the program and the controller."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Collection, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from robots_controller.cell.ports import Configured
+from robots_controller.control.control_loop import ControlLoop
+from robots_controller.program.motion_command import MotionCommand
+from robots_controller.simulation.cell_log import CellLog
+from robots_controller.simulation.cost import Cost
+from robots_controller.simulation.motion_records import MotionRecords
+from robots_controller.simulation.simulated_clock import SimulatedClock
+from robots_core.errors import PlanningError, RobotsError
+from robots_core.motion_result import MotionResult
+from robots_core.pose import Pose
+from robots_core.validation import Array
+from robots_planning.motion_planner import MotionPlanner
+from robots_planning.motion_settings import CHECKS, MotionSettings
+from robots_planning.pathplanning import PathPlanning, PlannedMotion, Target
+from robots_planning.trajectory import Trajectory
+
+Mail = deque[Callable[[], None]]
+"""What was sent and is not delivered yet, in the order in which it was sent."""
+
+
+class InProcessPlanner:
+    """Both ends of the messages between program, planner and controller: `PlannerPort`, `MotionPlannerPort`.
+
+    Args:
+        planning: Plans.
+        mail: Carries the messages.
+        clock: Simulated time.
+        control: Follows the plans.
+        log: Gets the messages.
+        records: Get what became of the commands.
+        cost: Gets the time that planning takes.
+    """
+
+    def __init__(
+        self,
+        planning: PathPlanning,
+        *,
+        mail: Mail,
+        clock: SimulatedClock,
+        control: ControlLoop,
+        log: CellLog,
+        records: MotionRecords,
+        cost: Cost,
+    ) -> None:
+        self._mail, self._clock, self._control = mail, clock, control
+        self._log, self._records, self._cost = log, records, cost
+        self.planner = MotionPlanner(planning, self)
+        self._configured: dict[str, object] = {}
+        self._last_id = 0
+        self.on_result: Callable[[MotionResult], None] = lambda _: None
+        """Gets the results that the planner sends."""
+        self.on_planned: Callable[[str, Trajectory], None] = lambda *_: None
+        """Gets each plan with its id."""
+
+    # -- the program's end ----------------------------------------------------------------------------
+
+    def plans(self, command: MotionCommand) -> bool:  # noqa: ARG002
+        """Always: see `PlannerPort`."""
+        return True
+
+    def differs(self, settings: Mapping[str, object]) -> bool:
+        """See `PlannerPort`."""
+        return dict(settings) != self._configured
+
+    @property
+    def configurable(self) -> bool:
+        """Always: see `PlannerPort`."""
+        return True
+
+    def configure(self, settings: Mapping[str, object], done: Configured, *, moving: bool) -> None:  # noqa: ARG002
+        """See `PlannerPort`."""
+        self._mail.append(partial(self._configure, dict(settings), done))
+
+    def next_id(self) -> str:
+        """See `PlannerPort`; unique even while time stands still."""
+        self._last_id = max(self._clock.stamp, self._last_id + 1)
+        seconds, nanoseconds = divmod(self._last_id, 1_000_000_000)
+        return f'{seconds}.{nanoseconds:09d}'
+
+    def command(self, id_: str, command: MotionCommand) -> None:
+        """See `PlannerPort`."""
+        settings = self.planner.settings
+        self._log.command(self._last_id, command, settings)
+        self._records.configured(id_, settings)
+        self._mail.append(
+            lambda: self._do('planning', lambda: self._command(id_, command, _target(command), settings))
+        )
+
+    def followers(self) -> Mapping[Collection[int], str]:
+        """This process: see `PlannerPort`."""
+        return {b'': 'simulation'}
+
+    # -- the planner's end ----------------------------------------------------------------------------
+
+    def time(self) -> float:
+        """See `MotionPlannerPort`."""
+        return self._clock.now()
+
+    def reference(self) -> tuple[Array, Array] | None:
+        """See `MotionPlannerPort`."""
+        reference = self._control.controller.reference
+        return None if reference is None else (np.array(reference[0]), reference[1])
+
+    def submit(self, work: Callable[[], None]) -> None:
+        """Now: see `MotionPlannerPort`."""
+        work()
+
+    def release_after(self, patience: float) -> None:
+        """Never: a program says when nothing follows."""
+
+    def send(self, id_: str, motion: PlannedMotion, *, title: str, join_time: float) -> None:  # noqa: ARG002
+        """See `MotionPlannerPort`."""
+        trajectory, running = motion.trajectory, self.planner.motions[-1]
+        self._records.planned(running.ids, running.ends, motion)
+        self._log.planned(id_, trajectory)
+        self._control.follow(_as_in_message(trajectory), id_, join_time=join_time)
+        self._mail.append(lambda: self.on_planned(id_, trajectory))
+
+    def answer(self, result: MotionResult) -> None:
+        """See `MotionPlannerPort`."""
+        self._log.result(result)
+        self._mail.append(lambda: self.on_result(result))
+
+    def refused(self, topic: str, error: RobotsError) -> None:
+        """See `MotionPlannerPort`; the result says it."""
+
+    def finished(self, *, done: bool) -> None:
+        """See `MotionPlannerPort`."""
+        self._log.finished(done=done)
+
+    # -- inside ---------------------------------------------------------------------------------------
+
+    def _configure(self, settings: dict[str, object], done: Configured) -> None:
+        try:
+            wanted = motion_settings(settings)
+        except PlanningError as error:
+            done(error)
+            return
+        self._configured = settings
+        self._log.settings(wanted)
+        self._do('planning', lambda: self.planner.configure(wanted))
+        done(None)
+
+    def _command(self, id_: str, command: MotionCommand, target: Target, settings: MotionSettings) -> None:
+        self.planner.command(id_, command.kind, target, settings)
+
+    def _do(self, part: Any, work: Callable[[], object]) -> None:
+        before = self._cost.switch(part)
+        work()
+        self._cost.switch(before)
+
+
+def motion_settings(settings: Mapping[str, object]) -> MotionSettings:
+    """Modal settings that a program has changed, as planning_node would take them.
+
+    Raises:
+        PlanningError: it would refuse them.
+    """
+    for name, value in settings.items():
+        try:
+            CHECKS[name](value, name)
+        except RobotsError as error:
+            raise PlanningError(f'planning_node refuses the settings: {name}: {error}') from error
+    wanted: dict[str, Any] = dict(settings)
+    return MotionSettings(**wanted)
+
+
+def _target(command: MotionCommand) -> Target:
+    if command.q is not None:
+        return command.q
+    if command.path:
+        return tuple(_through_message(pose) for pose in command.path)
+    assert command.pose is not None
+    return _through_message(command.pose)
+
+
+def _through_message(pose: Pose) -> Pose:
+    # Quaternions round a little: the planner gets to the last digit what it gets in a live cell.
+    return Pose.from_quaternion(pose.r, pose.quaternion())
+
+
+def _as_in_message(trajectory: Trajectory) -> Trajectory:
+    time = Trajectory.message_times(trajectory.time)
+    if np.array_equal(time, trajectory.time):
+        return trajectory
+    return Trajectory(time, trajectory.position, trajectory.velocity, trajectory.acceleration)

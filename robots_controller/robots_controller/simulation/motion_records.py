@@ -1,0 +1,72 @@
+"""MotionRecords: what became of each motion command of a simulated program."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from robots_controller.program.motion_command import MotionCommand
+from robots_controller.simulation.simulation_run import SimulatedMotion
+from robots_core.errors import RobotsError
+from robots_core.motion_result import MotionResult
+from robots_planning.motion_settings import MotionSettings
+from robots_planning.pathplanning import PlannedMotion
+
+
+class MotionRecords:
+    """Grows with each command; all times in s since the start of the program."""
+
+    def __init__(self) -> None:
+        self._motions: dict[str, SimulatedMotion] = {}
+        self._open: set[str] = set()
+
+    @property
+    def all(self) -> tuple[SimulatedMotion, ...]:
+        """In the order of their commands."""
+        return tuple(self._motions.values())
+
+    @property
+    def any_open(self) -> bool:
+        """A command has no result yet."""
+        return bool(self._open)
+
+    def commanded(self, id_: str, command: MotionCommand, file: str, now: float) -> None:
+        """A motion of a program or subprogram was commanded."""
+        nan = math.nan
+        self._motions[id_] = SimulatedMotion(
+            id_, command, file, MotionSettings(), now, nan, nan, False, '', None, (), nan, nan
+        )
+        self._open.add(id_)
+
+    def configured(self, id_: str, settings: MotionSettings) -> None:
+        """The planner has these settings for a motion."""
+        self._change(id_, settings=settings)
+
+    def refused(self, command: MotionCommand, error: RobotsError, now: float) -> None:
+        """A command was refused before it had an id."""
+        id_ = f'refused {len(self._motions)}'
+        self.commanded(id_, command, '', now)
+        self.ended(MotionResult.refused(id_, error), now)
+
+    def planned(self, ids: Sequence[str], ends: Sequence[float], plan: PlannedMotion) -> None:
+        """A chain of commands was planned; each ends at a time of the plan, s."""
+        all_ends = (*ends[:-1], plan.trajectory.duration)
+        for id_, start, end in zip(ids, (0.0, *all_ends[:-1]), all_ends, strict=True):
+            self._change(id_, plan=plan, chain=tuple(ids), start_on_plan=start, end_on_plan=end)
+
+    def started(self, id_: str, now: float) -> None:
+        """The controller follows the plan that ends with this command."""
+        if math.isnan(self._motions[id_].started):
+            for member in self._motions[id_].chain:
+                self._change(member, started=now)
+
+    def ended(self, result: MotionResult, now: float) -> None:
+        """A motion has its result."""
+        if result.id in self._open:
+            self._open.remove(result.id)
+            self._change(result.id, ended=now, ok=result.ok, message=result.message)
+
+    def _change(self, id_: str, **changes: Any) -> None:
+        self._motions[id_] = replace(self._motions[id_], **changes)

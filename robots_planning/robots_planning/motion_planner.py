@@ -1,0 +1,253 @@
+"""MotionPlanner: motion commands in, verified trajectories to the controller and results out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Final, Protocol
+
+from robots_core.errors import PlanningError, RobotsError
+from robots_core.motion_result import MotionResult
+from robots_core.pose import Pose
+from robots_core.validation import Array
+from robots_planning.command_planner import CommandPlanner, PlannedCommands
+from robots_planning.command_queue import CommandQueue, QueuedCommand, RunningMotion
+from robots_planning.motion_kinds import LINE, MotionKind
+from robots_planning.motion_results import PASSED
+from robots_planning.motion_settings import MotionSettings
+from robots_planning.pathplanning import PathPlanning, PlannedMotion, Target
+from robots_planning.standing_robot import check_standing
+from robots_planning.trajectory import Trajectory
+
+# A blended motion waits so long for the one that it runs through to; then it stops at its end. A program that
+# changes settings in between needs two questions and answers of busy processes for it.
+BLEND_PATIENCE: Final = 0.3  # s
+
+
+class MotionPlannerPort(Protocol):
+    """What a transport provides to the planner."""
+
+    def time(self) -> float:
+        """Time, s, on the clock by which the controller stamps its results."""
+
+    def reference(self) -> tuple[Array, Array] | None:
+        """The controller's reference, position and velocity (n,) each; None before the first.
+
+        Raises:
+            RobotsError: the reference is not valid.
+        """
+
+    def submit(self, work: Callable[[], None]) -> None:
+        """Do work that takes long: now, or in the planner's thread, one after the other."""
+
+    def release_after(self, patience: float) -> None:
+        """Call `release` after this time, s, counted from the last call of this."""
+
+    def send(self, id_: str, motion: PlannedMotion, *, title: str, join_time: float) -> None:
+        """Send a motion to the controller.
+
+        Args:
+            id_: Of its last command.
+            motion: The plan.
+            title: Its kinds, for a person.
+            join_time: Path time of the running motion at which it takes over, s; 0: after its end.
+        """
+
+    def answer(self, result: MotionResult) -> None:
+        """Send the result of a command that ends without a motion of its own."""
+
+    def refused(self, topic: str, error: RobotsError) -> None:
+        """Report a command that was refused."""
+
+    def finished(self, *, done: bool) -> None:
+        """All motions have reached their targets, or one was sent."""
+
+
+class MotionPlanner:
+    """Plans commands in their order; one that comes while the robot moves follows the motions before it.
+
+    A command that cannot be planned ends with a result that says why; what becomes of a planned motion is the
+    controller's to report. Called by one thread, but for the work that it submits. See the paper's section 3
+    for `trigger`.
+
+    Args:
+        planning: Plans.
+        port: The transport.
+    """
+
+    def __init__(self, planning: PathPlanning, port: MotionPlannerPort) -> None:
+        self.planning, self._port = planning, port
+        self._queue = CommandQueue()
+        self._commands = CommandPlanner(
+            planning,
+            self._queue,
+            standing=self.standing,
+            path_time=self._path_time,
+            send=self._send,
+            refuse=self._refuse,
+        )
+        self.settings = MotionSettings()
+        """Hold for the commands that come from now on."""
+        self.reference_pose: Pose | None = None
+        """Where a trigger leads."""
+        self._triggered = False
+        self._progress = (0.0, 0.0)  # of the running motion, and when it was reported
+
+    @property
+    def moving(self) -> bool:
+        """A motion was sent to the controller and has not ended."""
+        return bool(self.motions)
+
+    @property
+    def motions(self) -> tuple[RunningMotion, ...]:
+        """Motions that were sent and have not ended, oldest first: the controller follows the first."""
+        return self._queue.running
+
+    def knows(self, id_: str) -> bool:
+        """A command with this id has come and has not ended."""
+        return self._queue.knows(id_)
+
+    # -- commands -------------------------------------------------------------------------------------
+
+    def command(self, id_: str, kind: MotionKind, target: Target, settings: MotionSettings) -> bool:
+        """Take a motion command.
+
+        Args:
+            id_: Unique.
+            kind: The kind of motion.
+            target: See `PathPlanning.plan`.
+            settings: The modal settings of that instant.
+
+        Returns:
+            False for a command that came before; it is ignored.
+        """
+        if self.knows(id_):
+            return False
+        self._plan(self._queue.hold(QueuedCommand(id_, kind, target, settings, self._port.time())))
+        if settings.blends:
+            self._port.release_after(BLEND_PATIENCE)
+        return True
+
+    def refuse(self, id_: str, kind: MotionKind, error: RobotsError) -> None:
+        """End a command that is not valid."""
+        self._port.refused(kind.topic, error)
+        self._port.answer(MotionResult.refused(id_, error))
+
+    def configure(self, settings: MotionSettings) -> None:
+        """Change the settings of the commands that follow.
+
+        Where they switch blending off, nothing comes that the commands held for a chain could run through to.
+        """
+        self.settings = settings
+        if not settings.blends:
+            self.release()
+
+    def release(self) -> None:
+        """Plan the commands that wait for another one to blend into: none follows."""
+        self._plan(self._queue.release())
+
+    def replace_motions(self, *, replace: bool) -> None:
+        """Let joint motions replace the running motion, or follow it."""
+        self._commands.replace = replace
+
+    def trigger(self, id_: str, *, level: bool) -> None:
+        """On a rising edge, move on a line to the last `reference_pose`."""
+        rising, self._triggered = level and not self._triggered, level
+        if not rising:
+            return
+        if self.reference_pose is None:
+            error = PlanningError('trigger came without a valid reference_pose before it')
+            self.refuse(id_, LINE, error)
+        else:
+            self.command(id_, LINE, self.reference_pose, self.settings)
+
+    def send_given(self, id_: str, trajectory: Callable[[Array], Trajectory]) -> None:
+        """Send a trajectory that was planned elsewhere; it is made from where the robot stands, (n,).
+
+        Raises:
+            RobotsError: it breaks a limit, collides, or starts elsewhere; or the robot moves.
+        """
+        if self.moving:
+            raise PlanningError('the robot is still moving; wait for its motion_result or stop it')
+        motion = self.planning.checked(trajectory(self.standing()))
+        running = RunningMotion((id_,), motion.trajectory, (motion.duration,))
+        self._queue.planned(running, self._queue.failures)
+        self._follow(id_, motion, 'a given trajectory', 0.0)
+
+    # -- the controller -------------------------------------------------------------------------------
+
+    def progress(self, progress: float) -> None:
+        """The controller has done this part of the running motion, 0..1."""
+        self._progress = (progress, self._port.time())
+
+    def result(self, result: MotionResult, ended: float) -> bool:
+        """A motion of the controller has ended.
+
+        Args:
+            result: Its result.
+            ended: When, s; what was commanded before is void if it did not reach its target.
+
+        Returns:
+            False if it is none of this planner's.
+        """
+        motion = self._queue.ended(result.id, ok=result.ok, at=ended)
+        if motion is None:
+            return False
+        self._progress = (0.0, self._port.time())  # of the one after it
+        progress = 1.0 if result.ok else float(result.details.get('progress', 1.0))
+        for id_, passed in motion.passed(progress):
+            message = PASSED if passed else result.message
+            self._port.answer(MotionResult(id_, passed, message, result.details))
+        if result.ok and not self.moving:
+            self._port.finished(done=True)
+        if not result.ok:
+            self.release()  # what was held for a chain is void
+        return True
+
+    def forget(self) -> None:
+        """The controller is gone, and its motions with it."""
+        self._queue.forget()
+
+    def standing(self) -> Array:
+        """Where the controller's reference stands, (n,).
+
+        Raises:
+            PlanningError: no reference came yet, or the robot moves.
+        """
+        reference = self._port.reference()
+        if reference is None:
+            raise PlanningError(
+                'no joint_reference received: is controller_node running and does the robot publish '
+                'joint_states?'
+            )
+        q, q_dot = reference
+        check_standing(q_dot, self.planning.robot.axes_data)
+        return q
+
+    # -- inside ---------------------------------------------------------------------------------------
+
+    def _plan(self, commands: tuple[QueuedCommand, ...]) -> None:
+        if commands:
+            self._port.submit(partial(self._commands.plan, commands))
+
+    def _send(self, planned: PlannedCommands) -> None:
+        titles = ' + '.join(command.kind.title for command in planned.orders)
+        self._follow(planned.orders[-1].id, planned.motion, titles, planned.join_time)
+
+    def _follow(self, id_: str, motion: PlannedMotion, title: str, join_time: float) -> None:
+        if len(self.motions) == 1:
+            self._progress = (0.0, self._port.time())
+        self._port.finished(done=False)
+        self._port.send(id_, motion, title=title, join_time=join_time)
+
+    def _refuse(self, command: QueuedCommand, error: RobotsError) -> None:
+        self._queue.refused(command.id)
+        self.refuse(command.id, command.kind, error)
+
+    def _path_time(self) -> float:
+        progress, reported = self._progress
+        running = self.motions
+        if not running:
+            return 0.0
+        # No override makes it faster than planned.
+        return progress * running[0].trajectory.duration + max(0.0, self._port.time() - reported)
