@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from nav_msgs.msg import Path as NavPath
 from rcl_interfaces.msg import SetParametersResult
-from robots_controller.cell.program_motions import MOST_SENT
 
+from robots_controller.cell.program_motions import MOST_SENT
 from robots_core.ros.messages import diagnostic_values, stamp_id
 from robots_core.ros.qos import COMMAND
 

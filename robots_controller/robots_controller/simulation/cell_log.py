@@ -65,6 +65,7 @@ class CellLog:
         self._robot, self._joints = robot, joints
         self._state: RunState | None = None
         self._latest = 0  # ns, of the messages that were written
+        self._last_command = -1  # ns
         self._settings: MotionSettings | None = None
         self.io: IoImage | None = None
         """The program's inputs and outputs."""
@@ -192,7 +193,8 @@ class CellLog:
             status = ros.diagnostic_status(
                 'motion settings', '', self._robot, ros.OK, settings_as_text(settings)
             )
-            self._write('motion_settings', STATUS_TYPE, status)
+            # After the command before, and not after its own.
+            self._write('motion_settings', STATUS_TYPE, status, self._last_command + 1)
 
     def command(self, stamp: int, command: MotionCommand, settings: MotionSettings) -> None:
         """A motion was commanded; its stamp in ns is its id."""
@@ -208,6 +210,7 @@ class CellLog:
             assert command.pose is not None
             message = ros.pose_stamped(stamp, command.pose)
         # Commands of one instant have stamps of their own.
+        self._last_command = stamp - START
         self._write(command.kind.topic, command.kind.message_type, message, stamp - START)
 
     def planned(self, id_: str, trajectory: Trajectory) -> None:
@@ -261,10 +264,10 @@ class CellLog:
             )
             self._write('collision_status', STATUS_TYPE, status)
 
-    def _write(self, topic: str, type_name: str, message: Any, nanoseconds: int | None = None) -> None:
+    def _write(self, topic: str, type_name: str, message: Any, nanoseconds: int = 0) -> None:
         assert self._bag is not None
         before = self._cost.switch('recording')
         # Commands of one instant have stamps of their own: what follows them comes after them.
-        self._latest = max(self._latest, self._clock.nanoseconds if nanoseconds is None else nanoseconds)
+        self._latest = max(self._latest, self._clock.nanoseconds, nanoseconds)
         self._bag.write(topic, type_name, self._latest, message)
         self._cost.switch(before)
