@@ -23,5 +23,19 @@ setup(
         'console_scripts': [
             'planning_node = robots_planning.nodes.planning_node:main',
         ],
+        'robots_planning.planners': [
+            f'{name} = robots_planning.trajectory_generators.{module}'
+            for name, module in (
+                ('linear_joint', 'linear_joint:LinearJoint'),
+                ('linear_joint_axes', 'linear_joint_axes:LinearJointAxes'),
+                ('limited', 'linear_cartesian_limited:LinearCartesianLimited'),
+                (
+                    'dynamic_programming',
+                    'linear_cartesian_dynamic_programming:LinearCartesianDynamicProgramming',
+                ),
+                ('circular', 'circular_cartesian:CircularCartesian'),
+                ('spline', 'spline_cartesian:SplineCartesian'),
+            )
+        ],
     },
 )

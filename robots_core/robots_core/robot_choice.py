@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import inspect
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, Final
 from urllib.parse import parse_qsl
 
 from robots_core.errors import RobotsError, UnknownRobotError
+from robots_core.plugins import installed_plugins, load_plugin, plugin_text
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.urdf_robot_model import UrdfRobotModel
 
@@ -18,7 +18,7 @@ URDF_PREFIX: Final = 'urdf:'
 
 def available_robot_models() -> tuple[str, ...]:
     """Names of all installed robots, sorted."""
-    return tuple(sorted(_plugins()))
+    return tuple(sorted(installed_plugins(ENTRY_POINT_GROUP)))
 
 
 def load_robot_model(name: str, **options: Any) -> BaseRobotModel:
@@ -41,7 +41,7 @@ def load_robot_model(name: str, **options: Any) -> BaseRobotModel:
     if plain.startswith(URDF_PREFIX):
         _check_options(plain, UrdfRobotModel, (Path(),), options)
         return UrdfRobotModel(Path(plain.removeprefix(URDF_PREFIX)), **options)
-    return _load_plugin(_plugin(plain), options)
+    return _load_plugin(plain, options)
 
 
 def _options(name: str, query: str) -> dict[str, Any]:
@@ -62,32 +62,13 @@ def _value(text: str) -> str | tuple[float, ...]:
         return text
 
 
-def _plugins() -> dict[str, list[EntryPoint]]:
-    plugins: dict[str, list[EntryPoint]] = {}
-    for point in entry_points(group=ENTRY_POINT_GROUP):
-        plugins.setdefault(point.name, []).append(point)
-    return plugins
-
-
-def _plugin(name: str) -> EntryPoint:
-    plugins = _plugins()
+def _load_plugin(name: str, options: dict[str, Any]) -> BaseRobotModel:
+    plugins = installed_plugins(ENTRY_POINT_GROUP)
     if name not in plugins:
         known = ', '.join(sorted(plugins)) or 'none installed'
         raise UnknownRobotError(f'unknown robot {name!r}; robots are: {known}; or urdf:/path/to/robot.urdf')
-    if len(plugins[name]) > 1:
-        raise UnknownRobotError(
-            f'robot {name!r} is offered by several distributions, keep one: '
-            + '; '.join(_origin(point) for point in plugins[name])
-        )
-    return plugins[name][0]
-
-
-def _load_plugin(point: EntryPoint, options: dict[str, Any]) -> BaseRobotModel:
-    who = f'plugin {point.name!r} ({_origin(point)})'
-    try:
-        factory = point.load()
-    except Exception as error:  # whatever a third party's module raises
-        raise UnknownRobotError(f'{who} cannot be loaded: {type(error).__name__}: {error}') from error
+    factory = load_plugin(plugins[name], 'robot', UnknownRobotError)
+    who = plugin_text(plugins[name][0])
     if not callable(factory):
         raise UnknownRobotError(f'{who} is {type(factory).__name__}, not a class or function')
     _check_options(who, factory, (), options)
@@ -100,11 +81,6 @@ def _load_plugin(point: EntryPoint, options: dict[str, Any]) -> BaseRobotModel:
     if not isinstance(robot, BaseRobotModel):
         raise UnknownRobotError(f'{who} returns {type(robot).__name__}, not a BaseRobotModel')
     return robot
-
-
-def _origin(point: EntryPoint) -> str:
-    distribution = 'unknown' if point.dist is None else f'{point.dist.name} {point.dist.version}'
-    return f'{point.value}, distribution {distribution}'
 
 
 def _check_options(who: str, factory: Any, arguments: tuple[Any, ...], options: dict[str, Any]) -> None:

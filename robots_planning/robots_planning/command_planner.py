@@ -103,7 +103,9 @@ class CommandPlanner:
         self._send(PlannedCommands(orders, motion, join_time))
 
     def _join_time(self, running: tuple[RunningMotion, ...], orders: tuple[QueuedCommand, ...]) -> float:
-        if not self.replace or len(running) != 1 or len(orders) != 1 or orders[0].kind.cartesian:
+        if not self.replace or len(running) != 1 or len(orders) != 1:
+            return 0.0
+        if not self._planning.generator(orders[0].kind, orders[0].settings).starts_moving:
             return 0.0
         join_time = round(self._path_time() + REPLACE_LEAD, 9)  # as messages hold it
         return join_time if join_time < running[0].trajectory.duration else 0.0

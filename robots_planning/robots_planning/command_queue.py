@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from robots_planning.motion_kinds import MotionKind
 from robots_planning.motion_settings import MotionSettings
-from robots_planning.pathplanning import Target
 from robots_planning.trajectory import Trajectory
+from robots_planning.trajectory_generators.base import Target
 
 LONGEST_CHAIN = 32  # motions that run through in one; the last of so many stops
 

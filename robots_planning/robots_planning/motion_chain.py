@@ -8,28 +8,22 @@ from functools import partial
 
 import numpy as np
 
-from robots_core.errors import InvalidInputError, PlanningError, RobotsError
+from robots_core.errors import PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.command_queue import QueuedCommand
+from robots_planning.motion_kinds import LINE
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base
 from robots_planning.paths.blending import Measure, blend_with_corners, joint_distance
-from robots_planning.paths.cartesian_line import CartesianLine
 from robots_planning.paths.joint_path import JointPath
+from robots_planning.planner_choice import planner_for
 from robots_planning.timing.chain_limits import SectionLimits, chain_limits
 from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
-from robots_planning.trajectory_generators.joint_space import SHORTEST_MOVE, JointSpaceGenerator
-from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming import (
-    LinearCartesianDynamicProgramming,
-)
-from robots_planning.trajectory_generators.linear_cartesian_limited import LinearCartesianLimited
-from robots_planning.trajectory_generators.poses_generator import PosesGenerator
 
-LINES = (LinearCartesianLimited, LinearCartesianDynamicProgramming)
 PASSING_STEP = 1e-3  # s, between the places that are compared to find when a target is passed
 
 
@@ -80,7 +74,7 @@ class MotionChain:
         return motion, (*ends, trajectory.duration)
 
     def _paths(self, orders: tuple[QueuedCommand, ...], q_start: Array) -> list[JointPath]:
-        """The path of every motion alone; none at all if one of them stands still on its way."""
+        """The path of every motion alone; none at all if one of them has none to run through."""
         paths: list[JointPath] = []
         for order in self._limited(orders):
             path = self._path(order, paths[-1].q[-1] if paths else q_start)
@@ -120,23 +114,10 @@ class MotionChain:
         ]
 
     def _path(self, order: QueuedCommand, q_start: Array) -> JointPath | None:
-        """The path that a motion alone would take; None if it stands still on the way."""
-        settings = order.settings
+        """The path that a motion alone would take; None if it cannot run through."""
         start = self._robot.axes_data.check_position(q_start, 'q_start')
-        generator = self._planning.generator(order.kind, settings)
-        goal = in_base(order.kind, order.target, settings)
-        if isinstance(generator, JointSpaceGenerator) and not isinstance(goal, tuple):
-            end = generator.goal(start, goal)
-            if float(np.abs(end - start).max()) < SHORTEST_MOVE:
-                raise PlanningError(f'motion {order.id} goes nowhere, so nothing runs through it')
-            way, still = np.array([end - start] * 2), np.zeros((2, len(start)))
-            return JointPath(np.array([0.0, 1.0]), np.array([start, end]), way, still)
-        if isinstance(generator, PosesGenerator) and isinstance(goal, tuple):
-            return generator.follow(generator.path(generator.path_kinematics.pose(start), goal), start)
-        if isinstance(generator, LINES) and isinstance(goal, Pose):
-            # As the motion alone computes it: rounding may decide between postures.
-            return generator.follow(CartesianLine(generator.path_kinematics.pose(start), goal), start)
-        raise InvalidInputError(f'{order.kind.title} has no path that could run through')
+        goal = in_base(order.kind, order.target, order.settings)
+        return self._planning.generator(order.kind, order.settings).joint_path(start, goal)
 
     def _zone(self, settings: MotionSettings, order: QueuedCommand) -> tuple[float, Measure]:
         """Size of the zone behind a motion, and the distance that it is a size of."""
@@ -153,7 +134,7 @@ class MotionChain:
     def _timing(self, orders: tuple[QueuedCommand, ...]) -> TimeOptimalTiming:
         axes, inside = self._robot.axes_data, 1.0 - LIMIT_MARGIN
         effort = jerk = None
-        if orders[-1].settings.cartesian_planner == 'dynamic_programming':
+        if planner_for(LINE, orders[-1].settings).keeps_torque:
             effort = axes.effort * inside
         if _jerk_limited(orders):
             jerk = axes.jerk * inside * min(order.settings.acceleration_fraction for order in orders)

@@ -14,11 +14,11 @@ from robots_core.orientation import rotation_from_quaternion
 from robots_core.pose import Pose
 from robots_core.robot_model.analytic.configuration import Configuration
 from robots_core.validation import finite_vector, positive
+from robots_planning.planner_choice import check_planner
 from robots_planning.trajectory_generators.base import usable_fraction
 
 IDENTITY: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-JOINT_PLANNERS: Final = ('linear_joint', 'linear_joint_axes')
-CARTESIAN_PLANNERS: Final = ('limited', 'dynamic_programming')
+DEFAULT_PLANNERS: Final = {'joint_planner': 'linear_joint', 'cartesian_planner': 'limited'}
 NORM_TOLERANCE = 1e-6  # of a quaternion; single precision is meant as one
 
 
@@ -35,9 +35,9 @@ class MotionSettings:
         rotation_acceleration: Highest angular acceleration of the tool, rad/s^2.
         jerk_limited: Keep the axes' jerk limits on Cartesian motions and in blended chains too.
         joint_planner: Planner of joint motions: 'linear_joint' (all axes start and stop together) or
-            'linear_joint_axes' (every axis as fast as it can).
-        cartesian_planner: Planner of Cartesian motions: 'limited' (two-pass, fast) or 'dynamic_programming'
-            (time-optimal, torque limits too).
+            'linear_joint_axes' (every axis as fast as it can), or another that is installed.
+        cartesian_planner: Planner of Cartesian motions: 'limited' (two-pass, fast), 'dynamic_programming'
+            (time-optimal, torque limits too), or another that is installed.
         configuration: Posture that joint motions to a pose end in, as 'front/up/no_flip'; '' for the nearest.
         tool: Tool centre point in tool0: x, y, z (m) and quaternion x, y, z, w.
         base: Frame of all poses in the robot's base: the same seven numbers.
@@ -57,8 +57,8 @@ class MotionSettings:
     rotation_speed: float = 1.5
     rotation_acceleration: float = 6.0
     jerk_limited: bool = False
-    joint_planner: str = 'linear_joint'
-    cartesian_planner: str = 'limited'
+    joint_planner: str = DEFAULT_PLANNERS['joint_planner']
+    cartesian_planner: str = DEFAULT_PLANNERS['cartesian_planner']
     configuration: str = ''
     tool: tuple[float, ...] = IDENTITY
     base: tuple[float, ...] = IDENTITY
@@ -78,6 +78,11 @@ class MotionSettings:
     def tool_pose(self) -> Pose:
         """The tool centre point in tool0."""
         return frame(self.tool, 'tool')
+
+    @property
+    def tool_offset(self) -> Pose | None:
+        """The same; None where it is tool0 itself."""
+        return None if self.tool == IDENTITY else self.tool_pose
 
     def in_base(self, pose: Pose) -> Pose:
         """A pose in the commanded frame, in the robot's base."""
@@ -119,16 +124,10 @@ def _flag(value: object, name: str) -> None:
         raise InvalidInputError(f'{name} = {value!r} must be true or false')
 
 
-def _joint_planner(value: str, name: str) -> None:
-    if value not in JOINT_PLANNERS:
-        raise InvalidInputError(f'unknown {name} {value!r}; joint planners are {", ".join(JOINT_PLANNERS)}')
-
-
-def _cartesian_planner(value: str, name: str) -> None:
-    if value not in CARTESIAN_PLANNERS:
-        raise InvalidInputError(
-            f'unknown {name} {value!r}; Cartesian planners are {", ".join(CARTESIAN_PLANNERS)}'
-        )
+def _planner(value: object, name: str) -> None:
+    # The defaults are valid, and importing planners takes half a second, which readers of settings need not.
+    if value != DEFAULT_PLANNERS[name]:
+        check_planner(str(value), name)
 
 
 CHECKS: Final[dict[str, Callable[[Any, str], object]]] = {
@@ -139,8 +138,8 @@ CHECKS: Final[dict[str, Callable[[Any, str], object]]] = {
     'rotation_speed': positive,
     'rotation_acceleration': positive,
     'jerk_limited': _flag,
-    'joint_planner': _joint_planner,
-    'cartesian_planner': _cartesian_planner,
+    'joint_planner': _planner,
+    'cartesian_planner': _planner,
     'configuration': known_configuration,
     'tool': frame,
     'base': frame,
@@ -157,8 +156,8 @@ DESCRIPTIONS: Final = {
     'rotation_speed': 'highest angular speed of the tool, rad/s',
     'rotation_acceleration': 'highest angular acceleration of the tool, rad/s^2',
     'jerk_limited': 'keep jerk limits on Cartesian motions and in blended chains too',
-    'joint_planner': f'planner of joint motions: {" or ".join(JOINT_PLANNERS)}',
-    'cartesian_planner': f'planner of Cartesian motions: {" or ".join(CARTESIAN_PLANNERS)}',
+    'joint_planner': 'planner of joint motions: the name of an installed one',
+    'cartesian_planner': 'planner of Cartesian motions: the name of an installed one',
     'configuration': "posture for a pose, as 'front/up/no_flip'; '' for the nearest",
     'tool': 'tool centre point in tool0: x y z (m), quaternion x y z w',
     'base': "frame of poses in the robot's base: x y z (m), quaternion x y z w",

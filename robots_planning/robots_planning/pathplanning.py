@@ -1,11 +1,10 @@
-"""PathPlanning: switches between the trajectory generators by the kind of motion."""
+"""PathPlanning: switches between the planners by the kind of motion."""
 
 from __future__ import annotations
 
 import contextlib
 from collections import OrderedDict
-from dataclasses import dataclass
-from typing import Any, Final, cast
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,32 +15,14 @@ from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE, MotionKind
-from robots_planning.motion_settings import IDENTITY, MotionSettings, known_configuration
-from robots_planning.paths.path_deviation import SampledPath
+from robots_planning.motion_settings import MotionSettings
+from robots_planning.planner_choice import planner_for
 from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators.cartesian_generator import Planner
-from robots_planning.trajectory_generators.circular_cartesian import CircularCartesian
-from robots_planning.trajectory_generators.joint_space import JointSpaceGenerator
-from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming import (
-    LinearCartesianDynamicProgramming,
-)
-from robots_planning.trajectory_generators.linear_cartesian_limited import LinearCartesianLimited
-from robots_planning.trajectory_generators.linear_joint import LinearJoint
-from robots_planning.trajectory_generators.linear_joint_axes import LinearJointAxes
-from robots_planning.trajectory_generators.poses_generator import PosesGenerator
-from robots_planning.trajectory_generators.spline_cartesian import SplineCartesian
+from robots_planning.trajectory_generators.base import Target, ToolGeometry, TrajectoryGenerator
 from robots_planning.verification import VerificationReport, verify
 
 WARM_UP_STEP = 0.01  # rad, m
 MOST_GENERATORS = 16  # kept for the settings that were used last
-JOINT_GENERATORS: Final[dict[str, type[JointSpaceGenerator]]] = {
-    'linear_joint': LinearJoint,
-    'linear_joint_axes': LinearJointAxes,
-}
-CURVES: Final[dict[str, type[PosesGenerator]]] = {'circle': CircularCartesian, 'spline': SplineCartesian}
-
-Target = Pose | ArrayLike | tuple[Pose, ...]
-Generator = JointSpaceGenerator | LinearCartesianLimited | LinearCartesianDynamicProgramming | PosesGenerator
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +72,7 @@ class PathPlanning:
         collision_margin: float = 0.0,
     ) -> None:
         self.robot = robot
-        self._generators: OrderedDict[object, Generator] = OrderedDict()
+        self._generators: OrderedDict[object, TrajectoryGenerator] = OrderedDict()
         self.collision = collision
         self.collision_margin = checked_margin(collision_margin)
 
@@ -121,15 +102,11 @@ class PathPlanning:
         """
         settings = settings or MotionSettings()
         trajectory = self.trajectory(kind, q_start, target, settings)
-        line, path = None, None
+        geometry: ToolGeometry = {}
         if kind.cartesian:
-            generator, goal = self.generator(kind, settings), in_base(kind, target, settings)
             start = Pose(*self.robot.direct_kinematics(trajectory.position[0])) @ settings.tool_pose
-            if isinstance(goal, Pose):
-                line = (start, goal)
-            elif isinstance(generator, PosesGenerator) and isinstance(goal, tuple):
-                path = generator.path(start, goal)
-        return self.checked(trajectory, kind, settings, line=line, path=path)
+            geometry = self.generator(kind, settings).geometry(start, in_base(kind, target, settings))
+        return self.checked(trajectory, kind, settings, geometry=geometry)
 
     def trajectory(
         self,
@@ -143,12 +120,7 @@ class PathPlanning:
         Raises:
             RobotsError: as `plan`.
         """
-        generator = self.generator(kind, settings)
-        goal = in_base(kind, target, settings)
-        if isinstance(generator, PosesGenerator):
-            return generator.generate(q_start, goal if isinstance(goal, tuple) else ())
-        assert not isinstance(goal, tuple)
-        return generator.generate(q_start, goal)
+        return self.generator(kind, settings).generate(q_start, in_base(kind, target, settings))
 
     def plan_moving(
         self,
@@ -168,13 +140,9 @@ class PathPlanning:
         Raises:
             RobotsError: as `plan`.
         """
-        generator = self.generator(kind, settings)
         goal = in_base(kind, target, settings)
-        if not isinstance(generator, JointSpaceGenerator) or isinstance(goal, tuple):
-            raise InvalidInputError(f'{kind.title} cannot start from a robot that moves')
-        q, q_dot, q_ddot = motion
-        trajectory = generator.generate(q, goal, q_dot_start=q_dot, q_ddot_start=q_ddot)
-        return self.checked(trajectory, kind, settings, start_motion=(q_dot, q_ddot))
+        trajectory = self.generator(kind, settings).generate_moving(motion, goal)
+        return self.checked(trajectory, kind, settings, start_motion=motion[1:])
 
     def checked(
         self,
@@ -182,8 +150,7 @@ class PathPlanning:
         kind: MotionKind | None = None,
         settings: MotionSettings | None = None,
         *,
-        line: tuple[Pose, Pose] | None = None,
-        path: SampledPath | None = None,
+        geometry: ToolGeometry | None = None,
         start_motion: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> PlannedMotion:
         """A trajectory that has passed verification and the check for collisions; arguments as for `verify`.
@@ -192,14 +159,12 @@ class PathPlanning:
             PlanningError: it breaks a limit.
             CollisionError: it collides, or comes closer to something than the margin.
         """
-        # The other generators do not plan with torque limits, and say so.
         settings = settings or MotionSettings()
-        torque = settings.cartesian_planner == 'dynamic_programming' and kind is not None and kind.cartesian
+        torque = kind is not None and self.generator(kind, settings).keeps_torque
         report = verify(
             trajectory,
             self.robot,
-            line=line,
-            path=path,
+            **(geometry or {}),
             tool=settings.tool_pose,
             torque=torque,
             start_motion=start_motion,
@@ -233,8 +198,8 @@ class PathPlanning:
             with contextlib.suppress(RobotsError):
                 self.plan(kind, home, target)
 
-    def generator(self, kind: MotionKind, settings: MotionSettings) -> Generator:
-        """The trajectory generator for a kind of motion; made once for the same settings.
+    def generator(self, kind: MotionKind, settings: MotionSettings) -> TrajectoryGenerator:
+        """The planner of a kind of motion; made once for the same settings.
 
         Raises:
             InvalidInputError: settings that the robot or the planner cannot keep.
@@ -247,37 +212,11 @@ class PathPlanning:
         self._generators.move_to_end(key)
         return self._generators[key]
 
-    def _make(self, kind: MotionKind, settings: MotionSettings) -> Generator:
-        tool = None if settings.tool == IDENTITY else settings.tool_pose
-        if not kind.cartesian:
-            wanted = settings.configuration if kind is JOINT_TO_POSE else ''
-            return JOINT_GENERATORS[settings.joint_planner](
-                self.robot,
-                speed_fraction=settings.speed_fraction,
-                acceleration_fraction=settings.acceleration_fraction,
-                tool=tool,
-                configuration=known_configuration(wanted),
-            )
-        options: dict[str, Any] = {
-            name: getattr(settings, name)
-            for name in (
-                'speed_fraction',
-                'acceleration_fraction',
-                'cartesian_speed',
-                'cartesian_acceleration',
-                'rotation_speed',
-                'rotation_acceleration',
-                'jerk_limited',
-            )
-        }
-        options['tool'] = tool
-        if kind.planner:
-            return CURVES[kind.name](
-                self.robot, **options, planner=cast('Planner', settings.cartesian_planner)
-            )
-        if settings.cartesian_planner == 'dynamic_programming':
-            return LinearCartesianDynamicProgramming(self.robot, **options)
-        return LinearCartesianLimited(self.robot, **options)
+    def _make(self, kind: MotionKind, settings: MotionSettings) -> TrajectoryGenerator:
+        planner = planner_for(kind, settings)
+        if kind.target == 'joints':  # which need no configuration, and every robot has them
+            settings = replace(settings, configuration='')
+        return planner.from_settings(self.robot, settings)
 
 
 def in_base(kind: MotionKind, target: Target, settings: MotionSettings) -> Target:

@@ -15,8 +15,8 @@ from robots_planning import MotionSettings, PathPlanning, verify
 from robots_planning.command_queue import QueuedCommand
 from robots_planning.motion_chain import MotionChain
 from robots_planning.motion_kinds import CIRCLE, JOINT, LINE, MotionKind
-from robots_planning.pathplanning import Target
 from robots_planning.paths.circular_arc import CircularArc
+from robots_planning.trajectory_generators.base import Target
 from robots_planning.verification import LINE_TOLERANCE
 
 ROBOTS = ('kuka_kr210_r2700', 'staubli_tx2_90', 'bello_bot')

@@ -13,7 +13,7 @@ from robots_planning import MotionSettings, PathPlanning
 from robots_planning.command_planner import REPLACE_LEAD, CommandPlanner, PlannedCommands
 from robots_planning.command_queue import CommandQueue, QueuedCommand
 from robots_planning.motion_kinds import JOINT, LINE, MotionKind
-from robots_planning.pathplanning import Target
+from robots_planning.trajectory_generators.base import Target
 
 
 @pytest.fixture(scope='module')

@@ -22,8 +22,9 @@ from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.motion_planner import MotionPlanner
 from robots_planning.motion_settings import CHECKS, MotionSettings
-from robots_planning.pathplanning import PathPlanning, PlannedMotion, Target
+from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory
+from robots_planning.trajectory_generators.base import Target
 
 Mail = deque[Callable[[], None]]
 """What was sent and is not delivered yet, in the order in which it was sent."""

@@ -44,7 +44,8 @@ from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory,
 from robots_planning.nodes.jogging import Jogging
 from robots_planning.nodes.settings_publisher import SettingsPublisher
 from robots_planning.nodes.trajectory_messages import BASE_FRAME, trajectory_message
-from robots_planning.pathplanning import PathPlanning, PlannedMotion, Target
+from robots_planning.pathplanning import PathPlanning, PlannedMotion
+from robots_planning.trajectory_generators.base import Target
 
 LOOK_PERIOD = 0.1  # s between looks for a first reference
 COLLISION_MARGIN = 0.005  # m

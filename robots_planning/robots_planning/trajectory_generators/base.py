@@ -1,10 +1,11 @@
-"""TrajectoryGenerator: what all path-planning blocks have in common."""
+"""TrajectoryGenerator: what all planners have in common, those of third parties too."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from functools import cached_property
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypedDict, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,32 +15,59 @@ from robots_core.errors import InvalidInputError, PlanningError, UnreachablePose
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, positive
+from robots_planning.paths.joint_path import JointPath
+from robots_planning.paths.path_deviation import SampledPath
 from robots_planning.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from robots_planning.motion_settings import MotionSettings
 
 # Plans stay this much inside the limits, so that rounding and resampling find them inside too.
 LIMIT_MARGIN = 1e-4
 REST_DURATION = 0.01  # s, of a move without length
 END_TOLERANCE = 1e-9  # rad (m); inverse kinematics converges to 1e-10
+Target = Pose | Sequence[Pose] | ArrayLike
+"""Pose or poses of the tool, or joint positions (n,)."""
+
+
+class ToolGeometry(TypedDict, total=False):
+    """What verification compares the tool's path with: arguments of `verify`."""
+
+    line: tuple[Pose, Pose]
+    path: SampledPath
 
 
 class TrajectoryGenerator(ABC):
-    """One kind of motion: validate the command, plan it, check the plan.
+    """A planner: validate the command, plan it, check the plan.
 
     Args:
         robot: The robot.
         speed_fraction: Part of the axes' velocity limits to use, in (0, 1].
         acceleration_fraction: Part of the axes' acceleration and jerk limits to use, in (0, 1].
+        tool: Pose of the tool centre point in tool0, which target poses are meant for; tool0 by default.
 
     Raises:
         InvalidInputError: a fraction outside (0, 1].
     """
 
+    kinds: ClassVar[tuple[str, ...]] = ()
+    """Names of the kinds of motion that it plans, see `MOTION_KINDS`."""
     accepts_joints: ClassVar[bool] = True
+    starts_moving: ClassVar[bool] = False
+    """It has `generate_moving`."""
+    keeps_torque: bool = False
+    """Its plans keep the axes' torque limits; verification then checks them."""
 
     def __init__(
-        self, robot: BaseRobotModel, *, speed_fraction: float = 1.0, acceleration_fraction: float = 1.0
+        self,
+        robot: BaseRobotModel,
+        *,
+        speed_fraction: float = 1.0,
+        acceleration_fraction: float = 1.0,
+        tool: Pose | None = None,
     ) -> None:
         self.robot = robot
+        self.tool = tool
         self.speed_fraction = usable_fraction(speed_fraction, 'speed_fraction')
         self.acceleration_fraction = usable_fraction(acceleration_fraction, 'acceleration_fraction')
         axes = robot.axes_data
@@ -47,17 +75,37 @@ class TrajectoryGenerator(ABC):
         self.acceleration = axes.acceleration * self.acceleration_fraction * (1.0 - LIMIT_MARGIN)
         self.jerk = axes.jerk * self.acceleration_fraction * (1.0 - LIMIT_MARGIN)
 
+    @classmethod
+    def from_settings(cls, robot: BaseRobotModel, settings: MotionSettings, **options: Any) -> Self:
+        """The planner for modal settings.
+
+        Args:
+            robot: The robot.
+            settings: What holds for the motion.
+            options: Further arguments of the class.
+
+        Raises:
+            InvalidInputError: settings that the robot or the planner cannot keep.
+        """
+        return cls(
+            robot,
+            speed_fraction=settings.speed_fraction,
+            acceleration_fraction=settings.acceleration_fraction,
+            tool=settings.tool_offset,
+            **options,
+        )
+
     @cached_property
     def inverse_kinematics(self) -> DampedLeastSquares:
-        """Made when it is first needed."""
-        return DampedLeastSquares(self.robot)
+        """Of the tool centre point; made when it is first needed."""
+        return DampedLeastSquares(self.robot, tool=self.tool)
 
-    def generate(self, q_start: ArrayLike, target: Pose | ArrayLike) -> Trajectory:
+    def generate(self, q_start: ArrayLike, target: Target) -> Trajectory:
         """Plan a motion from rest to rest.
 
         Args:
             q_start: Joint positions to start from, (n,), rad (m).
-            target: Pose of tool0 in the base frame, or joint positions (n,), rad (m).
+            target: Pose of the tool in the base frame, or joint positions (n,), rad (m).
 
         Raises:
             JointLimitError: start or target outside the axis limits.
@@ -67,9 +115,10 @@ class TrajectoryGenerator(ABC):
         """
         start = self.robot.axes_data.check_position(q_start, 'q_start')
         if isinstance(target, Pose):
-            trajectory = self._plan_to_pose(start, target)
+            trajectory = self.plan_to_pose(start, target)
         elif self.accepts_joints:
-            trajectory = self._plan_to_joints(start, self.robot.axes_data.check_position(target, 'target'))
+            goal = self.robot.axes_data.check_position(cast('ArrayLike', target), 'target')
+            trajectory = self.plan_to_joints(start, goal)
         else:
             raise InvalidInputError(
                 f'{type(self).__name__} needs a Pose as target, got {type(target).__name__}; '
@@ -79,12 +128,43 @@ class TrajectoryGenerator(ABC):
         return trajectory
 
     @abstractmethod
-    def _plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
-        """Plan to a pose; the start is valid."""
+    def plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
+        """Plan to a pose of the tool; the start is valid."""
 
-    def _plan_to_joints(self, start: Array, target: Array) -> Trajectory:
-        """Plan to joint positions; both ends are valid. Only for generators that accept joints."""
+    def plan_to_joints(self, start: Array, target: Array) -> Trajectory:
+        """Plan to joint positions; both ends are valid. Only for planners that accept joints."""
         raise NotImplementedError(type(self).__name__)
+
+    def generate_moving(
+        self,
+        motion: tuple[ArrayLike, ArrayLike, ArrayLike],  # noqa: ARG002  # a hook
+        target: Target,  # noqa: ARG002
+    ) -> Trajectory:
+        """Plan a motion from a robot that moves, to rest.
+
+        Args:
+            motion: Joint positions, velocities and accelerations to start from, (n,) each.
+            target: As for `generate`.
+
+        Raises:
+            InvalidInputError: the planner starts from rest only; or as `generate`.
+        """
+        raise InvalidInputError(f'{type(self).__name__} cannot start from a robot that moves')
+
+    def joint_path(self, start: Array, target: Target) -> JointPath | None:  # noqa: ARG002  # a hook
+        """The path of the axes that a motion alone would take, so that it can run through to the next.
+
+        Returns:
+            The path; None if there is none or the axes stand still on it: then the robot stops at the end.
+
+        Raises:
+            PlanningError: the motion goes nowhere, or as `generate`.
+        """
+        return None
+
+    def geometry(self, start: Pose, target: Target) -> ToolGeometry:  # noqa: ARG002  # a hook
+        """What verification compares the way of the tool from pose `start` with; nothing by default."""
+        return {}
 
     def _check(self, trajectory: Trajectory, start: Array) -> None:
         """A plan begins at the commanded start, and both its ends rest."""

@@ -78,6 +78,7 @@ class CartesianGenerator(PathGenerator):
                 f"cartesian_jerk = {cartesian_jerk!r} needs planner 'limited'; 'dynamic_programming' keeps "
                 'no jerk limits but those of the axes'
             )
+        self.keeps_torque = planner == 'dynamic_programming'
         jerk = self.jerk if jerk_limited else None
         if planner == 'limited':
             self.timing = TwoPassTiming(self.velocity, self.acceleration, jerk, limits, smoothing=smoothing)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
@@ -23,6 +23,8 @@ class CircularCartesian(PosesGenerator):
     Raises:
         InvalidInputError: an unknown orientation when planning, or a bad option.
     """
+
+    kinds: ClassVar[tuple[str, ...]] = ('circle',)
 
     def __init__(
         self, robot: BaseRobotModel, *, orientation: Orientation = 'interpolated', **options: Any

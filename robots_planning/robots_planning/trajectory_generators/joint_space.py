@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from functools import cached_property
+from typing import Any, ClassVar, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 from ruckig import Synchronization
 
 from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKinematic
+from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
 from robots_core.errors import (
     InvalidInputError,
     NoAnalyticInverseKinematicsError,
@@ -20,10 +22,17 @@ from robots_core.pose import Pose
 from robots_core.robot_model.analytic.configuration import Configuration
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector
+from robots_planning.motion_settings import MotionSettings, known_configuration
+from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.moving_profile import MovingProfile
 from robots_planning.timing.rest_profile import NANOSECOND, inside
 from robots_planning.trajectory import Trajectory, one_after_another
-from robots_planning.trajectory_generators.base import LIMIT_MARGIN, TrajectoryGenerator, rest_trajectory
+from robots_planning.trajectory_generators.base import (
+    LIMIT_MARGIN,
+    Target,
+    TrajectoryGenerator,
+    rest_trajectory,
+)
 from robots_planning.trajectory_generators.braking import check_start_motion
 
 SHORTEST_MOVE = 1e-9  # rad (m) of the axis that moves most; less is rounding of a target
@@ -48,13 +57,15 @@ class JointSpaceGenerator(TrajectoryGenerator):
         robot: The robot.
         speed_fraction: Part of the axes' velocity limits to use, in (0, 1].
         acceleration_fraction: Part of the axes' acceleration and jerk limits to use, in (0, 1].
-        tool: Pose of the tool centre point in tool0, which a target pose is meant for; tool0 by default.
+        tool: Pose of the tool centre point in tool0, which target poses are meant for; tool0 by default.
         configuration: Which of the postures for a pose; the nearest by default.
 
     Raises:
         InvalidInputError: a fraction outside (0, 1], or a configuration of a robot without a closed form.
     """
 
+    kinds: ClassVar[tuple[str, ...]] = ('joint', 'joint_to_pose')
+    starts_moving: ClassVar[bool] = True
     synchronization: Synchronization
 
     def __init__(
@@ -66,8 +77,9 @@ class JointSpaceGenerator(TrajectoryGenerator):
         tool: Pose | None = None,
         configuration: Configuration | None = None,
     ) -> None:
-        super().__init__(robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction)
-        self.tool = Pose.identity() if tool is None else tool
+        super().__init__(
+            robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction, tool=tool
+        )
         self.configuration = configuration
         if configuration is not None and self._closed_form is None:
             raise InvalidInputError(
@@ -83,10 +95,16 @@ class JointSpaceGenerator(TrajectoryGenerator):
         self.shortest = int(np.ceil(shortest / NANOSECOND / 1000.0)) * 1000
         """Length of the shortest piece of constant jerk, ns."""
 
+    @classmethod
+    def from_settings(cls, robot: BaseRobotModel, settings: MotionSettings, **options: Any) -> Self:
+        """See `TrajectoryGenerator.from_settings`."""
+        configuration = known_configuration(settings.configuration)
+        return super().from_settings(robot, settings, configuration=configuration, **options)
+
     def generate(
         self,
         q_start: ArrayLike,
-        target: Pose | ArrayLike,
+        target: Target,
         *,
         q_dot_start: ArrayLike | None = None,
         q_ddot_start: ArrayLike | None = None,
@@ -117,16 +135,32 @@ class JointSpaceGenerator(TrajectoryGenerator):
             if q_dot.any() or q_ddot.any():
                 check_start_motion(axes, start, q_dot, q_ddot)
                 return self._from_motion(np.array([start, q_dot, q_ddot]), goal)
-        return self._plan_to_joints(start, goal)
+        return self.plan_to_joints(start, goal)
 
-    def goal(self, start: Array, target: Pose | ArrayLike) -> Array:
+    def generate_moving(self, motion: tuple[ArrayLike, ArrayLike, ArrayLike], target: Target) -> Trajectory:
+        """See `TrajectoryGenerator.generate_moving`."""
+        q, q_dot, q_ddot = motion
+        return self.generate(q, target, q_dot_start=q_dot, q_ddot_start=q_ddot)
+
+    def joint_path(self, start: Array, target: Target) -> JointPath:
+        """See `TrajectoryGenerator.joint_path`."""
+        end = self.goal(start, target)
+        if float(np.abs(end - start).max()) < SHORTEST_MOVE:
+            raise PlanningError('a motion that goes nowhere has no path to run through')
+        way, still = np.array([end - start] * 2), np.zeros((2, len(start)))
+        return JointPath(np.array([0.0, 1.0]), np.array([start, end]), way, still)
+
+    def goal(self, start: Array, target: Target) -> Array:
         """Joint positions (n,) that a target is reached in from `start`, which is inside the limits.
 
         Raises:
             JointLimitError: the target is outside the axis limits.
             UnreachablePoseError: no joint positions inside the limits reach the pose.
         """
-        goal = self._posture(target, start) if isinstance(target, Pose) else self._inside(target, 'target')
+        if isinstance(target, Pose):
+            goal = self._posture(target, start)
+        else:
+            goal = self._inside(cast('ArrayLike', target), 'target')
         if self._continuous is not None:
             way = np.remainder(goal - start + np.pi, TURN) - np.pi
             goal = np.where(self._continuous, start + way, goal)
@@ -163,14 +197,16 @@ class JointSpaceGenerator(TrajectoryGenerator):
             first = Trajectory(*points)
             if by_way_of is goal:
                 return first
-            return one_after_another([first, self._plan_to_joints(by_way_of, goal)])
+            return one_after_another([first, self.plan_to_joints(by_way_of, goal)])
         assert error is not None
         raise error
 
-    def _plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
-        return self._plan_to_joints(start, self._posture(target, start))
+    def plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
+        """See `TrajectoryGenerator.plan_to_pose`."""
+        return self.plan_to_joints(start, self._posture(target, start))
 
-    def _plan_to_joints(self, start: Array, target: Array) -> Trajectory:
+    def plan_to_joints(self, start: Array, target: Array) -> Trajectory:
+        """See `TrajectoryGenerator.plan_to_joints`."""
         if max(map(abs, (target - start).tolist())) < SHORTEST_MOVE:
             return rest_trajectory(start, target)
         # Compiled code is made for one kind of array; for read-only ones it would be compiled anew.
@@ -195,7 +231,8 @@ class JointSpaceGenerator(TrajectoryGenerator):
 
     def _posture(self, pose: Pose, start: Array) -> Array:
         """Joint positions (n,) for a pose of the tool."""
-        pose = pose @ self.tool.inverse()
+        if self.tool is not None:
+            pose = pose @ self.tool.inverse()
         if self._closed_form is not None:
             try:
                 return self._closed_form.solve(pose, start, configuration=self.configuration)
@@ -204,6 +241,11 @@ class JointSpaceGenerator(TrajectoryGenerator):
                     raise
         # Says how far off the closest posture is.
         return self.reach(pose, start)
+
+    @cached_property
+    def inverse_kinematics(self) -> DampedLeastSquares:
+        """Of tool0; made when it is first needed."""
+        return DampedLeastSquares(self.robot)
 
     @cached_property
     def _closed_form(self) -> AnalyticalInverseKinematic | None:

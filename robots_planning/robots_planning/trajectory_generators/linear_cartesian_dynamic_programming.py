@@ -6,17 +6,14 @@ import numpy as np
 
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array, positive
+from robots_core.validation import positive
 from robots_planning.path_kinematics.configuration_graph import PostureGraph
-from robots_planning.paths.cartesian_line import CartesianLine
-from robots_planning.paths.cartesian_path import COINCIDENT_ANGLE, COINCIDENT_DISTANCE
 from robots_planning.timing.dynamic_programming_timing import DynamicProgrammingTiming
-from robots_planning.trajectory import Trajectory
-from robots_planning.trajectory_generators.base import LIMIT_MARGIN, rest_trajectory
-from robots_planning.trajectory_generators.path_generator import PathGenerator
+from robots_planning.trajectory_generators.base import LIMIT_MARGIN
+from robots_planning.trajectory_generators.line_generator import LineGenerator
 
 
-class LinearCartesianDynamicProgramming(PathGenerator):
+class LinearCartesianDynamicProgramming(LineGenerator):
     """The tool moves on a straight line and turns about one axis, in the shortest time.
 
     Velocity, acceleration and torque limits of the axes hold everywhere. The speed along the line is found by
@@ -41,6 +38,8 @@ class LinearCartesianDynamicProgramming(PathGenerator):
         InvalidInputError: a fraction outside (0, 1], or another option that is not above 0.
     """
 
+    keeps_torque = True
+
     def __init__(
         self,
         robot: BaseRobotModel,
@@ -58,6 +57,7 @@ class LinearCartesianDynamicProgramming(PathGenerator):
         super().__init__(
             robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction, tool=tool
         )
+        self.keeps_torque = torque
         self.postures = PostureGraph(robot, self.path_kinematics, tool)
         self.timing = DynamicProgrammingTiming(
             robot,
@@ -78,12 +78,6 @@ class LinearCartesianDynamicProgramming(PathGenerator):
             ),
             jerk=self.jerk if jerk_limited else None,
         )
-
-    def _plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
-        line = CartesianLine(self.path_kinematics.pose(start), target)
-        if line.length < COINCIDENT_DISTANCE and line.angle < COINCIDENT_ANGLE:
-            return rest_trajectory(start, start)
-        return self.plan_path(line, start)
 
 
 def _limit(value: float | None, name: str, unit: str) -> float:

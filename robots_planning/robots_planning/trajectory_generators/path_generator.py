@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import ClassVar
+from abc import abstractmethod
+from typing import Any, ClassVar, Final, Self
 
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_planning.motion_settings import MotionSettings
 from robots_planning.path_kinematics.configuration_graph import PostureGraph
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.path_kinematics.route import Route, RoutePiece
@@ -19,13 +19,22 @@ from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.path_timing import PathTiming, TooSlowError
 from robots_planning.trajectory import Trajectory, one_after_another
-from robots_planning.trajectory_generators.base import TrajectoryGenerator
+from robots_planning.trajectory_generators.base import Target, ToolGeometry, TrajectoryGenerator
+
+LIMITS: Final = (
+    'cartesian_speed',
+    'cartesian_acceleration',
+    'rotation_speed',
+    'rotation_acceleration',
+    'jerk_limited',
+)
+"""Settings of Cartesian motions, which are arguments of these planners."""
 
 
 class PathGenerator(TrajectoryGenerator):
     """The tool centre point follows a path of poses.
 
-    Children choose the timing, and whether postures are searched for or follow from the start alone.
+    Children choose the path, the timing, and whether postures are searched for or follow from the start.
 
     Args:
         robot: The robot.
@@ -44,14 +53,32 @@ class PathGenerator(TrajectoryGenerator):
     def __init__(
         self, robot: BaseRobotModel, *, speed_fraction: float, acceleration_fraction: float, tool: Pose | None
     ) -> None:
-        super().__init__(robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction)
-        self.tool = tool
+        super().__init__(
+            robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction, tool=tool
+        )
         self.path_kinematics = PathInverseKinematics(robot, tool)
 
-    @cached_property
-    def inverse_kinematics(self) -> DampedLeastSquares:
-        """Of the tool centre point; made when it is first needed."""
-        return DampedLeastSquares(self.robot, tool=self.tool)
+    @classmethod
+    def from_settings(cls, robot: BaseRobotModel, settings: MotionSettings, **options: Any) -> Self:
+        """See `TrajectoryGenerator.from_settings`."""
+        limits = {name: getattr(settings, name) for name in LIMITS}
+        return super().from_settings(robot, settings, **limits, **options)
+
+    @abstractmethod
+    def path(self, start: Pose, target: Any) -> CartesianPath:
+        """The path of the tool from pose `start` to a target.
+
+        Raises:
+            InvalidInputError: the target determines no path; says why.
+        """
+
+    def joint_path(self, start: Array, target: Target) -> JointPath | None:
+        """See `TrajectoryGenerator.joint_path`."""
+        return self.follow(self.path(self.path_kinematics.pose(start), target), start)
+
+    def geometry(self, start: Pose, target: Target) -> ToolGeometry:
+        """See `TrajectoryGenerator.geometry`."""
+        return {'path': self.path(start, target)}
 
     def plan_path(self, path: CartesianPath, start: Array) -> Trajectory:
         """The motion along a path that begins at joint positions `start`, (n,).

@@ -4,21 +4,30 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from typing import Any, Self
 
 from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
+from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_planning.motion_settings import MotionSettings
 from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.trajectory import Trajectory
+from robots_planning.trajectory_generators.base import Target
 from robots_planning.trajectory_generators.cartesian_generator import CartesianGenerator
 
 
 class PosesGenerator(CartesianGenerator):
     """The tool centre point follows a curve that several poses determine."""
 
-    def generate(self, q_start: ArrayLike, target: Pose | Sequence[Pose] | ArrayLike) -> Trajectory:
+    @classmethod
+    def from_settings(cls, robot: BaseRobotModel, settings: MotionSettings, **options: Any) -> Self:
+        """See `TrajectoryGenerator.from_settings`; the algorithm is that of `cartesian_planner`."""
+        return super().from_settings(robot, settings, planner=settings.cartesian_planner, **options)
+
+    def generate(self, q_start: ArrayLike, target: Target) -> Trajectory:
         """Plan a motion from rest to rest.
 
         Args:
@@ -50,7 +59,8 @@ class PosesGenerator(CartesianGenerator):
             InvalidInputError: they determine no path; says which and why.
         """
 
-    def _plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
+    def plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
+        """See `TrajectoryGenerator.plan_to_pose`."""
         return self._plan_through([target], start)
 
     def _plan_through(self, poses: Sequence[Pose], start: Array) -> Trajectory:

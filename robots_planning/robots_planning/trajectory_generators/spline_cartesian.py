@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 from robots_core.pose import Pose
 from robots_planning.paths.pose_spline import PoseSpline
@@ -14,6 +15,8 @@ class SplineCartesian(PosesGenerator):
 
     Options: see `CartesianGenerator`.
     """
+
+    kinds: ClassVar[tuple[str, ...]] = ('spline',)
 
     def path(self, start: Pose, poses: Sequence[Pose]) -> PoseSpline:
         """The spline from `start` through `poses`.

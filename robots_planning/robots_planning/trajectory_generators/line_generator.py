@@ -1,0 +1,35 @@
+"""LineGenerator: what motions on a straight line of the tool have in common."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from robots_core.pose import Pose
+from robots_core.validation import Array
+from robots_planning.paths.cartesian_line import CartesianLine
+from robots_planning.paths.cartesian_path import COINCIDENT_ANGLE, COINCIDENT_DISTANCE
+from robots_planning.trajectory import Trajectory
+from robots_planning.trajectory_generators.base import Target, ToolGeometry, rest_trajectory
+from robots_planning.trajectory_generators.path_generator import PathGenerator
+
+
+class LineGenerator(PathGenerator):
+    """The tool centre point moves on a straight line and turns about one axis."""
+
+    kinds: ClassVar[tuple[str, ...]] = ('line',)
+
+    def path(self, start: Pose, target: Pose) -> CartesianLine:
+        """The line between two poses."""
+        return CartesianLine(start, target)
+
+    def geometry(self, start: Pose, target: Target) -> ToolGeometry:
+        """See `TrajectoryGenerator.geometry`."""
+        assert isinstance(target, Pose)
+        return {'line': (start, target)}
+
+    def plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
+        """See `TrajectoryGenerator.plan_to_pose`."""
+        line = self.path(self.path_kinematics.pose(start), target)
+        if line.length < COINCIDENT_DISTANCE and line.angle < COINCIDENT_ANGLE:
+            return rest_trajectory(start, start)
+        return self.plan_path(line, start)
