@@ -8,6 +8,7 @@ from .robot_command_state import RobotCommandState as RobotCommandState
 from .teach_box import TeachBox as TeachBox
 from .teach_box import TeachStep as TeachStep
 from .trajectory import Trajectory as Trajectory
+from .trajectory_generators.base import TrajectoryGenerator as TrajectoryGenerator
 from .trajectory_generators.circular_cartesian import CircularCartesian as CircularCartesian
 from .trajectory_generators.linear_cartesian_dynamic_programming import (
     LinearCartesianDynamicProgramming as LinearCartesianDynamicProgramming,
