@@ -157,7 +157,7 @@ def test_random_chains(  # noqa: PLR0917  # hypothesis gives every drawn value a
 
     # Inside all limits, without a jump of acceleration, from and to rest.
     trajectory = blended.trajectory
-    with_torque = planner == 'dynamic_programming' and chain.orders[-1].state is LINE
+    with_torque = planner == 'dynamic_programming' and chain.orders[-1].kind.cartesian
     report = verify(trajectory, robot, torque=with_torque)
     assert report.ok, report.describe()
     if jerk_limited:
