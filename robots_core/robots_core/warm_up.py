@@ -13,7 +13,7 @@ from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene, SceneObject
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.following.axis_following import AxisFollowing
-from robots_core.blocks.inverse_kinematics.chain import SerialChain
+from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_choice import available_robot_models, load_robot_model
 from robots_core.robot_model.shapes import Sphere

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.chain import SerialChain
+from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_choice import available_robot_models, load_robot_model
 from robots_planning.path_kinematics.path_following_kernel import stand_still, stays_inside

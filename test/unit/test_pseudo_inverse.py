@@ -1,4 +1,4 @@
-"""The compiled pseudo-inverse next to NumPy's, in and around singular postures."""
+"""The compiled pseudo-inverse next to NumPy's, in and around singularities."""
 
 from collections.abc import Iterator
 
@@ -7,7 +7,7 @@ import pytest
 
 from robots_planning.path_kinematics.pseudo_inverse import (
     SINGULAR,
-    least_motion,
+    apply_pseudo_inverse,
     pseudo_inverse,
     scratch_for,
 )
@@ -17,7 +17,7 @@ SMALLEST = [1.0, 1e-3, 1e-6, 1e-8, 1e-11, 0.0]
 
 
 def jacobians(n: int, smallest: float) -> Iterator[tuple[np.ndarray, float]]:
-    """Random ones of n axes whose smallest singular value is given, and the smallest that counts."""
+    """Random Jacobians with a given smallest singular value, and the smallest one above `SINGULAR`."""
     rng, size = np.random.default_rng(n), min(6, n)
     for _ in range(20):
         values = rng.uniform(0.5, 2.0, size)
@@ -40,26 +40,26 @@ def test_is_the_pseudo_inverse(n: int, smallest: float) -> None:
 
 @pytest.mark.parametrize('n', AXES)
 @pytest.mark.parametrize('smallest', SMALLEST)
-def test_a_motion_is_that_of_the_pseudo_inverse(n: int, smallest: float) -> None:
+def test_applying_it_is_the_product_with_the_pseudo_inverse(n: int, smallest: float) -> None:
     x, y = np.random.default_rng(0).normal(size=6), np.empty(n)
     for J, kept in jacobians(n, smallest):
-        least_motion(J, x, y, scratch_for(n))
+        apply_pseudo_inverse(J, x, y, scratch_for(n))
         np.testing.assert_allclose(y, np.linalg.pinv(J, SINGULAR) @ x, atol=1e-12 / kept**2 + 1e-12)
 
 
 @pytest.mark.parametrize('n', AXES)
 @pytest.mark.parametrize('smallest', [1.0, 1e-3, 1e-6])
-def test_a_motion_that_is_possible_is_made_as_exactly_as_numbers_allow(n: int, smallest: float) -> None:
+def test_a_feasible_twist_is_reached_to_rounding(n: int, smallest: float) -> None:
     wanted, y = np.random.default_rng(0).normal(size=n), np.empty(n)
     for J, _ in jacobians(n, smallest):
-        least_motion(J, J @ wanted, y, scratch_for(n))
-        # Backward stable: what the joints make of the tool's motion does not feel the condition.
+        apply_pseudo_inverse(J, J @ wanted, y, scratch_for(n))
+        # Backward stable: the residual does not grow with the condition number.
         np.testing.assert_allclose(J @ y, J @ wanted, atol=1e-14 * (1.0 + np.abs(J).sum() * np.abs(y).max()))
 
 
-def test_a_robot_that_cannot_move_the_tool_gets_no_motion() -> None:
+def test_a_zero_jacobian_gives_zero() -> None:
     P, y = np.empty((6, 6)), np.empty(6)
     pseudo_inverse(np.zeros((6, 6)), P, scratch_for(6))
     assert not P.any()
-    least_motion(np.zeros((6, 6)), np.ones(6), y, scratch_for(6))
+    apply_pseudo_inverse(np.zeros((6, 6)), np.ones(6), y, scratch_for(6))
     assert not y.any()

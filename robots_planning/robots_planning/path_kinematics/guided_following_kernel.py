@@ -5,19 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.chain import ChainArrays
-from robots_core.blocks.inverse_kinematics.chain_derivative import jacobian_der
+from robots_core.blocks.inverse_kinematics.jacobian_derivative import jacobian_der
+from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
-from robots_planning.path_kinematics.configuration_kernel import (
-    LARGEST_KNOT_MOTION,
-    LOST_MOTION,
-    View,
-    aim_at,
-    correct,
-    look_from,
-    view_of,
-)
 from robots_planning.path_kinematics.path_following_kernel import (
     FOLLOWED,
     PATH_TOLERANCE,
@@ -31,6 +22,15 @@ from robots_planning.path_kinematics.path_following_kernel import (
     judge,
     next_break,
     next_step,
+)
+from robots_planning.path_kinematics.pose_residual_kernel import (
+    LARGEST_KNOT_MOTION,
+    LOST_MOTION,
+    View,
+    aim_at,
+    correct,
+    look_from,
+    view_of,
 )
 from robots_planning.path_kinematics.pseudo_inverse import multiply, multiply_transposed, pseudo_inverse
 from robots_planning.paths.cartesian_path_kernel import PathArrays

@@ -6,10 +6,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.inverse_kinematics.chain import ChainArrays
+from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
-from robots_planning.path_kinematics.configuration_kernel import (
+from robots_planning.path_kinematics.pose_residual_kernel import (
     LARGEST_KNOT_MOTION,
     View,
     aim_at,
@@ -18,7 +18,7 @@ from robots_planning.path_kinematics.configuration_kernel import (
     look_from,
     view_of,
 )
-from robots_planning.path_kinematics.pseudo_inverse import least_motion
+from robots_planning.path_kinematics.pseudo_inverse import apply_pseudo_inverse
 from robots_planning.paths.cartesian_path_kernel import PathArrays
 from robots_planning.timing.quintic import quintic_coefficients, quintics_at
 
@@ -194,7 +194,7 @@ def _deviation(chain: ChainArrays, q: Array, view: View) -> float:
     deviation = look_from(chain, q, view)
     if deviation > PATH_TOLERANCE:
         return deviation
-    least_motion(view.J, view.error, view.step, view.solver)
+    apply_pseudo_inverse(view.J, view.error, view.step, view.solver)
     for k in range(q.size):
         deviation = max(deviation, abs(view.step[k]) * PATH_TOLERANCE / JOINT_TOLERANCE)
     return deviation

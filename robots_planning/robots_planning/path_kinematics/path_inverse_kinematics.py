@@ -6,8 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.chain import SerialChain
 from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
+from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel

@@ -1,5 +1,5 @@
 # ruff: noqa: C901, PLR0912  # compiled loops over arrays
-"""Least joint motion for a motion of the tool: the pseudo-inverse, compiled."""
+"""The pseudo-inverse of a Jacobian, and its product with a twist of the tool, compiled."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ import numpy as np
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
-# Ratio of singular values below which a direction of the tool counts as lost.
+# Ratio of singular values below which a direction is left out of the pseudo-inverse.
 SINGULAR = 1e-9
-# Ratio of the triangle's diagonal, which is never below that of singular values, that makes them suspicious.
+# Ratio of the entries on the diagonal of R below which the singular values are checked. It is never below the
+# ratio of the singular values.
 SUSPICIOUS = 1e-7
-# And below which rounding is all that is left.
+# Ratio below which a column is zero but for rounding.
 NOTHING = 1e-13
 
 
@@ -44,8 +45,9 @@ def scratch_for(n: int) -> Scratch:
 def pseudo_inverse(J: Array, P: Array, scratch: Scratch) -> None:
     """Fill the pseudo-inverse P (n, 6) of a Jacobian J (6, n).
 
-    By orthogonal triangular decomposition, Gram-Schmidt done twice (Giraud et al. 2005). In a singularity by
-    singular values; directions with one below `SINGULAR` of the largest are left out.
+    Computed by QR decomposition, with Gram-Schmidt done twice (Giraud et al. 2005); close to a singularity by
+    singular value decomposition, without the directions whose singular value is below `SINGULAR` times the
+    largest.
     """
     n = J.shape[1]
     wide = n >= 6
@@ -110,11 +112,11 @@ def _square(A: Array) -> float:
 
 
 @compiled(nrt=False)
-def least_motion(J: Array, x: Array, y: Array, scratch: Scratch) -> None:
-    """Fill y (n,) with J^+ x: the smallest joint motion that comes closest to a motion x (6,) of the tool.
+def apply_pseudo_inverse(J: Array, x: Array, y: Array, scratch: Scratch) -> None:
+    """Fill y (n,) with J^+ x, the minimum-norm least-squares solution of J y = x, for a twist x (6,).
 
-    As with `pseudo_inverse`, and up to six axes in half its time: with x as one more column of J the
-    decomposition need not be done twice (Bjorck 1967).
+    The result is that of `pseudo_inverse`. Up to six axes it takes half the time: with x as one more column
+    of J, a single pass of Gram-Schmidt is accurate enough (Bjorck 1967).
     """
     if J.shape[1] > 6 or not _solve(J, x, y, scratch):
         pseudo_inverse(J, scratch.P, scratch)

@@ -6,11 +6,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.inverse_kinematics.chain import ChainArrays
+from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
-from robots_planning.path_kinematics.configuration_kernel import View, aim_at, correct, look_from, view_of
-from robots_planning.path_kinematics.pseudo_inverse import least_motion, multiply, pseudo_inverse
+from robots_planning.path_kinematics.pose_residual_kernel import View, aim_at, correct, look_from, view_of
+from robots_planning.path_kinematics.pseudo_inverse import apply_pseudo_inverse, multiply, pseudo_inverse
 from robots_planning.paths.cartesian_path_kernel import PathArrays
 
 SPACING = 0.12  # rad (m) of the axis that moves most, between neighbouring postures of one pose
@@ -194,7 +194,7 @@ def _move_along(chain: ChainArrays, way: float, postures: Array, view: View, ste
     """Move postures (k, n) by `way` of s along the path aimed at, where that is no jump; `step` is memory."""
     for k in range(postures.shape[0]):
         look_from(chain, postures[k], view)
-        least_motion(view.J, view.x_s, step, view.solver)
+        apply_pseudo_inverse(view.J, view.x_s, step, view.solver)
         largest = 0.0
         for axis in range(step.size):
             largest = max(largest, abs(step[axis]))
@@ -268,7 +268,7 @@ def _relax(
             aim_at(path, s[i], view)
             look_from(chain, q[i], view)
             multiply(view.J, wish, reached)
-            least_motion(view.J, reached, back, view.solver)
+            apply_pseudo_inverse(view.J, reached, back, view.solver)
             for k in range(n):
                 moved[k] = q[i, k] + wish[k] - back[k]
             if not correct(chain, moved, view):

@@ -10,14 +10,14 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
-from robots_core.blocks.inverse_kinematics.chain import SerialChain
 from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics, bodies_of
+from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.errors import InvalidInputError, PlanningError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.paths.even_path import EvenPath
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.paths.path_grid import finer_grid
+from robots_planning.paths.reparametrised_path import ReparametrisedPath
 from robots_planning.timing.path_dynamics import memory_for, torque_rows, torque_use
 from robots_planning.timing.path_timing import TooSlowError
 from robots_planning.timing.quintic import quintic_coefficients, quintic_uses, quintics_at
@@ -135,7 +135,7 @@ class TimeOptimalTiming:
 
         Given up as soon as they are sure to take more than `longest`, s: lowered limits make them but slower.
         """
-        even = EvenPath(path, self._velocity, self._acceleration)
+        even = ReparametrisedPath(path, self._velocity, self._acceleration)
         if tool is not None:
             tool = replace(tool, derivatives=partial(even.derivatives, tool.derivatives))
         s = even.grid
@@ -218,7 +218,7 @@ class TimeOptimalTiming:
             row[:] = np.column_stack([M @ first, tau - rest, rest]) / effort[:, None]
 
     def _law(
-        self, s: Array, limits: tuple[Array, Array], scale: Array, path: EvenPath, shortest: float
+        self, s: Array, limits: tuple[Array, Array], scale: Array, path: ReparametrisedPath, shortest: float
     ) -> SwitchedTimeLaw:
         u, difference = np.empty(len(s)), np.empty(len(s) - 1)
         failed = fastest_speeds(s, limits[0], limits[1] * scale**2, scale, u, difference)
@@ -233,7 +233,7 @@ class TimeOptimalTiming:
             )
         return SwitchedTimeLaw(s, u, difference, self._ramp, shortest)
 
-    def _sampled(self, path: EvenPath, law: SwitchedTimeLaw, weight: Array) -> Trajectory:
+    def _sampled(self, path: ReparametrisedPath, law: SwitchedTimeLaw, weight: Array) -> Trajectory:
         times = law.sample_times(LONGEST_STEP, weight)
         if len(path.seams):
             times = with_times(times, law.times_of(path.seams))

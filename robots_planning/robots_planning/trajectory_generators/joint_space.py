@@ -24,8 +24,8 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector
 from robots_planning.motion_settings import MotionSettings, known_configuration
 from robots_planning.paths.joint_path import JointPath
-from robots_planning.timing.moving_profile import MovingProfile
-from robots_planning.timing.rest_profile import NANOSECOND, inside
+from robots_planning.timing.rest_to_rest_profile import NANOSECOND, inside
+from robots_planning.timing.state_to_rest_profile import StateToRestProfile
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import (
     LIMIT_MARGIN,
@@ -273,5 +273,5 @@ class JointSpaceGenerator(TrajectoryGenerator):
         return [0.5 * (low + high) if np.isfinite(low) else None for low, high in ranges]
 
     @cached_property
-    def _moving(self) -> MovingProfile:
-        return MovingProfile(self.robot.axes_data, self.synchronization, self.shortest)
+    def _moving(self) -> StateToRestProfile:
+        return StateToRestProfile(self.robot.axes_data, self.synchronization, self.shortest)

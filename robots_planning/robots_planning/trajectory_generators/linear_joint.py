@@ -5,7 +5,7 @@ from __future__ import annotations
 from ruckig import Synchronization
 
 from robots_core.validation import Array
-from robots_planning.timing.rest_profile import line
+from robots_planning.timing.rest_to_rest_profile import line
 from robots_planning.trajectory_generators.joint_space import JointSpaceGenerator
 
 
@@ -13,7 +13,7 @@ class LinearJoint(JointSpaceGenerator):
     """All axes start and stop together on a straight joint-space line, as fast as the slowest axis can.
 
     The line is q = q_start + s (q_target - q_start). Velocity, acceleration and jerk limits of every axis
-    bound those of s, whose time-optimal motion from rest to rest has a closed form (`rest_profile`).
+    bound those of s, whose time-optimal motion from rest to rest has a closed form (`rest_to_rest_profile`).
 
     From motion there is no such line. Then all axes arrive together, at the soonest time that all can have,
     each on a profile of its own (Ruckig's time synchronisation; Berscheid and Kroeger 2021). An axis that

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ruckig import Synchronization
 
 from robots_core.validation import Array
-from robots_planning.timing.rest_profile import each_axis
+from robots_planning.timing.rest_to_rest_profile import each_axis
 from robots_planning.trajectory_generators.joint_space import JointSpaceGenerator
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.inverse_kinematics.chain import SerialChain
+from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.robot_model.analytic.vectors import (

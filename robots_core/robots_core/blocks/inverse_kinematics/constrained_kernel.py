@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.blocks.inverse_kinematics.chain_dynamics import mass_matrix_and_bias
 from robots_core.blocks.inverse_kinematics.quadratic_program import (
     INFEASIBLE,
@@ -22,6 +21,7 @@ from robots_core.blocks.inverse_kinematics.redundancy import (
     RedundancyArrays,
     wanted_displacement,
 )
+from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.blocks.inverse_kinematics.viability import (
     braking_distance,
     fastest_stoppable,

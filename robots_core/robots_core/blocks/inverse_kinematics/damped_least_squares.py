@@ -9,8 +9,7 @@ from math import atan2, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.blocks.inverse_kinematics.chain import SerialChain
-from robots_core.blocks.inverse_kinematics.damped_kernel import (
+from robots_core.blocks.inverse_kinematics.damped_least_squares_kernel import (
     PATIENT,
     PROGRESS_STEPS,
     reached,
@@ -20,6 +19,7 @@ from robots_core.blocks.inverse_kinematics.damped_kernel import (
 )
 from robots_core.blocks.inverse_kinematics.ik_result import IkBatch, IkResult
 from robots_core.blocks.inverse_kinematics.redundancy import Redundancy, redundancy_arrays
+from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_vector
 from robots_core.pose import Pose

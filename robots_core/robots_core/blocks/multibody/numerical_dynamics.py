@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from robots_core.blocks.inverse_kinematics.chain import SerialChain
 from robots_core.blocks.inverse_kinematics.chain_dynamics import chain_dynamics_of
+from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.dynamics import Dynamics
 from robots_core.blocks.multibody.payload import Payload

@@ -14,7 +14,7 @@ from robots_core.errors import PlanningError
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.robot_model.axes_data import LIMIT_TOLERANCE, AxesData
 from robots_core.validation import Array
-from robots_planning.timing.rest_profile import NANOSECOND, Instants, distinct
+from robots_planning.timing.rest_to_rest_profile import NANOSECOND, Instants, distinct
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 
 # Parts of the jerk limit to plan an axis with, one after the other: moving its switches of jerk to those of
@@ -38,7 +38,7 @@ CLOSEST = 30_000  # ns
 SOUND, BREAKS_LIMIT, LEAVES_RANGE = 0, 1, 2
 
 
-class MovingProfile:
+class StateToRestProfile:
     """Motion from a state to rest; keeps Ruckig's objects.
 
     Ruckig (Berscheid and Kroeger 2021) finds when the jerk of each axis switches. The switches are moved to

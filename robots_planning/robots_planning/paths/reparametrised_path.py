@@ -1,4 +1,4 @@
-"""EvenPath: a joint path over a coordinate along which the axes move evenly."""
+"""ReparametrisedPath: a joint path over a coordinate along which the axes move evenly."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SMALLEST_WAY = 1e-12  # s at full speed; below it the axes do not move at all
 SLOWEST_TURN = 0.05  # of the mean rate: where the axes hardly move, their direction means nothing
 
 
-class EvenPath:
+class ReparametrisedPath:
     """A joint path over a coordinate sigma from 0 to 1, twice continuously differentiable.
 
     Close to a singularity the axes do most of their way within a small part of s. There their accelerations

@@ -1,12 +1,12 @@
-"""EvenPath: the same path over a coordinate along which the axes move evenly."""
+"""ReparametrisedPath: the same path over a coordinate along which the axes move evenly."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from robots_planning.paths.even_path import EvenPath
 from robots_planning.paths.joint_path import JointPath
+from robots_planning.paths.reparametrised_path import ReparametrisedPath
 
 VELOCITY, ACCELERATION = np.array([2.0, 3.0]), np.array([10.0, 8.0])
 STEP = 1e-6
@@ -29,8 +29,8 @@ def path(request: pytest.FixtureRequest) -> JointPath:
     return turning_path(request.param)
 
 
-def even(path: JointPath) -> EvenPath:
-    return EvenPath(path, VELOCITY, ACCELERATION)
+def even(path: JointPath) -> ReparametrisedPath:
+    return ReparametrisedPath(path, VELOCITY, ACCELERATION)
 
 
 def test_it_runs_from_end_to_end_without_turning_back(path: JointPath) -> None:

@@ -8,12 +8,12 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.inverse_kinematics.chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.blocks.inverse_kinematics.redundancy import (
     NO_CRITERION,
     RedundancyArrays,
     wanted_displacement,
 )
+from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 

@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.chain import ChainArrays, error_between, pose_and_jacobian
-from robots_core.blocks.inverse_kinematics.chain_derivative import jacobian_der
+from robots_core.blocks.inverse_kinematics.jacobian_derivative import jacobian_der
+from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 from robots_planning.path_kinematics.pseudo_inverse import (
     Scratch,
-    least_motion,
+    apply_pseudo_inverse,
     multiply,
     multiply_transposed,
     pseudo_inverse,
@@ -100,7 +100,7 @@ def correct(chain: ChainArrays, q: Array, view: View) -> bool:
     for _ in range(CORRECTION_STEPS):
         if error < CORRECTION_TOLERANCE:
             break
-        least_motion(view.J, view.error, view.step, view.solver)
+        apply_pseudo_inverse(view.J, view.error, view.step, view.solver)
         for k in range(q.size):
             if not abs(view.step[k]) <= LARGEST_KNOT_MOTION:
                 return False
@@ -119,7 +119,7 @@ def derivatives(view: View, q_s: Array, q_ss: Array) -> bool:
         pseudo_inverse(J, P, view.solver)
         multiply(P, x_s, q_s)
     else:
-        least_motion(J, x_s, q_s, view.solver)
+        apply_pseudo_inverse(J, x_s, q_s, view.solver)
     multiply(J, q_s, rest)
     missing, whole = 0.0, 0.0
     for k in range(6):
@@ -133,7 +133,7 @@ def derivatives(view: View, q_s: Array, q_ss: Array) -> bool:
         rest[k] = view.x_ss[k] - rest[k]
     # Golub and Pereyra 1973: derivative of the pseudo-inverse, applied to x'.
     if n <= 6:
-        least_motion(J, rest, q_ss, view.solver)
+        apply_pseudo_inverse(J, rest, q_ss, view.solver)
         return True
     multiply(P, rest, q_ss)
     inner, twist = view.step, view.twist
