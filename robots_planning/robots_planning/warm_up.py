@@ -38,7 +38,7 @@ def main() -> None:
     line, limits = CartesianLine(pose, near), np.array([axes.lower, axes.upper])
     ends, still = start[None], np.empty(1, dtype=np.bool_)
     stand_still(SerialChain.of(robot).arrays, limits, line.arrays, 0.0, start, ends, still)
-    stays_inside(limits, PathInverseKinematics(robot).follow(line, start).knots)
+    stays_inside(limits, PathInverseKinematics(robot).follow(line, start).samples)
     SplineCartesian(robot, planner='dynamic_programming').generate(start, [near, pose])
 
 

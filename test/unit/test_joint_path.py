@@ -1,4 +1,4 @@
-"""JointPath: the quintics between its knots, and knots that make no path."""
+"""JointPath: the quintics between its samples, and samples that make no path."""
 
 import numpy as np
 import pytest
@@ -20,8 +20,8 @@ def curve(s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def test_a_quintic_is_met_everywhere() -> None:
-    knots = np.array([0.0, 0.1, 0.45, 1.0])
-    path = JointPath(knots, *curve(knots))
+    s = np.array([0.0, 0.1, 0.45, 1.0])
+    path = JointPath(s, *curve(s))
     s = np.linspace(0.0, 1.0, 101)
     for found, expected in zip(path.evaluate(s), curve(s), strict=True):
         np.testing.assert_allclose(found, expected, atol=1e-11)  # rounding over squares of short intervals
@@ -29,9 +29,9 @@ def test_a_quintic_is_met_everywhere() -> None:
 
 
 def test_outside_it_stays_at_its_ends() -> None:
-    knots = np.array([0.0, 1.0])
-    path = JointPath(knots, *curve(knots))
-    np.testing.assert_array_equal(path.evaluate(np.array([-0.5, 1.5]))[0], path.evaluate(knots)[0])
+    s = np.array([0.0, 1.0])
+    path = JointPath(s, *curve(s))
+    np.testing.assert_array_equal(path.evaluate(np.array([-0.5, 1.5]))[0], path.evaluate(s)[0])
 
 
 @pytest.mark.parametrize(
@@ -44,10 +44,10 @@ def test_outside_it_stays_at_its_ends() -> None:
         ([0.0], 'k >= 2'),
     ],
 )
-def test_knots_that_make_no_path_are_refused(s: list[float], message: str) -> None:
-    knots = np.array(s)
+def test_samples_that_make_no_path_are_refused(s: list[float], message: str) -> None:
+    samples = np.array(s)
     with pytest.raises(InvalidInputError, match=message):
-        JointPath(knots, *curve(np.nan_to_num(knots)))
+        JointPath(samples, *curve(np.nan_to_num(samples)))
     with pytest.raises(InvalidInputError, match='one shape'):
         JointPath(np.array([0.0, 1.0]), np.zeros((2, 3)), np.zeros((2, 3)), np.zeros((2, 2)))
 

@@ -63,7 +63,7 @@ def test_tool_limits_alone_give_a_trapezoid(robot: BaseRobotModel) -> None:
     assert bound <= trajectory.duration <= 1.005 * bound + WINDOW
     r = np.array([robot.direct_kinematics(p)[0] for p in trajectory.sample(np.linspace(0, 3, 3001))[0]])
     speed = np.linalg.norm(np.diff(r, axis=0), axis=1) / 1e-3
-    # Differences of positions that lie within 2e-7 m of the line at every knot.
+    # Differences of positions that lie within 2e-7 m of the line at every sample.
     assert speed.max() <= 0.02 * (1.0 + 1e-4)
     assert verify(trajectory, robot, line=(start, target)).ok
 

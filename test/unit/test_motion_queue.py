@@ -36,13 +36,13 @@ def move(start: np.ndarray, goal: np.ndarray, duration: float = 2.0) -> Trajecto
     )
 
 
-def rest_of(trajectory: Trajectory, knot: int) -> Trajectory:
+def rest_of(trajectory: Trajectory, index: int) -> Trajectory:
     """The trajectory from one of its points on."""
     return Trajectory(
-        trajectory.time[knot:] - trajectory.time[knot],
-        trajectory.position[knot:],
-        trajectory.velocity[knot:],
-        trajectory.acceleration[knot:],
+        trajectory.time[index:] - trajectory.time[index],
+        trajectory.position[index:],
+        trajectory.velocity[index:],
+        trajectory.acceleration[index:],
     )
 
 

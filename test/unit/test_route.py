@@ -33,8 +33,8 @@ def parts_of(robot: BaseRobotModel, line: CartesianLine) -> list[FollowedPart]:
     parts = []
     for begin, end in pairwise(BREAKS):
         first, last = (end, begin) if end < 0.5 else (begin, end)
-        knots = kinematics.follow_far(line.part(first, last), whole.evaluate([first])[0][0]).knots
-        part = FollowedPart(knots, first, last)
+        samples = kinematics.follow_far(line.part(first, last), whole.evaluate([first])[0][0]).samples
+        part = FollowedPart(samples, first, last)
         parts.append(part if first < last else part.backwards())
     return parts
 
@@ -53,7 +53,7 @@ def test_ends_are_exact(robot: BaseRobotModel, line: CartesianLine) -> None:
     parts = parts_of(robot, line)
     joints = joined(parts).joints
     np.testing.assert_array_equal(joints.q[0], parts[0].first)
-    np.testing.assert_array_equal(joints.q[-1], parts[-1].knots[1][-1])
+    np.testing.assert_array_equal(joints.q[-1], parts[-1].samples[1][-1])
     assert (np.diff(joints.s) > 0.0).all()
 
 

@@ -13,7 +13,7 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.path_kinematics.guided_following_kernel import follow_guide
-from robots_planning.path_kinematics.path_following_kernel import FOLLOWED, MOST_KNOTS
+from robots_planning.path_kinematics.path_following_kernel import FOLLOWED, MAX_SAMPLES
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.path_kinematics.route import Route, RoutePiece, joined
 from robots_planning.path_kinematics.self_motion_kernel import (
@@ -95,16 +95,16 @@ class PostureGraph:
         reached, counts = follow_layers(self._chain, self._limits, path.arrays, s, begin, layers)
         if reached <= count or cheapest_postures(layers, counts, self._axes.velocity, chosen) <= count:
             return None
-        size = MOST_KNOTS + 1
-        knots = (np.empty(size), np.empty((size, n)), np.empty((size, n)), np.empty((size, n)))
+        size = MAX_SAMPLES + 1
+        samples = (np.empty(size), np.empty((size, n)), np.empty((size, n)), np.empty((size, n)))
         for rounds in RELAXATIONS:
             smooth = chosen.copy()
             relax(self._chain, self._limits, path.arrays, s, LIMIT_ROOM, rounds, smooth)
             spline = CubicSpline(s, smooth, axis=0, bc_type='natural')
             guide = (s, np.ascontiguousarray(spline.c))
-            result, last = follow_guide(self._chain, self._limits, path.arrays, begin, guide, knots)
+            result, last = follow_guide(self._chain, self._limits, path.arrays, begin, guide, samples)
             if result == FOLLOWED:
-                return JointPath(*(values[:last].copy() for values in knots))
+                return JointPath(*(values[:last].copy() for values in samples))
         return None
 
     # Why not

@@ -15,7 +15,7 @@ from robots_planning.path_kinematics.path_following_kernel import (
     SHORTEST_STEP,
     SINGULAR_START,
     TOO_FAR,
-    Knots,
+    JointSamples,
     extrapolate,
     integrate,
     interpolate,
@@ -24,20 +24,20 @@ from robots_planning.path_kinematics.path_following_kernel import (
     next_step,
 )
 from robots_planning.path_kinematics.pose_residual_kernel import (
-    LARGEST_KNOT_MOTION,
-    LOST_MOTION,
-    View,
-    aim_at,
+    DERIVATIVE_TOLERANCE,
+    LARGEST_JOINT_STEP,
+    PoseResidual,
     correct,
-    look_from,
-    view_of,
+    evaluate_residual,
+    residual_for,
+    set_target,
 )
 from robots_planning.path_kinematics.pseudo_inverse import multiply, multiply_transposed, pseudo_inverse
 from robots_planning.paths.cartesian_path_kernel import PathArrays
 
 PULL = 12.0  # towards the guide, per path
 FIRST_STEP = 1.0 / 32.0
-LARGEST_BEND = 1e-6  # rad (m), between a knot and what integration to fourth order makes of the one before
+LARGEST_BEND = 1e-6  # rad (m), between a sample and the fourth-order integration from the sample before it
 
 
 @compiled()
@@ -47,7 +47,7 @@ def follow_guide(
     path: PathArrays,
     start: Array,
     guide: tuple[Array, Array],
-    knots: Knots,
+    samples: JointSamples,
 ) -> tuple[int, int]:
     """Follow a path as `follow` does, with self-motion towards a guide g(s).
 
@@ -59,18 +59,18 @@ def follow_guide(
         path: Arrays of a `CartesianPath`.
         start: Joint positions at s = 0, (n,).
         guide: Breaks (m + 1,) and coefficients (4, m, n) of a cubic spline, highest power first.
-        knots: Filled; see `follow`.
+        samples: Filled; see `follow`.
 
     Returns:
         As `follow`.
     """
-    s, q = knots[0], knots[1]
+    s, q = samples[0], samples[1]
     breaks = guide[0]
     s[0], q[0] = 0.0, start
-    view = view_of(start.size)
-    aim_at(path, 0.0, view)
-    look_from(chain, start, view)
-    if not _guided(guide, knots, 0, view):
+    residual = residual_for(start.size)
+    set_target(path, 0.0, residual)
+    evaluate_residual(chain, start, residual)
+    if not _guided(guide, samples, 0, residual):
         return SINGULAR_START, 1
     count, step, piece, path_piece = 1, FIRST_STEP, 1, 1
     while s[count - 1] < 1.0:
@@ -82,9 +82,9 @@ def follow_guide(
         if border - end < SHORTEST_STEP:
             end = border
         s[count] = end
-        deviation = _advance_guided(chain, path, guide, knots, here, view)
+        deviation = _advance_guided(chain, path, guide, samples, here, residual)
         step = next_step(end - s[here], deviation)
-        outcome = judge(limits, knots, here, step, deviation)
+        outcome = judge(limits, samples, here, step, deviation)
         if outcome == FOLLOWED:
             count += 1
         elif outcome != TOO_FAR:
@@ -94,42 +94,55 @@ def follow_guide(
 
 @compiled()
 def _advance_guided(
-    chain: ChainArrays, path: PathArrays, guide: tuple[Array, Array], knots: Knots, i: int, view: View
+    chain: ChainArrays,
+    path: PathArrays,
+    guide: tuple[Array, Array],
+    samples: JointSamples,
+    i: int,
+    residual: PoseResidual,
 ) -> float:
-    """Fill knot i + 1 at its s; the deviation in between, or -1 if the step is too long."""
-    s, q = knots[0], knots[1]
+    """Fill sample i + 1 at its s; return the deviation in between, or -1 if the step is too long."""
+    s, q = samples[0], samples[1]
     n, j = q.shape[1], i + 1
     guess = np.empty(n)
-    extrapolate(knots, i, guess)
-    aim_at(path, s[j], view)
+    extrapolate(samples, i, guess)
+    set_target(path, s[j], residual)
     for _ in range(3):
-        if not correct(chain, guess, view):
+        if not correct(chain, guess, residual):
             return -1.0
         q[j] = guess
-        if not _guided(guide, knots, j, view):
+        if not _guided(guide, samples, j, residual):
             return -1.0
-        integrate(knots, i, guess)
+        integrate(samples, i, guess)
     for k in range(n):
-        # What integration to fourth order and the knot differ by is what the quintic has to bend for.
-        if not abs(q[j, k] - q[i, k]) <= LARGEST_KNOT_MOTION or not abs(guess[k] - q[j, k]) <= LARGEST_BEND:
+        # The difference of the sample from the fourth-order integration measures the bend of the quintic.
+        if not abs(q[j, k] - q[i, k]) <= LARGEST_JOINT_STEP or not abs(guess[k] - q[j, k]) <= LARGEST_BEND:
             return -1.0
-    interpolate(knots, i, guess)
-    aim_at(path, 0.5 * (s[i] + s[j]), view)
-    deviation = look_from(chain, guess, view)
+    interpolate(samples, i, guess)
+    set_target(path, 0.5 * (s[i] + s[j]), residual)
+    deviation = evaluate_residual(chain, guess, residual)
     return deviation if deviation <= PATH_TOLERANCE else -1.0
 
 
 @compiled()
-def _guided(guide: tuple[Array, Array], knots: Knots, i: int, view: View) -> bool:
-    """Fill q' and q'' of knot i, which is in view."""
-    s, q, q_s, q_ss = knots
+def _guided(guide: tuple[Array, Array], samples: JointSamples, i: int, residual: PoseResidual) -> bool:
+    """Fill q' and q'' of sample i, at which the residual was evaluated."""
+    s, q, q_s, q_ss = samples
     n = q.shape[1]
-    x_s, x_ss, J, J_s, P, row, other = view.x_s, view.x_ss, view.J, view.J_s, view.P, view.rest, view.twist
-    h, h_s, added, inner = np.empty(n), np.empty(n), np.empty(n), view.step
+    x_s, x_ss, J, J_s, P, row, other = (
+        residual.x_s,
+        residual.x_ss,
+        residual.J,
+        residual.J_s,
+        residual.P,
+        residual.rest,
+        residual.twist,
+    )
+    h, h_s, added, inner = np.empty(n), np.empty(n), np.empty(n), residual.step
     breaks, c = guide
     piece = min(max(np.searchsorted(breaks, s[i], side='right') - 1, 0), breaks.size - 2)
     x = s[i] - breaks[piece]
-    pseudo_inverse(J, P, view.solver)
+    pseudo_inverse(J, P, residual.solver)
     for k in range(n):
         g = ((c[0, piece, k] * x + c[1, piece, k]) * x + c[2, piece, k]) * x + c[3, piece, k]
         g_s = (3.0 * c[0, piece, k] * x + 2.0 * c[1, piece, k]) * x + c[2, piece, k]
@@ -144,7 +157,7 @@ def _guided(guide: tuple[Array, Array], knots: Knots, i: int, view: View) -> boo
         h_s[k] -= PULL * q_s[i, k]
     multiply(J, q_s[i], row)
     for k in range(6):
-        if not abs(row[k] - x_s[k]) <= LOST_MOTION * (1.0 + np.abs(x_s).max()):
+        if not abs(row[k] - x_s[k]) <= DERIVATIVE_TOLERANCE * (1.0 + np.abs(x_s).max()):
             return False
     jacobian_der(J, q_s[i], J_s)
     # h' + J^+ (x'' - J' q' - J h') + (I - J^+ J) J'^T J^+T (q' - h)

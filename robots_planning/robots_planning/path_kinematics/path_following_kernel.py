@@ -10,13 +10,13 @@ from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 from robots_planning.path_kinematics.pose_residual_kernel import (
-    LARGEST_KNOT_MOTION,
-    View,
-    aim_at,
+    LARGEST_JOINT_STEP,
+    PoseResidual,
     correct,
     derivatives,
-    look_from,
-    view_of,
+    evaluate_residual,
+    residual_for,
+    set_target,
 )
 from robots_planning.path_kinematics.pseudo_inverse import apply_pseudo_inverse
 from robots_planning.paths.cartesian_path_kernel import PathArrays
@@ -24,17 +24,17 @@ from robots_planning.timing.quintic import quintic_coefficients, quintics_at
 
 FIRST_STEP = 1.0 / 16.0
 LONGEST_STEP = 1.0 / 8.0
-SHORTEST_STEP = 1e-8  # of the path; a joint path that needs finer knots jumps
-MOST_KNOTS = 4000
-# Between knots the tool may leave the path by this much, in m and rad; 1e-5 is what users are promised.
+SHORTEST_STEP = 1e-8  # of the path; a joint path that needs shorter steps is discontinuous
+MAX_SAMPLES = 4000
+# Largest deviation of the tool from the path between samples, m and rad; the README promises 1e-5.
 PATH_TOLERANCE = 2e-7
-# And the axes by this much, rad (m): close to a singularity the tool hardly tells.
+# Largest deviation of the axes, rad (m): close to a singularity the tool hardly moves with them.
 JOINT_TOLERANCE = 1e-5
 POSITION_TOLERANCE = 1e-9  # rad (m), of the axis limits
-# While the posture turns over in a singularity the tool stays within this, m and rad.
+# Largest motion of the tool, m and rad, while the configuration changes in a singularity.
 STANDSTILL = 1e-6
 TURN_CHECKS = 17
-# Places looked at between knots where an axis may pass its limit.
+# Points checked between two samples where an axis may pass its limit.
 BETWEEN = 64
 
 FOLLOWED = 0
@@ -45,57 +45,63 @@ FULL = 4
 TOO_FAR = 5
 
 Flags = NDArray[np.bool_]
-Knots = tuple[Array, Array, Array, Array]
+JointSamples = tuple[Array, Array, Array, Array]
 """s (k,), q, q' and q'' (k, n)."""
 
 
 @compiled()
 def follow(
-    chain: ChainArrays, limits: Array, path: PathArrays, start: Array, knots: Knots
+    chain: ChainArrays, limits: Array, path: PathArrays, start: Array, samples: JointSamples
 ) -> tuple[int, int]:
-    """Follow a path with q' = J^+ x' and q'' = d/ds (J^+ x'), knot by knot, each corrected by Newton.
+    """Follow a path with q' = J^+ x' and q'' = d/ds (J^+ x'), corrected by Newton's method at each sample.
 
     Args:
         chain: Arrays of a `SerialChain`.
         limits: (2, n): lower, upper.
         path: Arrays of a `CartesianPath`.
         start: Joint positions at s = 0, (n,).
-        knots: Filled; room for `MOST_KNOTS` + 1.
+        samples: Filled; room for `MAX_SAMPLES` + 1.
 
     Returns:
-        FOLLOWED, or why not: SINGULAR_START, BLOCKED behind the last knot, OUTSIDE: one knot more is filled,
-        at which an axis is outside its limits, FULL: there is no room for what follows. And the number of
-        knots.
+        The outcome and the number of samples. Outcomes are FOLLOWED; SINGULAR_START; BLOCKED: no step is
+        possible from the last sample; OUTSIDE: one more sample is filled, at which an axis is outside its
+        limits; FULL: `MAX_SAMPLES` do not reach the end.
     """
-    return _follow(chain, limits, path, start, knots, np.empty(start.size), view_of(start.size))
+    return _follow(chain, limits, path, start, samples, np.empty(start.size), residual_for(start.size))
 
 
 @compiled(nrt=False)
 def _follow(
-    chain: ChainArrays, limits: Array, path: PathArrays, start: Array, knots: Knots, guess: Array, view: View
+    chain: ChainArrays,
+    limits: Array,
+    path: PathArrays,
+    start: Array,
+    samples: JointSamples,
+    guess: Array,
+    residual: PoseResidual,
 ) -> tuple[int, int]:
-    """`follow` with memory for a guess (n,) and a view."""
-    s, q, q_s, q_ss = knots
+    """`follow` with memory for a guess (n,) and a residual."""
+    s, q, q_s, q_ss = samples
     breaks = path[0]
     s[0] = 0.0
     for k in range(start.size):
         q[0, k] = start[k]
-    aim_at(path, 0.0, view)
-    look_from(chain, start, view)
-    if not derivatives(view, q_s[0], q_ss[0]):
+    set_target(path, 0.0, residual)
+    evaluate_residual(chain, start, residual)
+    if not derivatives(residual, q_s[0], q_ss[0]):
         return SINGULAR_START, 1
     count, step, piece = 1, FIRST_STEP, 1
     while s[count - 1] < 1.0:
         here = count - 1
-        # The third derivative jumps between pieces: a knot belongs there.
+        # The third derivative jumps between pieces, so a sample is placed there.
         piece = next_break(breaks, s[here], piece)
         end = min(s[here] + step, breaks[piece])
         if breaks[piece] - end < SHORTEST_STEP:
             end = breaks[piece]
         s[count] = end
-        deviation = _advance(chain, path, knots, here, guess, view)
+        deviation = _advance(chain, path, samples, here, guess, residual)
         step = next_step(end - s[here], deviation)
-        outcome = judge(limits, knots, here, step, deviation)
+        outcome = judge(limits, samples, here, step, deviation)
         if outcome == FOLLOWED:
             count += 1
         elif outcome != TOO_FAR:
@@ -104,18 +110,18 @@ def _follow(
 
 
 @compiled(nrt=False)
-def judge(limits: Array, knots: Knots, i: int, step: float, deviation: float) -> int:
-    """FOLLOWED if knot i + 1 stands, TOO_FAR if another one comes before it, or why the path ends there."""
+def judge(limits: Array, samples: JointSamples, i: int, step: float, deviation: float) -> int:
+    """FOLLOWED to accept sample i + 1, TOO_FAR if the step must be shorter, or why the path ends there."""
     if deviation < 0.0:
         return BLOCKED if step < SHORTEST_STEP else TOO_FAR
-    if leaves_limits(limits, knots, i):
+    if leaves_limits(limits, samples, i):
         return OUTSIDE
-    return FULL if i + 1 == MOST_KNOTS and knots[0][i + 1] < 1.0 else FOLLOWED
+    return FULL if i + 1 == MAX_SAMPLES and samples[0][i + 1] < 1.0 else FOLLOWED
 
 
 @compiled(nrt=False)
 def next_break(breaks: Array, s: float, piece: int) -> int:
-    """The first of increasing breaks, from `piece` on, that is a step ahead of s; else the last one."""
+    """Index of the first break, from `piece` on, that is at least a step ahead of s; else of the last one."""
     while piece < breaks.size - 1 and breaks[piece] - s < SHORTEST_STEP:
         piece += 1
     return piece
@@ -123,7 +129,7 @@ def next_break(breaks: Array, s: float, piece: int) -> int:
 
 @compiled(nrt=False)
 def next_step(step: float, deviation: float) -> float:
-    """The step after one that left the path by `deviation` in between; -1 if it was too long."""
+    """Length of the next step, after one with a `deviation` from the path; -1 means that it was too long."""
     if deviation < 0.0:
         return 0.5 * step
     # The deviation grows with the sixth power of the step.
@@ -132,53 +138,55 @@ def next_step(step: float, deviation: float) -> float:
 
 
 @compiled(nrt=False)
-def _advance(chain: ChainArrays, path: PathArrays, knots: Knots, i: int, guess: Array, view: View) -> float:
-    """Fill knot i + 1 at its s; the deviation in between, or -1 if the step is too long."""
-    s, q, q_s, q_ss = knots
+def _advance(
+    chain: ChainArrays, path: PathArrays, samples: JointSamples, i: int, guess: Array, residual: PoseResidual
+) -> float:
+    """Fill sample i + 1 at its s; return the deviation in between, or -1 if the step is too long."""
+    s, q, q_s, q_ss = samples
     n, j = guess.size, i + 1
-    extrapolate(knots, i, guess)
-    aim_at(path, s[j], view)
-    # The tool does not determine a redundant axis.
+    extrapolate(samples, i, guess)
+    set_target(path, s[j], residual)
+    # With redundant axes the pose does not determine q: the integration is repeated.
     for again in range(2 if n > 6 else 1):
         if again:
-            integrate(knots, i, guess)
-        if not correct(chain, guess, view):
+            integrate(samples, i, guess)
+        if not correct(chain, guess, residual):
             return -1.0
         for k in range(n):
             q[j, k] = guess[k]
-        if not derivatives(view, q_s[j], q_ss[j]):
+        if not derivatives(residual, q_s[j], q_ss[j]):
             return -1.0
     for k in range(n):
-        if not abs(q[j, k] - q[i, k]) <= LARGEST_KNOT_MOTION:
+        if not abs(q[j, k] - q[i, k]) <= LARGEST_JOINT_STEP:
             return -1.0
-    interpolate(knots, i, guess)
-    aim_at(path, 0.5 * (s[i] + s[j]), view)
-    deviation = _deviation(chain, guess, view)
+    interpolate(samples, i, guess)
+    set_target(path, 0.5 * (s[i] + s[j]), residual)
+    deviation = _deviation(chain, guess, residual)
     return deviation if deviation <= PATH_TOLERANCE else -1.0
 
 
 @compiled(nrt=False)
-def extrapolate(knots: Knots, i: int, guess: Array) -> None:
-    """Fill a guess (n,) at the s of knot i + 1, from knot i alone."""
-    s, q, q_s, q_ss = knots
+def extrapolate(samples: JointSamples, i: int, guess: Array) -> None:
+    """Fill a guess (n,) at the s of sample i + 1, from sample i alone."""
+    s, q, q_s, q_ss = samples
     h = s[i + 1] - s[i]
     for k in range(guess.size):
         guess[k] = q[i, k] + h * (q_s[i, k] + 0.5 * h * q_ss[i, k])
 
 
 @compiled(nrt=False)
-def integrate(knots: Knots, i: int, guess: Array) -> None:
-    """Fill the guess (n,) at the s of knot i + 1 to fourth order (Hermite), with the derivatives there."""
-    s, q, q_s, q_ss = knots
+def integrate(samples: JointSamples, i: int, guess: Array) -> None:
+    """Fill a guess (n,) at the s of sample i + 1 by fourth-order (Hermite) integration from sample i."""
+    s, q, q_s, q_ss = samples
     j, h = i + 1, s[i + 1] - s[i]
     for k in range(guess.size):
         guess[k] = q[i, k] + 0.5 * h * (q_s[i, k] + q_s[j, k]) + h * h / 12.0 * (q_ss[i, k] - q_ss[j, k])
 
 
 @compiled(nrt=False)
-def interpolate(knots: Knots, i: int, middle: Array) -> None:
-    """Fill the middle (n,) of the quintic from knot i to the next."""
-    s, q, q_s, q_ss = knots
+def interpolate(samples: JointSamples, i: int, middle: Array) -> None:
+    """Fill the middle (n,) of the quintic from sample i to the next."""
+    s, q, q_s, q_ss = samples
     j, h = i + 1, s[i + 1] - s[i]
     for k in range(middle.size):
         middle[k] = (
@@ -189,42 +197,42 @@ def interpolate(knots: Knots, i: int, middle: Array) -> None:
 
 
 @compiled(nrt=False)
-def _deviation(chain: ChainArrays, q: Array, view: View) -> float:
-    """How far a posture is off: of the tool, or of the axes as part of what they may be."""
-    deviation = look_from(chain, q, view)
+def _deviation(chain: ChainArrays, q: Array, residual: PoseResidual) -> float:
+    """Deviation at joint positions `q`: of the tool, or of the axes, scaled to the same tolerance."""
+    deviation = evaluate_residual(chain, q, residual)
     if deviation > PATH_TOLERANCE:
         return deviation
-    apply_pseudo_inverse(view.J, view.error, view.step, view.solver)
+    apply_pseudo_inverse(residual.J, residual.error, residual.step, residual.solver)
     for k in range(q.size):
-        deviation = max(deviation, abs(view.step[k]) * PATH_TOLERANCE / JOINT_TOLERANCE)
+        deviation = max(deviation, abs(residual.step[k]) * PATH_TOLERANCE / JOINT_TOLERANCE)
     return deviation
 
 
 @compiled(nrt=False)
-def leaves_limits(limits: Array, knots: Knots, i: int) -> bool:
-    """An axis is outside its limits between knot i and the next, which then becomes the place outside."""
-    s, q, q_s, q_ss = knots
+def leaves_limits(limits: Array, samples: JointSamples, i: int) -> bool:
+    """Whether an axis leaves its limits between sample i and the next, which is then moved to that place."""
+    s, q, q_s, q_ss = samples
     j, h = i + 1, s[i + 1] - s[i]
     for k in range(q.shape[1]):
         low, high = limits[0, k] - POSITION_TOLERANCE, limits[1, k] + POSITION_TOLERANCE
         if not low <= q[j, k] <= high:
             return True
-        # A curve stays between the extremes of its Bezier points.
+        # A curve lies in the convex hull of its Bezier points.
         a, b = 0.2 * h * q_s[i, k], 0.2 * h * q_s[j, k]
         c, d = 0.05 * h * h * q_ss[i, k], 0.05 * h * h * q_ss[j, k]
         smallest = min(q[i, k] + min(0.0, a, 2.0 * a + c), q[j, k] - max(0.0, b, 2.0 * b - d))
         largest = max(q[i, k] + max(0.0, a, 2.0 * a + c), q[j, k] - min(0.0, b, 2.0 * b - d))
         if low <= smallest and largest <= high:
             continue
-        if _leaves_range(low, high, knots, i, k):
+        if _leaves_range(low, high, samples, i, k):
             return True
     return False
 
 
 @compiled()
-def _leaves_range(low: float, high: float, knots: Knots, i: int, axis: int) -> bool:
-    """As `leaves_limits`, of one axis, looked at place by place."""
-    s, q, q_s, q_ss = knots
+def _leaves_range(low: float, high: float, samples: JointSamples, i: int, axis: int) -> bool:
+    """`leaves_limits` for one axis, checked point by point."""
+    s, q, q_s, q_ss = samples
     j, n = i + 1, q.shape[1]
     curve = np.empty((1, 6, n))
     quintic_coefficients(s[i : j + 1], q[i : j + 1], q_s[i : j + 1], q_ss[i : j + 1], curve)
@@ -240,10 +248,10 @@ def _leaves_range(low: float, high: float, knots: Knots, i: int, axis: int) -> b
 
 
 @compiled()
-def stays_inside(limits: Array, knots: Knots) -> bool:
-    """No axis is outside its limits, at the knots or between them."""
-    s, q, q_s, q_ss = knots
-    copy = (s.copy(), q.copy(), q_s, q_ss)  # where it leaves them is filled in
+def stays_inside(limits: Array, samples: JointSamples) -> bool:
+    """Whether no axis is outside its limits, at the samples or between them."""
+    s, q, q_s, q_ss = samples
+    copy = (s.copy(), q.copy(), q_s, q_ss)  # `leaves_limits` writes the sample outside
     inside = True
     for i in range(s.size - 1):
         inside = inside and not leaves_limits(limits, copy, i)
@@ -254,28 +262,28 @@ def stays_inside(limits: Array, knots: Knots) -> bool:
 def stand_still(
     chain: ChainArrays, limits: Array, path: PathArrays, s: float, begin: Array, ends: Array, still: Flags
 ) -> None:
-    """Fill whether the tool stays where the path is at `s` while the axes turn straight to each of `ends`.
+    """Fill whether the tool stays at the pose of `s` while the axes move straight to each of `ends`.
 
     Args:
         chain: Arrays of a `SerialChain`.
         limits: (2, n): lower, upper.
         path: Arrays of a `CartesianPath`.
-        s: Where.
+        s: Path coordinate at which the tool stands still.
         begin: Joint positions before, (n,).
         ends: Joint positions after, (k, n).
         still: Filled, (k,); False also where an axis leaves its limits.
     """
-    q, view = begin.copy(), view_of(begin.size)
-    aim_at(path, s, view)
+    q, residual = begin.copy(), residual_for(begin.size)
+    set_target(path, s, residual)
     for row in range(ends.shape[0]):
         still[row] = True
-        # The middle tells most.
+        # The middle deviates most.
         for check in range(TURN_CHECKS):
             part = ((check + TURN_CHECKS // 2) % TURN_CHECKS) / (TURN_CHECKS - 1)
             for k in range(begin.size):
                 q[k] = begin[k] + part * (ends[row, k] - begin[k])
                 if not limits[0, k] - POSITION_TOLERANCE <= q[k] <= limits[1, k] + POSITION_TOLERANCE:
                     still[row] = False
-            if not still[row] or not look_from(chain, q, view) <= STANDSTILL:
+            if not still[row] or not evaluate_residual(chain, q, residual) <= STANDSTILL:
                 still[row] = False
                 break

@@ -16,24 +16,24 @@ from robots_planning.path_kinematics.path_following_kernel import (
     BLOCKED,
     FOLLOWED,
     FULL,
-    MOST_KNOTS,
+    MAX_SAMPLES,
     OUTSIDE,
     SINGULAR_START,
-    Knots,
+    JointSamples,
     follow,
 )
 from robots_planning.path_kinematics.route import FollowedPart
 from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.paths.joint_path import JointPath
 
-LOOK_AHEAD = 1e-3  # of the path: where the closest posture to a place out of reach is searched
+LOOK_AHEAD = 1e-3  # of the path, ahead of the last sample: the pose whose reachability is checked
 
 
 class PathInverseKinematics:
-    """Follows a path with q' = J^+ x' and q'' = d/ds (J^+ x'), knot by knot, each corrected by Newton.
+    """Follows a path with q' = J^+ x' and q'' = d/ds (J^+ x'), corrected by Newton's method at each sample.
 
-    Redundant robots move with the smallest joint motion (pseudo-inverse). Knots are as far apart as the
-    interpolation between them stays on the path; near a singularity they come close together. An instance
+    Redundant robots move with the smallest joint velocities (pseudo-inverse). Samples are as far apart as the
+    interpolation between them stays on the path; near a singularity they are close together. An instance
     keeps scratch memory: use one per thread.
 
     Args:
@@ -52,11 +52,11 @@ class PathInverseKinematics:
         self._limits = np.array([self._axes.lower, self._axes.upper])
         self._endless = np.array([[-np.inf], [np.inf]]) * np.ones(robot.num_axes)
         n = robot.num_axes
-        self._knots = (
-            np.empty(MOST_KNOTS + 1),
-            np.empty((MOST_KNOTS + 1, n)),
-            np.empty((MOST_KNOTS + 1, n)),
-            np.empty((MOST_KNOTS + 1, n)),
+        self._samples = (
+            np.empty(MAX_SAMPLES + 1),
+            np.empty((MAX_SAMPLES + 1, n)),
+            np.empty((MAX_SAMPLES + 1, n)),
+            np.empty((MAX_SAMPLES + 1, n)),
         )
 
     @cached_property
@@ -68,14 +68,14 @@ class PathInverseKinematics:
         return self._chain.forward(q)
 
     def follow(self, path: CartesianPath, start: Array) -> JointPath:
-        """The joint path (k knots) of a path that begins at joint positions `start`, (n,).
+        """The joint path (k samples) of a path that begins at joint positions `start`, (n,).
 
         Raises:
             PlanningError: the path leaves the axis limits or the reach, or crosses a singularity; names the
                 fraction of the path, the joint, its value and bound, and what would help.
         """
         result, count = self._fill(path, start, self._limits)
-        s, q, _, _ = self._knots
+        s, q, _, _ = self._samples
         if result == FOLLOWED:
             return JointPath(*self._filled(count))
         if result == SINGULAR_START:
@@ -85,7 +85,7 @@ class PathInverseKinematics:
         fraction = float(s[count - 1])
         if result == FULL:
             raise PlanningError(
-                f'the {path.kind} takes more than {MOST_KNOTS} supporting points, which end at '
+                f'the {path.kind} takes more than {MAX_SAMPLES} path samples, which end at '
                 f'{100.0 * fraction:.1f} % of its {path.describe_length()}: split it into shorter ones, or '
                 f'leave out poses',
                 fraction=fraction,
@@ -93,26 +93,26 @@ class PathInverseKinematics:
         raise self._blocked(path, fraction, q[count - 1].copy())
 
     def follow_far(self, path: CartesianPath, start: Array, *, inside_limits: bool = False) -> FollowedPart:
-        """As `follow`, as far as it goes, whatever the axis limits if they are not asked for."""
+        """Follow as far as possible; axis limits are ignored unless `inside_limits`."""
         result, count = self._fill(path, start, self._limits if inside_limits else self._endless)
         blocked = result in {BLOCKED, SINGULAR_START}
         if count < 2:
             return FollowedPart(None, 0.0, 0.0, blocked)
-        return FollowedPart(self._filled(count), 0.0, float(self._knots[0][count - 1]), blocked)
+        return FollowedPart(self._filled(count), 0.0, float(self._samples[0][count - 1]), blocked)
 
     def _fill(self, path: CartesianPath, start: Array, limits: Array) -> tuple[int, int]:
-        """Fill the knots; what `follow` of the kernel returns."""
+        """Fill the samples; return what the kernel's `follow` returns."""
         begin = np.array(start, dtype=np.float64)
-        return follow(self._chain.arrays, limits, path.arrays, begin, self._knots)
+        return follow(self._chain.arrays, limits, path.arrays, begin, self._samples)
 
-    def _filled(self, count: int) -> Knots:
-        """The first knots, over an s of their own."""
-        s, q, q_s, q_ss = (values[:count] for values in self._knots)
-        way = s[-1]
-        return s / way, q.copy(), q_s * way, q_ss * way**2
+    def _filled(self, count: int) -> JointSamples:
+        """Copy of the first samples, with s scaled to [0, 1]."""
+        s, q, q_s, q_ss = (values[:count] for values in self._samples)
+        end = s[-1]
+        return s / end, q.copy(), q_s * end, q_ss * end**2
 
     def _outside(self, path: CartesianPath, s: Array, q: Array) -> PlanningError:
-        """The limit that is passed between two knots, s (2,) and q (2, n)."""
+        """The error for a limit that is passed between two samples, s (2,) and q (2, n)."""
         axes, (before, after) = self._axes, q
         axis = int(np.argmax(np.maximum(axes.lower - after, after - axes.upper)))
         bound = float(axes.lower[axis] if after[axis] < axes.lower[axis] else axes.upper[axis])
@@ -133,7 +133,7 @@ class PathInverseKinematics:
         )
 
     def _blocked(self, path: CartesianPath, fraction: float, q: Array) -> PlanningError:
-        """Why no step along the path is possible: out of reach, or a singularity."""
+        """The error where no step along the path is possible: out of reach, or a singularity."""
         s = min(fraction + LOOK_AHEAD, 1.0)
         inside = np.clip(q, self._axes.lower, self._axes.upper)
         near = self._closest.solve(path.pose(s), inside)
@@ -141,7 +141,7 @@ class PathInverseKinematics:
             return self._singular(path, fraction, q)
         return PlanningError(
             f'the {path.kind} leaves the reach of {self._robot.name} at {100.0 * fraction:.1f} % of its '
-            f'{path.describe_length()}: the closest posture at {100.0 * s:.1f} % is '
+            f'{path.describe_length()}: the closest reachable pose at {100.0 * s:.1f} % is '
             f'{near.position_error * 1e3:.3g} mm and {near.orientation_error:.3g} rad off; move the '
             f'{path.kind} closer to the robot or turn the tool',
             fraction=fraction,

@@ -1,4 +1,4 @@
-"""A posture beside a path of the tool: how far off it is, its correction and derivatives, compiled."""
+"""The pose residual on a path, Newton's method on it, and derivatives of the solution, compiled."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ from robots_planning.paths.cartesian_path_kernel import PathArrays, pose_on_path
 
 CORRECTION_TOLERANCE = 1e-13  # m and rad; of the axes, that over the smallest singular value
 CORRECTION_STEPS = 4
-LARGEST_KNOT_MOTION = 0.25  # rad (m) of one axis from knot to knot; more may hide a change of configuration
-LOST_MOTION = 1e-7  # part of the tool's motion along the path that may be missing in a singular posture
+LARGEST_JOINT_STEP = 0.25  # rad (m) of one axis between path samples; more may hide a change of configuration
+DERIVATIVE_TOLERANCE = 1e-7  # of |x'|, by which J q' may differ from x', as it does in a singularity
 
 
-class View(NamedTuple):
-    """A place of a path as seen from a posture beside it, and scratch memory.
+class PoseResidual(NamedTuple):
+    """A target pose on a path, the tool's pose at joint positions q, and their residual, with scratch memory.
 
     Attributes:
-        r: Where the place is, (3,).
+        r: Position of the target, (3,).
         T: Its orientation, (3, 3).
-        x_s: The path's derivative over s there, (6,).
+        x_s: The path's first derivative over s there, (6,).
         x_ss: Its second derivative, (6,).
-        r_now: Where the tool is, (3,).
+        r_now: Position of the tool at q, (3,).
         T_now: Its orientation, (3, 3).
-        J: Geometric Jacobian, (6, n).
-        error: From the tool to the place, (6,).
+        J: Geometric Jacobian at q, (6, n).
+        error: The residual: translation and rotation vector from the tool to the target, (6,).
         J_s: Scratch, (6, n).
         P: Scratch, (n, 6).
         step: Scratch, (n,).
@@ -64,9 +64,9 @@ class View(NamedTuple):
 
 
 @compiled()
-def view_of(n: int) -> View:
+def residual_for(n: int) -> PoseResidual:
     """Memory for a robot of n axes, made once per path."""
-    return View(
+    return PoseResidual(
         np.empty(3), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(3), np.empty((3, 3)),
         np.empty((6, n)), np.empty(6), np.empty((6, n)), np.empty((n, 6)), np.empty(n), np.empty(6),
         np.empty(6), scratch_for(n),
@@ -74,69 +74,69 @@ def view_of(n: int) -> View:
 
 
 @compiled(nrt=False)
-def aim_at(path: PathArrays, s: float, view: View) -> None:
-    """Fill where the path is at `s`; what follows is about postures beside that place."""
-    pose_on_path(path, s, view.r, view.T, view.x_s, view.x_ss)
+def set_target(path: PathArrays, s: float, residual: PoseResidual) -> None:
+    """Set the target to the path's pose at `s`, with its derivatives."""
+    pose_on_path(path, s, residual.r, residual.T, residual.x_s, residual.x_ss)
 
 
 @compiled(nrt=False)
-def look_from(chain: ChainArrays, q: Array, view: View) -> float:
-    """Fill what is known of posture `q`, (n,); the largest entry of its error."""
-    pose_and_jacobian(chain, q, view.r_now, view.T_now, view.J)
-    error_between(view.r_now, view.T_now, view.r, view.T, view.error)
+def evaluate_residual(chain: ChainArrays, q: Array, residual: PoseResidual) -> float:
+    """Fill pose, Jacobian and residual at joint positions `q`, (n,); return the largest |entry|."""
+    pose_and_jacobian(chain, q, residual.r_now, residual.T_now, residual.J)
+    error_between(residual.r_now, residual.T_now, residual.r, residual.T, residual.error)
     largest = 0.0
     for k in range(6):
-        largest = max(largest, abs(view.error[k]))
+        largest = max(largest, abs(residual.error[k]))
     return largest
 
 
 @compiled(nrt=False)
-def correct(chain: ChainArrays, q: Array, view: View) -> bool:
-    """Newton's method from a close guess, in place; False if it does not converge in a few steps.
+def correct(chain: ChainArrays, q: Array, residual: PoseResidual) -> bool:
+    """Newton's method from a close guess `q`, in place; False if it does not converge in a few steps.
 
-    The view is then that from the corrected posture.
+    Afterwards the residual is that at the corrected `q`.
     """
-    error = look_from(chain, q, view)
+    error = evaluate_residual(chain, q, residual)
     for _ in range(CORRECTION_STEPS):
         if error < CORRECTION_TOLERANCE:
             break
-        apply_pseudo_inverse(view.J, view.error, view.step, view.solver)
+        apply_pseudo_inverse(residual.J, residual.error, residual.step, residual.solver)
         for k in range(q.size):
-            if not abs(view.step[k]) <= LARGEST_KNOT_MOTION:
+            if not abs(residual.step[k]) <= LARGEST_JOINT_STEP:
                 return False
         for k in range(q.size):
-            q[k] += view.step[k]
-        error = look_from(chain, q, view)
+            q[k] += residual.step[k]
+        error = evaluate_residual(chain, q, residual)
     return error < CORRECTION_TOLERANCE
 
 
 @compiled(nrt=False)
-def derivatives(view: View, q_s: Array, q_ss: Array) -> bool:
-    """Fill q' = J^+ x' and q'' = d/ds (J^+ x'), (n,), of the posture in view; False if it cannot move so."""
+def derivatives(residual: PoseResidual, q_s: Array, q_ss: Array) -> bool:
+    """Fill q' = J^+ x' and q'' = d/ds (J^+ x'), (n,), where the residual is 0; False if J q' misses x'."""
     n = q_s.size
-    x_s, J, P, J_s, rest = view.x_s, view.J, view.P, view.J_s, view.rest
-    if n > 6:  # which needs the pseudo-inverse itself
-        pseudo_inverse(J, P, view.solver)
+    x_s, J, P, J_s, rest = residual.x_s, residual.J, residual.P, residual.J_s, residual.rest
+    if n > 6:  # q'' below needs the pseudo-inverse itself
+        pseudo_inverse(J, P, residual.solver)
         multiply(P, x_s, q_s)
     else:
-        apply_pseudo_inverse(J, x_s, q_s, view.solver)
+        apply_pseudo_inverse(J, x_s, q_s, residual.solver)
     multiply(J, q_s, rest)
     missing, whole = 0.0, 0.0
     for k in range(6):
         missing += (x_s[k] - rest[k]) ** 2
         whole += x_s[k] ** 2
-    if not sqrt(missing) <= LOST_MOTION * sqrt(whole):
+    if not sqrt(missing) <= DERIVATIVE_TOLERANCE * sqrt(whole):
         return False
     jacobian_der(J, q_s, J_s)
     multiply(J_s, q_s, rest)
     for k in range(6):
-        rest[k] = view.x_ss[k] - rest[k]
+        rest[k] = residual.x_ss[k] - rest[k]
     # Golub and Pereyra 1973: derivative of the pseudo-inverse, applied to x'.
     if n <= 6:
-        apply_pseudo_inverse(J, rest, q_ss, view.solver)
+        apply_pseudo_inverse(J, rest, q_ss, residual.solver)
         return True
     multiply(P, rest, q_ss)
-    inner, twist = view.step, view.twist
+    inner, twist = residual.step, residual.twist
     multiply_transposed(P, q_s, twist)
     multiply_transposed(J_s, twist, inner)
     for k in range(n):

@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
-from robots_planning.path_kinematics.pose_residual_kernel import View, aim_at, correct, look_from, view_of
+from robots_planning.path_kinematics.pose_residual_kernel import (
+    PoseResidual,
+    correct,
+    evaluate_residual,
+    residual_for,
+    set_target,
+)
 from robots_planning.path_kinematics.pseudo_inverse import apply_pseudo_inverse, multiply, pseudo_inverse
 from robots_planning.paths.cartesian_path_kernel import PathArrays
 
@@ -26,7 +32,7 @@ RELAXATION = 0.3  # part of the way to the smoother posture that one step goes
 
 @compiled(nrt=False)
 def sample_layer(
-    chain: ChainArrays, limits: Array, seeds: Array, nodes: Array, view: View, memory: Array
+    chain: ChainArrays, limits: Array, seeds: Array, nodes: Array, residual: PoseResidual, memory: Array
 ) -> int:
     """Fill nodes (k, n) with postures of the pose aimed at that are joined to `seeds` (m, n), and return k.
 
@@ -38,9 +44,11 @@ def sample_layer(
     for seed in range(seeds.shape[0]):
         _copy(seeds[seed], q)
         # Corrections are small: most seeds need none to be known.
-        if _known(nodes, count, q, 0.5 * SPACING) or not correct(chain, q, view):
+        if _known(nodes, count, q, 0.5 * SPACING) or not correct(chain, q, residual):
             continue
-        if not _brought_inside(chain, limits, q, view, memory[2]) or _known(nodes, count, q, 0.6 * SPACING):
+        if not _brought_inside(chain, limits, q, residual, memory[2]) or _known(
+            nodes, count, q, 0.6 * SPACING
+        ):
             continue
         if count == nodes.shape[0]:
             break
@@ -49,7 +57,7 @@ def sample_layer(
         count += 1
         for sign in (1.0, -1.0):
             _copy(first, q)
-            count = _sample_side(chain, limits, q, sign, nodes, count, view, memory[2:])
+            count = _sample_side(chain, limits, q, sign, nodes, count, residual, memory[2:])
     return count
 
 
@@ -61,22 +69,26 @@ def _sample_side(
     sign: float,
     nodes: Array,
     count: int,
-    view: View,
+    residual: PoseResidual,
     memory: Array,
 ) -> int:
     """Add nodes, of which there are `count`, on one side of posture `q`, which moves; return how many."""
     way, last = memory[0], memory[1]
-    look_from(chain, q, view)
-    _null_direction(view, way)
+    evaluate_residual(chain, q, residual)
+    _null_direction(residual, way)
     while count < nodes.shape[0]:
         for k in range(q.size):
             last[k] = sign * way[k]
             q[k] += SPACING * last[k]
-        if not correct(chain, q, view) or not _inside(limits, q) or _known(nodes, count, q, 0.6 * SPACING):
+        if (
+            not correct(chain, q, residual)
+            or not _inside(limits, q)
+            or _known(nodes, count, q, 0.6 * SPACING)
+        ):
             break
         _copy(q, nodes[count])
         count += 1
-        _null_direction(view, way)
+        _null_direction(residual, way)
         along = 0.0
         for k in range(q.size):
             along += last[k] * way[k]
@@ -99,10 +111,10 @@ def _inside(limits: Array, q: Array) -> bool:
 
 
 @compiled(nrt=False)
-def _brought_inside(chain: ChainArrays, limits: Array, q: Array, view: View, way: Array) -> bool:
-    """Self-motion of a posture in view, in place, that brings back axes that are a little outside.
+def _brought_inside(chain: ChainArrays, limits: Array, q: Array, residual: PoseResidual, way: Array) -> bool:
+    """Bring axes that are slightly outside their limits back by self-motion, in place; False if that fails.
 
-    False if it does not. `way` (n,) is memory.
+    The residual is that at `q`. `direction` (n,) is scratch.
     """
     n = q.size
     for _ in range(INSIDE_STEPS):
@@ -113,13 +125,13 @@ def _brought_inside(chain: ChainArrays, limits: Array, q: Array, view: View, way
                 worst, excess = k, outside
         if worst == NOWHERE:
             return True
-        _null_direction(view, way)
+        _null_direction(residual, way)
         goal = max(limits[0, worst] + INSIDE_ROOM, min(q[worst], limits[1, worst] - INSIDE_ROOM)) - q[worst]
         if INSIDE_MOTION * abs(way[worst]) < abs(goal):
             return False
         for k in range(n):
             q[k] += goal / way[worst] * way[k]
-        if not correct(chain, q, view):
+        if not correct(chain, q, residual):
             return False
     return False
 
@@ -141,11 +153,11 @@ def _apart(p: Array, q: Array) -> float:
 
 
 @compiled(nrt=False)
-def _null_direction(view: View, way: Array) -> None:
+def _null_direction(residual: PoseResidual, way: Array) -> None:
     """Fill the joint motion (n,) that leaves the pose; its largest entry is 1 rad (m)."""
     n = way.size
-    J, P = view.J, view.P
-    pseudo_inverse(J, P, view.solver)
+    J, P = residual.J, residual.P
+    pseudo_inverse(J, P, residual.solver)
     # The longest column of I - J^+ J.
     axis, longest = 0, 0.0
     for k in range(n):
@@ -177,24 +189,24 @@ def follow_layers(
     counts = np.zeros(m, np.int64)
     layers[0, 0] = start
     counts[0] = 1
-    view, memory = view_of(n), np.empty((4, n))
+    residual, memory = residual_for(n), np.empty((4, n))
     for i in range(1, m):
         seeds = layers[i - 1, : counts[i - 1]].copy()
-        aim_at(path, s[i - 1], view)
-        _move_along(chain, s[i] - s[i - 1], seeds, view, memory[0])
-        aim_at(path, s[i], view)
-        counts[i] = sample_layer(chain, limits, seeds, layers[i], view, memory)
+        set_target(path, s[i - 1], residual)
+        _move_along(chain, s[i] - s[i - 1], seeds, residual, memory[0])
+        set_target(path, s[i], residual)
+        counts[i] = sample_layer(chain, limits, seeds, layers[i], residual, memory)
         if counts[i] == 0:
             return i, counts
     return m, counts
 
 
 @compiled(nrt=False)
-def _move_along(chain: ChainArrays, way: float, postures: Array, view: View, step: Array) -> None:
+def _move_along(chain: ChainArrays, way: float, postures: Array, residual: PoseResidual, step: Array) -> None:
     """Move postures (k, n) by `way` of s along the path aimed at, where that is no jump; `step` is memory."""
     for k in range(postures.shape[0]):
-        look_from(chain, postures[k], view)
-        apply_pseudo_inverse(view.J, view.x_s, step, view.solver)
+        evaluate_residual(chain, postures[k], residual)
+        apply_pseudo_inverse(residual.J, residual.x_s, step, residual.solver)
         largest = 0.0
         for axis in range(step.size):
             largest = max(largest, abs(step[axis]))
@@ -242,7 +254,7 @@ def relax(
 ) -> None:
     """Smooth postures q (m, n) at s (m,) by self-motion, the first one fixed, `margin` inside the limits."""
     n = q.shape[1]
-    _relax(chain, limits, path, s, margin, rounds, q, view_of(n), np.empty((3, n)))
+    _relax(chain, limits, path, s, margin, rounds, q, residual_for(n), np.empty((3, n)))
 
 
 @compiled(nrt=False)
@@ -254,10 +266,10 @@ def _relax(
     margin: float,
     rounds: int,
     q: Array,
-    view: View,
+    residual: PoseResidual,
     memory: Array,
 ) -> None:
-    wish, back, moved, reached = memory[0], memory[1], memory[2], view.rest
+    wish, back, moved, reached = memory[0], memory[1], memory[2], residual.rest
     m, n = q.shape
     for _ in range(rounds):
         for i in range(1, m):
@@ -265,13 +277,13 @@ def _relax(
                 # The end is free: there the smoothest is to go on as before.
                 target = 0.5 * (q[i - 1, k] + q[i + 1, k]) if i < m - 1 else 2.0 * q[i - 1, k] - q[i - 2, k]
                 wish[k] = RELAXATION * (target - q[i, k])
-            aim_at(path, s[i], view)
-            look_from(chain, q[i], view)
-            multiply(view.J, wish, reached)
-            apply_pseudo_inverse(view.J, reached, back, view.solver)
+            set_target(path, s[i], residual)
+            evaluate_residual(chain, q[i], residual)
+            multiply(residual.J, wish, reached)
+            apply_pseudo_inverse(residual.J, reached, back, residual.solver)
             for k in range(n):
                 moved[k] = q[i, k] + wish[k] - back[k]
-            if not correct(chain, moved, view):
+            if not correct(chain, moved, residual):
                 continue
             good = True
             for k in range(n):

@@ -73,7 +73,7 @@ class SingularityPassage:
             before: Its part up to there.
         """
         place = before.end
-        first = (joined([before]),) if before.knots is not None else ()
+        first = (joined([before]),) if before.samples is not None else ()
         turning = first[0].joints.q[-1] if first else start
         middle = place + BESIDE * (1.0 - place)
         branches = [_Branch(*alike, ()) for alike in self._whole_turns_apart(path.pose(middle))]
@@ -113,9 +113,9 @@ class SingularityPassage:
                 parts[begin] = path.part(begin, end)
             further = self._kinematics.follow_far(parts[begin], posture)
             back = branch.back
-            if further.knots is not None:
+            if further.samples is not None:
                 reached = begin + further.end * (end - begin)
-                back = (FollowedPart(further.knots, begin, reached).backwards(), *back)
+                back = (FollowedPart(further.samples, begin, reached).backwards(), *back)
             if back and back[0].begin - end <= LARGEST_GAP:
                 yield _Branch(branch.posture, branch.turns, back)
 
@@ -139,8 +139,8 @@ class SingularityPassage:
         rest = self._kinematics.follow_far(ahead, branch.posture)
         if rest.end < 1.0:
             return
-        onward = joined([*branch.back, FollowedPart(rest.knots, branch.back[-1].end, 1.0)])
+        onward = joined([*branch.back, FollowedPart(rest.samples, branch.back[-1].end, 1.0)])
         for turn in branch.turns[still]:
             piece = onward.turned(turn)
-            if stays_inside(self._limits, piece.joints.knots):
+            if stays_inside(self._limits, piece.joints.samples):
                 yield piece

@@ -13,15 +13,15 @@ from robots_planning.timing.quintic import quintic_coefficients, quintics_at
 
 @dataclass(frozen=True, eq=False)
 class JointPath:
-    """Knots of q(s), s from 0 to 1, with the quintic through q, q' and q'' between them.
+    """Samples of q(s), s from 0 to 1, joined by quintics that match q, q' and q'' at them.
 
     Attributes:
         s: (k,), increasing from 0 to 1; k >= 2.
         q: (k, n), rad (m).
         q_s: (k, n), first derivative with respect to s.
         q_ss: (k, n), second derivative.
-        seams: (j,), s where the path goes on by another rule and its third derivative jumps; trajectories
-            have a point there. None by default.
+        seams: (j,), s where the third derivative jumps, as at the ends of a blend; trajectories have a point
+            there. Empty by default.
 
     Raises:
         InvalidInputError: shapes that do not match, values that are not finite, or s that does not increase
@@ -54,7 +54,9 @@ class JointPath:
                 f'q {self.q.shape}, q_s {self.q_s.shape} and q_ss {self.q_ss.shape} must have one shape'
             )
         if self.s[0] != 0.0 or self.s[-1] != 1.0 or not (self.s[1:] > self.s[:-1]).all():
-            raise InvalidInputError('s of a joint path must go from 0 to 1 and increase from knot to knot')
+            raise InvalidInputError(
+                's of a joint path must go from 0 to 1 and increase from sample to sample'
+            )
         coefficients = np.empty((k - 1, 6, self.q.shape[1]))
         quintic_coefficients(self.s, self.q, self.q_s, self.q_ss, coefficients)
         object.__setattr__(self, 'coefficients', coefficients)
@@ -65,8 +67,8 @@ class JointPath:
         return int(self.q.shape[1])
 
     @property
-    def knots(self) -> tuple[Array, Array, Array, Array]:
-        """s, q, q' and q''."""
+    def samples(self) -> tuple[Array, Array, Array, Array]:
+        """s, q, q' and q'', as compiled code takes them."""
         return self.s, self.q, self.q_s, self.q_ss
 
     def evaluate(self, s: Array) -> tuple[Array, Array, Array]:

@@ -11,7 +11,7 @@ from robots_planning.paths.joint_path import JointPath
 from robots_planning.paths.path_grid import path_grid
 from robots_planning.timing.quintic import quintic_coefficients, quintics_at
 
-NODES = 4  # per interval between two knots of the path
+NODES = 4  # per interval between two samples of the path
 SMALLEST_WAY = 1e-12  # s at full speed; below it the axes do not move at all
 SLOWEST_TURN = 0.05  # of the mean rate: where the axes hardly move, their direction means nothing
 
@@ -76,7 +76,7 @@ class ReparametrisedPath:
 
     @property
     def seams(self) -> Array:
-        """Sigma of the path's seams, which are knots, (j,)."""
+        """Sigma of the path's seams, which are samples, (j,)."""
         return np.asarray(np.interp(self._path.seams, self._s, self._sigma))
 
     def s_of(self, sigma: Array) -> tuple[Array, Array, Array]:

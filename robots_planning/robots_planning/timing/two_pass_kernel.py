@@ -20,8 +20,8 @@ from robots_planning.timing.time_law import TimeLaw, smooth_law_at, time_law
 from robots_planning.timing.two_pass import Grid, MotionLimits, two_pass
 
 GRID = 240  # points of the speed profile over the path, at least
-GRID_ROUNDING = 1e-9  # of a point: what rounding of the knots must not add
-POINTS_PER_KNOT = 4  # so that the trajectory's quintics follow those of the joint path
+GRID_ROUNDING = 1e-9  # of a grid interval: rounding of the samples must not add an interval
+POINTS_PER_SAMPLE = 4  # so that the trajectory's quintics follow those of the joint path
 # Points closer than this are one: the quintic between them would divide rounding by its fifth power.
 CLOSEST_POINTS = 2e-4  # s
 # Of the smoothing window: other points closer to the end of a jump than this are left out.
@@ -47,34 +47,34 @@ AllLimits = tuple[MotionLimits, Array, float]
 
 
 @compiled()
-def speed_grid(knots: Array) -> Array:
-    """Path grid that holds all knots, subdivided evenly so that it has at least about `GRID` intervals."""
+def speed_grid(path_s: Array) -> Array:
+    """Path grid that contains all of path_s (k,), subdivided evenly into at least about `GRID` intervals."""
     total = 0
-    for i in range(knots.size - 1):
-        total += _parts(knots[i + 1] - knots[i])
+    for i in range(path_s.size - 1):
+        total += _parts(path_s[i + 1] - path_s[i])
     s, row = np.empty(total + 1), 0
-    for i in range(knots.size - 1):
-        parts = _parts(knots[i + 1] - knots[i])
+    for i in range(path_s.size - 1):
+        parts = _parts(path_s[i + 1] - path_s[i])
         for part in range(parts):
-            s[row] = knots[i] + (knots[i + 1] - knots[i]) * part / parts
+            s[row] = path_s[i] + (path_s[i + 1] - path_s[i]) * part / parts
             row += 1
-    s[row] = knots[-1]
+    s[row] = path_s[-1]
     return s
 
 
 @compiled(nrt=False)
 def _parts(interval: float) -> int:
     """In how many parts an interval of the path is divided."""
-    return max(ceil(interval * GRID - GRID_ROUNDING), POINTS_PER_KNOT)
+    return max(ceil(interval * GRID - GRID_ROUNDING), POINTS_PER_SAMPLE)
 
 
 @compiled()
-def grid_of(knots: Array, coefficients: Array, tool_path: PathArrays) -> Grid:
+def grid_of(path_s: Array, coefficients: Array, tool_path: PathArrays) -> Grid:
     """Derivatives of axes and tool on the speed grid of a joint path."""
-    s = speed_grid(knots)
+    s = speed_grid(path_s)
     m, n = s.size, coefficients.shape[2]
     q, q_s, q_ss = np.empty((m, n)), np.empty((m, n)), np.empty((m, n))
-    quintics_at(knots, coefficients, s, q, q_s, q_ss)
+    quintics_at(path_s, coefficients, s, q, q_s, q_ss)
     x_s, x_ss = np.empty((m, 6)), np.empty((m, 6))
     r, T = np.empty(3), np.empty((3, 3))
     for i in range(m):
@@ -84,7 +84,7 @@ def grid_of(knots: Array, coefficients: Array, tool_path: PathArrays) -> Grid:
 
 @compiled()
 def timed_points(
-    knots: Array, coefficients: Array, grid: Grid, limits: AllLimits, window: float, share: float
+    path_s: Array, coefficients: Array, grid: Grid, limits: AllLimits, window: float, share: float
 ) -> Points:
     """The points of the fastest smooth motion along a joint path that keeps all limits, between points too.
 
@@ -92,7 +92,7 @@ def timed_points(
     slowed down evenly.
 
     Args:
-        knots: s of the joint path, (k,).
+        path_s: s of the joint path, (k,).
         coefficients: Of its quintics, (k - 1, 6, n).
         grid: From `grid_of`.
         limits: See `AllLimits`.
@@ -104,21 +104,21 @@ def timed_points(
     two_pass(grid, limits[0], scale, speeds)
     law = time_law(grid[0], speeds)
     width = max(min(window, share * law[0][-1]), 2.0 * CLOSEST_POINTS)
-    points, use = _sampled(knots, coefficients, grid, limits, law, width, 1.0)
+    points, use = _sampled(path_s, coefficients, grid, limits, law, width, 1.0)
     for _ in range(ROUNDS):
         if use.max() <= GOOD_ENOUGH:
             break
         _slow_down(law[0], width, points[0], use, scale)
         two_pass(grid, limits[0], scale, speeds)
         law = time_law(grid[0], speeds)
-        points, use = _sampled(knots, coefficients, grid, limits, law, width, 1.0)
+        points, use = _sampled(path_s, coefficients, grid, limits, law, width, 1.0)
     stretch = 1.0
     for _ in range(STRETCHES):
         if use.max() <= 1.0:
             break
         # Use of acceleration and squared speed falls with the square of time, that of jerk faster.
         stretch *= sqrt(use.max()) * (1.0 + STRETCH_EXCESS)
-        points, use = _sampled(knots, coefficients, grid, limits, law, width, stretch)
+        points, use = _sampled(path_s, coefficients, grid, limits, law, width, stretch)
     return points
 
 
@@ -195,7 +195,7 @@ def _point_times(law: TimeLaw, grid: Grid, limits: AllLimits, window: float) -> 
 
 @compiled()
 def _sampled(
-    knots: Array,
+    path_s: Array,
     coefficients: Array,
     grid: Grid,
     limits: AllLimits,
@@ -220,7 +220,7 @@ def _sampled(
     for row in (0, k - 1):
         path[1, row], path[2, row] = 0.0, 0.0
     q, q_dot, q_ddot = np.empty((k, n)), np.empty((k, n)), np.empty((k, n))
-    quintics_at(knots, coefficients, path[0], q, q_dot, q_ddot)
+    quintics_at(path_s, coefficients, path[0], q, q_dot, q_ddot)
     tool_use = np.empty(k)
     linear, last_linear = np.zeros(3), np.zeros(3)
     for row in range(k):

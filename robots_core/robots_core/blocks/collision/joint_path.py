@@ -57,7 +57,7 @@ class JointPath:
         self._make_curve()
 
     def _make_curve(self) -> None:
-        knots = BPoly(_control_points(self.time, self.position, self.velocity, self.acceleration), self.time)
+        curve = BPoly(_control_points(self.time, self.position, self.velocity, self.acceleration), self.time)
         # Every piece is cut into short ones with their own control points.
         pieces = np.ceil(np.diff(self.time) / LONGEST_PIECE - 1e-9).astype(int)
         time = np.concatenate(
@@ -67,7 +67,7 @@ class JointPath:
             ]
             + [self.time[-1:]]
         )
-        states = [np.asarray(knots(time, order)) for order in range(3)]
+        states = [np.asarray(curve(time, order)) for order in range(3)]
         for order, given in enumerate((self.position, self.velocity, self.acceleration)):
             # The acceleration jumps where only velocities meet: the points' own values hold.
             states[order][np.searchsorted(time, self.time)] = given
