@@ -27,7 +27,7 @@ EDGE = 1.0 + 1e-6  # of a zone: its edge is found by bisection
 SAMPLES = 300
 
 Measure = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""From postures (m, n) and tool positions (m, 3) to numbers (m,)."""
+"""From joint positions (m, n) and tool positions (m, 3) to numbers (m,)."""
 
 direction = st.tuples(*[st.floats(-1.0, 1.0)] * 3)
 angles = st.lists(st.floats(-0.4, 0.4), min_size=7, max_size=7)

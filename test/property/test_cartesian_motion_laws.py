@@ -27,7 +27,7 @@ near_home = st.lists(st.floats(-0.3, 0.3), min_size=7, max_size=7)
 planners = st.sampled_from(['limited', 'dynamic_programming'])
 
 
-def posture(robot: BaseRobotModel, moved: list[float]) -> np.ndarray:
+def positions(robot: BaseRobotModel, moved: list[float]) -> np.ndarray:
     """Near home, with a bent wrist: home has a straight one on some robots."""
     q = robot.home + np.array(moved[: robot.num_axes])
     q[-2] += 0.6
@@ -52,7 +52,7 @@ def test_arcs_stay_on_their_circle_within_all_limits(
     planner: str,
 ) -> None:
     robot = _LOADED[name]
-    q = posture(robot, start)
+    q = positions(robot, start)
     generator = CircularCartesian(robot, planner=planner)
     begin = generator.path_kinematics.pose(q)
     via, end = poses_from(begin, list(offsets), list(turns))
@@ -90,7 +90,7 @@ def test_splines_pass_their_poses_within_all_limits(
     planner: str,
 ) -> None:
     robot = _LOADED[name]
-    q = posture(robot, start)
+    q = positions(robot, start)
     generator = SplineCartesian(robot, jerk_limited=jerk_limited, planner=planner)
     begin = generator.path_kinematics.pose(q)
     poses = poses_from(begin, offsets, turns[: len(offsets)])
@@ -103,8 +103,8 @@ def test_splines_pass_their_poses_within_all_limits(
     except (PlanningError, UnreachablePoseError):
         assume(False)  # the reach is not this law's business
     for s, pose in zip(path.parameters[1:], poses, strict=True):
-        posture_there = joint_path.evaluate(np.array([s]))[0][0]
-        assert max(generator.path_kinematics.pose(posture_there).distance_to(pose)) < 1e-9
+        q_there = joint_path.evaluate(np.array([s]))[0][0]
+        assert max(generator.path_kinematics.pose(q_there).distance_to(pose)) < 1e-9
     report = verify(trajectory, robot, path=path, torque=planner == 'dynamic_programming')
     assert report.ok, report.describe()
     if jerk_limited:
@@ -113,14 +113,14 @@ def test_splines_pass_their_poses_within_all_limits(
 
 @pytest.mark.parametrize('name', ROBOTS)
 @settings(max_examples=15, deadline=None)  # verified in full
-@given(start=near_home, way=offset, about=turn)
+@given(start=near_home, offset_r=offset, about=turn)
 def test_jerk_limited_lines_keep_jerk_everywhere_at_a_bearable_price(
-    name: str, start: list[float], way: tuple[float, ...], about: tuple[float, ...]
+    name: str, start: list[float], offset_r: tuple[float, ...], about: tuple[float, ...]
 ) -> None:
     robot = _LOADED[name]
-    q = posture(robot, start)
+    q = positions(robot, start)
     begin = Pose(*robot.direct_kinematics(q))
-    (target,) = poses_from(begin, [way], [about])
+    (target,) = poses_from(begin, [offset_r], [about])
     try:
         free = LinearCartesianLimited(robot).generate(q, target)
     except (PlanningError, UnreachablePoseError):
@@ -155,7 +155,7 @@ def test_larger_limits_are_never_slower(
     name: str, start: list[float], offsets: list[tuple[float, ...]], option: str, less: float
 ) -> None:
     robot = _LOADED[name]
-    q = posture(robot, start)
+    q = positions(robot, start)
     defaults = {
         'speed_fraction': 1.0,
         'acceleration_fraction': 1.0,
@@ -202,7 +202,7 @@ def test_a_tool_is_the_same_as_a_robot_with_a_longer_last_link(
     jerk_limited: bool,  # noqa: FBT001  # a case
 ) -> None:
     robot = _LOADED['kuka_kr210_r2700']
-    q = posture(robot, [0.1, 0.2, -0.1, 0.2, 0.1, 0.3])
+    q = positions(robot, [0.1, 0.2, -0.1, 0.2, 0.1, 0.3])
     begin = Pose(*robot.direct_kinematics(q)) @ TOOL
     poses = poses_from(begin, [(0.1, 0.05, 0.0), (0.2, -0.05, 0.1)], [(0.1, 0.0, 0.0), (0.2, 0.1, 0.0)])
     for kind, target in (

@@ -32,34 +32,38 @@ def planner_of(name: str) -> LinearCartesianDynamicProgramming:
     return _PLANNERS[name]
 
 
-def posture(robot: BaseRobotModel, offsets: list[float]) -> np.ndarray:
+def positions(robot: BaseRobotModel, offsets: list[float]) -> np.ndarray:
     axes = robot.axes_data
     return np.clip(robot.home + offsets[: robot.num_axes], axes.lower, axes.upper)
 
 
 def line_from(
-    robot: BaseRobotModel, q: np.ndarray, ways: tuple[tuple[float, ...], ...], metres: float, radians: float
+    robot: BaseRobotModel,
+    q: np.ndarray,
+    directions: tuple[tuple[float, ...], ...],
+    metres: float,
+    radians: float,
 ) -> CartesianLine:
     pose = Pose(*robot.direct_kinematics(q))
-    turn = Rotation.from_rotvec(radians * np.array(ways[1])).as_matrix()
-    return CartesianLine(pose, Pose(pose.r + metres * np.array(ways[0]), turn @ pose.T))
+    turn = Rotation.from_rotvec(radians * np.array(directions[1])).as_matrix()
+    return CartesianLine(pose, Pose(pose.r + metres * np.array(directions[0]), turn @ pose.T))
 
 
 @pytest.mark.parametrize('name', available_robot_models())
 @settings(max_examples=8, deadline=None)  # every plan is looked at 1000 times a second with inverse dynamics
 @given(
     offsets=st.lists(st.floats(-0.7, 0.7), min_size=7, max_size=7),
-    ways=st.tuples(direction, direction),
+    directions=st.tuples(direction, direction),
     metres=st.floats(0.0, 0.4),
     radians=st.floats(0.0, 0.4),
 )
 def test_every_robot_keeps_every_limit(
-    name: str, offsets: list[float], ways: tuple[tuple[float, ...], ...], metres: float, radians: float
+    name: str, offsets: list[float], directions: tuple[tuple[float, ...], ...], metres: float, radians: float
 ) -> None:
     planner = planner_of(name)
     robot = planner.robot
-    q = posture(robot, offsets)
-    line = line_from(robot, q, ways, metres, radians)
+    q = positions(robot, offsets)
+    line = line_from(robot, q, directions, metres, radians)
     try:
         trajectory = planner.generate(q, line.end)
     except PlanningError as error:
@@ -72,7 +76,7 @@ def test_every_robot_keeps_every_limit(
 
 
 def search_finds(robot: BaseRobotModel, line: CartesianLine, start: np.ndarray) -> bool:
-    """Whether postures of closed forms at many poses, each near one of the pose before, lead along a line."""
+    """Whether closed-form solutions at many poses, each near one of the pose before, lead along a line."""
     reached = [start]
     for s in np.linspace(0.0, 1.0, POSES + 1)[1:]:
         pose, following = line.pose(float(s)), []
@@ -92,17 +96,17 @@ def search_finds(robot: BaseRobotModel, line: CartesianLine, start: np.ndarray) 
 @given(
     offsets=st.lists(st.floats(-0.7, 0.7), min_size=6, max_size=6),
     wrist=bend,
-    ways=st.tuples(direction, direction),
+    directions=st.tuples(direction, direction),
     metres=st.floats(0.01, 0.4),
 )
 def test_a_plan_wherever_a_search_finds_one(
-    name: str, offsets: list[float], wrist: float, ways: tuple[tuple[float, ...], ...], metres: float
+    name: str, offsets: list[float], wrist: float, directions: tuple[tuple[float, ...], ...], metres: float
 ) -> None:
     planner = planner_of(name)
     robot = planner.robot
     offsets[4] = wrist - robot.home[4]
-    q = posture(robot, offsets)
-    line = line_from(robot, q, ways, metres, 0.3)
+    q = positions(robot, offsets)
+    line = line_from(robot, q, directions, metres, 0.3)
     try:
         planner.generate(q, line.end)
     except (PlanningError, UnreachablePoseError) as error:
@@ -113,18 +117,18 @@ def test_a_plan_wherever_a_search_finds_one(
 @settings(max_examples=12, deadline=None)  # four plans each
 @given(
     offsets=st.lists(st.floats(-0.5, 0.5), min_size=6, max_size=6),
-    ways=st.tuples(direction, direction),
+    directions=st.tuples(direction, direction),
     metres=st.floats(0.02, 0.3),
     less=st.floats(0.2, 0.9),
 )
 def test_backwards_it_takes_as_long_and_with_smaller_limits_not_less(
-    name: str, offsets: list[float], ways: tuple[tuple[float, ...], ...], metres: float, less: float
+    name: str, offsets: list[float], directions: tuple[tuple[float, ...], ...], metres: float, less: float
 ) -> None:
     planner = planner_of(name)
     robot = planner.robot
-    offsets[4] += 0.7  # off the straight wrist, where two postures are as near
-    q = posture(robot, offsets)
-    line = line_from(robot, q, ways, metres, 0.2)
+    offsets[4] += 0.7  # off the straight wrist, where two configurations are equally near
+    q = positions(robot, offsets)
+    line = line_from(robot, q, directions, metres, 0.2)
     try:
         there = planner.generate(q, line.end)
         back = planner.generate(there.position[-1], line.start)
@@ -134,6 +138,6 @@ def test_backwards_it_takes_as_long_and_with_smaller_limits_not_less(
     weak = LinearCartesianDynamicProgramming(robot, acceleration_fraction=less).generate(q, line.end)
     # 0.1 % over the optimum each at most.
     assert min(slow.duration, weak.duration) >= there.duration * (1.0 - 1e-3)
-    assume(np.abs(back.position[-1] - q).max() < 1e-6)  # it came back in the same posture
+    assume(np.abs(back.position[-1] - q).max() < 1e-6)  # it came back in the same configuration
     # Inertia, Coriolis and gravity are the same in both directions of time; 0.1 % as above.
     assert back.duration == pytest.approx(there.duration, rel=1e-3)

@@ -27,7 +27,7 @@ signed = st.one_of(st.floats(-1.0, 1.0), st.sampled_from([0.0, 1.0, -1.0, 1e-3, 
 motions = st.lists(signed, min_size=7, max_size=7)
 
 
-def posture(robot: BaseRobotModel, values: list[float]) -> np.ndarray:
+def positions(robot: BaseRobotModel, values: list[float]) -> np.ndarray:
     """Joint positions at parts 0..1 of their ranges; axes without a range have one turn."""
     axes = robot.axes_data
     low, high = np.where(axes.continuous, -np.pi, axes.lower), np.where(axes.continuous, np.pi, axes.upper)
@@ -72,7 +72,7 @@ def test_from_any_motion_that_can_be_braked(
 ) -> None:
     robot = _LOADED[name]
     axes, n = robot.axes_data, robot.num_axes
-    q, goal = posture(robot, start), posture(robot, target)
+    q, goal = positions(robot, start), positions(robot, target)
     # A whole start may be moved away from the position limits, so that not all examples are refused.
     v, a = np.array(q_dot[:n]) * axes.velocity, np.array(q_ddot[:n]) * axes.acceleration
     generator = planner(robot, speed_fraction=fraction, acceleration_fraction=fraction)
@@ -82,7 +82,7 @@ def test_from_any_motion_that_can_be_braked(
         with pytest.raises(type(error)):
             generator.generate(q, goal, q_dot_start=v, q_ddot_start=a)
         v, a = 0.1 * v, 0.1 * a
-        q = 0.5 * (q + posture(robot, [0.5] * 7))
+        q = 0.5 * (q + positions(robot, [0.5] * 7))
         try:
             check_start_motion(axes, q, v, a)
         except RobotsError:
@@ -114,11 +114,11 @@ def test_targets_that_change_at_any_instant(
     """Also towards and away from limits, where the robot brakes with nearly all it has."""
     robot = _LOADED[name]
     generator = planner(robot)
-    trajectory = generator.generate(posture(robot, start), posture(robot, targets[0]))
+    trajectory = generator.generate(positions(robot, start), positions(robot, targets[0]))
     for share, target in zip(when, targets[1:], strict=True):
         q, q_dot, q_ddot = trajectory.sample(share * trajectory.duration)
         q = np.clip(q, robot.axes_data.lower, robot.axes_data.upper)
-        trajectory = generator.generate(q, posture(robot, target), q_dot_start=q_dot, q_ddot_start=q_ddot)
+        trajectory = generator.generate(q, positions(robot, target), q_dot_start=q_dot, q_ddot_start=q_ddot)
         np.testing.assert_array_equal(trajectory.velocity[0], q_dot)
         np.testing.assert_array_equal(trajectory.acceleration[0], q_ddot)
         assert_limits(trajectory, robot)
@@ -155,8 +155,8 @@ def test_every_axis_is_as_early_as_ruckig_knows(
     name: str, start: list[float], target: list[float], scale: float
 ) -> None:
     robot = _LOADED[name]
-    q = posture(robot, start)
-    goal = q + scale * (posture(robot, target) - q)
+    q = positions(robot, start)
+    goal = q + scale * (positions(robot, target) - q)
     assume(np.abs(goal - q).max() > 1e-6)
     generator = LinearJointAxes(robot)
     expected = ruckig_durations(robot, np.array([q, 0.0 * q, 0.0 * q]), goal)
@@ -175,7 +175,7 @@ def test_from_motion_every_axis_is_nearly_as_early(
 ) -> None:
     robot = _LOADED[name]
     n, axes = robot.num_axes, robot.axes_data
-    q = 0.5 * (posture(robot, middle) + posture(robot, [0.5] * 7))
+    q = 0.5 * (positions(robot, middle) + positions(robot, [0.5] * 7))
     state = np.array(
         [q, 0.3 * np.array(q_dot[:n]) * axes.velocity, 0.3 * np.array(q_ddot[:n]) * axes.acceleration]
     )
@@ -183,7 +183,7 @@ def test_from_motion_every_axis_is_nearly_as_early(
         check_start_motion(axes, *state)
     except RobotsError:
         assume(False)
-    goal = posture(robot, target)
+    goal = positions(robot, target)
     generator = LinearJointAxes(robot)
     expected = ruckig_durations(robot, state, goal)
     trajectory = generator.generate(q, goal, q_dot_start=state[1], q_ddot_start=state[2])
@@ -199,10 +199,10 @@ def test_reversal_and_larger_limits(
     name: str, planner: type[JointSpaceGenerator], start: list[float], target: list[float], less: float
 ) -> None:
     robot = _LOADED[name]
-    q, goal = posture(robot, start), posture(robot, target)
+    q, goal = positions(robot, start), positions(robot, target)
     generator = planner(robot)
     there = generator.generate(q, goal)
-    # The short way of an axis that turns without end is back where it came from.
+    # The shortest motion of a continuous axis is back to where it came from.
     back = generator.generate(there.position[-1], q)
     assert back.duration == pytest.approx(there.duration, rel=1e-9, abs=2e-9)
     tick = 1e-9 * (1 if planner is LinearJoint else 4 * generator.shortest)

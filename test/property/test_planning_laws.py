@@ -16,7 +16,7 @@ _LOADED = {name: load_robot_model(name) for name in ROBOTS}
 FINE = 1e-4
 # Smallest singular value of the Jacobian; the tolerance of poses over it is how well axes are known.
 NEARLY_SINGULAR = 1e-3
-SAME_POSTURE = 1e-4  # rad; self-motion of a redundant robot is integrated to about 1e-5
+SAME_POSITIONS = 1e-4  # rad; self-motion of a redundant robot is integrated to about 1e-5
 
 part = st.one_of(st.floats(0.0, 1.0), st.sampled_from([0.0, 0.5, 0.5001, 1.0]))
 parts = st.lists(part, min_size=7, max_size=7)
@@ -25,7 +25,7 @@ direction = st.tuples(*[st.floats(-1.0, 1.0)] * 3)
 length = st.one_of(st.sampled_from([0.0, 1e-9, 1e-6, 1e-3]), st.floats(0.0, 0.6))
 
 
-def posture(robot: BaseRobotModel, parts: list[float]) -> np.ndarray:
+def positions(robot: BaseRobotModel, parts: list[float]) -> np.ndarray:
     """Joint positions at parts 0..1 of their ranges; 0.5 of a symmetric range is a singular wrist."""
     axes = robot.axes_data
     return axes.lower + np.array(parts[: robot.num_axes]) * (axes.upper - axes.lower)
@@ -52,7 +52,7 @@ def check_every_instant(trajectory: Trajectory, robot: BaseRobotModel) -> None:
 @given(start=parts, target=parts)
 def test_linear_joint(name: str, start: list[float], target: list[float]) -> None:
     robot = _LOADED[name]
-    q_start, q_target = posture(robot, start), posture(robot, target)
+    q_start, q_target = positions(robot, start), positions(robot, target)
     trajectory = LinearJoint(robot).generate(q_start, q_target)
     np.testing.assert_array_equal(trajectory.position[0], q_start)
     np.testing.assert_array_equal(trajectory.position[-1], q_target)
@@ -72,7 +72,7 @@ def test_linear_joint_is_never_slower_with_larger_limits(
     name: str, start: list[float], target: list[float], less: float
 ) -> None:
     robot = _LOADED[name]
-    ends = posture(robot, start), posture(robot, target)
+    ends = positions(robot, start), positions(robot, target)
     full = LinearJoint(robot).generate(*ends).duration
     # Durations are rounded to nanoseconds.
     assert LinearJoint(robot, speed_fraction=less).generate(*ends).duration >= full - 2e-9
@@ -81,15 +81,15 @@ def test_linear_joint_is_never_slower_with_larger_limits(
 
 @pytest.mark.parametrize('name', ROBOTS)
 @settings(max_examples=60, deadline=None)  # lines that fail look for the reason
-@given(start=parts, ways=st.tuples(direction, direction), metres=length, radians=length)
+@given(start=parts, directions=st.tuples(direction, direction), metres=length, radians=length)
 def test_linear_cartesian_limited(
-    name: str, start: list[float], ways: tuple[tuple[float, ...], ...], metres: float, radians: float
+    name: str, start: list[float], directions: tuple[tuple[float, ...], ...], metres: float, radians: float
 ) -> None:
     robot = _LOADED[name]
-    q = posture(robot, start)
+    q = positions(robot, start)
     pose = Pose(*robot.direct_kinematics(q))
-    turn = Rotation.from_rotvec(radians * np.array(ways[1])).as_matrix()
-    target = Pose(pose.r + metres * np.array(ways[0]), turn @ pose.T)
+    turn = Rotation.from_rotvec(radians * np.array(directions[1])).as_matrix()
+    target = Pose(pose.r + metres * np.array(directions[0]), turn @ pose.T)
     try:
         trajectory = LinearCartesianLimited(robot).generate(q, target)
     except (PlanningError, UnreachablePoseError) as error:
@@ -121,10 +121,10 @@ def test_lines_backwards_and_with_smaller_limits(
         back = LinearCartesianLimited(robot).generate(forward.position[-1], pose)
     except (PlanningError, UnreachablePoseError):
         assume(False)  # the other law's business
-    # Close to a singularity the pose leaves axes undetermined within its tolerance, and the way back may take
-    # other postures; everywhere else it is the same joint path.
+    # Close to a singularity the pose leaves axes undetermined within its tolerance, and the motion back may
+    # take other joint positions; everywhere else it is the same joint path.
     if np.linalg.svd(robot.jacobian(q), compute_uv=False)[-1] > NEARLY_SINGULAR:
-        assert np.abs(back.position[-1] - q).max() < SAME_POSTURE
+        assert np.abs(back.position[-1] - q).max() < SAME_POSITIONS
         # The grid of the path differs from both sides, and so does where smoothing costs time.
         assert back.duration == pytest.approx(forward.duration, rel=0.02)
     slower = LinearCartesianLimited(robot, speed_fraction=less, acceleration_fraction=less)

@@ -34,7 +34,7 @@ def check_smooth(path: JointPath) -> None:
         np.testing.assert_allclose(value[1:] - value[0], change, atol=1e-4 * (1.0 + scale))
 
 
-@settings(max_examples=60, deadline=None)  # a thousand postures each
+@settings(max_examples=60, deadline=None)  # a thousand evaluations each
 @given(
     corners=st.lists(
         st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3), min_size=3, max_size=5, unique_by=tuple
@@ -78,8 +78,8 @@ def test_tool_lines_are_blended_within_metres() -> None:
     path = blend([first, second], [0.03], measure=distance)
     check_smooth(path)
     rounded = 0
-    for posture in path.evaluate(np.linspace(0.0, 1.0, 501))[0]:
-        r = kinematics.pose(posture).r
+    for sample in path.evaluate(np.linspace(0.0, 1.0, 501))[0]:
+        r = kinematics.pose(sample).r
         away = []
         for a, b in ((start.r, middle.r), (middle.r, end.r)):
             part = np.clip((r - a) @ (b - a) / ((b - a) @ (b - a)), 0.0, 1.0)

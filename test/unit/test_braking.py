@@ -1,4 +1,4 @@
-"""furthest: against Ruckig on its way to a target far behind, which it brakes for as hard as it can."""
+"""furthest: against Ruckig moving to a target far behind the axis, for which it brakes as hard as it can."""
 
 import numpy as np
 import pytest

@@ -73,14 +73,14 @@ def test_is_continuous_with_two_derivatives(name: str) -> None:
 @pytest.mark.parametrize(('begin', 'end'), [(0.2, 0.9), (0.8, 0.1), (0.0, 1.0), (0.4, 0.4)])
 def test_a_part_has_the_poses_of_the_whole(name: str, begin: float, end: float) -> None:
     path = PATHS[name]
-    part, way, s = path.part(begin, end), end - begin, np.linspace(0.0, 1.0, 41)
-    ours, theirs = part.sample(s), path.sample(begin + way * s)
+    part, span, s = path.part(begin, end), end - begin, np.linspace(0.0, 1.0, 41)
+    ours, theirs = part.sample(s), path.sample(begin + span * s)
     scale = 1.0 + np.abs(theirs.x_ss).max()
     for mine, whole in (
         (ours.r, theirs.r),
         (ours.T, theirs.T),
-        (ours.x_s, way * theirs.x_s),
-        (ours.x_ss, way**2 * theirs.x_ss),
+        (ours.x_s, span * theirs.x_s),
+        (ours.x_ss, span**2 * theirs.x_ss),
     ):
         np.testing.assert_allclose(mine, whole, atol=1e-12 * scale)
     assert part.kind == path.kind

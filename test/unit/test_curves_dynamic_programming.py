@@ -16,12 +16,12 @@ from robots_planning.trajectory_generators.poses_generator import PosesGenerator
 CURVES = (CircularCartesian, SplineCartesian)
 
 
-def poses_from(pose: Pose, ways: Sequence[Sequence[float]], turn: Sequence[float]) -> list[Pose]:
-    """Poses that are moved by `ways`, m, and turned by `turn` from one to the next, rad."""
+def poses_from(pose: Pose, offsets: Sequence[Sequence[float]], turn: Sequence[float]) -> list[Pose]:
+    """Poses that are moved by `offsets`, m, and turned by `turn` from one to the next, rad."""
     poses, T = [], pose.T
-    for way in ways:
+    for offset in offsets:
         T = Rotation.from_rotvec(turn).as_matrix() @ T
-        poses.append(Pose(pose.r + way, T))
+        poses.append(Pose(pose.r + offset, T))
     return poses
 
 
@@ -34,19 +34,19 @@ def planned(generator: PosesGenerator, q: np.ndarray, poses: list[Pose]) -> np.n
     assert report.ok, report.describe()
     np.testing.assert_array_equal(trajectory.position[0], q)
     end: np.ndarray = trajectory.position[-1]
-    # The search for postures converges to 1e-10.
+    # The inverse kinematics of the end converges to 1e-10.
     assert max(Pose(*robot.direct_kinematics(end)).distance_to(poses[-1])) < 1e-9
     return end
 
 
 @pytest.mark.parametrize('curve', CURVES)
 @pytest.mark.parametrize(
-    'ways', [[[0.0, 0.1, 0.05], [0.1, 0.2, 0.0]], [[0.0, -0.1, -0.1], [-0.1, -0.2, 0.0]]]
+    'offsets', [[[0.0, 0.1, 0.05], [0.1, 0.2, 0.0]], [[0.0, -0.1, -0.1], [-0.1, -0.2, 0.0]]]
 )
-def test_out_of_a_straight_wrist(curve: type[PosesGenerator], ways: list[list[float]]) -> None:
+def test_out_of_a_straight_wrist(curve: type[PosesGenerator], offsets: list[list[float]]) -> None:
     """Home is singular: two passes cannot leave it; here the wrist turns first, the tool stands still."""
     robot = load_robot_model('kuka_kr210_r2700')
-    poses = poses_from(Pose(*robot.direct_kinematics(robot.home)), ways, [0.1, 0.0, 0.2])
+    poses = poses_from(Pose(*robot.direct_kinematics(robot.home)), offsets, [0.1, 0.0, 0.2])
     with pytest.raises(PlanningError, match=r'singularity at 0\.0 %'):
         curve(robot).generate(robot.home, poses)
     generator = curve(robot, planner='dynamic_programming')
@@ -83,8 +83,8 @@ def test_self_motion_keeps_a_seventh_axis_inside_its_limits(curve: type[PosesGen
 def _random_curve(robot: BaseRobotModel, rng: np.random.Generator) -> tuple[np.ndarray, list[Pose]]:
     axes = robot.axes_data
     q = np.clip(robot.home + 0.5 * rng.normal(size=7), axes.lower + 0.03, axes.upper - 0.03)
-    ways = rng.uniform(-0.2, 0.2, (2, 3))
-    return q, poses_from(Pose(*robot.direct_kinematics(q)), ways, [0.1, 0.0, 0.1])
+    offsets = rng.uniform(-0.2, 0.2, (2, 3))
+    return q, poses_from(Pose(*robot.direct_kinematics(q)), offsets, [0.1, 0.0, 0.1])
 
 
 def test_a_spline_of_thousands_of_poses_is_planned_or_refused_with_how_far_it_goes():
@@ -97,8 +97,8 @@ def test_a_spline_of_thousands_of_poses_is_planned_or_refused_with_how_far_it_go
         return [Pose(start.r + 0.1 * np.array([0.0, np.sin(a), np.cos(a) - 1.0]), start.T) for a in angles]
 
     few, many = (SplineCartesian(robot).generate(q, poses(number)) for number in (100, 3000))
-    # The same circle, though more of it is told.
+    # The same circle, sampled by more poses.
     assert many.duration == pytest.approx(few.duration, rel=1e-2)
-    with pytest.raises(PlanningError, match=r'more than 4000 path samples.* 80.0 % of its 0.600 m') as told:
+    with pytest.raises(PlanningError, match=r'more than 4000 path samples.* 80.0 % of its 0.600 m') as caught:
         SplineCartesian(robot).generate(q, poses(5000))
-    assert told.value.details['fraction'] == pytest.approx(0.8, abs=1e-3)
+    assert caught.value.details['fraction'] == pytest.approx(0.8, abs=1e-3)

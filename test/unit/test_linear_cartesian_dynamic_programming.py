@@ -13,7 +13,7 @@ from robots_core.blocks import AnalyticalInverseKinematic
 from robots_core.errors import InvalidInputError, JointLimitError, PlanningError, UnreachablePoseError
 from robots_core.robot_model.analytic.configuration import Configuration
 from robots_planning import LinearCartesianDynamicProgramming, LinearCartesianLimited, Trajectory, verify
-from robots_planning.path_kinematics.configuration_graph import PostureGraph
+from robots_planning.path_kinematics.configuration_graph import ConfigurationGraph
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.paths import path_grid
 from robots_planning.paths.cartesian_line import CartesianLine
@@ -63,17 +63,17 @@ def test_faster_than_two_passes_with_the_same_limits(name: str) -> None:
     check(LinearCartesianDynamicProgramming(robot, **limits).generate(q, target), robot, start, target)
 
 
-@pytest.mark.parametrize('way', [[0.0, 0.3, 0.0], [0.0, -0.2, 0.1], [0.1, 0.2, -0.3], [0.2, 0.0, 0.1]])
-def test_lines_out_of_a_straight_wrist(kuka: BaseRobotModel, way: list[float]) -> None:
+@pytest.mark.parametrize('offset', [[0.0, 0.3, 0.0], [0.0, -0.2, 0.1], [0.1, 0.2, -0.3], [0.2, 0.0, 0.1]])
+def test_lines_out_of_a_straight_wrist(kuka: BaseRobotModel, offset: list[float]) -> None:
     """Home is singular: the wrist turns first, where it has to, and the tool stands still meanwhile."""
-    start, target = moved(kuka, kuka.home, way, [0.0, 0.0, 0.0])
+    start, target = moved(kuka, kuka.home, offset, [0.0, 0.0, 0.0])
     trajectory = LinearCartesianDynamicProgramming(kuka).generate(kuka.home, target)
     check(trajectory, kuka, start, target)
     np.testing.assert_array_equal(trajectory.position[0], kuka.home)
 
 
 @pytest.mark.parametrize(
-    ('q', 'way', 'turn'),
+    ('q', 'offset', 'turn'),
     [
         (
             [1.202825257, -0.239125395, 2.622632346, -2.383449437, 0.709579641, 1.13948213],
@@ -88,21 +88,21 @@ def test_lines_out_of_a_straight_wrist(kuka: BaseRobotModel, way: list[float]) -
     ],
 )
 def test_parallel_axes_turn_straight_only_quite_close_to_a_singularity(
-    q: list[float], way: list[float], turn: list[float]
+    q: list[float], offset: list[float], turn: list[float]
 ) -> None:
-    """Four axes of this wrist are parallel there, so that the tool also stands still on curved ways."""
+    """Four axes of this wrist are parallel there, so that the tool stands still on curved joint paths."""
     robot = load_robot_model('ur5e')
-    start, target = moved(robot, np.array(q), way, turn)
+    start, target = moved(robot, np.array(q), offset, turn)
     check(LinearCartesianDynamicProgramming(robot).generate(np.array(q), target), robot, start, target)
 
 
-@pytest.mark.parametrize('way', [[0.0, 0.3, 0.0], [0.1, 0.2, -0.3], [0.2, 0.0, 0.1]])
+@pytest.mark.parametrize('offset', [[0.0, 0.3, 0.0], [0.1, 0.2, -0.3], [0.2, 0.0, 0.1]])
 @pytest.mark.parametrize('turn', [[0.0, 0.0, 0.0], [0.3, -0.2, 0.1]])
 def test_a_finer_grid_is_not_much_faster(
-    kuka: BaseRobotModel, way: list[float], turn: list[float], monkeypatch: pytest.MonkeyPatch
+    kuka: BaseRobotModel, offset: list[float], turn: list[float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     q = np.add(kuka.home, [0.0, 0.1, 0.0, 0.0, 1e-4, 0.0])
-    gains_little_on_a_finer_grid(kuka, q, moved(kuka, q, way, turn)[1], monkeypatch)
+    gains_little_on_a_finer_grid(kuka, q, moved(kuka, q, offset, turn)[1], monkeypatch)
 
 
 def test_the_grid_is_made_finer_where_the_first_profile_passes_a_limit(
@@ -110,8 +110,8 @@ def test_the_grid_is_made_finer_where_the_first_profile_passes_a_limit(
 ) -> None:
     """A line that passes a singularity so closely that lower limits there would cost 0.2 %."""
     q = np.array([-1.185855457, -2.080711825, 2.547464989, -1.749947063, 0.010472918, 0.348469824])
-    way, turn = [-0.243989098, -0.045643179, 0.434034584], [0.526872038, 0.058411905, 0.037307685]
-    gains_little_on_a_finer_grid(kuka, q, moved(kuka, q, way, turn)[1], monkeypatch)
+    offset, turn = [-0.243989098, -0.045643179, 0.434034584], [0.526872038, 0.058411905, 0.037307685]
+    gains_little_on_a_finer_grid(kuka, q, moved(kuka, q, offset, turn)[1], monkeypatch)
 
 
 def gains_little_on_a_finer_grid(
@@ -160,8 +160,8 @@ def test_self_motion_keeps_a_seventh_axis_inside_its_limits() -> None:
     planner, rng, rescued = LinearCartesianDynamicProgramming(robot), np.random.default_rng(1), 0
     for _ in range(60):
         q = np.clip(robot.home + 0.5 * rng.normal(size=7), axes.lower + 0.03, axes.upper - 0.03)
-        way = rng.normal(size=3)
-        start, target = moved(robot, q, list(0.3 * way / np.linalg.norm(way)), [0.0, 0.0, 0.0])
+        offset = rng.normal(size=3)
+        start, target = moved(robot, q, list(0.3 * offset / np.linalg.norm(offset)), [0.0, 0.0, 0.0])
         try:
             kinematics.follow(CartesianLine(start, target), q)
         except PlanningError as error:
@@ -204,10 +204,10 @@ def test_a_line_that_only_another_configuration_can_do_names_it(kuka: BaseRobotM
     analytic = AnalyticalInverseKinematic(kuka)
     pose = Pose(*kuka.direct_kinematics(q))
     durations = []
-    for posture in analytic.solve_all(pose, turns=True):
-        if analytic.configuration(posture) == configuration:
+    for q_start in analytic.solve_all(pose, turns=True):
+        if analytic.configuration(q_start) == configuration:
             try:
-                durations.append(planner.generate(posture, target).duration)
+                durations.append(planner.generate(q_start, target).duration)
             except PlanningError:
                 continue
     assert durations
@@ -225,7 +225,7 @@ def test_a_line_that_nothing_can_do_says_so(kuka: BaseRobotModel) -> None:
 
 def test_routes_are_continuous(kuka: BaseRobotModel) -> None:
     start, target = moved(kuka, kuka.home, [0.0, 0.3, 0.0], [0.0, 0.0, 0.0])
-    graph = PostureGraph(kuka, PathInverseKinematics(kuka))
+    graph = ConfigurationGraph(kuka, PathInverseKinematics(kuka))
     for route in graph.routes(CartesianLine(start, target), kuka.home):
         np.testing.assert_array_equal(route[0].joints.q[0], kuka.home)
         for before, after in pairwise(route):
@@ -233,11 +233,11 @@ def test_routes_are_continuous(kuka: BaseRobotModel) -> None:
         assert [piece.begin == piece.end for piece in route] == [True, False]
 
 
-@pytest.mark.parametrize('way', [[0.0, 0.3, 0.0], [0.1, 0.2, -0.3]])
-def test_the_fastest_route_is_taken(kuka: BaseRobotModel, way: list[float]) -> None:
-    start, target = moved(kuka, kuka.home, way, [0.0, 0.0, 0.0])
+@pytest.mark.parametrize('offset', [[0.0, 0.3, 0.0], [0.1, 0.2, -0.3]])
+def test_the_fastest_route_is_taken(kuka: BaseRobotModel, offset: list[float]) -> None:
+    start, target = moved(kuka, kuka.home, offset, [0.0, 0.0, 0.0])
     line, planner = CartesianLine(start, target), LinearCartesianDynamicProgramming(kuka)
-    routes = planner.postures.routes(line, kuka.home)
+    routes = planner.configuration_graph.routes(line, kuka.home)
     # Turned by the wrist's other half, and by whole turns.
     assert len(routes) > 2
     durations = [
@@ -250,7 +250,9 @@ def test_the_fastest_route_is_taken(kuka: BaseRobotModel, way: list[float]) -> N
 
 def test_whole_turns_of_axes_are_routes_as_long_as_limits_allow(kuka: BaseRobotModel) -> None:
     start, target = moved(kuka, kuka.home, [0.0, 0.3, 0.0], [0.0, 0.0, 0.0])
-    routes = PostureGraph(kuka, PathInverseKinematics(kuka)).routes(CartesianLine(start, target), kuka.home)
+    routes = ConfigurationGraph(kuka, PathInverseKinematics(kuka)).routes(
+        CartesianLine(start, target), kuka.home
+    )
     ends = np.array([route[-1].joints.q[-1] for route in routes])
     turns = (ends[:, None] - ends[None]) / (2.0 * np.pi)
     whole = np.abs(turns - np.round(turns)).max(axis=2) < 1e-9

@@ -23,7 +23,7 @@ def robot(request: pytest.FixtureRequest) -> BaseRobotModel:
 
 
 def bent(robot: BaseRobotModel) -> np.ndarray:
-    """A posture near home that is far from every singularity."""
+    """Joint positions near home, far from every singularity."""
     q = robot.home.copy()
     q[4 if robot.num_axes == 6 else 5] += 0.6
     return q

@@ -10,10 +10,10 @@ from robots_planning.paths.path_grid import POINTS, SPLIT, TURN_POINTS, finer_gr
 NODES = np.linspace(0.0, 1.0, 401)
 
 
-def times_at_rest(way: np.ndarray) -> np.ndarray:
-    """When a motion that accelerates to the middle and brakes from there is on its way, as parts of it."""
-    near = np.sqrt(0.5 * np.minimum(way, 1.0 - way))
-    return np.where(way < 0.5, near, 1.0 - near)
+def times_at_rest(distance: np.ndarray) -> np.ndarray:
+    """Part of the time at a part of the distance, for acceleration to the middle and braking from there."""
+    near = np.sqrt(0.5 * np.minimum(distance, 1.0 - distance))
+    return np.where(distance < 0.5, near, 1.0 - near)
 
 
 def test_it_goes_from_end_to_end() -> None:
@@ -25,7 +25,7 @@ def test_it_goes_from_end_to_end() -> None:
 
 def test_from_and_to_rest_it_is_even_in_time() -> None:
     steps = np.diff(times_at_rest(path_grid(NODES, NODES, np.zeros_like(NODES))))
-    # The speed is anything from the highest all the way to none of it but in the middle.
+    # The speed is anything between the highest throughout and the highest in the middle alone.
     assert steps.max() < 4.0 / POINTS
     np.testing.assert_allclose(steps, steps[::-1], rtol=1e-6)
 
@@ -42,7 +42,7 @@ def test_it_is_finer_where_the_direction_turns_and_grows_gradually(place: float,
     spacing = np.diff(grid)
     inner = spacing[4:-4]  # the outermost are split
     growth = inner[1:] / inner[:-1]
-    # Both the time and the way that is made in it grow gradually.
+    # Both the intervals of time and those of distance grow gradually.
     assert max(growth.max(), 1.0 / growth.min()) < 2.0
 
 

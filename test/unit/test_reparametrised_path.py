@@ -1,4 +1,4 @@
-"""ReparametrisedPath: the same path over a coordinate along which the axes move evenly."""
+"""ReparametrisedPath: the same path over a coordinate of about constant joint speed."""
 
 from __future__ import annotations
 
@@ -52,9 +52,9 @@ def test_derivatives_are_those_of_the_positions(path: JointPath) -> None:
 
 def test_axes_move_evenly_however_fast_they_turn_over_s(path: JointPath) -> None:
     rate = np.linalg.norm(even(path).evaluate(np.linspace(0.0, 1.0, 5001))[1] / VELOCITY, axis=1)
-    way = np.linalg.norm(np.diff(path.q / VELOCITY, axis=0), axis=1).sum()
+    length = np.linalg.norm(np.diff(path.q / VELOCITY, axis=0), axis=1).sum()
     # With sqrt(1 + (rate / mean)^2) the rate is at most 1 + 1 times its mean.
-    assert rate.max() <= 2.0 * way * (1.0 + 1e-3)
+    assert rate.max() <= 2.0 * length * (1.0 + 1e-3)
 
 
 def test_derivatives_of_others_follow(path: JointPath) -> None:

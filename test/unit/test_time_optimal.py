@@ -33,9 +33,9 @@ def line_path(robot: BaseRobotModel, seed: int, length: float = 0.3) -> JointPat
     while True:
         q = np.clip(robot.home + 0.5 * rng.normal(size=robot.num_axes), axes.lower, axes.upper)
         start = Pose(*robot.direct_kinematics(q))
-        way = rng.normal(size=3)
+        direction = rng.normal(size=3)
         turn = Rotation.from_rotvec(0.3 * rng.normal(size=3)).as_matrix()
-        end = Pose(start.r + length * way / np.linalg.norm(way), turn @ start.T)
+        end = Pose(start.r + length * direction / np.linalg.norm(direction), turn @ start.T)
         try:
             return PathInverseKinematics(robot).follow(CartesianLine(start, end), q)
         except PlanningError:

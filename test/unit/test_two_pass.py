@@ -59,9 +59,10 @@ def test_a_circle_keeps_the_length_of_the_tools_acceleration() -> None:
     a = 2.0
     tool = np.array([np.inf, a, np.inf, np.inf])
     u = speeds_of((s, still, still, x_s, x_ss), (np.ones(1), np.ones(1), tool))
-    # With v dv = sqrt(a^2 - v^4) ds: v^2 = a sin(2 s), s the way, until v^2 = a at a quarter turn over 2.
-    way = turn * s
-    optimum = a * np.sin(2.0 * np.minimum(np.minimum(way, turn - way), np.pi / 4.0))
+    # With v dv = sqrt(a^2 - v^4) ds: v^2 = a sin(2 s), s the arc length, until v^2 = a at a quarter turn over
+    # 2.
+    arc_length = turn * s
+    optimum = a * np.sin(2.0 * np.minimum(np.minimum(arc_length, turn - arc_length), np.pi / 4.0))
     # On the grid, first order in its step around the tip of the cone.
     np.testing.assert_allclose(u * turn**2, optimum, atol=5e-3 * a)
 

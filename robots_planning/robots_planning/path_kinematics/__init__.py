@@ -1,1 +1,1 @@
-"""Inverse kinematics along a whole path, through singularities too."""
+"""Inverse kinematics along paths: following, choice of configurations, passage through singularities."""

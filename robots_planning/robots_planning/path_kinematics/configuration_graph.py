@@ -1,4 +1,4 @@
-"""PostureGraph: which postures a robot takes along a path of the tool."""
+"""ConfigurationGraph: the configurations that a robot takes along a path of the tool."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from robots_planning.path_kinematics.path_following_kernel import FOLLOWED, MAX_
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.path_kinematics.route import Route, RoutePiece, joined
 from robots_planning.path_kinematics.self_motion_kernel import (
-    MOST_POSTURES,
-    cheapest_postures,
+    MAX_CONFIGURATIONS,
+    fastest_sequence,
     follow_layers,
     relax,
 )
@@ -28,22 +28,22 @@ from robots_planning.paths.joint_path import JointPath
 
 LAYER_LENGTH = 0.03  # m and rad between the poses at which self-motion is sampled
 LAYERS = (12, 120)  # fewest and most
-RELAXATIONS = (60, 15, 0)  # tried in turn: smoother postures may come nearer to limits than the search
-LIMIT_ROOM = 0.03  # rad (m) that smoothed postures leave to the limits
-OTHER_STARTS = 16  # random ones, where there is no closed form
+RELAXATIONS = (60, 15, 0)  # tried in turn: smoothing may move configurations closer to the limits
+LIMIT_ROOM = 0.03  # rad (m) between smoothed configurations and the limits
+OTHER_STARTS = 16  # random start configurations, for robots without a closed form
 
 
-class PostureGraph:
-    """Finds continuous postures from a start along a path of the tool, inside the axis limits.
+class ConfigurationGraph:
+    """Finds continuous joint paths from given joint positions along a path of the tool, inside all limits.
 
-    Six axes leave no choice but in singularities, see `SingularityPassage`. With more axes, postures are
-    sampled by self-motion at poses along the path, the sequence that the axes pass soonest at full speed is
-    found by dynamic programming (over path and posture), smoothed by self-motion, and followed; besides,
-    there is the path of least joint motion.
+    With six axes the only choice is in singularities, see `SingularityPassage`. With more axes,
+    configurations are sampled by self-motion at poses along the path; dynamic programming over path and
+    configuration finds the sequence that takes least time at full speed; it is smoothed by self-motion and
+    followed. The path of the pseudo-inverse (smallest joint velocities) is a further candidate.
 
     Args:
         robot: The robot.
-        kinematics: Of the tool along paths.
+        kinematics: Inverse kinematics along paths.
         tool: Pose of the tool centre point in tool0.
     """
 
@@ -64,11 +64,11 @@ class PostureGraph:
         )
 
     def routes(self, path: CartesianPath, start: Array) -> list[Route]:
-        """Ways along a path that begins at joint positions `start`, (n,); at least one.
+        """Candidate routes along a path that starts at joint positions `start`, (n,); at least one.
 
         Raises:
-            PlanningError: there is none; says at which part of the path what stops the posture, and from
-                which configuration the path could be done.
+            PlanningError: there is none; names the fraction of the path, the cause, and a configuration from
+                which the path is possible.
         """
         found: list[Route] = []
         part = self._kinematics.follow_far(path, start, inside_limits=True)
@@ -90,10 +90,10 @@ class PostureGraph:
         n = self._robot.num_axes
         count = int(np.clip(np.ceil((path.length + path.angle) / LAYER_LENGTH), *LAYERS))
         s = np.linspace(0.0, 1.0, count + 1)
-        layers, chosen = np.empty((count + 1, MOST_POSTURES, n)), np.empty((count + 1, n))
+        layers, chosen = np.empty((count + 1, MAX_CONFIGURATIONS, n)), np.empty((count + 1, n))
         begin = np.ascontiguousarray(start, dtype=np.float64)
         reached, counts = follow_layers(self._chain, self._limits, path.arrays, s, begin, layers)
-        if reached <= count or cheapest_postures(layers, counts, self._axes.velocity, chosen) <= count:
+        if reached <= count or fastest_sequence(layers, counts, self._axes.velocity, chosen) <= count:
             return None
         size = MAX_SAMPLES + 1
         samples = (np.empty(size), np.empty((size, n)), np.empty((size, n)), np.empty((size, n)))
@@ -107,21 +107,21 @@ class PostureGraph:
                 return JointPath(*(values[:last].copy() for values in samples))
         return None
 
-    # Why not
+    # Explanation of a failure
 
     def _explained(self, path: CartesianPath, start: Array) -> PlanningError:
-        """Why it cannot be followed, with the configurations from which it can."""
+        """The error that says why the path cannot be followed, and from which configuration it can."""
         try:
             self._kinematics.follow(path, start)
         except PlanningError as error:
             reason = error
         able = []
-        for posture in self._other_starts(path.start):
+        for q in self._other_starts(path.start):
             try:
-                self._kinematics.follow(path, posture)
+                self._kinematics.follow(path, q)
             except PlanningError:
                 continue
-            able.append(posture)
+            able.append(q)
         if not able:
             advice, details = '; no other configuration at its start was found that can do it', {}
         else:

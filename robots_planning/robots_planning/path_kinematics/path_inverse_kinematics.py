@@ -141,7 +141,7 @@ class PathInverseKinematics:
             return self._singular(path, fraction, q)
         return PlanningError(
             f'the {path.kind} leaves the reach of {self._robot.name} at {100.0 * fraction:.1f} % of its '
-            f'{path.describe_length()}: the closest reachable pose at {100.0 * s:.1f} % is '
+            f'{path.describe_length()}: the closest pose found for {100.0 * s:.1f} % is '
             f'{near.position_error * 1e3:.3g} mm and {near.orientation_error:.3g} rad off; move the '
             f'{path.kind} closer to the robot or turn the tool',
             fraction=fraction,

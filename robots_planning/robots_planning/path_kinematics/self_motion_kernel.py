@@ -1,5 +1,5 @@
 # ruff: noqa: PLR0917, SIM110  # compiled loops over arrays
-"""Postures of a redundant robot along a path, compiled: sampled self-motion, the cheapest way, smoothed."""
+"""Configurations of a redundant robot along a path, compiled: self-motion, search, smoothing."""
 
 from __future__ import annotations
 
@@ -19,34 +19,34 @@ from robots_planning.path_kinematics.pose_residual_kernel import (
 from robots_planning.path_kinematics.pseudo_inverse import apply_pseudo_inverse, multiply, pseudo_inverse
 from robots_planning.paths.cartesian_path_kernel import PathArrays
 
-SPACING = 0.12  # rad (m) of the axis that moves most, between neighbouring postures of one pose
-MOST_POSTURES = 160  # of one pose
-# Postures of neighbouring poses that are further apart, in rad (m) of one axis, do not follow each other.
+SPACING = 0.12  # rad (m) of the axis that moves most, between neighbouring configurations of one pose
+MAX_CONFIGURATIONS = 160  # of one pose
+# Largest motion of one axis, rad (m), between configurations of neighbouring poses that follow each other.
 LARGEST_MOTION = 0.35
 NOWHERE = -1
 INSIDE_STEPS = 4
 INSIDE_MOTION = 0.3  # rad (m) of the axis that moves most, in one step
 INSIDE_ROOM = 1e-3  # rad (m)
-RELAXATION = 0.3  # part of the way to the smoother posture that one step goes
+RELAXATION = 0.3  # of the displacement towards the smoother configuration, per step
 
 
 @compiled(nrt=False)
 def sample_layer(
     chain: ChainArrays, limits: Array, seeds: Array, nodes: Array, residual: PoseResidual, memory: Array
 ) -> int:
-    """Fill nodes (k, n) with postures of the pose aimed at that are joined to `seeds` (m, n), and return k.
+    """Fill nodes (k, n) with configurations of the target pose connected to `seeds` (m, n); return k.
 
-    From every seed, corrected to the pose, self-motion is followed both ways until a limit or a posture that
-    is known already. `memory` is (4, n).
+    From every seed, corrected to the pose, self-motion is followed in both directions until it reaches a
+    limit or a configuration that was sampled already. `memory` is (4, n).
     """
     q, first = memory[0], memory[1]
     count = 0
     for seed in range(seeds.shape[0]):
         _copy(seeds[seed], q)
-        # Corrections are small: most seeds need none to be known.
-        if _known(nodes, count, q, 0.5 * SPACING) or not correct(chain, q, residual):
+        # Corrections are small: most seeds that were sampled already are recognised without one.
+        if _is_sampled(nodes, count, q, 0.5 * SPACING) or not correct(chain, q, residual):
             continue
-        if not _brought_inside(chain, limits, q, residual, memory[2]) or _known(
+        if not _move_inside(chain, limits, q, residual, memory[2]) or _is_sampled(
             nodes, count, q, 0.6 * SPACING
         ):
             continue
@@ -72,26 +72,26 @@ def _sample_side(
     residual: PoseResidual,
     memory: Array,
 ) -> int:
-    """Add nodes, of which there are `count`, on one side of posture `q`, which moves; return how many."""
-    way, last = memory[0], memory[1]
+    """Append nodes in one direction of self-motion from `q`, which is overwritten; return the new count."""
+    direction, last = memory[0], memory[1]
     evaluate_residual(chain, q, residual)
-    _null_direction(residual, way)
+    _null_direction(residual, direction)
     while count < nodes.shape[0]:
         for k in range(q.size):
-            last[k] = sign * way[k]
+            last[k] = sign * direction[k]
             q[k] += SPACING * last[k]
         if (
             not correct(chain, q, residual)
             or not _inside(limits, q)
-            or _known(nodes, count, q, 0.6 * SPACING)
+            or _is_sampled(nodes, count, q, 0.6 * SPACING)
         ):
             break
         _copy(q, nodes[count])
         count += 1
-        _null_direction(residual, way)
+        _null_direction(residual, direction)
         along = 0.0
         for k in range(q.size):
-            along += last[k] * way[k]
+            along += last[k] * direction[k]
         sign = 1.0 if along >= 0.0 else -1.0
     return count
 
@@ -111,7 +111,9 @@ def _inside(limits: Array, q: Array) -> bool:
 
 
 @compiled(nrt=False)
-def _brought_inside(chain: ChainArrays, limits: Array, q: Array, residual: PoseResidual, way: Array) -> bool:
+def _move_inside(
+    chain: ChainArrays, limits: Array, q: Array, residual: PoseResidual, direction: Array
+) -> bool:
     """Bring axes that are slightly outside their limits back by self-motion, in place; False if that fails.
 
     The residual is that at `q`. `direction` (n,) is scratch.
@@ -125,27 +127,27 @@ def _brought_inside(chain: ChainArrays, limits: Array, q: Array, residual: PoseR
                 worst, excess = k, outside
         if worst == NOWHERE:
             return True
-        _null_direction(residual, way)
+        _null_direction(residual, direction)
         goal = max(limits[0, worst] + INSIDE_ROOM, min(q[worst], limits[1, worst] - INSIDE_ROOM)) - q[worst]
-        if INSIDE_MOTION * abs(way[worst]) < abs(goal):
+        if INSIDE_MOTION * abs(direction[worst]) < abs(goal):
             return False
         for k in range(n):
-            q[k] += goal / way[worst] * way[k]
+            q[k] += goal / direction[worst] * direction[k]
         if not correct(chain, q, residual):
             return False
     return False
 
 
 @compiled(nrt=False)
-def _known(nodes: Array, count: int, q: Array, distance: float) -> bool:
+def _is_sampled(nodes: Array, count: int, q: Array, distance: float) -> bool:
     for i in range(count):
-        if _apart(nodes[i], q) < distance:
+        if _distance(nodes[i], q) < distance:
             return True
     return False
 
 
 @compiled(nrt=False)
-def _apart(p: Array, q: Array) -> float:
+def _distance(p: Array, q: Array) -> float:
     largest = 0.0
     for k in range(q.size):
         largest = max(largest, abs(p[k] - q[k]))
@@ -153,9 +155,9 @@ def _apart(p: Array, q: Array) -> float:
 
 
 @compiled(nrt=False)
-def _null_direction(residual: PoseResidual, way: Array) -> None:
-    """Fill the joint motion (n,) that leaves the pose; its largest entry is 1 rad (m)."""
-    n = way.size
+def _null_direction(residual: PoseResidual, direction: Array) -> None:
+    """Fill a null-space direction (n,) of the Jacobian, scaled to a largest entry of 1 rad (m)."""
+    n = direction.size
     J, P = residual.J, residual.P
     pseudo_inverse(J, P, residual.solver)
     # The longest column of I - J^+ J.
@@ -168,22 +170,22 @@ def _null_direction(residual: PoseResidual, way: Array) -> None:
             axis, longest = k, square
     largest = 0.0
     for k in range(n):
-        way[k] = 1.0 if k == axis else 0.0
+        direction[k] = 1.0 if k == axis else 0.0
         for i in range(6):
-            way[k] -= P[k, i] * J[i, axis]
-        largest = max(largest, abs(way[k]))
+            direction[k] -= P[k, i] * J[i, axis]
+        largest = max(largest, abs(direction[k]))
     for k in range(n):
-        way[k] /= largest
+        direction[k] /= largest
 
 
 @compiled()
 def follow_layers(
     chain: ChainArrays, limits: Array, path: PathArrays, s: Array, start: Array, layers: Array
 ) -> tuple[int, NDArray[np.int64]]:
-    """Fill layers (m, k, n), postures of the poses at s (m,), the first `start` alone.
+    """Fill layers (m, k, n) with configurations for the poses at s (m,); the first layer is `start` alone.
 
     Returns:
-        Number of layers that have postures, and how many each has, (m,).
+        Number of layers that are not empty, and the number of configurations of each layer, (m,).
     """
     m, n = s.size, start.size
     counts = np.zeros(m, np.int64)
@@ -202,22 +204,24 @@ def follow_layers(
 
 
 @compiled(nrt=False)
-def _move_along(chain: ChainArrays, way: float, postures: Array, residual: PoseResidual, step: Array) -> None:
-    """Move postures (k, n) by `way` of s along the path aimed at, where that is no jump; `step` is memory."""
-    for k in range(postures.shape[0]):
-        evaluate_residual(chain, postures[k], residual)
+def _move_along(
+    chain: ChainArrays, interval: float, seeds: Array, residual: PoseResidual, step: Array
+) -> None:
+    """Move seeds (k, n) by an interval of s along the path, unless that is a jump; `step` (n,) is scratch."""
+    for k in range(seeds.shape[0]):
+        evaluate_residual(chain, seeds[k], residual)
         apply_pseudo_inverse(residual.J, residual.x_s, step, residual.solver)
         largest = 0.0
         for axis in range(step.size):
             largest = max(largest, abs(step[axis]))
-        if way * largest < LARGEST_MOTION:
+        if interval * largest < LARGEST_MOTION:
             for axis in range(step.size):
-                postures[k, axis] += way * step[axis]
+                seeds[k, axis] += interval * step[axis]
 
 
 @compiled()
-def cheapest_postures(layers: Array, counts: NDArray[np.int64], velocity: Array, chosen: Array) -> int:
-    """Fill chosen (m, n) with the postures that the axes pass soonest at full speed.
+def fastest_sequence(layers: Array, counts: NDArray[np.int64], velocity: Array, chosen: Array) -> int:
+    """Fill chosen (m, n), one configuration per layer, with the sequence that takes least time at full speed.
 
     Returns:
         The first layer that cannot be reached, or m.
@@ -232,11 +236,11 @@ def cheapest_postures(layers: Array, counts: NDArray[np.int64], velocity: Array,
             for j in range(counts[i - 1]):
                 if cost[i - 1, j] >= cost[i, k]:
                     continue
-                way, time = 0.0, 0.0
+                largest, time = 0.0, 0.0
                 for axis in range(n):
                     moved = abs(layers[i, k, axis] - layers[i - 1, j, axis])
-                    way, time = max(way, moved), max(time, moved / velocity[axis])
-                if way <= LARGEST_MOTION and cost[i - 1, j] + time < cost[i, k]:
+                    largest, time = max(largest, moved), max(time, moved / velocity[axis])
+                if largest <= LARGEST_MOTION and cost[i - 1, j] + time < cost[i, k]:
                     cost[i, k], came[i, k] = cost[i - 1, j] + time, j
                     reached = True
         if not reached:
@@ -252,7 +256,7 @@ def cheapest_postures(layers: Array, counts: NDArray[np.int64], velocity: Array,
 def relax(
     chain: ChainArrays, limits: Array, path: PathArrays, s: Array, margin: float, rounds: int, q: Array
 ) -> None:
-    """Smooth postures q (m, n) at s (m,) by self-motion, the first one fixed, `margin` inside the limits."""
+    """Smooth q (m, n) at s (m,) by self-motion, with the first row fixed, `margin` inside the limits."""
     n = q.shape[1]
     _relax(chain, limits, path, s, margin, rounds, q, residual_for(n), np.empty((3, n)))
 
@@ -269,20 +273,20 @@ def _relax(
     residual: PoseResidual,
     memory: Array,
 ) -> None:
-    wish, back, moved, reached = memory[0], memory[1], memory[2], residual.rest
+    desired, back, moved, reached = memory[0], memory[1], memory[2], residual.rest
     m, n = q.shape
     for _ in range(rounds):
         for i in range(1, m):
             for k in range(n):
-                # The end is free: there the smoothest is to go on as before.
+                # The end is free: linear extrapolation is the smoothest there.
                 target = 0.5 * (q[i - 1, k] + q[i + 1, k]) if i < m - 1 else 2.0 * q[i - 1, k] - q[i - 2, k]
-                wish[k] = RELAXATION * (target - q[i, k])
+                desired[k] = RELAXATION * (target - q[i, k])
             set_target(path, s[i], residual)
             evaluate_residual(chain, q[i], residual)
-            multiply(residual.J, wish, reached)
+            multiply(residual.J, desired, reached)
             apply_pseudo_inverse(residual.J, reached, back, residual.solver)
             for k in range(n):
-                moved[k] = q[i, k] + wish[k] - back[k]
+                moved[k] = q[i, k] + desired[k] - back[k]
             if not correct(chain, moved, residual):
                 continue
             good = True

@@ -1,1 +1,1 @@
-"""Paths of the tool and of the axes, without time."""
+"""Geometric paths of the tool and of the axes over a path coordinate s from 0 to 1, without time."""

@@ -1,4 +1,4 @@
-"""Blending: consecutive joint paths run through without a stop, the corners rounded within zones."""
+"""Blending: consecutive joint paths joined to one, with corners rounded within zones."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from robots_core.validation import Array, positive
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.quintic import quintic_coefficients, quintics_at
 
-JOINED = 1e-6  # rad (m): where one path ends, the next begins
-LARGEST_PART = 0.49  # of a path that a zone at one of its ends may use: something is left in between
-SAMPLES = 65  # of a path or a blend, to measure it
-NARROWER = 0.8  # a blend that leaves its zone is tried with less of both paths
+JOINED = 1e-6  # rad (m), largest gap between the end of a path and the start of the next
+LARGEST_PART = 0.49  # of a path that a blend at one of its ends may replace; the rest separates two blends
+SAMPLES = 65  # of a path or a blend, to measure lengths and distances
+NARROWER = 0.8  # factor on the replaced length of both paths when a blend leaves its zone
 TRIES = 60
 
 Measure = Callable[[Array, Array], float]
-"""From two postures (n,) to their distance, in the unit of the zones."""
+"""From two joint positions (n,) to their distance, in the unit of the zones."""
 
 
 def joint_distance(first: Array, second: Array) -> float:
@@ -31,13 +31,13 @@ def blend(
 ) -> JointPath:
     """One path that follows several in turn and rounds each corner by a quintic in joint space.
 
-    Position and two derivatives are continuous. Outside the zones it is the paths themselves; a blend stays
-    within its zone around the corner, and uses less than half of a path.
+    Position and two derivatives are continuous. Outside the zones the result equals the given paths; a blend
+    stays within its zone around the corner and replaces less than half of a path.
 
     Args:
         paths: At least one; each begins where the one before ends.
         zones: Size of the zone around every corner, one fewer than paths, in the unit of `measure`.
-        measure: Distance of two postures: of joints (rad) by default, or of what they carry (m).
+        measure: Distance between two joint positions: of joints (rad) by default, or of the tool (m).
 
     Raises:
         InvalidInputError: no path, another number of zones, a zone that is not above 0, or paths that do not
@@ -49,10 +49,10 @@ def blend(
 def blend_with_corners(
     paths: Sequence[JointPath], zones: Sequence[float], *, measures: Sequence[Measure]
 ) -> tuple[JointPath, Array]:
-    """As `blend`, with a measure for every zone; also tells where the corners were.
+    """`blend` with a measure per zone, which also returns the places of the corners.
 
     Returns:
-        The path, and the s of the middle of every blend, (len(zones),).
+        The path, and s at the middle of every blend, (len(zones),).
     """
     if not paths or len(zones) != len(paths) - 1:
         raise InvalidInputError(
@@ -91,7 +91,7 @@ def blend_with_corners(
 
 
 def _length(path: JointPath) -> float:
-    """Way of the joints, so that speed over the path's own coordinate is about 1 on all of them."""
+    """Arc length in joint space: with it as the coordinate, all paths have a joint speed of about 1."""
     s = np.linspace(0.0, 1.0, SAMPLES)
     speed = np.linalg.norm(path.evaluate(s)[1], axis=1)
     return float(np.trapezoid(speed, s))
@@ -104,29 +104,29 @@ def _cut(
     corner = after.q[0]
     end = _part_inside(before, corner, zone, measure, from_end=True)
     begin = _part_inside(after, corner, zone, measure, from_end=False)
-    # Equal ways on both sides make a blend that cuts the corner evenly.
-    way = min(end * weights[0], begin * weights[1])
+    # Equal lengths on both sides make a symmetric blend.
+    length = min(end * weights[0], begin * weights[1])
     for _ in range(TRIES):
-        end, begin = way / weights[0], way / weights[1]
+        end, begin = length / weights[0], length / weights[1]
         curve = _blend_samples(before, after, weights, end, begin)
         if max(measure(q, corner) for q in curve) <= zone:
             break
-        way *= NARROWER
+        length *= NARROWER
     return end, begin
 
 
 def _part_inside(path: JointPath, corner: Array, zone: float, measure: Measure, *, from_end: bool) -> float:
-    """The largest part of a path, at most half, that lies in the zone from the corner on."""
+    """The largest part of a path next to the corner, at most half, that lies in the zone."""
     parts = np.linspace(0.0, LARGEST_PART, SAMPLES)
-    postures = path.evaluate(1.0 - parts if from_end else parts)[0]
+    q = path.evaluate(1.0 - parts if from_end else parts)[0]
     inside = 0.0
     for index in range(1, SAMPLES):
-        if measure(postures[index], corner) > zone:
+        if measure(q[index], corner) > zone:
             low, high = float(parts[index - 1]), float(parts[index])
             for _ in range(30):
                 middle = 0.5 * (low + high)
-                q = path.evaluate(np.array([1.0 - middle if from_end else middle]))[0][0]
-                low, high = (middle, high) if measure(q, corner) <= zone else (low, middle)
+                q_middle = path.evaluate(np.array([1.0 - middle if from_end else middle]))[0][0]
+                low, high = (middle, high) if measure(q_middle, corner) <= zone else (low, middle)
             return low
         inside = float(parts[index])
     return inside
@@ -135,7 +135,7 @@ def _part_inside(path: JointPath, corner: Array, zone: float, measure: Measure, 
 def _blend_samples(
     before: JointPath, after: JointPath, weights: Sequence[float], end: float, begin: float
 ) -> Array:
-    """Postures on the quintic between two paths, (m, n)."""
+    """Joint positions on the quintic between two paths, (m, n)."""
     states = [
         [values[0] / weight**order for order, values in enumerate(path.evaluate(np.array([s])))]
         for path, weight, s in ((before, weights[0], 1.0 - end), (after, weights[1], begin))

@@ -11,11 +11,11 @@ from robots_planning.paths.cartesian_path import CartesianPath, no_pieces
 
 
 class CartesianLine(CartesianPath):
-    """The position moves straight, the orientation turns about one fixed axis, both at an even rate.
+    """The position moves straight, the orientation turns about one fixed axis, both at constant rates over s.
 
     Args:
         start: Pose at s = 0.
-        end: Pose at s = 1; of the two ways to turn, the shorter one is taken.
+        end: Pose at s = 1; the rotation is the one by at most half a turn.
     """
 
     kind = 'line'

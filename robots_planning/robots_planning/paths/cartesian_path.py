@@ -15,7 +15,7 @@ from robots_core.validation import Array, read_only
 from robots_planning.paths.cartesian_path_kernel import PathArrays, poses_on_path
 from robots_planning.timing.quintic import interval_at
 
-# Poses closer than this are the same: less is rounding of what users and messages state.
+# Poses closer than this coincide: the difference is rounding of commands and messages.
 COINCIDENT_DISTANCE = 1e-8  # m
 COINCIDENT_ANGLE = 1e-8  # rad
 SAMPLES_PER_PIECE = 64  # for the length of curves without a closed form
@@ -41,16 +41,16 @@ class PathSamples:
 
 
 class CartesianPath:
-    """Poses x(s), s in [0, 1], in the base frame. One child per kind of path makes the pieces.
+    """Poses x(s), s in [0, 1], in the base frame. Each kind of path is a subclass that makes the pieces.
 
     Args:
-        pieces: What compiled code takes; see `PathArrays`.
-        length: Way of the position, m; measured if not given.
-        angle: Way of the orientation, rad; measured if not given.
+        pieces: Arrays for compiled code; see `PathArrays`.
+        length: Arc length of the position, m; computed by quadrature if not given.
+        angle: Arc length of the orientation, rad; computed by quadrature if not given.
     """
 
     kind: str = 'path'
-    """The word for it in messages to users."""
+    """The noun for it in error messages."""
 
     def __init__(
         self, pieces: PathArrays, *, length: float | None = None, angle: float | None = None
@@ -61,17 +61,17 @@ class CartesianPath:
 
     @property
     def breaks(self) -> Array:
-        """Values of s between which the path is smooth, (m + 1,), from 0 to 1; at them it is C2."""
+        """Values of s between pieces, (m + 1,), from 0 to 1; the path is C2 at them and smooth elsewhere."""
         return self.arrays[0]
 
     @property
     def length(self) -> float:
-        """Way of the position, m."""
+        """Arc length of the position, m."""
         return self._measured[0] if self._length is None else self._length
 
     @property
     def angle(self) -> float:
-        """Way of the orientation, rad."""
+        """Arc length of the orientation, rad."""
         return self._measured[1] if self._angle is None else self._angle
 
     @cached_property
@@ -98,28 +98,28 @@ class CartesianPath:
         return samples
 
     def part(self, begin: float, end: float) -> CartesianPath:
-        """The path from s = `begin` to s = `end`, backwards if that is less, over an s of its own.
+        """The path from s = `begin` to s = `end`, backwards if `end` < `begin`, over an s of its own.
 
         With `end` = `begin` the tool stands still.
         """
         breaks, position, arc, rate, turn, T = self.arrays
-        way = end - begin
+        span = end - begin
         inner = breaks[(breaks > min(begin, end)) & (breaks < max(begin, end))]
-        edges = np.array([begin, *(inner if way > 0.0 else inner[::-1]), end])
+        edges = np.array([begin, *(inner if span > 0.0 else inner[::-1]), end])
         pieces = no_pieces(len(edges) - 1)
-        pieces[0][1:-1] = (edges[1:-1] - begin) / (way or 1.0)
+        pieces[0][1:-1] = (edges[1:-1] - begin) / (span or 1.0)
         for k, middle in enumerate(0.5 * (edges[:-1] + edges[1:])):
             i = interval_at(breaks, middle)
-            # In a piece x of the whole is x0 + way x.
+            # In a piece, x of the whole path is x0 + span x.
             x0 = edges[k] - breaks[i]
-            powers = _BINOMIALS * x0 ** np.maximum(_COLUMNS - _ROWS, 0) * way**_ROWS
+            powers = _BINOMIALS * x0 ** np.maximum(_COLUMNS - _ROWS, 0) * span**_ROWS
             pieces[1][k], pieces[4][k] = powers @ position[i], powers[:4, :4] @ turn[i]
             cosine, sine = np.cos(rate[i] * x0), np.sin(rate[i] * x0)
             pieces[2][k] = [
                 cosine * arc[i, 0] + sine * arc[i, 1],
                 cosine * arc[i, 1] - sine * arc[i, 0],
             ]
-            pieces[3][k], pieces[5][k] = rate[i] * way, T[i]
+            pieces[3][k], pieces[5][k] = rate[i] * span, T[i]
         path = CartesianPath(pieces)
         path.kind = self.kind
         return path
@@ -149,7 +149,7 @@ def _gauss_legendre() -> tuple[Array, Array]:
 
 
 def no_pieces(count: int) -> PathArrays:
-    """Pieces of a path that stands still at the origin, to be filled in; equal parts of s."""
+    """Pieces of equal length in s, at rest in the origin, to be filled in."""
     return (
         np.linspace(0.0, 1.0, count + 1),
         np.zeros((count, 6, 3)),
@@ -161,7 +161,7 @@ def no_pieces(count: int) -> PathArrays:
 
 
 def check_apart(first: Pose, second: Pose, names: tuple[str, str], *, kind: str) -> None:
-    """Two positions that a path needs to be apart.
+    """Check that two positions do not coincide.
 
     Raises:
         InvalidInputError: they coincide; names both and their position.

@@ -17,7 +17,7 @@ from robots_planning.paths.cartesian_path import (
     position_text,
 )
 
-# Sine of the angle at the start between the other two points; below, the circle is rounding.
+# Smallest sine of the angle between the chords from the start to the other two points.
 SMALLEST_SINE = 1e-6
 
 Orientation = Literal['interpolated', 'along_path']
@@ -25,16 +25,16 @@ ORIENTATIONS = ('interpolated', 'along_path')
 
 
 class CircularArc(CartesianPath):
-    """The position moves on the circle through three points at an even rate.
+    """The position moves on the circle through three points at a constant rate.
 
     Args:
         start: Pose at s = 0.
         via: A point on the arc between start and end; its orientation is not used.
         end: Pose at s = 1. For a full circle its position is the start's.
         second_via: For a full circle a second point, passed after `via`; otherwise None.
-        orientation: 'interpolated': it turns evenly about one axis from that of `start` to that of `end`, the
-            shorter way. 'along_path': it turns with the path, so that the tool keeps its angle to the
-            tangent; the orientation of `end` is not used.
+        orientation: 'interpolated': rotation at a constant rate about one fixed axis, by at most half a turn,
+            from the orientation of `start` to that of `end`. 'along_path': rotation with the tangent, to
+            which the tool keeps its angle; the orientation of `end` is not used.
 
     Raises:
         InvalidInputError: points that coincide or lie on a line, a second via point without a full circle, a
@@ -106,12 +106,12 @@ def circle_through(
 
 
 def _third_point(start: Pose, end: Pose, second_via: Pose | None) -> tuple[Pose, tuple[str, str, str]]:
-    """The point that determines the circle besides start and via."""
+    """The third point of the circle besides start and via, and the names of the three for messages."""
     if second_via is None:
         check_apart(start, end, ('start', 'end'), kind='arc (a full circle needs a second via point)')
         return end, ('start', 'via', 'end')
     closing = float(np.linalg.norm(end.r - start.r))
-    # What is stated to a tenth of a millimetre means the same point.
+    # Positions that agree to a tenth of a millimetre are taken for the same point.
     if closing > 1e-4:
         raise InvalidInputError(
             f'two via points make a full circle, which ends where it starts, at {position_text(start)}; '

@@ -1,4 +1,4 @@
-"""How far a tool that was sampled is from where it should be: a straight line, or any path."""
+"""Deviation of sampled tool poses from a straight line or from any path."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from robots_core.orientation import quaternions_of, rotation_vector, rotation_ve
 from robots_core.pose import Pose
 from robots_core.validation import Array
 
-# Path points to find the nearest among, and parts of the way between two of them: that between two parts of a
-# path of 10 m with bends of 0.05 m is 0.6 um away from their chord.
+# Points of the path among which the nearest is searched, and subdivisions between two of them. On a path of
+# 10 m with bends of 0.05 m, the chords between subdivisions are at most 0.6 um off.
 PATH_POINTS = 2001
 FINER = 10
-BRANCHES = 3  # of a path that comes back to where it was, looked at around each place
-ON_PATH = 1e-6  # m; what is this near needs no second look
-TURNING_RADIUS = 0.1  # m; a turn counts as much as its arc at this radius when places are compared
+BRANCHES = 3  # candidates per pose, for paths that cross themselves
+ON_PATH = 1e-6  # m; at this distance no further candidate is checked
+TURNING_RADIUS = 0.1  # m; a rotation counts as its arc at this radius when poses are compared
 
 
 class PosesOnPath(Protocol):
-    """Poses of a path at m places: r (m, 3), m, and T (m, 3, 3)."""
+    """Poses of a path at m values of s: r (m, 3), m, and T (m, 3, 3)."""
 
     @property
     def r(self) -> Array:
@@ -44,8 +44,8 @@ def line_deviation(r: Array, T: Array, start: Pose, end: Pose) -> tuple[float, f
     Args:
         r: Positions of the tool, (m, 3), m, from the first to the last.
         T: Its orientations, (m, 3, 3).
-        start: Where the line starts.
-        end: Where it ends; the orientation turns about one axis on the way.
+        start: First pose of the line.
+        end: Last pose; the orientation turns about one axis from the first to the last.
     """
     along = end.r - start.r
     squared = float(along @ along)
@@ -62,11 +62,11 @@ def line_deviation(r: Array, T: Array, start: Pose, end: Pose) -> tuple[float, f
 
 
 def path_deviation(r: Array, T: Array, path: SampledPath) -> tuple[float, float]:
-    """Largest distance (m) and angle (rad) from a path, its ends included; arguments as `line_deviation`."""
+    """Largest distance (m) and angle (rad) from a path, its ends included; r and T as in `line_deviation`."""
     coarse = np.linspace(0.0, 1.0, PATH_POINTS)
     poses = path.sample(coarse)
-    features, wanted = _features(poses.r, poses.T), _features(r, T)
-    squares = (features**2).sum(axis=1) - 2.0 * wanted @ features.T
+    features, targets = _features(poses.r, poses.T), _features(r, T)
+    squares = (features**2).sum(axis=1) - 2.0 * targets @ features.T
     best, turned = np.full(len(r), np.inf), np.full(len(r), np.inf)
     for _ in range(BRANCHES):
         rows = np.flatnonzero(best + TURNING_RADIUS * turned > ON_PATH)
@@ -93,22 +93,22 @@ def _with_ends(
 
 
 def _around(path: SampledPath, near: Array, r: Array, T: Array) -> tuple[Array, Array]:
-    """Distances (m,) and angles (m,) from the path around `near` (m,), between points that are close."""
+    """Distances (m,) and angles (m,) from the path around s = `near` (m,), by chords between finer points."""
     step = 1.0 / (PATH_POINTS - 1) / FINER
     count = 2 * FINER + 1
     middle = np.clip(near, FINER * step, 1.0 - FINER * step)
     fine = path.sample((middle[:, None] + step * np.arange(-FINER, FINER + 1)).ravel())
     points, orientations = fine.r.reshape(-1, count, 3), fine.T.reshape(-1, count, 3, 3)
-    features, wanted = _features(fine.r, fine.T).reshape(-1, count, 12), _features(r, T)
+    features, targets = _features(fine.r, fine.T).reshape(-1, count, 12), _features(r, T)
     rows = np.arange(len(r))
-    first = np.clip(((features - wanted[:, None]) ** 2).sum(axis=2).argmin(axis=1), 1, count - 2)
+    first = np.clip(((features - targets[:, None]) ** 2).sum(axis=2).argmin(axis=1), 1, count - 2)
     best, turned = np.full(len(r), np.inf), np.full(len(r), np.inf)
     for begin in (first - 1, first):
         chord = features[rows, begin + 1] - features[rows, begin]
         length = np.maximum((chord**2).sum(axis=1), 1e-300)
-        part = np.clip(((wanted - features[rows, begin]) * chord).sum(axis=1) / length, 0.0, 1.0)[:, None]
-        start, way = points[rows, begin], points[rows, begin + 1] - points[rows, begin]
-        distance = np.linalg.norm(r - start - part * way, axis=1)
+        part = np.clip(((targets - features[rows, begin]) * chord).sum(axis=1) / length, 0.0, 1.0)[:, None]
+        start, chord_r = points[rows, begin], points[rows, begin + 1] - points[rows, begin]
+        distance = np.linalg.norm(r - start - part * chord_r, axis=1)
         back = orientations[rows, begin].transpose(0, 2, 1)
         turn = rotation_vectors(orientations[rows, begin + 1] @ back)
         away = np.linalg.norm(rotation_vectors(T @ back) - part * turn, axis=1)
@@ -118,8 +118,8 @@ def _around(path: SampledPath, near: Array, r: Array, T: Array) -> tuple[Array, 
 
 
 def _features(r: Array, T: Array) -> Array:
-    """What is compared to find the nearest pose, (m, 12), m.
+    """Vectors whose distance ranks poses, (m, 12), m: position, and orientation scaled by `TURNING_RADIUS`.
 
-    Where a path crosses itself the orientation tells which of its parts is meant, and of a turn alone all.
+    The orientation separates the branches of a path that crosses itself, and the poses of a pure rotation.
     """
     return np.concatenate([r, TURNING_RADIUS * T.reshape(-1, 9)], axis=1)

@@ -20,16 +20,16 @@ from robots_planning.paths.cartesian_path import (
     position_text,
 )
 
-# What a turn counts next to a way of the position: as its arc at this radius, m.
+# A rotation counts as its arc at this radius, m, when chords are measured.
 TURNING_RADIUS = 0.3
 
 
 class PoseSpline(CartesianPath):
     """A C2 curve that passes every pose, position and orientation, exactly.
 
-    Position is the cubic spline with the chords between the poses as parameter (de Boor 2001), so that s goes
-    about with the way. Orientation is the cubic spline of rotation vectors from pose to pose with continuous
-    angular velocity and acceleration (McClain and Tapley 1974, as in SciPy's `RotationSpline`).
+    Position is the cubic spline over the chord lengths between the poses (de Boor 2001), so that s is about
+    proportional to the arc length. Orientation is the cubic spline of rotation vectors from pose to pose with
+    continuous angular velocity and acceleration (McClain and Tapley 1974, as in SciPy's `RotationSpline`).
 
     Args:
         poses: At least two; the first is at s = 0, the last at s = 1. From each to the next the tool turns by
@@ -60,7 +60,7 @@ class PoseSpline(CartesianPath):
         if count == 1:
             turn[0, 1] = (Rotation.from_matrix(T[1] @ T[0].T)).as_rotvec()
         else:
-            # Rotation vectors in the frame of each pose; here they are in the base frame.
+            # SciPy's rotation vectors are in the frame of each pose, those of a path in the base frame.
             body = np.moveaxis(turning.interpolator.c[::-1], 0, 1)
             turn[:] = np.einsum('mij,mkj->mki', T[:-1], body)
         orientation[:] = T[:-1]
@@ -68,7 +68,7 @@ class PoseSpline(CartesianPath):
 
 
 def chords(poses: Sequence[Pose]) -> Array:
-    """Distance from each pose to the next, (m - 1,), m; turning counts too.
+    """Distance from each pose to the next, (m - 1,), m, rotations included.
 
     Raises:
         InvalidInputError: two poses in succession coincide.

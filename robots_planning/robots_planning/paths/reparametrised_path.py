@@ -1,4 +1,4 @@
-"""ReparametrisedPath: a joint path over a coordinate along which the axes move evenly."""
+"""ReparametrisedPath: a joint path over a coordinate along which the axes move at about constant speed."""
 
 from __future__ import annotations
 
@@ -12,24 +12,26 @@ from robots_planning.paths.path_grid import path_grid
 from robots_planning.timing.quintic import quintic_coefficients, quintics_at
 
 NODES = 4  # per interval between two samples of the path
-SMALLEST_WAY = 1e-12  # s at full speed; below it the axes do not move at all
-SLOWEST_TURN = 0.05  # of the mean rate: where the axes hardly move, their direction means nothing
+SMALLEST_LENGTH = 1e-12  # s at full speed; a shorter path is one at rest
+SLOWEST_TURN = 0.05  # of the mean rate; slower axes have no meaningful direction
 
 
 class ReparametrisedPath:
     """A joint path over a coordinate sigma from 0 to 1, twice continuously differentiable.
 
-    Close to a singularity the axes do most of their way within a small part of s. There their accelerations
-    are small differences of large ones, q'' s_dot^2 and q' s_ddot, and a speed profile over s is coarse. With
+    Close to a singularity the axes do most of their motion within a small part of s. There their
+    accelerations are small differences of large terms, q'' s_dot^2 and q' s_ddot, and a speed profile over s
+    is coarse. With
 
         d sigma / ds ~ sqrt(1 + (rate / mean rate)^2),
 
-    the rate being the length of q' over the axes' speeds, neither holds over sigma: q' is bounded.
+    where the rate is the norm of q' divided by the axes' speed limits, q' is bounded over sigma, and both
+    problems disappear.
 
     Args:
         path: The joint path, over s.
-        velocity: Highest speeds of the axes, (n,), rad/s (m/s), which make them comparable.
-        acceleration: Highest accelerations of the axes, (n,), rad/s^2 (m/s^2).
+        velocity: Speed limits of the axes, (n,), rad/s (m/s), by which q' is scaled.
+        acceleration: Acceleration limits of the axes, (n,), rad/s^2 (m/s^2).
     """
 
     def __init__(self, path: JointPath, velocity: Array, acceleration: Array) -> None:
@@ -39,12 +41,12 @@ class ReparametrisedPath:
         _, q_s, q_ss = path.evaluate(self._s)
         first, second = q_s / velocity, q_ss / velocity
         square, product = np.einsum('mk,mk->m', first, first), np.einsum('mk,mk->m', first, second)
-        mean = max(float(self._integral(np.sqrt(square))[-1]), SMALLEST_WAY)
+        mean = max(float(self._integral(np.sqrt(square))[-1]), SMALLEST_LENGTH)
         slope = np.sqrt(1.0 + square / mean**2)
         change = product / (mean**2 * slope)
         steps = np.diff(self._s)
         sigma = self._integral(slope)
-        # With it, the integral of cubics.
+        # Correction from the trapezoidal rule to the integral of Hermite cubics.
         sigma[1:] += np.cumsum(steps**2 / 12.0 * (change[:-1] - change[1:]))
         whole = float(sigma[-1])
         self._sigma = sigma / whole
@@ -52,16 +54,16 @@ class ReparametrisedPath:
         self._coefficients = np.empty((len(steps), 6, 1))
         quintic_coefficients(self._sigma, self._s[:, None], s_1[:, None], s_2[:, None], self._coefficients)
 
-        along = (product / np.maximum(square, SMALLEST_WAY**2))[:, None]
+        along = (product / np.maximum(square, SMALLEST_LENGTH**2))[:, None]
         bend, turn = (q_ss - along * q_s) / acceleration, second - along * first
-        # The least times that speed and centripetal acceleration allow, per s.
+        # Least time per s that the limits of speed and centripetal acceleration allow.
         times = np.sqrt(square + np.linalg.norm(bend, axis=1))
-        times = np.sqrt(1.0 + (times / max(float(self._integral(times)[-1]), SMALLEST_WAY)) ** 2)
+        times = np.sqrt(1.0 + (times / max(float(self._integral(times)[-1]), SMALLEST_LENGTH)) ** 2)
         turns = np.linalg.norm(turn, axis=1) / np.sqrt(np.maximum(square, (SLOWEST_TURN * mean) ** 2))
         self._duration, self._turn = self._integral(times), self._integral(turns)
 
     def _integral(self, values: Array) -> Array:
-        """Over s up to every node, by trapezoids, (m,)."""
+        """Integral over s up to every node by the trapezoidal rule, (m,)."""
         return np.append(0.0, np.cumsum(0.5 * np.diff(self._s) * (values[1:] + values[:-1])))
 
     @property
@@ -95,11 +97,11 @@ class ReparametrisedPath:
     def derivatives(
         self, over_s: Callable[[Array], tuple[Array, Array]], sigma: Array
     ) -> tuple[Array, Array]:
-        """First and second derivatives at sigma (m,) of something whose derivatives over s are given."""
+        """First and second derivatives over sigma (m,) of a quantity, from a function of those over s."""
         s, *slopes = self.s_of(sigma)
         return _chained(*over_s(s), *slopes)
 
 
 def _chained(over_s: Array, twice_over_s: Array, s_1: Array, s_2: Array) -> tuple[Array, Array]:
-    """Derivatives over sigma, (m, k), of those over s (m, k) and of s itself (m,)."""
+    """Chain rule: derivatives over sigma, (m, k), from those over s (m, k) and those of s (m,)."""
     return over_s * s_1[:, None], twice_over_s * (s_1**2)[:, None] + over_s * s_2[:, None]

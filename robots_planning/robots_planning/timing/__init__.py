@@ -1,1 +1,1 @@
-"""Time laws: how fast a path can be followed inside the limits."""
+"""Timing: speed profiles and time laws that follow a path inside the limits of axes, torques and tool."""

@@ -1,4 +1,4 @@
-"""ChainLimits: limits that change from motion to motion along one blended path."""
+"""Limits along a blended path whose motions have different limits."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.time_optimal import ToolLimits
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 
-STANDSTILL = 1e-12  # m and rad per unit of s; a path that stands still has no direction
+STANDSTILL = 1e-12  # m and rad per unit of s; at rest the path has no direction
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,12 +41,12 @@ def chain_limits(
     sections: Sequence[SectionLimits],
     tool: Pose,
 ) -> ToolLimits:
-    """Limits over a chain's path, as parts of what holds at each place: all are 1.
+    """Limits along a chain's path, for quantities that are divided by the local limit: all bounds are 1.
 
     Args:
         robot: The robot.
         path: The blended path.
-        corners: Values of s where one motion gives way to the next, (k - 1,) of k sections.
+        corners: Values of s at which one motion ends and the next begins, (k - 1,) for k sections.
         sections: Limits of each motion.
         tool: Tool centre point in tool0.
     """
@@ -75,7 +75,7 @@ def chain_limits(
         second += [part / tool_acceleration[section] for part in (along, across)]
         return np.concatenate(first, axis=1), np.concatenate(second, axis=1)
 
-    # First speeds, whose accelerations are free; then accelerations, whose speeds are.
+    # Speeds come first, with free accelerations; then accelerations, with free speeds.
     free, bound = np.full(n + 2, np.inf), np.ones(n + 2)
     return ToolLimits(
         derivatives,
@@ -103,7 +103,7 @@ def tool_derivatives(
 
 
 def _travel(x_s: Array, x_ss: Array) -> tuple[Array, Array, Array]:
-    """Rate of travel of length and angle, its change, and what is across the path, (m, 2) each."""
+    """Rates of arc length and angle over s, their derivatives, and the normal parts of x'', (m, 2) each."""
     rate, along, across = (np.empty((len(x_s), 2)) for _ in range(3))
     for column, part in enumerate((slice(0, 3), slice(3, 6))):
         first, second = x_s[:, part], x_ss[:, part]

@@ -1,4 +1,4 @@
-"""DynamicProgrammingTiming: when to be where on a path of the tool, in the shortest time."""
+"""DynamicProgrammingTiming: time-optimal motion along a path of the tool."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits
 from robots_planning.trajectory import Trajectory
 
-STANDSTILL = 1e-12  # m and rad per unit of s; a path that stands still has no direction
+STANDSTILL = 1e-12  # m and rad per unit of s; at rest the path has no direction
 
 
 class DynamicProgrammingTiming:
     """The fastest motion along a path that keeps the limits of axes, torques and tool.
 
-    The tool's accelerations along and across its path are each within its limits.
+    The tool's tangential and normal accelerations are limited separately.
 
     Args:
         robot: The robot.
@@ -60,7 +60,7 @@ class DynamicProgrammingTiming:
 
 
 def travel(path: CartesianPath, s: Array) -> tuple[Array, Array]:
-    """First and second derivatives over s (m,) of length, angle, and what is across them, (m, 4) each.
+    """First and second derivatives over s (m,) of length and angle, and the normal parts, (m, 4) each.
 
     With x' = |x'| t: |x'|' = t x'', and across the path x'' - (t x'') t.
     """

@@ -1,5 +1,5 @@
 # ruff: noqa: PLR0917  # compiled functions take arrays
-"""A path's limits over path speed and acceleration, compiled."""
+"""Torque limits along a path as functions of path speed and acceleration, compiled."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
 Memory = tuple[Bodies, Array, Array, Array]
-"""For the dynamics of one state: bodies, mass matrix (n, n), bias and weight (n,)."""
+"""Scratch memory for the dynamics of one state: bodies, mass matrix (n, n), bias and weight (n,)."""
 
 
 @compiled()
 def memory_for(n: int) -> Memory:
-    """Memory for a robot of n axes."""
+    """Scratch memory for a robot of n axes."""
     return bodies_of(n), np.empty((n, n)), np.empty(n), np.empty(n)
 
 

@@ -1,4 +1,4 @@
-"""PathTiming: what tells when to be where on a path."""
+"""PathTiming: the interface of algorithms that time a motion along a path, and limits of the tool."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from robots_planning.trajectory import Trajectory
 
 
 class TooSlowError(Exception):
-    """A motion takes longer than it is of use."""
+    """A motion takes longer than the caller accepts."""
 
 
 class PathTiming(Protocol):
-    """From a path to a motion along it, from rest to rest; one class per algorithm."""
+    """Times a motion along a path, from rest to rest; one class per algorithm."""
 
     def trajectory(
         self, joint_path: JointPath, tool_path: CartesianPath, longest: float = np.inf
@@ -26,22 +26,22 @@ class PathTiming(Protocol):
         """The timed motion along a path.
 
         Args:
-            joint_path: What the axes do over s.
-            tool_path: What the tool does over the same s.
-            longest: Time that is of use, s: nobody need plan a motion that takes more to its end.
+            joint_path: Joint positions over s.
+            tool_path: Poses of the tool over the same s.
+            longest: Longest duration that the caller accepts, s; planning stops once it is exceeded.
 
         Raises:
-            TooSlowError: it takes longer.
+            TooSlowError: the motion takes longer than `longest`.
         """
 
 
 @dataclass(frozen=True)
 class ToolLimits:
-    """Limits of the tool centre point, each the length of a vector.
+    """Limits of the tool centre point, each on the norm of a vector.
 
     Attributes:
         speed: m/s.
-        acceleration: m/s^2; on a curve the centripetal part is in it.
+        acceleration: m/s^2; on a curve including the centripetal part.
         rotation_speed: rad/s.
         rotation_acceleration: rad/s^2.
         jerk: m/s^3, kept where jerk is limited; None for no limit.

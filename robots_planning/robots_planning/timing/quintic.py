@@ -1,5 +1,5 @@
 # ruff: noqa: PLR0917  # compiled functions take arrays, not objects
-"""Piecewise quintics through positions, first and second derivatives, compiled."""
+"""Piecewise quintics that match values, first and second derivatives, compiled."""
 
 from __future__ import annotations
 
@@ -67,7 +67,8 @@ def quintics_at(x: Array, coefficients: Array, values: Array, p: Array, v: Array
 def quintic_extremes(c: Array, h: float) -> tuple[float, float, float]:
     """Largest |first|, |second| and |third derivative| of a quintic with coefficients c (6,) over [0, h].
 
-    Second and third are exact. The first is looked at where the second is extreme and in between, at fifths.
+    Second and third are exact. The first is evaluated at the extremes of the second and at fifths of the
+    interval.
     """
     c2, c3, c4, c5 = c[2], c[3], c[4], c[5]
     first, second, third = 0.0, 0.0, 0.0
@@ -98,7 +99,7 @@ def quintic_extremes(c: Array, h: float) -> tuple[float, float, float]:
 
 @compiled(nrt=False)
 def quintic_uses(x: Array, coefficients: Array, limits: Array, uses: Array) -> None:
-    """Fill uses (m - 1, 3): the largest part of a limit that each derivative has on every interval.
+    """Fill uses (m - 1, 3): per interval and derivative, the largest ratio to its limit.
 
     Args:
         x: (m,), increasing.

@@ -1,10 +1,10 @@
 # ruff: noqa: PLR0917  # compiled functions take arrays, not objects
 """The time-optimal jerk-limited motion of one coordinate from rest to rest, in closed form.
 
-The jerk is a train of rectangles of one height: s(t) is a step of the whole way, averaged over three windows
-x <= y, x + y <= z one after the other. Peaks are way / z for the velocity, way / (z y) for the acceleration
-and way / (z y x) for the jerk, and the motion lasts x + y + z (Biagiotti and Melchiorri 2008, sections 3.4
-and 4.5). Each window may be longer than needed, and no limit is broken: that is how switches of jerk come to
+The jerk is piecewise constant with values 0 and +-j: s(t) is a step of the distance d, filtered by three
+moving averages with windows x <= y, x + y <= z. The peaks are d / z for the velocity, d / (z y) for the
+acceleration and d / (z y x) for the jerk, and the motion lasts x + y + z (Biagiotti and Melchiorri 2008,
+sections 3.4 and 4.5). Longer windows keep the limits too, so windows are rounded up until switches of jerk
 lie on whole ticks.
 """
 
@@ -19,7 +19,7 @@ from robots_core.robot_model.analytic.compiled import compiled, sort_in_place
 from robots_core.validation import Array
 
 NANOSECOND = 1e-9  # s
-# A window that is a whole number of ticks but for rounding is one.
+# In ticks: a window that exceeds a whole number of ticks by less than this is rounded down.
 ROUNDING = 1e-6
 
 Instants = NDArray[np.int64]
@@ -27,9 +27,9 @@ Instants = NDArray[np.int64]
 
 
 @compiled()
-def windows(way: float, velocity: float, acceleration: float, jerk: float) -> tuple[float, float, float]:
-    """The shortest windows x, y, z, s, that keep the limits over a way > 0."""
-    z, x = way / velocity, acceleration / jerk
+def windows(distance: float, velocity: float, acceleration: float, jerk: float) -> tuple[float, float, float]:
+    """The shortest windows x, y, z, s, that keep the limits over a distance > 0."""
+    z, x = distance / velocity, acceleration / jerk
     y = velocity / acceleration
     if y < x:
         x = y = sqrt(velocity / jerk)
@@ -37,38 +37,38 @@ def windows(way: float, velocity: float, acceleration: float, jerk: float) -> tu
         return x, y, z
     # The highest speed is not reached.
     x = acceleration / jerk
-    y = 0.5 * (sqrt(x * x + 4.0 * way / acceleration) - x)
+    y = 0.5 * (sqrt(x * x + 4.0 * distance / acceleration) - x)
     if y < x:
-        x = y = (0.5 * way / jerk) ** (1.0 / 3.0)
+        x = y = (0.5 * distance / jerk) ** (1.0 / 3.0)
     return x, y, x + y
 
 
 @compiled()
 def whole_windows(
-    way: float, velocity: float, acceleration: float, jerk: float, tick: int, shortest: int
+    distance: float, velocity: float, acceleration: float, jerk: float, tick: int, shortest: int
 ) -> tuple[int, int, int]:
-    """Windows x, y, z in whole ticks, in nanoseconds, between whose switches there is `shortest` or nothing.
+    """Windows x, y, z, ns, in whole ticks; switches of jerk coincide or are at least `shortest` apart.
 
     Args:
-        way: > 0, rad (m).
+        distance: > 0, rad (m).
         velocity: Limit, rad/s.
         acceleration: Limit, rad/s^2.
         jerk: Limit, rad/s^3.
         tick: ns.
         shortest: Length of the shortest piece of constant jerk, ns; a multiple of `tick`.
     """
-    z = windows(way, velocity, acceleration, jerk)[2]
+    z = windows(distance, velocity, acceleration, jerk)[2]
     unit = tick * NANOSECOND
     fewest = shortest // tick
     best, found = inf, (0, 0, 0)
-    # A window that is rounded up lets the shorter ones be shorter, so that few choices have to be looked at.
+    # A longer window allows shorter other ones; checking one tick more for z and y is enough.
     for more_z in range(2):
         for more_y in range(2):
             k_z = max(ceil(z / unit - ROUNDING) + more_z, 2 * fewest)
             # By the limits of acceleration and, as x <= y, of jerk.
-            y = max(way / (acceleration * k_z * unit), sqrt(way / (jerk * k_z * unit)))
+            y = max(distance / (acceleration * k_z * unit), sqrt(distance / (jerk * k_z * unit)))
             k_y = max(ceil(y / unit - ROUNDING) + more_y, fewest)
-            k_x = max(ceil(way / (jerk * k_z * k_y * unit**3) - ROUNDING), fewest)
+            k_x = max(ceil(distance / (jerk * k_z * k_y * unit**3) - ROUNDING), fewest)
             k_x, k_y, k_z = spaced(k_x, k_y, k_z, fewest)
             if k_x + k_y + k_z < best:
                 best, found = k_x + k_y + k_z, (k_x * tick, k_y * tick, k_z * tick)
@@ -77,7 +77,7 @@ def whole_windows(
 
 @compiled()
 def spaced(x: int, y: int, z: int, fewest: int) -> tuple[int, int, int]:
-    """Windows that are no shorter, ordered, and differ by nothing or by at least `fewest` ticks."""
+    """Windows lengthened so that they are ordered and each gap is 0 or at least `fewest` ticks."""
     y = max(y, x)
     if 0 < y - x < fewest:
         if y - x <= x + fewest - y:
@@ -103,23 +103,23 @@ def fill_switches(x: int, y: int, z: int, times: Instants) -> None:
 
 
 @compiled()
-def state(way: float, x: int, y: int, z: int, t: int) -> tuple[float, float, float]:
+def state(distance: float, x: int, y: int, z: int, t: int) -> tuple[float, float, float]:
     """Position, velocity and acceleration at an instant, ns, after the start; at rest after the end."""
     end = x + y + z
     if t <= 0:
         return 0.0, 0.0, 0.0
     if t >= end:
-        return way, 0.0, 0.0
+        return distance, 0.0, 0.0
     if 2 * t > end:
-        s, v, a = _accelerating(way, x, y, z, end - t)
-        return way - s, v, -a
-    return _accelerating(way, x, y, z, t)
+        s, v, a = _accelerating(distance, x, y, z, end - t)
+        return distance - s, v, -a
+    return _accelerating(distance, x, y, z, t)
 
 
 @compiled()
-def _accelerating(way: float, x: int, y: int, z: int, t: int) -> tuple[float, float, float]:
-    """The first half."""
-    speed = way / (z * NANOSECOND)
+def _accelerating(distance: float, x: int, y: int, z: int, t: int) -> tuple[float, float, float]:
+    """`state` in the first half of the motion."""
+    speed = distance / (z * NANOSECOND)
     highest = speed / (y * NANOSECOND)
     jerk = highest / (x * NANOSECOND)
     if t <= x:
@@ -140,7 +140,7 @@ def _accelerating(way: float, x: int, y: int, z: int, t: int) -> tuple[float, fl
 def line(
     start: Array, target: Array, limits: Array, tick: int, shortest: int
 ) -> tuple[Array, Array, Array, Array]:
-    """All coordinates together on the straight line between two points that differ.
+    """Synchronous motion of all coordinates on the straight line between two different points.
 
     Args:
         start: (n,), rad (m).
@@ -153,7 +153,7 @@ def line(
         Times (m,), s, of the switches of jerk; positions, velocities and accelerations there, (m, n) each.
     """
     n = start.size
-    # The path coordinate in units of the longest way, so that short moves keep their digits.
+    # The path coordinate is the longest displacement, so that short moves keep their precision.
     longest = 0.0
     for i in range(n):
         longest = max(longest, abs(target[i] - start[i]))
@@ -186,14 +186,14 @@ def line(
 def each_axis(
     start: Array, target: Array, limits: Array, tick: int, shortest: int
 ) -> tuple[Array, Array, Array, Array]:
-    """Every coordinate on its own, as `line`; an empty time if switches come closer than `shortest`."""
+    """Independent motion of every coordinate, as `line`; empty if switches are closer than `shortest`."""
     n = start.size
     chosen = np.zeros((n, 3), dtype=np.int64)
     instants = np.zeros((n, 8), dtype=np.int64)
     for i in range(n):
-        way = abs(target[i] - start[i])
-        if way > 0.0:
-            x, y, z = whole_windows(way, limits[0, i], limits[1, i], limits[2, i], tick, shortest)
+        distance = abs(target[i] - start[i])
+        if distance > 0.0:
+            x, y, z = whole_windows(distance, limits[0, i], limits[1, i], limits[2, i], tick, shortest)
             chosen[i, 0], chosen[i, 1], chosen[i, 2] = x, y, z
             fill_switches(x, y, z, instants[i])
     together = distinct(instants.ravel())
@@ -218,7 +218,7 @@ def each_axis(
 
 @compiled()
 def inside(q: Array, lower: Array, upper: Array) -> bool:
-    """No value (n,) is outside its limits; NaN is."""
+    """Whether all values (n,) are inside their limits; NaN is not."""
     for i in range(q.size):  # noqa: SIM110  # compiled
         if not lower[i] <= q[i] <= upper[i]:
             return False
@@ -227,7 +227,7 @@ def inside(q: Array, lower: Array, upper: Array) -> bool:
 
 @compiled()
 def distinct(instants: Instants) -> Instants:
-    """Sorted, each once."""
+    """The instants, sorted and without duplicates."""
     ordered = instants.copy()
     sort_in_place(ordered)
     count = 1

@@ -11,13 +11,13 @@ import numpy as np
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
-# Coefficients of x below this part of the largest at a point bound u alone: a zero-inertia point.
+# Coefficients of x below this fraction of the largest one at a point bound u alone (zero-inertia point).
 NO_INERTIA = 1e-9
-FASTEST = 1e18  # s_dot^2 where nothing limits it
+FASTEST = 1e18  # s_dot^2 without limits
 SEARCH_STEPS = 40
 SEARCH_END = 1e-7  # of u
 PASSES = 3  # the first with constant x from point to point, the others with the slopes of the one before
-# Part of what a limit leaves at rest that the change of x within an interval may take.
+# Fraction of the margin of a limit at rest that the change of x within an interval may use.
 SLOPE_PART = 0.5
 
 
@@ -30,7 +30,7 @@ def fastest_speeds(s: Array, rows: Array, highest: Array, scale: Array, u: Array
     linear in s with a given change, and kept inside the limits of both points. The change is first 0 and
     then the slope of the accelerations found, limited as in schemes for conservation laws (van Leer 1977):
     this makes the error fall with the square of the step, without oscillations where a limit has almost no
-    part of x in it.
+    coefficient of x.
 
     Args:
         s: Path grid, (m,), increasing.
@@ -41,7 +41,7 @@ def fastest_speeds(s: Array, rows: Array, highest: Array, scale: Array, u: Array
         change: Filled, (m - 1,): x at the end of an interval less x at its begin.
 
     Returns:
-        -1, or the first grid point at which the robot cannot even stand still.
+        -1, or the first grid point at which the robot cannot even hold still.
     """
     m = rows.shape[0]
     return _passes(s, rows, highest, scale, np.empty(m), np.empty(m), u, change)
@@ -51,7 +51,7 @@ def fastest_speeds(s: Array, rows: Array, highest: Array, scale: Array, u: Array
 def _passes(
     s: Array, rows: Array, highest: Array, scale: Array, summit: Array, top: Array, u: Array, change: Array
 ) -> int:
-    """`fastest_speeds` with memory for the speeds that are allowed (m,), and that lead to the end (m,)."""
+    """`fastest_speeds` with memory for the highest allowed and the highest reachable speeds, (m,) each."""
     m = rows.shape[0]
     for i in range(m):
         summit[i] = _highest_speed(rows[i], highest[i], scale[i])
@@ -83,7 +83,7 @@ def _highest_speed(rows: Array, highest: float, scale: float) -> float:
     u = min(highest, FASTEST)
     for k in range(rows.shape[0]):
         a, b, c = rows[k, 0], rows[k, 1], rows[k, 2]
-        # Standing still, x = 0, must be allowed; with lowered limits it is taken to be.
+        # Standing still, u = x = 0, must be allowed; with lowered limits it is assumed to be.
         if abs(c) > 1.0:
             return -1.0
         if abs(a) <= NO_INERTIA * largest and b != 0.0:
@@ -125,7 +125,7 @@ def _slopes(s: Array, rows: Array, scale: Array, u: Array, change: Array) -> Non
         right = (after - x) / (s[i + 2] - s[i])
         if left * right <= 0.0:
             continue
-        # Per interval; the mean slope, or twice the smaller one beside a jump.
+        # Per interval: the mean slope, or twice the smaller one beside a jump.
         size = min(2.0 * abs(left), 2.0 * abs(right), 0.5 * abs(left + right))
         size *= 2.0 * (s[i + 1] - s[i])
         for end in range(2):
@@ -147,7 +147,7 @@ def _reachable(
         high_u, slope, gap, closing = _latest(step, ends, scales, change, high)
         if gap <= 0.0:
             break
-        # Newton's method on the gap, a convex function of the next u: from above, never too far.
+        # Newton's method on the gap, a convex function of the next u: it never overshoots from above.
         if closing <= 0.0:
             return 0.0
         high -= (1.0 + SEARCH_END) * gap / closing
@@ -155,8 +155,8 @@ def _reachable(
             return 0.0
     if slope >= 0.0:
         return max(high_u, 0.0)
-    # More speed at the next point would allow less here: u is concave and piecewise linear over it, and its
-    # maximum where a growing and a falling line meet.
+    # More speed at the next point allows less here: u is a concave, piecewise linear function of it, with its
+    # maximum where a rising and a falling line meet.
     low = 0.0
     low_u, low_slope, gap, _ = _latest(step, ends, scales, change, low)
     if gap > 0.0:
@@ -180,10 +180,10 @@ def _reachable(
 def _latest(
     step: float, ends: tuple[Array, Array], scales: tuple[float, float], change: float, following: float
 ) -> tuple[float, float, float, float]:
-    """Largest u inside the upper limits that leads to `following`, and how it grows with `following`.
+    """Largest u inside the upper limits from which `following` is reached, and its slope over `following`.
 
-    And by how much the smallest u inside the lower limits, 0 or more, is above it, and how that gap grows
-    with `following`: none leads there if it is above 0.
+    Also the gap by which the smallest u inside the lower limits, 0 or more, exceeds it, and the slope of that
+    gap: `following` is not reachable if the gap is above 0.
     """
     low, high = 0.0, np.inf
     inverse = 0.5 / step

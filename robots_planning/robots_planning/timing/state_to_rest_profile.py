@@ -17,37 +17,39 @@ from robots_core.validation import Array
 from robots_planning.timing.rest_to_rest_profile import NANOSECOND, Instants, distinct
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 
-# Parts of the jerk limit to plan an axis with, one after the other: moving its switches of jerk to those of
-# others changes its jerks by about the distance over the length of a piece.
+# Fractions of the jerk limit that an axis is planned with, tried in turn: moving its switches of jerk onto
+# those of other axes changes its jerks relatively by about the shift over the length of a piece.
 JERK_PARTS = (1.0, 0.995, 0.98, 0.93, 0.8, 0.6)
-# A motion too short for that gets even pieces instead, of so many times the shortest length.
+# Motions too short for that are divided into equal pieces, of these multiples of the shortest length.
 EVEN_PIECES = (1, 2, 4, 8, 16, 32, 64)
-NO_JERK = 1e-30  # what these start with; a jerk of 0 would be that of cruising
-# Velocity and acceleration that are reached need no more slack than this.
+NO_JERK = 1e-30  # initial jerk of these pieces; 0 would mark them as cruising
+# Smallest fraction of the velocity and acceleration limits.
 SMALLEST_PART = 0.95
-NEARLY = 0.9  # of the velocity limit, which an axis comes to by the acceleration that it starts with
+NEARLY = 0.9  # of the velocity limit, reached by the acceleration at the start alone
 WEIGHT_OF_PLATEAUS = 1e-3
-# Of the jerk limit (of the acceleration limit where an axis is urgent), by what is left at the end.
+# Of the jerk limit (of the acceleration limit for an urgent axis), for removing the residual at the end.
 ALLOWED_ERROR = 1e-4
-# What an axis that is about to leave its position limits may use: a planner's limits, without the commanded
-# fractions; all there is; or all there is, and what moving its switches costs (acceleration, jerk).
+# Limits of an urgent axis, one about to leave its position limits, tried in turn: the planner's without the
+# commanded fractions; the full limits; the full limits exceeded by what moving the switches costs
+# (acceleration, jerk).
 RESERVES = (1.0 - LIMIT_MARGIN, 1.0, 1.0)
 EXCESS = ((1.0, 1.0), (1.0, 1.0), (1.0 + 8e-4, 1.02))
-# Switches of such an axis are moved only where the quintic between them would lose its acceleration too.
+# Switches of an urgent axis are moved only if closer than this, where the quintic between them is
+# ill-conditioned.
 CLOSEST = 30_000  # ns
 SOUND, BREAKS_LIMIT, LEAVES_RANGE = 0, 1, 2
 
 
 class StateToRestProfile:
-    """Motion from a state to rest; keeps Ruckig's objects.
+    """Time-optimal motion from a state to rest; an instance keeps Ruckig's objects.
 
     Ruckig (Berscheid and Kroeger 2021) finds when the jerk of each axis switches. The switches are moved to
-    whole nanoseconds, and onto those of other axes where they come closer to them than `shortest`; the jerks
-    are then corrected by the least that leads to the target again.
+    whole nanoseconds, and onto those of other axes that are closer than `shortest`; the jerks are then
+    corrected by the smallest changes that reach the target again.
 
     Args:
         axes: The limits.
-        synchronization: Ruckig's: Time (all axes end together) or No.
+        synchronization: Of Ruckig: Time (all axes end together) or No.
         shortest: Of a piece of constant jerk, ns.
     """
 
@@ -65,11 +67,11 @@ class StateToRestProfile:
 
         Args:
             state: (3, n): position, velocity and acceleration at the start.
-            target: (n,), where to rest.
+            target: (n,), positions at rest at the end.
             limits: (3, n): velocity, acceleration and jerk to plan with.
-            allowed: (3, n): what the plan must keep; a start above them is brought below.
+            allowed: (3, n): limits that the plan must keep; a start above them is brought below.
 
-        An axis that would leave its position limits brakes with the full limits, on its own.
+        An axis that would leave its position limits brakes independently, with the full limits.
 
         Raises:
             PlanningError: no profile keeps the limits; names the axis.
@@ -114,7 +116,7 @@ class StateToRestProfile:
     def _segments(
         self, state: Array, target: Array, limits: Array, slower: list[int], urgent: NDArray[np.int64]
     ) -> tuple[Array, Array] | None:
-        """Durations and jerks (n, 9) of Ruckig's profile, that of braking first."""
+        """Durations and jerks (n, 9) of Ruckig's profile, its brake pieces first."""
         command = self._input
         command.current_position, command.current_velocity, command.current_acceleration = state.tolist()
         command.target_position = target.tolist()
@@ -142,7 +144,7 @@ class StateToRestProfile:
                 length = EVEN_PIECES[level - len(JERK_PARTS)] * self._shortest * NANOSECOND
                 durations[axis], jerks[axis] = length, NO_JERK
         if urgent.any():
-            # Two pieces may be all that is left of a brake: halves can be corrected.
+            # A braking motion may have only two pieces, too few to correct; halves are enough.
             return np.repeat(0.5 * durations, 2, axis=1), np.repeat(jerks, 2, axis=1)
         return durations, jerks
 
@@ -160,21 +162,21 @@ def on_common_switches(
     urgent: NDArray[np.int64],
     shortest: int,
 ) -> tuple[int, int, Array, Array, Array, Array]:
-    """The profiles with switches that are one or far enough apart: status, axis it is about, and points."""
+    """Profiles whose switches coincide or are far enough apart: status, the axis at fault, and points."""
     n, pieces = durations.shape
     none, empty = np.empty(0), np.empty((0, n))
     ends = np.zeros((n, pieces + 1), dtype=np.int64)
     corrected = jerks.copy()
     known, count = np.zeros(n * pieces + 1, dtype=np.int64), 1
     for place in range(2 * n):
-        # The urgent ones first: they keep their switches.
+        # Urgent axes come first, so that their switches stay in place.
         i = place % n
         if (urgent[i] > 0) != (place < n):
             continue
         distance = CLOSEST if urgent[i] else shortest
         count = _common_switches(durations[i], ends[i], known, count, distance)
         if ends[i, pieces] == 0 and (state[0, i] != target[i] or state[1, i] != 0.0 or state[2, i] != 0.0):
-            # Motion of rounding's size: one piece, which the quintic brings to an end.
+            # A motion of the size of rounding becomes one piece.
             ends[i, pieces] = _known_switch(distance, known, count, distance)
             if ends[i, pieces] <= 0:
                 known[count] = ends[i, pieces] = distance
@@ -199,10 +201,10 @@ def on_common_switches(
                 a += h * j
                 last = row
             q[row, i], q_dot[row, i], q_ddot[row, i] = state[0, i] + p, v, a
-        if last == 0:  # it stands at its target
+        if last == 0:  # at rest at its target
             continue
-        # What rounding leaves at the end is spread over the motion: in the last interval alone it would be
-        # a jerk. Of a motion that is all rounding it may be too much.
+        # The residual of rounding at the end is spread over the motion: removed in the last interval alone it
+        # would need a jerk. For a motion of the size of rounding it may still be too large.
         p += state[0, i] - target[i]
         total, h = time[last], (CLOSEST if urgent[i] else shortest) * NANOSECOND
         jerk = (60.0 * abs(p) / h**2 + 36.0 * abs(v) / h + 9.0 * abs(a)) / total
@@ -219,10 +221,10 @@ def on_common_switches(
 
 @compiled()
 def _common_switches(durations: Array, ends: Instants, known: Instants, count: int, distance: int) -> int:
-    """Fill when the pieces of an axis end, at a known switch where one is nearer than `distance`, ns.
+    """Fill the ends of an axis' pieces, moved to a known switch if one is nearer than `distance`, ns.
 
-    New switches are added to the `count` known ones; how many there are now is returned. What lies in order
-    stays in order, as new switches keep the distance.
+    New switches are appended to the `count` known ones; the new count is returned. The order of the ends is
+    kept, because known switches are at least `distance` apart.
     """
     t = 0.0
     for k in range(durations.size):
@@ -248,14 +250,14 @@ def _known_switch(instant: int, known: Instants, count: int, distance: int) -> i
 
 @compiled()
 def _correct(ends: Instants, durations: Array, jerks: Array, state: Array, target: float) -> None:
-    """Change the jerks by the least that ends at rest at the target, and keeps what cruises cruising."""
+    """Change the jerks by the least norm that ends at rest at the target; cruising pieces keep cruising."""
     pieces = jerks.size
     total = ends[pieces] * NANOSECOND
     if total == 0.0:
         return
-    # Time in units of the whole: the columns are of one size.
+    # Time in units of the duration, which scales the columns alike.
     begin, length = ends[:-1] * NANOSECOND / total, (ends[1:] - ends[:-1]) * NANOSECOND / total
-    # Pieces without jerk and acceleration, as Ruckig has them.
+    # Pieces without jerk and acceleration in Ruckig's profile.
     cruising = np.zeros(pieces, dtype=np.bool_)
     small, a, rows = 1e-9 * (abs(state[2]) + np.abs(jerks * durations).max()), state[2], 3
     for k in range(pieces):
@@ -298,7 +300,7 @@ def _keeps(
 ) -> int:
     """Whether position, velocity, acceleration and jerk stay inside the limits at every instant."""
     q, v, a = state[0], state[1], state[2]
-    # A start above what is allowed gets no worse than its acceleration makes it.
+    # A start above the allowed velocity may exceed it by what its acceleration adds.
     rising = max(abs(v), abs(v + 0.5 * a * abs(a) / allowed[2] * (1.0 + 2.0 * LIMIT_MARGIN)))
     fastest = max(allowed[0], min(rising, full_speed * (1.0 + 2.0 * LIMIT_MARGIN)))
     strongest = max(allowed[1], abs(a))
@@ -324,7 +326,7 @@ def _keeps(
                 if not lower - LIMIT_TOLERANCE <= position <= upper + LIMIT_TOLERANCE:
                     return LEAVES_RANGE
                 if abs(v + t * (a + 0.5 * t * j)) > fastest:
-                    # An axis that accelerates towards its limit needs all of its jerk, not less.
+                    # An axis that accelerates towards its velocity limit needs all of its jerk.
                     status = LEAVES_RANGE if rising > NEARLY * allowed[0] else BREAKS_LIMIT
         q += h * (v + h * (0.5 * a + h * j / 6.0))
         v += h * (a + 0.5 * h * j)

@@ -10,22 +10,22 @@ import numpy as np
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
-SMALLEST_JUMP = 2e-3  # of a limit
-BISECTIONS = 40  # to a nanosecond of a quarter of an hour
+SMALLEST_JUMP = 2e-3  # of a limit; smaller jumps of acceleration get no points of their own
+BISECTIONS = 40  # resolve a nanosecond in a quarter of an hour
 
 
 class SwitchedTimeLaw:
     """s(t), cubic from grid point to grid point, averaged over a moving window.
 
-    The average makes s_ddot continuous (a jump becomes a ramp as long as the window), keeps rest at both
+    The average makes s_ddot continuous (a jump becomes a ramp as long as the window), preserves rest at both
     ends, and lengthens the motion by the window.
 
     Args:
         s: Path grid, (m,), from 0 to 1.
         speed_squared: s_dot^2 at the grid points, (m,); 0 at both ends, above 0 in between.
         difference: Change of s_ddot within every interval, (m - 1,).
-        window: Part of the duration that is averaged over, at least `shortest`.
-        shortest: s.
+        window: Length of the window as a fraction of the duration; at least `shortest` is used.
+        shortest: Shortest window, s.
     """
 
     def __init__(
@@ -38,18 +38,18 @@ class SwitchedTimeLaw:
 
     @property
     def duration(self) -> float:
-        """Length, s, with the window."""
+        """Duration, s, with the window."""
         return float(self._t[-1]) + self.window
 
     @property
     def grid_times(self) -> Array:
-        """When s is about at each grid point, (m,) s."""
+        """Approximate times at which s passes the grid points, (m,) s."""
         times: Array = self._t + 0.5 * self.window
         return times
 
     @property
     def at_grid(self) -> tuple[Array, Array, Array]:
-        """Without window: s_dot at grid points, (m,); s_ddot at begins and ends of intervals, (m - 1,)."""
+        """Before averaging: s_dot at grid points, (m,); s_ddot at starts and ends of intervals, (m - 1,)."""
         speed, begin = self._pieces[:, 2], self._pieces[:-1, 3]
         return speed, begin, begin + np.diff(self._t) * self._pieces[:-1, 4]
 
@@ -60,7 +60,7 @@ class SwitchedTimeLaw:
         return values[0], values[1], values[2]
 
     def times_of(self, s: Array) -> Array:
-        """When s has the values `s` (m,), each between 0 and 1, (m,) s."""
+        """Times, (m,) s, at which s has the values `s` (m,), each between 0 and 1."""
         low, high = np.zeros(len(s)), np.full(len(s), self.duration)
         for _ in range(BISECTIONS):
             middle = 0.5 * (low + high)
@@ -69,12 +69,12 @@ class SwitchedTimeLaw:
         return high
 
     def sample_times(self, longest: float, weight: Array) -> Array:
-        """Times (m,) for a trajectory: both ends of every ramp, and no gap above `longest`, s.
+        """Times (m,) of a trajectory's points: both ends of every ramp, and no interval above `longest`.
 
         Args:
-            longest: s.
-            weight: What a unit of s_ddot uses of a limit at the grid points, (m,): jumps that use little of
-                it are left to the interpolation.
+            longest: Longest interval, s.
+            weight: Use of a limit per unit of s_ddot at the grid points, (m,): jumps with a small use get no
+                points of their own.
         """
         times = np.empty(int(self.duration / longest) + 4 * len(self._t) + 8)
         count = fill_times(self._t, self._pieces, self.window, longest, weight, times)
@@ -83,14 +83,14 @@ class SwitchedTimeLaw:
 
 @compiled(nrt=False)
 def law_pieces(s: Array, u: Array, difference: Array, t: Array, pieces: Array) -> None:
-    """Fill begins t (m,) and pieces (m, 5): integral of s so far, then s, s_dot, s_ddot and s_dddot."""
+    """Fill start times t (m,) and pieces (m, 5): integral of s so far, s, s_dot, s_ddot and s_dddot."""
     m = s.size
     t[0] = 0.0
     area = 0.0
     for i in range(m - 1):
         begin, end = sqrt(u[i]), sqrt(u[i + 1])
         total, step = begin + end, s[i + 1] - s[i]
-        # The cubic through both points and speeds whose s_ddot changes by the difference.
+        # The cubic that matches both points and speeds, and whose s_ddot changes by the difference.
         root = total * total - 4.0 / 3.0 * step * difference[i]
         h = 4.0 * step / (total + sqrt(root)) if root > 0.0 else 2.0 * step / total
         first = (6.0 * step / h - 4.0 * begin - 2.0 * end) / h
@@ -106,7 +106,7 @@ def law_pieces(s: Array, u: Array, difference: Array, t: Array, pieces: Array) -
 
 @compiled(nrt=False)
 def _state(t: Array, pieces: Array, time: float, i: int) -> tuple[float, float, float, int]:
-    """Integral of s, s and s_dot at a time, searched from piece i on; and the piece."""
+    """Integral of s, s and s_dot at a time, searched from piece i on; and the index of the piece."""
     if time <= 0.0:
         return time * pieces[0, 1], pieces[0, 1], 0.0, i
     while i < t.size - 1 and t[i + 1] <= time:
@@ -135,7 +135,7 @@ def averaged(t: Array, pieces: Array, window: float, times: Array, values: Array
 
 @compiled(nrt=False)
 def fill_times(t: Array, pieces: Array, window: float, longest: float, weight: Array, times: Array) -> int:
-    """Fill times and return their number: ramps of jumps, and between them steps of at most `longest`."""
+    """Fill times and return their number: ends of ramps, and between them steps of at most `longest`."""
     m = t.size
     count = 1
     times[0] = 0.0
@@ -147,7 +147,7 @@ def fill_times(t: Array, pieces: Array, window: float, longest: float, weight: A
         for end in range(ends):
             time = t[i] + (end * window if jump else 0.5 * window)
             gap = time - times[count - 1]
-            # Points that nearly coincide say nothing new and magnify rounding.
+            # Points that nearly coincide add nothing and magnify rounding.
             if gap < 0.3 * window:
                 continue
             parts = int(np.ceil(gap / longest))

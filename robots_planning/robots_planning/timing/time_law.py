@@ -1,4 +1,4 @@
-"""The time law of a path: from path speeds on a grid to a smooth s(t), compiled."""
+"""The time law s(t) of a path from path speeds on a grid, and its smoothing, compiled."""
 
 from __future__ import annotations
 
@@ -23,27 +23,27 @@ def time_law(s: Array, speeds: Array) -> TimeLaw:
         speeds: s_dot^2 at the grid points, (m,); 0 at both ends, above 0 in between.
     """
     m = s.size
-    t, s_dot, once, s_ddot = np.zeros(m), np.zeros(m), np.zeros(m), np.empty(m - 1)
+    t, s_dot, integral, s_ddot = np.zeros(m), np.zeros(m), np.zeros(m), np.empty(m - 1)
     for i in range(m - 1):
         s_dot[i + 1] = sqrt(speeds[i + 1])
         h = 2.0 * (s[i + 1] - s[i]) / (s_dot[i] + s_dot[i + 1])
         s_ddot[i] = (s_dot[i + 1] - s_dot[i]) / h
         t[i + 1] = t[i] + h
-        once[i + 1] = once[i] + h * (s[i] + h * (s_dot[i] / 2.0 + h * s_ddot[i] / 6.0))
-    return t, s.copy(), s_dot, once, s_ddot
+        integral[i + 1] = integral[i] + h * (s[i] + h * (s_dot[i] / 2.0 + h * s_ddot[i] / 6.0))
+    return t, s.copy(), s_dot, integral, s_ddot
 
 
 @compiled(nrt=False)
 def smooth_law_at(law: TimeLaw, window: float, time: float) -> tuple[float, float, float]:
     """s, s_dot and s_ddot at a time of the law convolved with a rectangle of width `window` (s).
 
-    The convolution makes s_ddot continuous and piecewise linear, keeps rest at both ends, and lengthens the
-    motion by the window.
+    The convolution makes s_ddot continuous and piecewise linear, preserves rest at both ends, and lengthens
+    the motion by the window.
     """
-    s_new, v_new, once_new = _law_at(law, time)
-    s_old, v_old, once_old = _law_at(law, time - window)
+    s_new, v_new, integral_new = _law_at(law, time)
+    s_old, v_old, integral_old = _law_at(law, time - window)
     return (
-        min(max((once_new - once_old) / window, 0.0), 1.0),
+        min(max((integral_new - integral_old) / window, 0.0), 1.0),
         max((s_new - s_old) / window, 0.0),
         (v_new - v_old) / window,
     )
@@ -52,15 +52,15 @@ def smooth_law_at(law: TimeLaw, window: float, time: float) -> tuple[float, floa
 @compiled(nrt=False)
 def _law_at(law: TimeLaw, time: float) -> tuple[float, float, float]:
     """s, s_dot and the integral of s; at rest before and after."""
-    t, s, s_dot, once, s_ddot = law
+    t, s, s_dot, integral, s_ddot = law
     if time <= 0.0:
         return 0.0, 0.0, 0.0
     if time >= t[-1]:
-        return s[-1], 0.0, once[-1] + (time - t[-1]) * s[-1]
+        return s[-1], 0.0, integral[-1] + (time - t[-1]) * s[-1]
     i = interval_at(t, time)
     x, v, a = time - t[i], s_dot[i], s_ddot[i]
     return (
         s[i] + x * (v + x * a / 2.0),
         v + x * a,
-        once[i] + x * (s[i] + x * (v / 2.0 + x * a / 6.0)),
+        integral[i] + x * (s[i] + x * (v / 2.0 + x * a / 6.0)),
     )

@@ -25,31 +25,33 @@ from robots_planning.timing.speed_profile import fastest_speeds
 from robots_planning.timing.switched_time_law import SwitchedTimeLaw
 from robots_planning.trajectory import Trajectory
 
-# Ramps of acceleration: this part of the duration each, which is what all of them together cost.
+# Length of the ramps of acceleration, of the duration; all of them together lengthen the motion by one ramp.
 RAMP = 3e-4
 SHORTEST_RAMP = 5e-5  # s; shorter ones would magnify the rounding of positions
 LONGEST_STEP = 0.006  # s between points of the trajectory
 CHECKS_PER_STEP = 5
 TORQUE_CHECK = 2  # one in so many checks
-# Torques are looked at where the profile uses more than this part of their limits.
+# Torques are checked where the profile uses more than this fraction of their limits.
 TORQUE_LOOK = 0.7
 RESERVE = 3e-4  # of the limits, at first, so that most trajectories need no second round
-# Ramps tried with jerk limits, as parts of what the largest jump of acceleration needs: a shorter one costs
+# Ramps tried with jerk limits, relative to what the largest jump of acceleration needs: a shorter one costs
 # less time everywhere, and more where the motion is slowed down for its jerk.
 JERK_RAMPS = (1.0, 0.75, 0.55)
-ROUNDS = 6  # of lowering the limits where the trajectory broke them
+ROUNDS = 6  # of lowering limits that the trajectory broke
 DISCRETISATION = 1e-3  # of a duration, by which a profile may be slower than the fastest
-LOWEST_SCALE = 0.1  # of the limits, below which lowering them further helps nobody
+LOWEST_SCALE = 0.1  # of the limits; below it lowering them is given up
 CLOSEST_SEAM = 2e-4  # s to the next point of the trajectory; shorter steps would magnify rounding of jerk
-# Parts of a limit: where more is used than the first, the grid is too coarse for the path, and made finer
-# wherever more is used than the second.
+# Use of a limit: above the first the grid is too coarse for the path, and is refined wherever the use is
+# above the second.
 COARSE, TOO_LONG = 1.04, 1.005
-EXCESS = 3e-4  # part of a limit that is not worth another round; limits were lowered by a third of it before
+EXCESS = (
+    3e-4  # of a limit, not worth another round; `LIMIT_MARGIN` lowered the limits by a third of it before
+)
 
 
 @dataclass(frozen=True, eq=False)
 class ToolLimits:
-    """Limits of k quantities that go with a path: the tool's travel, and on curves what is across it.
+    """Limits of k quantities along a path, such as the tool's tangential and normal motion.
 
     Attributes:
         derivatives: From s (m,) to their first and second derivatives over s, (m, k) each: of the travelled
@@ -66,10 +68,10 @@ class ToolLimits:
 class TimeOptimalTiming:
     """From joint paths to the fastest trajectories, by dynamic programming over path and speed.
 
-    Velocity, acceleration and torque limits hold on a grid that is finer where the path is curved, in between
-    by the rule that joins grid points (see `fastest_speeds`), and in the trajectory that comes of it by
-    comparison: where a limit is passed, limits are lowered locally and the profile is made again. Torques
-    are those of the robot's rigid dynamics; gravity included.
+    Velocity, acceleration and torque limits hold on a grid that is finer where the path is curved, and
+    between grid points by the interpolation of `fastest_speeds`. The resulting trajectory is checked; where
+    it exceeds a limit, limits are lowered locally and the profile is computed again. Torques are those of the
+    robot's rigid dynamics, gravity included.
 
     Args:
         robot: The robot.
@@ -105,12 +107,12 @@ class TimeOptimalTiming:
     ) -> Trajectory:
         """The fastest trajectory from rest to rest along a path.
 
-        With jerk limits, the fastest of those that come of smoothing over several windows.
+        With jerk limits, the fastest of several, each smoothed by another window.
 
         Args:
-            path: Where to go.
+            path: The joint path.
             tool: Limits of the tool besides those of the axes.
-            longest: Time that is of use, s; see `PathTiming`.
+            longest: Longest duration that the caller accepts, s; see `PathTiming`.
 
         Raises:
             PlanningError: the robot cannot hold itself against gravity somewhere on the path; names axis,
@@ -119,7 +121,7 @@ class TimeOptimalTiming:
         """
         ramps = [SHORTEST_RAMP]
         if self._jerk is not None:
-            # A jump from one limit to the other, as a ramp.
+            # Ramp for a jump from one acceleration limit to the opposite one.
             jump = float((2.0 * self._acceleration / self._jerk).max())
             ramps = [part * jump for part in JERK_RAMPS]
         plans = [plan for ramp in ramps for plan in self._plans(path, tool, ramp, longest)]
@@ -133,7 +135,8 @@ class TimeOptimalTiming:
     ) -> list[Trajectory]:
         """Trajectories inside the limits whose ramps of acceleration last `shortest` (s) or more.
 
-        Given up as soon as they are sure to take more than `longest`, s: lowered limits make them but slower.
+        Planning stops once they are sure to take more than `longest`, s: lowering limits only makes them
+        slower.
         """
         even = ReparametrisedPath(path, self._velocity, self._acceleration)
         if tool is not None:
@@ -167,7 +170,7 @@ class TimeOptimalTiming:
         return [*plans, self._slowed(trajectory, law, worst)]
 
     def _slowed(self, trajectory: Trajectory, law: SwitchedTimeLaw, worst: float) -> Trajectory:
-        """The same in the time that the limits take, where `worst` is the largest use of one."""
+        """The motion slowed down uniformly until it keeps the limits; `worst` is the largest use of one."""
         for _ in range(ROUNDS):
             if worst <= 1.0 + EXCESS:
                 break
@@ -242,7 +245,7 @@ class TimeOptimalTiming:
         s[0], s[-1] = 0.0, 1.0
         s_dot[[0, -1]] = s_ddot[[0, -1]] = 0.0
         q, q_s, q_ss = path.evaluate(s)
-        q[[0, -1]] = path.ends  # without rounding: what follows begins exactly there
+        q[[0, -1]] = path.ends  # without rounding: the next motion starts exactly there
         return Trajectory(t, q, q_s * s_dot[:, None], q_ss * (s_dot**2)[:, None] + q_s * s_ddot[:, None])
 
     def _use(
@@ -254,7 +257,7 @@ class TimeOptimalTiming:
     ) -> tuple[Array, Array, Array]:
         """Times between the points, the largest use of a limit there, and that of the jerk limits.
 
-        With the `rows` of the limits torques are looked at where they may be large, else everywhere.
+        With the `rows` of the limits torques are checked only where they may be large, else everywhere.
         """
         points = trajectory.time
         parts = np.arange(CHECKS_PER_STEP) / CHECKS_PER_STEP
@@ -276,7 +279,7 @@ class TimeOptimalTiming:
             use = np.maximum(use, (speed / tool.velocity).max(axis=1))
             use = np.maximum(use, np.abs(acceleration / tool.acceleration).max(axis=1))
         if self._effort is not None:
-            # Torques follow the accelerations, which are looked at everywhere.
+            # Torques follow the accelerations, which are checked everywhere.
             some = np.arange(0, len(times), TORQUE_CHECK)
             if rows is not None and self._jerk is None:
                 some = some[self._heavy(law, rows[:, -trajectory.num_axes :], times[some])]
@@ -287,7 +290,7 @@ class TimeOptimalTiming:
 
     @staticmethod
     def _heavy(law: SwitchedTimeLaw, rows: Array, times: Array) -> Array:
-        """Whether the torques of the profile are large near by, at times (k,); from their rows, (m, n, 3)."""
+        """Whether the profile's torques are large close to times (k,), from the torque rows, (m, n, 3)."""
         speed, begin, end = law.at_grid
         parts = [
             np.abs(part[:, :, 0] * x[:, None] + part[:, :, 1] * (v**2)[:, None] + part[:, :, 2]).max(axis=1)
@@ -335,7 +338,7 @@ _DYNAMICS: WeakKeyDictionary[BaseRobotModel, ChainDynamics | None] = WeakKeyDict
 
 
 def _dynamics_of(robot: BaseRobotModel) -> ChainDynamics | None:
-    """The robot's dynamics for compiled code, found once; None where only its own methods know them."""
+    """The robot's dynamics for compiled code, cached; None if only its own methods compute them."""
     if robot not in _DYNAMICS:
         try:
             _DYNAMICS[robot] = ChainDynamics.of(robot, SerialChain.of(robot))
@@ -345,16 +348,16 @@ def _dynamics_of(robot: BaseRobotModel) -> ChainDynamics | None:
 
 
 def local_excess(law: SwitchedTimeLaw, times: Array, use: Array) -> Array:
-    """By how much limits are lowered at the grid points: what is passed near by, and a little more."""
+    """Factors by which limits are lowered at the grid points: the excess near by, increased by a fifth."""
     grid_times, excess = law.grid_times, np.maximum(use, 1.0)
     if law.window > LONGEST_STEP:
-        # All that the window reaches makes the acceleration.
+        # The acceleration depends on everything inside the window.
         even = np.arange(0.0, law.duration, LONGEST_STEP)
         worst = np.ones(len(even))
         np.maximum.at(worst, np.minimum((times / LONGEST_STEP).astype(int), len(even) - 1), excess)
         reach = 2 * int(0.5 * law.window / LONGEST_STEP) + 3
         excess, times = maximum_filter1d(worst, reach), even
-    # A grid point counts for the checks until its neighbours, and for the check before it where it is finer.
+    # A grid point covers the checks up to its neighbours, and the check before it where the grid is finer.
     index = np.clip(np.searchsorted(grid_times, times), 1, len(grid_times) - 1)
     lowered = excess[np.clip(np.searchsorted(times, grid_times) - 1, 0, len(times) - 1)]
     np.maximum.at(lowered, index, excess)
@@ -364,7 +367,7 @@ def local_excess(law: SwitchedTimeLaw, times: Array, use: Array) -> Array:
 
 
 def with_times(times: Array, others: Array) -> Array:
-    """Increasing times with others among them; those that nearly coincide with one of the others give way."""
+    """Increasing times merged with others; times that nearly coincide with one of the others are left out."""
     inner = others[(others > times[0] + CLOSEST_SEAM) & (others < times[-1] - CLOSEST_SEAM)]
     bounds = np.concatenate([[-np.inf], inner, [np.inf]])
     after = np.searchsorted(inner, times) + 1
@@ -377,7 +380,7 @@ def slower(trajectory: Trajectory, use: float) -> Trajectory:
     if use <= 1.0:
         return trajectory
     t = Trajectory.message_times(trajectory.time * use)
-    # Rounding times moves the points along the motion; see `message_times`.
+    # Rounded times shift the points along the motion; see `message_times`.
     q, q_dot, q_ddot = trajectory.sample(t / use)
     q[[0, -1]] = trajectory.position[[0, -1]]
     q_dot[[0, -1]] = q_ddot[[0, -1]] = 0.0

@@ -11,11 +11,11 @@ from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
 NEWTON_STEPS = 60
-# Of the speeds compared: their rounding.
+# Relative rounding of the speeds that are compared.
 SPEED_ROUNDING = 1e-12
-# A coefficient this far below the other one of its line is rounding.
+# Ratio of the two coefficients of a line below which the smaller one is rounding.
 VANISHING = 1e-12
-# The cone's boundary is vertical at its tip, where no tangent leads on.
+# Fraction of the cone up to its tip, where its boundary is vertical and Newton's method fails.
 TIP = 1.0 - 1e-6
 
 Grid = tuple[Array, Array, Array, Array, Array]
@@ -23,7 +23,7 @@ Grid = tuple[Array, Array, Array, Array, Array]
 
 MotionLimits = tuple[Array, Array, Array]
 """Velocity and acceleration of the axes, (n,) each; of the tool, (4,): speed, acceleration, angular speed and
-angular acceleration, each the length of a vector."""
+angular acceleration, each on the norm of a vector."""
 
 
 @compiled()
@@ -56,7 +56,8 @@ def _two_pass(grid: Grid, limits: MotionLimits, scale: Array, speeds: Array, bou
             gap = low - high
             if gap <= SPEED_ROUNDING * (u + following):
                 break
-            # The gap is convex over u and none at 0: Newton's method comes down to its largest zero.
+            # The gap is convex over u and at most 0 at u = 0: Newton's method converges to its largest zero
+            # from above.
             slope = (bounds[2] if bounds[0] > 0.0 else 0.0) - (bounds[3] if bounds[1] < following else 0.0)
             u = max(u - gap / slope, 0.0) if slope > 0.0 else 0.0
         speeds[i] = u
@@ -68,7 +69,7 @@ def _two_pass(grid: Grid, limits: MotionLimits, scale: Array, speeds: Array, bou
 
 @compiled(nrt=False)
 def _highest_speed(grid: Grid, limits: MotionLimits, scale: Array, i: int) -> float:
-    """Highest s_dot^2 at point i that keeps the speed limits, and those that only curvature uses up."""
+    """Highest s_dot^2 at point i by the speed limits and by the acceleration limits that bound it alone."""
     s, q_s, q_ss, x_s, x_ss = grid
     velocity, acceleration, tool = limits
     j, step = i + 1, 0.5 / (s[i + 1] - s[i])
@@ -141,7 +142,7 @@ def _narrow(alpha: float, beta: float, limit: float, u: float, bounds: Array) ->
 
 @compiled(nrt=False)
 def _cone(x_s: Array, x_ss: Array, i: int, end: int, step: float, first: int) -> tuple[float, float, float]:
-    """Of the tool's acceleration d v + p u: d . d, d . p, and the square of the part of p across d."""
+    """For the tool's acceleration d v + p u: d . d, d . p, and the square of the part of p normal to d."""
     dd, dp, pp = 0.0, 0.0, 0.0
     for k in range(first, first + 3):
         slope = x_s[i + end, k] * step
@@ -153,5 +154,5 @@ def _cone(x_s: Array, x_ss: Array, i: int, end: int, step: float, first: int) ->
     if dd <= VANISHING * pp:
         return 0.0, 0.0, pp
     across = pp - dp * dp / dd
-    # A difference of nearly equal numbers: what rounding leaves is none.
+    # A difference of nearly equal numbers; a result of the size of rounding counts as 0.
     return dd, dp, across if across > VANISHING * pp else 0.0

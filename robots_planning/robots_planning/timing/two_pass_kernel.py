@@ -22,21 +22,21 @@ from robots_planning.timing.two_pass import Grid, MotionLimits, two_pass
 GRID = 240  # points of the speed profile over the path, at least
 GRID_ROUNDING = 1e-9  # of a grid interval: rounding of the samples must not add an interval
 POINTS_PER_SAMPLE = 4  # so that the trajectory's quintics follow those of the joint path
-# Points closer than this are one: the quintic between them would divide rounding by its fifth power.
+# Points closer than this are merged: the quintic divides rounding by the fifth power of the interval.
 CLOSEST_POINTS = 2e-4  # s
-# Of the smoothing window: other points closer to the end of a jump than this are left out.
+# Of the smoothing window; other points closer than this to the end of a jump are left out.
 POINT_DISTANCE = 0.2
-# Jumps of acceleration that a limit feels by more than this part get points at both ends of their smoothing.
+# Jumps of acceleration larger than this fraction of a limit get points at both ends of their smoothing.
 NOTABLE_JUMP = 0.03
-ROUNDS = 16  # of lowering the limits where smoothing broke them
-# A little more than needed, so that few rounds suffice.
+ROUNDS = 16  # of lowering limits that smoothing broke
+# Exponent on the slow-down: slightly more than needed, so that few rounds suffice.
 SLOWER = 1.1
-# At most in a round: where much is missing, less slow-down than that is enough in the end.
+# Largest slow-down per round: with a large excess, less turns out to be enough.
 LARGEST_FACTOR = 1.5
-GOOD_ENOUGH = 1.002  # use of a limit that an even slow-down costs less than another round
-# Smoothing and interpolation move speeds to where the limits are slightly different.
+GOOD_ENOUGH = 1.002  # use of a limit at which a uniform slow-down is cheaper than another round
+# Smoothing and interpolation shift speeds to places with slightly different limits.
 SMOOTHING_MARGIN = 1e-3
-STRETCH_EXCESS = 1e-7  # so that rounding does not ask for another round
+STRETCH_EXCESS = 1e-7  # so that rounding does not cause another round
 STRETCHES = 4
 
 Points = tuple[Array, Array, Array, Array]
@@ -64,7 +64,7 @@ def speed_grid(path_s: Array) -> Array:
 
 @compiled(nrt=False)
 def _parts(interval: float) -> int:
-    """In how many parts an interval of the path is divided."""
+    """Number of parts into which an interval of the path is divided."""
     return max(ceil(interval * GRID - GRID_ROUNDING), POINTS_PER_SAMPLE)
 
 
@@ -86,10 +86,10 @@ def grid_of(path_s: Array, coefficients: Array, tool_path: PathArrays) -> Grid:
 def timed_points(
     path_s: Array, coefficients: Array, grid: Grid, limits: AllLimits, window: float, share: float
 ) -> Points:
-    """The points of the fastest smooth motion along a joint path that keeps all limits, between points too.
+    """Points of the fastest smooth motion along a joint path that keeps all limits, between points too.
 
-    Where smoothing breaks a limit, the motion is slowed down locally, a few times; what is left then is
-    slowed down evenly.
+    Where smoothing breaks a limit, the motion is slowed down locally, in a few rounds; a remaining excess is
+    removed by a uniform slow-down.
 
     Args:
         path_s: s of the joint path, (k,).
@@ -140,7 +140,7 @@ def jerk_window(grid: Grid, limits: AllLimits) -> float:
 
 @compiled(nrt=False)
 def _slow_down(t: Array, window: float, times: Array, use: Array, scale: Array) -> None:
-    """Lower the limits at the grid points whose smoothing window reaches a place where a limit is broken."""
+    """Lower the limits at grid points whose smoothing window covers a broken limit."""
     first = 0
     for i in range(t.size):
         while first < use.size - 1 and times[first + 1] < t[i] - window:
@@ -154,7 +154,7 @@ def _slow_down(t: Array, window: float, times: Array, use: Array, scale: Array) 
 
 @compiled()
 def _point_times(law: TimeLaw, grid: Grid, limits: AllLimits, window: float) -> Array:
-    """Instants for points: both ends of the smoothing of every notable jump, and the grid in between."""
+    """Times of the points: both ends of the smoothing of every notable jump, and the grid in between."""
     t, s_ddot, q_s = law[0], law[4], grid[1]
     acceleration, jerk = limits[0][1], limits[1]
     m = t.size
@@ -203,9 +203,9 @@ def _sampled(
     window: float,
     stretch: float,
 ) -> tuple[Points, Array]:
-    """The points of a law, slowed down evenly by `stretch`, and the worst use of a limit in every interval.
+    """Points of a time law, slowed down uniformly by `stretch`, and the largest use of a limit per interval.
 
-    Use is that of acceleration, of jerk, and the square of that of speed.
+    The use is the ratio to the limit of acceleration or jerk, or the squared ratio of speed.
     """
     s, _, _, x_s, x_ss = grid
     (velocity, acceleration, tool), jerk, tool_jerk = limits
@@ -213,7 +213,7 @@ def _sampled(
     k, n = plan.size, velocity.size
     times, path = np.empty(k), np.empty((3, k))
     for row in range(k):
-        # Messages hold nanoseconds; points planned at such times keep their acceleration when they travel.
+        # Messages hold whole nanoseconds; points planned at such times are not changed by rounding.
         times[row] = np.floor(plan[row] * stretch * 1e9 + 0.5) / 1e9
         path[0, row], path[1, row], path[2, row] = smooth_law_at(law, window, times[row] / stretch)
     path[0, 0], path[0, k - 1] = 0.0, 1.0
@@ -250,7 +250,7 @@ def _sampled(
 def _tool_use(
     s: Array, x_s: Array, x_ss: Array, tool: Array, place: float, rate: float, change: float, linear: Array
 ) -> float:
-    """Worst use of the tool's limits at a place of the path; fills its linear acceleration, (3,)."""
+    """Largest use of the tool's limits at s = `place`; fills its linear acceleration, (3,)."""
     i = interval_at(s, place)
     part = (place - s[i]) / (s[i + 1] - s[i])
     worst = 0.0

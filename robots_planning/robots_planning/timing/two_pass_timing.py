@@ -1,4 +1,4 @@
-"""TwoPassTiming: when to be where on a path, by the two-pass algorithm."""
+"""TwoPassTiming: motion along a path by the two-pass algorithm."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from robots_planning.timing.two_pass_kernel import (
 )
 from robots_planning.trajectory import Trajectory
 
-SMOOTHING_SHARE = 0.005  # of the duration: what smoothing may cost
-# Windows tried with jerk limits, as parts of the one that suits the largest jump of acceleration: a shorter
-# one costs less everywhere and slows down more around that jump.
+SMOOTHING_SHARE = 0.005  # of the duration that smoothing may add
+# Windows tried with jerk limits, relative to the one that the largest jump of acceleration needs: a shorter
+# one costs less time everywhere but slows the motion down around that jump.
 JERK_WINDOWS = (1.0, 0.7, 0.5, 0.35, 0.2)
 
 

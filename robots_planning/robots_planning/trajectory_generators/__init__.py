@@ -1,1 +1,1 @@
-"""Trajectory generators: one file each, one base."""
+"""Trajectory generators: one class per kind of motion, from a validated command to a checked plan."""

@@ -22,9 +22,9 @@ from robots_planning.trajectory import Trajectory
 if TYPE_CHECKING:
     from robots_planning.motion_settings import MotionSettings
 
-# Plans stay this much inside the limits, so that rounding and resampling find them inside too.
+# Plans stay this fraction inside the limits, which covers rounding and resampling.
 LIMIT_MARGIN = 1e-4
-REST_DURATION = 0.01  # s, of a move without length
+REST_DURATION = 0.01  # s, of a motion between equal positions
 END_TOLERANCE = 1e-9  # rad (m); inverse kinematics converges to 1e-10
 Target = Pose | Sequence[Pose] | ArrayLike
 """Pose or poses of the tool, or joint positions (n,)."""
@@ -167,7 +167,7 @@ class TrajectoryGenerator(ABC):
         return {}
 
     def _check(self, trajectory: Trajectory, start: Array) -> None:
-        """A plan begins at the commanded start, and both its ends rest."""
+        """Check that a plan starts at the commanded positions and is at rest at both ends."""
         ends = (0, -1)
         moving = max(
             float(np.abs(trajectory.velocity[row]).max() + np.abs(trajectory.acceleration[row]).max())
@@ -186,14 +186,14 @@ class TrajectoryGenerator(ABC):
         """Joint positions (n,) for a pose, in the configuration that the search from `q_start` finds.
 
         Raises:
-            UnreachablePoseError: names how far off the closest posture is.
+            UnreachablePoseError: names the distance to the closest reachable pose.
         """
         result = self.inverse_kinematics.solve(pose, q_start)
         if not result.converged:
             x, y, z = (float(value) for value in pose.r)
             raise UnreachablePoseError(
                 f'{self.robot.name} cannot reach position ({x:.4f}, {y:.4f}, {z:.4f}) m with the commanded '
-                f'orientation inside its axis limits: the closest posture found is '
+                f'orientation inside its axis limits: the closest pose found is '
                 f'{result.position_error * 1e3:.3g} mm and {result.orientation_error:.3g} rad off',
                 x=x,
                 y=y,

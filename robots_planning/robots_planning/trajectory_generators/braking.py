@@ -1,4 +1,4 @@
-"""Where an axis in motion can stop at the soonest."""
+"""Braking distance of an axis from any state, and checks of a moving start."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.robot_model.axes_data import LIMIT_TOLERANCE, AxesData
 from robots_core.validation import Array
 
-# A state that was computed to lie on a limit may be off by rounding.
+# Relative rounding of a state on a limit.
 STATE_TOLERANCE = 1e-6
 
 
 def check_start_motion(axes: AxesData, q: Array, q_dot: Array, q_ddot: Array) -> None:
-    """Refuse a state from which no motion keeps the limits.
+    """Check that some motion from a state keeps the limits.
 
     Args:
         axes: The limits.
@@ -26,8 +26,8 @@ def check_start_motion(axes: AxesData, q: Array, q_dot: Array, q_ddot: Array) ->
 
     Raises:
         InvalidInputError: a velocity or acceleration above its limit.
-        PlanningError: an axis that will pass its velocity limit before its acceleration can end, or its
-            position limit however it brakes; says where it would come to.
+        PlanningError: an axis exceeds its velocity limit before its acceleration can end, or its position
+            limit however it brakes; names the value that it would reach.
     """
     for name, values, limits, unit in (
         ('q_dot_start', q_dot, axes.velocity, '/s'),
@@ -76,8 +76,8 @@ def check_start_motion(axes: AxesData, q: Array, q_dot: Array, q_ddot: Array) ->
 def furthest(q: float, q_dot: float, q_ddot: float, acceleration: float, jerk: float) -> float:
     """The highest position of an axis that brakes upward motion as hard as it can, rad (m).
 
-    It lowers its acceleration by the jerk limit and then holds the limit until it turns round; what comes to
-    rest there lets go of the brake before, and goes a little further.
+    Its acceleration falls at the jerk limit and then stays at the acceleration limit until the velocity is 0.
+    An axis that has to rest there releases the brake earlier and goes slightly further.
     """
     square = q_ddot * q_ddot + 2.0 * jerk * q_dot
     if square <= 0.0 or (q_dot <= 0.0 and q_ddot <= 0.0):

@@ -1,4 +1,4 @@
-"""CartesianGenerator: motions along a path of the tool by either algorithm."""
+"""CartesianGenerator: motions along a path of the tool, timed by two passes or by dynamic programming."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_planning.path_kinematics.configuration_graph import PostureGraph
+from robots_planning.path_kinematics.configuration_graph import ConfigurationGraph
 from robots_planning.timing.dynamic_programming_timing import DynamicProgrammingTiming
 from robots_planning.timing.path_timing import ToolLimits
 from robots_planning.timing.two_pass_timing import TwoPassTiming
@@ -43,7 +43,7 @@ class CartesianGenerator(PathGenerator):
             duration is used, and the motion is longer by that much.
         tool: Pose of the tool centre point in tool0; poses commanded are its poses. tool0 itself by default.
         planner: 'limited' for the two passes, 'dynamic_programming' for the fastest motion, which keeps the
-            axes' torque limits too and chooses among postures (see `PostureGraph`).
+            axes' torque limits too and chooses among configurations (see `ConfigurationGraph`).
 
     Raises:
         InvalidInputError: a fraction outside (0, 1], or another option that is not above 0.
@@ -83,7 +83,7 @@ class CartesianGenerator(PathGenerator):
         if planner == 'limited':
             self.timing = TwoPassTiming(self.velocity, self.acceleration, jerk, limits, smoothing=smoothing)
         else:
-            self.postures = PostureGraph(robot, self.path_kinematics, tool)
+            self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, tool)
             self.timing = DynamicProgrammingTiming(
                 robot,
                 self.velocity,

@@ -1,4 +1,4 @@
-"""JointSpaceGenerator: what point-to-point motions of the axes have in common."""
+"""JointSpaceGenerator: the base class of point-to-point motions of the axes."""
 
 from __future__ import annotations
 
@@ -35,21 +35,21 @@ from robots_planning.trajectory_generators.base import (
 )
 from robots_planning.trajectory_generators.braking import check_start_motion
 
-SHORTEST_MOVE = 1e-9  # rad (m) of the axis that moves most; less is rounding of a target
+SHORTEST_MOVE = 1e-9  # rad (m) of the axis that moves most; shorter ones are rounding of the target
 TURN = 2.0 * np.pi
-LARGEST_ANGLE = 10.0  # rad, of an axis that turns without end, where rounding is looked at
+LARGEST_ANGLE = 10.0  # rad, of a continuous axis, at which rounding is estimated
 
 
 class JointSpaceGenerator(TrajectoryGenerator):
     """Point-to-point motion of the axes, time-optimal under velocity, acceleration and jerk limits.
 
-    Jerk is constant from one point of the trajectory to the next, in whole nanoseconds, so that the quintic
-    between points is the motion itself. Points closer together than `shortest` would lose it in the rounding
-    of positions, so there are none, at the cost of a fraction of a millisecond.
+    Jerk is constant between points of the trajectory, whose times are whole nanoseconds, so that the quintic
+    between points is the motion itself. Points are at least `shortest` apart, because closer ones would lose
+    the jerk in the rounding of positions; this costs a fraction of a millisecond.
 
-    A pose as target is reached in the posture that is nearest in time (`AnalyticalInverseKinematic`), or in
-    that of a named configuration; for a robot without a closed form, in the one that `DampedLeastSquares`
-    finds from the start. Axes without position limits take the short way.
+    A target pose is reached in the configuration that is nearest in time (`AnalyticalInverseKinematic`), or
+    in the named one; for a robot without a closed form, in the one that `DampedLeastSquares` finds from the
+    start. Continuous axes turn by at most half a turn.
 
     An instance keeps scratch memory: use one per thread.
 
@@ -57,8 +57,8 @@ class JointSpaceGenerator(TrajectoryGenerator):
         robot: The robot.
         speed_fraction: Part of the axes' velocity limits to use, in (0, 1].
         acceleration_fraction: Part of the axes' acceleration and jerk limits to use, in (0, 1].
-        tool: Pose of the tool centre point in tool0, which target poses are meant for; tool0 by default.
-        configuration: Which of the postures for a pose; the nearest by default.
+        tool: Pose of the tool centre point in tool0, to which target poses refer; tool0 by default.
+        configuration: Configuration in which a target pose is reached; the nearest by default.
 
     Raises:
         InvalidInputError: a fraction outside (0, 1], or a configuration of a robot without a closed form.
@@ -84,12 +84,12 @@ class JointSpaceGenerator(TrajectoryGenerator):
         if configuration is not None and self._closed_form is None:
             raise InvalidInputError(
                 f'configuration {configuration} needs a robot with a closed-form inverse kinematics, '
-                f'{robot.name} has none; leave it out for the nearest posture'
+                f'{robot.name} has none; leave it out for the nearest solution'
             )
         axes = robot.axes_data
         self._limits = np.array([self.velocity, self.acceleration, self.jerk])
         self._continuous = axes.continuous if axes.continuous.any() else None
-        # The quintic's jerk holds the rounding of positions at both ends times 60 / h^3.
+        # Rounding of the positions at both ends enters the quintic's jerk times 60 / h^3.
         largest = np.where(axes.continuous, LARGEST_ANGLE, np.maximum(np.abs(axes.lower), np.abs(axes.upper)))
         shortest = np.cbrt(60.0 * 2.0 * np.spacing(largest) / (LIMIT_MARGIN * axes.jerk)).max()
         self.shortest = int(np.ceil(shortest / NANOSECOND / 1000.0)) * 1000
@@ -151,23 +151,23 @@ class JointSpaceGenerator(TrajectoryGenerator):
         return JointPath(np.array([0.0, 1.0]), np.array([start, end]), way, still)
 
     def goal(self, start: Array, target: Target) -> Array:
-        """Joint positions (n,) that a target is reached in from `start`, which is inside the limits.
+        """Joint positions (n,) in which a target is reached from `start`, which is inside the limits.
 
         Raises:
             JointLimitError: the target is outside the axis limits.
             UnreachablePoseError: no joint positions inside the limits reach the pose.
         """
         if isinstance(target, Pose):
-            goal = self._posture(target, start)
+            goal = self._joint_positions(target, start)
         else:
             goal = self._inside(cast('ArrayLike', target), 'target')
         if self._continuous is not None:
-            way = np.remainder(goal - start + np.pi, TURN) - np.pi
-            goal = np.where(self._continuous, start + way, goal)
+            displacement = np.remainder(goal - start + np.pi, TURN) - np.pi
+            goal = np.where(self._continuous, start + displacement, goal)
         return goal
 
     def _inside(self, q: ArrayLike, name: str) -> Array:
-        """`q` as (n,) array, if it lies inside the limits; most do, and need no message."""
+        """`q` as (n,) array inside the limits; the fast check skips composing an error message."""
         axes = self.robot.axes_data
         if (
             type(q) is np.ndarray
@@ -180,40 +180,40 @@ class JointSpaceGenerator(TrajectoryGenerator):
         return axes.check_position(q, name)
 
     def _from_motion(self, state: Array, goal: Array) -> Trajectory:
-        """Plan from a state (3, n) that moves."""
-        axes, by_way_of, error = self.robot.axes_data, goal, None
-        # An axis that brakes just before its limit may have to turn round first, whatever its target is.
+        """Plan from a moving state (3, n)."""
+        axes, waypoint, error = self.robot.axes_data, goal, None
+        # An axis that brakes just before its limit may have to reverse first, whatever its target is.
         for _ in range(axes.num_axes + 1):
             try:
-                points = self._moving.plan(state, by_way_of, self._limits, self._allowed)
+                points = self._moving.plan(state, waypoint, self._limits, self._allowed)
             except PlanningError as caught:
                 error = error or caught
                 axis = axes.names.index(str(caught.details['joint']))
-                if by_way_of[axis] != goal[axis] or self._middles[axis] is None:
+                if waypoint[axis] != goal[axis] or self._middles[axis] is None:
                     break
-                by_way_of = by_way_of.copy()
-                by_way_of[axis] = self._middles[axis]
+                waypoint = waypoint.copy()
+                waypoint[axis] = self._middles[axis]
                 continue
             first = Trajectory(*points)
-            if by_way_of is goal:
+            if waypoint is goal:
                 return first
-            return one_after_another([first, self.plan_to_joints(by_way_of, goal)])
+            return one_after_another([first, self.plan_to_joints(waypoint, goal)])
         assert error is not None
         raise error
 
     def plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
         """See `TrajectoryGenerator.plan_to_pose`."""
-        return self.plan_to_joints(start, self._posture(target, start))
+        return self.plan_to_joints(start, self._joint_positions(target, start))
 
     def plan_to_joints(self, start: Array, target: Array) -> Trajectory:
         """See `TrajectoryGenerator.plan_to_joints`."""
         if max(map(abs, (target - start).tolist())) < SHORTEST_MOVE:
             return rest_trajectory(start, target)
-        # Compiled code is made for one kind of array; for read-only ones it would be compiled anew.
+        # Read-only arrays have another Numba type, for which the code would be compiled again.
         ends = np.array(start), np.array(target)
         points = self._points(*ends, self._limits, self.shortest)
         for values in points:
-            values.flags.writeable = False  # new, and so the trajectory's own without a copy
+            values.flags.writeable = False  # new arrays, which the trajectory takes without a copy
         return Trajectory(*points)
 
     @abstractmethod
@@ -229,7 +229,7 @@ class JointSpaceGenerator(TrajectoryGenerator):
             shortest: Of a piece of constant jerk, ns.
         """
 
-    def _posture(self, pose: Pose, start: Array) -> Array:
+    def _joint_positions(self, pose: Pose, start: Array) -> Array:
         """Joint positions (n,) for a pose of the tool."""
         if self.tool is not None:
             pose = pose @ self.tool.inverse()
@@ -239,7 +239,7 @@ class JointSpaceGenerator(TrajectoryGenerator):
             except UnreachablePoseError:
                 if self.configuration is not None:
                     raise
-        # Says how far off the closest posture is.
+        # Its error names the distance to the closest reachable pose.
         return self.reach(pose, start)
 
     @cached_property

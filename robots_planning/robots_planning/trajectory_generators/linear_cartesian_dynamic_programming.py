@@ -7,7 +7,7 @@ import numpy as np
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import positive
-from robots_planning.path_kinematics.configuration_graph import PostureGraph
+from robots_planning.path_kinematics.configuration_graph import ConfigurationGraph
 from robots_planning.timing.dynamic_programming_timing import DynamicProgrammingTiming
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 from robots_planning.trajectory_generators.line_generator import LineGenerator
@@ -17,10 +17,10 @@ class LinearCartesianDynamicProgramming(LineGenerator):
     """The tool moves on a straight line and turns about one axis, in the shortest time.
 
     Velocity, acceleration and torque limits of the axes hold everywhere. The speed along the line is found by
-    dynamic programming over path and speed (Shin and McKay 1986; Pham and Pham 2018); acceleration may jump,
-    which short ramps make continuous. Close to a singularity the motion slows down; in one, the tool may
-    stand still while the axes turn to a posture from which the line goes on. Robots with more than six axes
-    use their self-motion (see `PostureGraph`).
+    dynamic programming over path and speed (Shin and McKay 1986; Pham and Pham 2018); jumps of acceleration
+    become short ramps. Close to a singularity the motion slows down; in one, the tool may stand still while
+    the axes turn to a configuration in which the line can be continued. Robots with more than six axes use
+    their self-motion (see `ConfigurationGraph`).
 
     Args:
         robot: The robot.
@@ -58,7 +58,7 @@ class LinearCartesianDynamicProgramming(LineGenerator):
             robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction, tool=tool
         )
         self.keeps_torque = torque
-        self.postures = PostureGraph(robot, self.path_kinematics, tool)
+        self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, tool)
         self.timing = DynamicProgrammingTiming(
             robot,
             self.velocity,

@@ -15,9 +15,9 @@ class LinearJoint(JointSpaceGenerator):
     The line is q = q_start + s (q_target - q_start). Velocity, acceleration and jerk limits of every axis
     bound those of s, whose time-optimal motion from rest to rest has a closed form (`rest_to_rest_profile`).
 
-    From motion there is no such line. Then all axes arrive together, at the soonest time that all can have,
-    each on a profile of its own (Ruckig's time synchronisation; Berscheid and Kroeger 2021). An axis that
-    would leave its position limits for that brakes on its own and is early.
+    From a moving start there is no such line. Then all axes arrive together, in the shortest time possible
+    for all of them, each on a profile of its own (Ruckig's time synchronisation; Berscheid and Kroeger 2021).
+    An axis that would leave its position limits in doing so brakes independently and arrives earlier.
     """
 
     synchronization = Synchronization.Time

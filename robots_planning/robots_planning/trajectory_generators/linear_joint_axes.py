@@ -10,11 +10,11 @@ from robots_planning.trajectory_generators.joint_space import JointSpaceGenerato
 
 
 class LinearJointAxes(JointSpaceGenerator):
-    """Every axis runs its own time-optimal jerk-limited profile; axes with a shorter way are there sooner.
+    """Every axis runs its own time-optimal jerk-limited profile; axes that move less arrive sooner.
 
-    From motion, too, each axis is at rest at its target as soon as its limits allow (Ruckig; Berscheid and
-    Kroeger 2021). Where switches of jerk of two axes would come closer together than `shortest`, all are put
-    on whole multiples of it, which makes no axis later by more than three of them.
+    From motion, too, each axis comes to rest at its target as soon as its limits allow (Ruckig; Berscheid and
+    Kroeger 2021). Where switches of jerk of two axes would be closer together than `shortest`, all are moved
+    to whole multiples of it, which delays an axis by at most three of them.
     """
 
     synchronization = Synchronization.No

@@ -1,4 +1,4 @@
-"""PathGenerator: what all motions along a path of the tool have in common."""
+"""PathGenerator: the base class of motions along a path of the tool."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
-from robots_planning.path_kinematics.configuration_graph import PostureGraph
+from robots_planning.path_kinematics.configuration_graph import ConfigurationGraph
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.path_kinematics.route import Route, RoutePiece
 from robots_planning.paths.cartesian_path import CartesianPath
@@ -34,7 +34,7 @@ LIMITS: Final = (
 class PathGenerator(TrajectoryGenerator):
     """The tool centre point follows a path of poses.
 
-    Children choose the path, the timing, and whether postures are searched for or follow from the start.
+    Subclasses choose the path, the timing, and whether configurations are searched or follow from the start alone.
 
     Args:
         robot: The robot.
@@ -48,7 +48,7 @@ class PathGenerator(TrajectoryGenerator):
 
     accepts_joints: ClassVar[bool] = False
     timing: PathTiming
-    postures: PostureGraph | None = None
+    configuration_graph: ConfigurationGraph | None = None
 
     def __init__(
         self, robot: BaseRobotModel, *, speed_fraction: float, acceleration_fraction: float, tool: Pose | None
@@ -90,27 +90,27 @@ class PathGenerator(TrajectoryGenerator):
         return self._fastest(self._routes(path, start), path)[0]
 
     def follow(self, path: CartesianPath, start: Array) -> JointPath | None:
-        """The joint path of a path, as a motion alone would take it; raises as `plan_path`.
+        """The joint path that `plan_path` would take along a path; raises as `plan_path`.
 
         Returns:
-            The joint path; None where the tool stands still in a singularity on the way.
+            The joint path; None if the tool stands still in a singularity on it.
         """
         routes = self._routes(path, start)
         route = routes[0] if len(routes) == 1 else self._fastest(routes, path)[1]
         return route[0].joints if len(route) == 1 else None
 
     def _routes(self, path: CartesianPath, start: Array) -> list[Route]:
-        # A pose that no posture reaches is told as such, before the place where the path fails.
+        # An unreachable end of the path is reported as such, rather than where following fails.
         try:
-            if self.postures is not None:
-                return self.postures.routes(path, start)
+            if self.configuration_graph is not None:
+                return self.configuration_graph.routes(path, start)
             return [(RoutePiece(self.path_kinematics.follow(path, start), 0.0, 1.0),)]
         except PlanningError:
             self.reach(path.end, start)
             raise
 
     def _fastest(self, routes: list[Route], path: CartesianPath) -> tuple[Trajectory, Route]:
-        """The route that takes least time; others are timed only as far as they may be that one."""
+        """The route that takes least time; timing of the others stops once they are slower."""
         best: tuple[Trajectory, Route] | None = None
         longest = np.inf
         timed: dict[RoutePiece, Trajectory] = {}
@@ -125,28 +125,28 @@ class PathGenerator(TrajectoryGenerator):
         return best
 
     def _least_time(self, route: Route) -> float:
-        """What the axes need for their ways alone, from rest to rest in every piece, s."""
+        """Lower bound on the duration: the axes' displacements, from rest to rest in every piece, s."""
         return sum(self._least_time_of(piece) for piece in route)
 
     def _least_time_of(self, piece: RoutePiece) -> float:
-        way = np.abs(np.diff(piece.joints.q, axis=0)).sum(axis=0)
-        ramp = self.velocity**2 / self.acceleration  # the way of reaching full speed and stopping
-        fast = (way + ramp) / self.velocity
-        slow = 2.0 * np.sqrt(way / self.acceleration)
-        return float(np.where(way > ramp, fast, slow).max())
+        distance = np.abs(np.diff(piece.joints.q, axis=0)).sum(axis=0)
+        ramp = self.velocity**2 / self.acceleration  # distance of accelerating to full speed and stopping
+        fast = (distance + ramp) / self.velocity
+        slow = 2.0 * np.sqrt(distance / self.acceleration)
+        return float(np.where(distance > ramp, fast, slow).max())
 
     def _timed(
         self, route: Route, path: CartesianPath, timed: dict[RoutePiece, Trajectory], longest: float
     ) -> Trajectory:
-        """Its pieces one after another; those that `timed` has of another route are not timed again.
+        """The trajectory of a route; pieces that `timed` holds from another route are not timed again.
 
         Raises:
-            TooSlowError: it takes longer than `longest`, s.
+            TooSlowError: the route takes longer than `longest`, s.
         """
         times = {
             piece: timed[piece].duration if piece in timed else self._least_time_of(piece) for piece in route
         }
-        # Of turns on the spot the least time is close to what they take.
+        # For turns with the tool at rest the lower bound is tight, so they are timed last.
         for piece in sorted(route, key=lambda piece: piece.begin == piece.end):
             left = longest - sum(times.values()) + times[piece]
             if times[piece] > left:

@@ -1,4 +1,4 @@
-"""PosesGenerator: what all motions through several poses have in common."""
+"""PosesGenerator: the base class of motions through several poses."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class PosesGenerator(CartesianGenerator):
 
         Args:
             q_start: Joint positions to start from, (n,), rad (m).
-            target: Poses of the tool centre point in the base frame, in the order of the motion; the start's
-                is not among them.
+            target: Poses of the tool centre point in the base frame, in the order of the motion; without the
+                start.
 
         Raises:
             JointLimitError: the start is outside the axis limits.
