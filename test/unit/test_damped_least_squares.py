@@ -39,7 +39,7 @@ def test_unreachable_pose_gives_the_closest_posture(robot: BaseRobotModel) -> No
     position, orientation = Pose(*robot.direct_kinematics(result.q)).distance_to(pose)
     assert result.position_error == pytest.approx(position, abs=1e-9)
     assert result.orientation_error == pytest.approx(orientation, abs=1e-6)
-    # No random posture may come closer, in the sum of squares that is minimised.
+    # No random preferred may come closer, in the sum of squares that is minimised.
     rng = np.random.default_rng(0)
     for q in rng.uniform(robot.axes_data.lower, robot.axes_data.upper, (300, robot.num_axes)):
         other = Pose(*robot.direct_kinematics(q)).distance_to(pose)
@@ -127,8 +127,8 @@ def test_redundancy_improves_its_criterion_and_keeps_the_pose(criterion: Redunda
     axes = robot.axes_data
 
     def badness(q: np.ndarray) -> float:
-        if criterion.posture.size:
-            return float(((q - criterion.posture) ** 2).sum())
+        if criterion.preferred.size:
+            return float(((q - criterion.preferred) ** 2).sum())
         if criterion.kind == Redundancy.manipulability().kind:
             return -float(np.log(np.linalg.det(robot.jacobian(q) @ robot.jacobian(q).T)))
         return float((((q - 0.5 * (axes.lower + axes.upper)) / (axes.upper - axes.lower)) ** 2).sum())

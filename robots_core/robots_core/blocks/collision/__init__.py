@@ -1,1 +1,1 @@
-"""Collision detection: solids, engines, scenes, and whole trajectories."""
+"""Collision detection: solids, engines, scenes, proven distances, and search along joint paths."""

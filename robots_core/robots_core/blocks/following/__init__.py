@@ -1,1 +1,1 @@
-"""Blocks that follow a reference which is known only as it arrives."""
+"""Following of a reference that arrives sample by sample, by axes and by a tool."""

@@ -1,1 +1,1 @@
-"""Inverse kinematics blocks."""
+"""Inverse kinematics, in closed form, numerical and constrained, and the serial chain that they work on."""

@@ -1,4 +1,4 @@
-"""AnalyticalInverseKinematic: all postures for a pose in closed form (the paper's block of the same name)."""
+"""AnalyticalInverseKinematic: all solutions for a pose in closed form (the paper's block)."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ class AnalyticalInverseKinematic:
         tool: Pose of the tool centre point in tool0; tool0 itself by default.
 
     Raises:
-        NoAnalyticInverseKinematicsError: the robot has no closed form; says why.
+        NoAnalyticInverseKinematicsError: the robot has no closed form; names the reason.
     """
 
     def __init__(self, robot: BaseRobotModel, *, tool: Pose | None = None) -> None:
         self.robot = robot
         self._axes = robot.axes_data
         self._to_tool0 = None if tool is None else tool.inverse()
-        # Says at once, and not when it is first needed, that there is no closed form.
+        # Raises here, rather than on first use, if there is no closed form.
         robot.inverse_kinematics_analytic(*robot.direct_kinematics(robot.home))
 
     def solve_all(self, pose: Pose, *, turns: bool = False) -> Array:
-        """Every posture inside the limits that brings the tool to a pose, one row per branch.
+        """All joint positions inside the limits that bring the tool to a pose, one row per branch.
 
         Args:
             pose: Of the tool in the base frame.
-            turns: Also every posture that differs by full turns of axes, as far as the limits allow; axes
-                without limits have one turn, the nearest to home.
+            turns: Also solutions that differ by full turns of axes, as far as the limits allow; axes without
+                limits have one, the nearest to home.
 
         Returns:
             (k, n) rad; k = 0 if nothing inside the limits reaches the pose.
@@ -55,22 +55,22 @@ class AnalyticalInverseKinematic:
     def solve(
         self, pose: Pose, seed: ArrayLike | None = None, *, configuration: Configuration | None = None
     ) -> Array:
-        """The posture that the robot reaches soonest.
+        """The solution nearest to the seed.
 
-        Nearest is the smallest Euclidean norm of each axis' way divided by its highest speed; axes that a
-        singular pose leaves free stand as in the seed.
+        Nearest means the smallest Euclidean norm of the displacements divided by the axes' speed limits; axes
+        that a singular pose leaves undetermined keep their position in the seed.
 
         Args:
             pose: Of the tool in the base frame.
-            seed: Posture to start from, (n,) rad; home by default.
-            configuration: Only postures of this configuration.
+            seed: Joint positions, (n,) rad; home by default.
+            configuration: Only solutions of this configuration.
 
         Returns:
             (n,) rad, inside the limits, with the full turns nearest to the seed.
 
         Raises:
-            UnreachablePoseError: no such posture inside the limits; names the limit that the nearest branch
-                breaks, or says that the pose is out of reach.
+            UnreachablePoseError: no such solution inside the limits; names the limit that the nearest branch
+                breaks, or states that the pose is out of reach.
             InvalidInputError: a seed of another shape or not finite.
             NoAnalyticInverseKinematicsError: a configuration of a robot with a closed form of its own.
         """
@@ -86,7 +86,7 @@ class AnalyticalInverseKinematic:
         return nearest
 
     def configuration(self, q: ArrayLike) -> Configuration:
-        """The configuration of a posture (n,).
+        """The configuration of joint positions `q`, (n,).
 
         Raises:
             InvalidInputError: another shape or not finite.
@@ -105,8 +105,8 @@ class AnalyticalInverseKinematic:
         axes = self._axes
         first = np.ceil((axes.lower - LIMIT_TOLERANCE - q) / TURN)
         last = np.floor((axes.upper + LIMIT_TOLERANCE - q) / TURN)
-        endless = np.isinf(axes.lower)
-        first[endless] = last[endless] = 0.0
+        continuous = np.isinf(axes.lower)
+        first[continuous] = last[continuous] = 0.0
         turns = [range(int(low), int(high) + 1) for low, high in zip(first, last, strict=True)]
         turned: Array = np.clip(q + TURN * np.array(list(product(*turns))), axes.lower, axes.upper)
         return turned
@@ -117,7 +117,7 @@ class AnalyticalInverseKinematic:
         try:
             branches = self._unlimited.solve(target.r, target.T)
         except NoAnalyticInverseKinematicsError:
-            return UnreachablePoseError(f'{where}: no posture inside the limits{asked}')
+            return UnreachablePoseError(f'{where}: no solution inside the limits{asked}')
         if configuration is not None:
             branches = branches[[self.configuration(q) == configuration for q in branches]]
         if len(branches) == 0:
@@ -129,7 +129,7 @@ class AnalyticalInverseKinematic:
         name, value = axes.names[axis], float(branches[branch, axis])
         lower, upper = float(axes.lower[axis]), float(axes.upper[axis])
         return UnreachablePoseError(
-            f'{where}: no posture inside the limits{asked}; the nearest needs {name} = {value:.6g} rad, '
+            f'{where}: no solution inside the limits{asked}; the nearest needs {name} = {value:.6g} rad, '
             f'its limits are [{lower:.6g}, {upper:.6g}] rad',
             joint=name,
             value=value,

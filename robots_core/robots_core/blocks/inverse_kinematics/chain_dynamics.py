@@ -35,7 +35,7 @@ DynamicsArrays = tuple[Array, Array, NDArray[np.bool_], Array, Array, Array, Arr
 """Directions, points and prismatic of a `SerialChain`; masses, centres, inertias and gravity."""
 
 Bodies = tuple[Array, Array]
-"""Memory for the bodies as they move: (n, 5, 3) and (n, 3, 3)."""
+"""Scratch memory for the moving bodies: (n, 5, 3) and (n, 3, 3)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,14 +58,14 @@ class ChainDynamics:
 
     @classmethod
     def of(cls, robot: BaseRobotModel, chain: SerialChain) -> ChainDynamics | None:
-        """The dynamics of a robot; None if its `rigid_dynamics` knows of more than its bodies and gravity."""
+        """The dynamics of a robot; None if its `rigid_dynamics` has terms besides its bodies and gravity."""
         n = robot.num_axes
         model = robot.rigid_dynamics_model
         r, T = robot.kinematic_model.frame_axes(np.zeros(n))
         masses, levers, inertias = model.masses[1:], model.centers_of_mass[1:], model.inertias[1:]
         centers = r + np.einsum('ijk,ik->ij', T, levers)
         turned = T @ inertias @ T.transpose(0, 2, 1)
-        # Torques at rest are linear in gravity: as many states as needed give it back.
+        # Torques at rest are linear in gravity, which is identified from several states.
         axes = robot.axes_data
         low = np.where(axes.continuous, -np.pi, axes.lower)
         high = np.where(axes.continuous, np.pi, axes.upper)
@@ -100,7 +100,7 @@ class ChainDynamics:
 
     @property
     def arrays(self) -> DynamicsArrays:
-        """All of it, as compiled code takes it."""
+        """The attributes as arrays for compiled code."""
         chain = self.chain
         return (
             chain.directions,
@@ -150,7 +150,7 @@ def bodies_of(n: int) -> Bodies:
 def fill_dynamics(
     dynamics: DynamicsArrays, q: Array, q_dot: Array, bodies: Bodies, M: Array, bias: Array, weight: Array
 ) -> None:
-    """As `mass_matrix_and_bias`, in memory that is there; weight (n,) is what gravity has of the bias."""
+    """`mass_matrix_and_bias` without allocation; weight (n,) is the part of the bias due to gravity."""
     bias[:] = 0.0  # the accelerations
     _move_bodies(dynamics, (0.0, 0.0, 0.0), q, q_dot, bias, bodies)
     _collect(bodies, dynamics[2], dynamics[3], dynamics[6], M, bias, weight)
@@ -162,7 +162,7 @@ def fill_torques(
 ) -> None:
     """Fill the torques tau (n,) of a motion: recursive Newton-Euler (Featherstone 2008)."""
     prismatic, gravity = dynamics[2], dynamics[6]
-    # Holding against gravity is as accelerating upwards.
+    # Gravity acts like an upward acceleration of the base.
     _move_bodies(dynamics, (-gravity[0], -gravity[1], -gravity[2]), q, q_dot, q_ddot, bodies)
     moving = bodies[0]
     force = moment = (0.0, 0.0, 0.0)
@@ -176,7 +176,7 @@ def fill_torques(
 def _move_bodies(
     dynamics: DynamicsArrays, base: Vector, q: Array, q_dot: Array, q_ddot: Array, bodies: Bodies
 ) -> None:
-    """Fill the bodies: where they are, and what moves them, from the base with its acceleration to the tip.
+    """Fill the state and inertial forces of the bodies, from the accelerated base to the tip.
 
     Per axis: direction, a point on it; its body's centre of mass, force and moment about the origin.
     """
@@ -221,7 +221,7 @@ def _collect(
     bias: Array,
     weight: Array,
 ) -> None:
-    """From the tip to the base: sums of forces, and bodies that become one."""
+    """From the tip to the base: sums of forces, and composite bodies."""
     moving, tensors = bodies
     n = bias.size
     fall = (gravity[0], gravity[1], gravity[2])

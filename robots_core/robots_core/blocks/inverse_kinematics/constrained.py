@@ -16,12 +16,12 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, positive
 
-DEFAULT_GAIN = 0.5  # of the position error per period
+DEFAULT_GAIN = 0.5  # of the pose error per period
 TORQUE_SAMPLES = 1500
-# The largest torque of a braking robot is found by sampling; this part of the room is not used.
+# The largest torque of a braking robot is found by sampling; this fraction of the margin is kept in reserve.
 TORQUE_RESERVE = 0.05
-# An arm that its motors hardly hold at full speed would not move near its limits at all; below this part,
-# what is missing may show as torque slack.
+# Smallest fraction of the acceleration limits for braking. An arm whose motors hardly hold it at full speed
+# could not move near its limits with less; the missing torque shows as torque slack.
 SMALLEST_BRAKING = 0.3
 NO_TWIST = np.zeros(6)
 
@@ -35,35 +35,35 @@ class ConstrainedInverseKinematics:
 
     subject to the limits, by a small quadratic program (the idea of Bellmann, Otter and Hirzinger 2011, The
     DLR robot motion simulator part II, as the paper describes it). e is the pose error that remains if the
-    robot moves as the reference does from now on, V the reference's twist, and k shrinks with the distance so
-    that every axis can stop again when it arrives; p is what a redundancy criterion wants. Axes have constant
+    robot moves like the reference from now on, V the reference's twist, and k shrinks with the distance so
+    that every axis can stop when it arrives; p is the velocity of a redundancy criterion. Axes have constant
     acceleration within a period, so that limits kept at its ends are kept in it.
 
     Position limits are kept by viability (see `viability`): a state from which all axes can brake before
     their limits is followed by such a state, whatever the reference does. Braking uses the deceleration that
-    the torques allow everywhere, found once by sampling the workspace (`deceleration`). Where a state that is
-    given makes the limits contradict each other, acceleration is kept, then braking for the position limit,
-    then torques with the smallest overload; the step says by how much (`slack`).
+    the torques allow everywhere, found once by sampling the workspace (`deceleration`). If the limits
+    contradict each other in a given state, acceleration has priority, then braking for the position limit,
+    then torques, with the smallest overload; `slack` is the amount.
 
     The quadratic program is solved by a dual active-set method of our own (`quadratic_program`), compiled
-    together with all that surrounds it. `make benchmark-inverse-kinematics` times it against others on the
+    together with the rest of the step. `make benchmark-inverse-kinematics` times it against others on the
     same programs of 7 variables, each called from Python (2026-11-22, two shared cores): ours 7 us, daqp 13,
-    quadprog 19, piqp 29, proxsuite 95. A solver that is called from outside would split the step in two
+    quadprog 19, piqp 29, proxsuite 95. An external solver would split the step in two
     compiled halves with Python between them; ours needs no further package.
 
-    A step is a function of its arguments alone. An instance keeps scratch memory: use one per thread.
+    A step depends on its arguments alone. An instance keeps scratch memory: use one per thread.
 
     Args:
         robot: The robot.
         dt: Period, s.
         tool: Pose of the tool centre point in tool0, which follows the reference; tool0 itself by default.
-        weights: Of position (per m) and orientation (per rad) where both cannot be had; 0 leaves one free.
-        gain: Part of the pose error that is removed per second, 1/s, at most 1/dt; 0.5/dt by default.
-        redundancy: What to do with freedom that the pose leaves.
+        weights: Of position (per m) and orientation (per rad) if both are not reachable; 0 leaves one free.
+        gain: Fraction of the pose error removed per second, 1/s, at most 1/dt; 0.5/dt by default.
+        redundancy: Secondary criterion for the degrees of freedom that the pose leaves; none by default.
 
     Raises:
         InvalidInputError: an option out of its range, or an axis whose range is too short to stop in.
-        JointLimitError: the posture of the redundancy criterion lies outside the limits.
+        JointLimitError: the preferred positions of the redundancy criterion lie outside the limits.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class ConstrainedInverseKinematics:
                 f'weights {weights} must be finite, not negative and not both 0: (per m, per rad)'
             )
         self.deceleration = braking_deceleration(robot)
-        """Of every axis when all brake, (n,), rad/s^2: inside the torque limits in any posture."""
+        """Of every axis when all brake, (n,), rad/s^2: inside the torque limits for all joint positions."""
         self._limits = np.array(
             [axes.lower, axes.upper, axes.velocity, axes.acceleration, self.deceleration, axes.effort]
         )
@@ -112,11 +112,11 @@ class ConstrainedInverseKinematics:
         """Joint motion of the next period.
 
         Args:
-            pose: Where the tool centre point should be at the end of the period, base frame.
+            pose: Reference pose of the tool centre point at the end of the period, base frame.
             q: Joint positions now, (n,), rad (m): of the last step, or of the robot at the start.
             q_dot: Joint velocities now, (n,), rad/s.
-            twist: How the reference moves at the end of the period, (6,): velocity (m/s), angular velocity
-                (rad/s), base frame; at rest by default, which makes the robot lag behind a moving one.
+            twist: Twist of the reference at the end of the period, (6,): velocity (m/s), angular velocity
+                (rad/s), base frame; at rest by default, which causes a lag behind a moving reference.
 
         Raises:
             InvalidInputError: an argument of another shape or not finite.
@@ -126,7 +126,7 @@ class ConstrainedInverseKinematics:
         shape = self._shape
         if q.shape != shape or q_dot.shape != shape or v.shape != (6,):
             self._refuse(q, q_dot, v)
-        # Compiled code is made for one layout of memory; another would be compiled anew, for many seconds.
+        # Compiled code is specialised for one memory layout; another would take many seconds to compile.
         self._q[:], self._q_dot[:] = q, q_dot
         self._r[:], self._T[:], self._twist[:] = pose.r, pose.T, v
         M, tau_aux, errors = self._M, self._tau_aux, self._errors
@@ -149,7 +149,7 @@ class ConstrainedInverseKinematics:
         )
 
     def _refuse(self, q: Array, q_dot: Array, twist: Array) -> None:
-        """Raise what is wrong with the arguments of a step."""
+        """Raise the error for invalid arguments of a step."""
         finite_vector(q, self._shape[0], 'q')
         finite_vector(q_dot, self._shape[0], 'q_dot')
         finite_vector(twist, 6, 'twist')
@@ -158,8 +158,8 @@ class ConstrainedInverseKinematics:
 def braking_deceleration(robot: BaseRobotModel) -> Array:
     """Decelerations that all axes can have at once inside their torque limits, (n,), rad/s^2.
 
-    The acceleration limits, all scaled by the part that the torques leave in the worst of many random states
-    with axes at up to full speed; each axis may brake or have stopped already.
+    The acceleration limits, all scaled by the fraction that the torques allow in the worst of many random
+    states at up to full speed; each axis may brake or have stopped already.
     """
     axes = robot.axes_data
     low = np.where(axes.continuous, -np.pi, axes.lower)

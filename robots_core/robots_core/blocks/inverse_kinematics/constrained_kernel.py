@@ -19,7 +19,7 @@ from robots_core.blocks.inverse_kinematics.quadratic_program import (
 from robots_core.blocks.inverse_kinematics.redundancy import (
     NO_CRITERION,
     RedundancyArrays,
-    wanted_displacement,
+    desired_displacement,
 )
 from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.blocks.inverse_kinematics.viability import (
@@ -32,18 +32,18 @@ from robots_core.validation import Array
 
 POSITION, VELOCITY, ACCELERATION = 1, 2, 3
 NOT_FINITE = -1
-# Relative weight of joint motion: keeps the program strictly convex where the pose leaves freedom.
+# Relative weight of joint motion: keeps the program strictly convex for redundant robots.
 MOTION_WEIGHT = 1e-6
 # Below this singular value (m or 1 per rad, weighted) motion is damped, most in the singularity itself
 # (Nakamura and Hanafusa 1986).
 SINGULAR_VALUE = 0.05
 DAMPING = 0.03
-# Part of the deceleration used for approaching the reference; the rest is for what the linearisation misses.
+# Fraction of the deceleration used for approaching the reference; the rest covers the linearisation error.
 APPROACH_SHARE = 0.8
 SMALLEST_SPEED_SHARE = 0.05
-POSTURE_RATE = 2.0  # 1/s
-POSTURE_SPEED_SHARE = 0.25
-# A bound is named as active by what it was made of; rounding of sums of terms of order one.
+REDUNDANCY_RATE = 2.0  # 1/s
+REDUNDANCY_SPEED_SHARE = 0.25
+# Tolerance for identifying the active bound: rounding of sums of terms of order one.
 SAME = 1e-9
 OVERLOAD_MARGIN = 1e-9
 
@@ -65,8 +65,8 @@ def constrained_step(
         chain: Arrays of a `SerialChain`.
         limits: (6, n): lower, upper, velocity, acceleration, deceleration of braking, effort.
         options: (4,): dt (s), gain (1/s), weights of position (1/m) and of orientation (1/rad).
-        redundancy: Kind, posture (n,) and pull (n,); see `Redundancy`.
-        dynamics: A tuple of the arrays of `ChainDynamics`; an empty one takes M and tau_aux from the state.
+        redundancy: Kind, preferred positions (n,) and weights (n,); see `Redundancy`.
+        dynamics: A tuple of the arrays of `ChainDynamics`; if empty, M and tau_aux are those of the state.
         state: q (n,), q_dot (n,), M (n, n) and tau_aux (n,) at the start.
         reference: At the end of the period: r (3,), T (3, 3), twist (6,).
         result: Filled: values (7, n) of `ConstrainedStep`; errors (3,): position (m), orientation (rad),
@@ -90,7 +90,7 @@ def constrained_step(
     factorise(H, L)
     f = _towards_reference(L, gradients, limits, options)
     if redundancy[0] != NO_CRITERION:
-        _add_posture(redundancy, q, J, options, limits, f)
+        _add_redundancy(redundancy, q, J, options, limits, f)
     low, high, C = np.empty(2 * n), np.empty(2 * n), np.empty((n, n))
     velocity_interval(q, q_dot, limits[0], limits[1], limits[2], limits[3], limits[4], dt, low, high)
     _torque_rows(q_dot, M, tau_aux, limits[5], dt, C, low, high)
@@ -128,7 +128,7 @@ def _task(
     twist = reference[2]
     n, dt = q.size, options[0]
     r, T = np.empty(3), np.empty((3, 3))
-    # Half of the way that the robot moves anyway; the rest of the period's way is dt w / 2.
+    # Displacement due to the velocity at the start of the period; the rest of it is dt w / 2.
     pose_and_jacobian(chain, q + 0.5 * dt * q_dot, r, T, J)
     error_between(r, T, reference[0], reference[1], error)
     rows = 0
@@ -185,7 +185,7 @@ def _inverse_trace(A: Array) -> float:
 
 @compiled()
 def _towards_reference(L: Array, gradients: Array, limits: Array, options: Array) -> Array:
-    """Linear term (n,): as fast towards the reference as every axis can stop again when it is there."""
+    """Linear term (n,): the fastest approach from which every axis can stop when it reaches the reference."""
     velocity, deceleration = limits[2], limits[4]
     n = L.shape[0]
     free = np.empty((n, 2))
@@ -202,11 +202,11 @@ def _towards_reference(L: Array, gradients: Array, limits: Array, options: Array
             free[i, side] = value / L[i, i]
     rate = options[1]
     for i in range(velocity.size):
-        way = abs(free[i, 1])
-        if way > 0.0:
-            fastest = fastest_stoppable(way, APPROACH_SHARE * deceleration[i], options[0])
+        distance = abs(free[i, 1])
+        if distance > 0.0:
+            fastest = fastest_stoppable(distance, APPROACH_SHARE * deceleration[i], options[0])
             left = max(velocity[i] - abs(free[i, 0]), SMALLEST_SPEED_SHARE * velocity[i])
-            rate = min(rate, fastest / way, left / way)
+            rate = min(rate, fastest / distance, left / distance)
     f: Array = -gradients[:, 0] - rate * gradients[:, 1]
     return f
 
@@ -228,26 +228,26 @@ def _torque_rows(
 
 
 @compiled()
-def _add_posture(
+def _add_redundancy(
     redundancy: RedundancyArrays, q: Array, J: Array, options: Array, limits: Array, f: Array
 ) -> None:
-    """Pull the joints to where the redundancy criterion wants them."""
+    """Add the displacement of the redundancy criterion to the linear term f, (n,)."""
     n = q.size
-    wanted = np.empty(n)
-    wanted_displacement(redundancy, q, J, wanted)
-    rate = POSTURE_RATE
+    desired = np.empty(n)
+    desired_displacement(redundancy, q, J, desired)
+    rate = REDUNDANCY_RATE
     for i in range(n):
-        way = abs(wanted[i])
-        if way > 0.0:
-            fastest = fastest_stoppable(way, APPROACH_SHARE * limits[4, i], options[0])
-            rate = min(rate, min(fastest, POSTURE_SPEED_SHARE * limits[2, i]) / way)
+        distance = abs(desired[i])
+        if distance > 0.0:
+            fastest = fastest_stoppable(distance, APPROACH_SHARE * limits[4, i], options[0])
+            rate = min(rate, min(fastest, REDUNDANCY_SPEED_SHARE * limits[2, i]) / distance)
     for i in range(n):
-        f[i] -= MOTION_WEIGHT * rate * wanted[i]
+        f[i] -= MOTION_WEIGHT * rate * desired[i]
 
 
 @compiled()
 def _smallest_overload(low: Array, high: Array, C: Array) -> float:
-    """By how much all torque limits must be raised, relative to each, so that a motion exists."""
+    """Smallest relative increase of all torque limits for which a motion exists."""
     n = C.shape[0]
     # Variables are w and the overload s >= 0, rows C w - s <= high and C w + s >= low.
     H, f = np.zeros((n + 1, n + 1)), np.zeros(n + 1)
@@ -293,9 +293,9 @@ def _fill_slacks(motion: Array, limits: Array, dt: float, slacks: Array) -> floa
     largest = 0.0
     for i in range(motion.shape[1]):
         speed = motion[1, i]
-        way = braking_distance(abs(speed), limits[4, i], dt)
-        over = motion[0, i] - limits[1, i] + (way if speed > 0.0 else 0.0)
-        under = limits[0, i] - motion[0, i] + (way if speed < 0.0 else 0.0)
+        distance = braking_distance(abs(speed), limits[4, i], dt)
+        over = motion[0, i] - limits[1, i] + (distance if speed > 0.0 else 0.0)
+        under = limits[0, i] - motion[0, i] + (distance if speed < 0.0 else 0.0)
         past = max(over, under)
         slacks[0, i] = past if past > SAME else 0.0
         fast = abs(speed) - limits[2, i]

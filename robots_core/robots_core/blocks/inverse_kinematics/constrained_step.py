@@ -1,4 +1,4 @@
-"""ConstrainedStep: one step of the constrained inverse kinematics, and the limits it met."""
+"""ConstrainedStep: one step of the constrained inverse kinematics, and its active limits."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class ActiveLimit:
 
     Attributes:
         joint: The axis' name.
-        quantity: What is limited; 'position' also while the axis brakes for its end.
-        side: Which end of the range.
+        quantity: The limited quantity; 'position' also while the axis brakes for its position limit.
+        side: The end of the range.
     """
 
     joint: str
@@ -31,7 +31,7 @@ class ActiveLimit:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ConstrainedStep:
-    """Joint motion of one period with constant acceleration, and how well it follows the reference.
+    """Joint motion of one period with constant acceleration, with errors and slacks.
 
     Attributes:
         values: (7, n), read-only: the rows `q`, `q_dot`, `q_ddot`, `torque`, `position_slack`,
@@ -40,7 +40,7 @@ class ConstrainedStep:
         slack: The largest of them, each relative to its limit (positions: to the range); 0 in a sound step.
         position_error: Distance to the reference at the end of the period, m.
         orientation_error: Angle to the reference at the end of the period, rad.
-        solved: False if the quadratic program gave up and the robot brakes instead.
+        solved: False if the quadratic program did not converge; the robot then brakes.
         active: (2, n): per axis what bounds its velocity (1 position, 2 velocity, 3 acceleration) and whether
             its torque is bounded (1); the sign is the side, 0 nothing.
         names: Of the axes.
@@ -56,7 +56,7 @@ class ConstrainedStep:
 
     @property
     def active_limits(self) -> tuple[ActiveLimit, ...]:
-        """Limits that the step lies on and that cost accuracy."""
+        """Active limits, which cost accuracy."""
         found: list[ActiveLimit] = []
         for name, bound, torque in zip(self.names, *self.active.tolist(), strict=True):
             if bound:

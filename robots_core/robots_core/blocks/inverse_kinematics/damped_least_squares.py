@@ -26,7 +26,7 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import ROTATION_TOLERANCE, Array, positive, read_only
 
-CHUNKS_PER_CORE = 4  # of a batch: cores that have easy poses help the others out
+CHUNKS_PER_CORE = 4  # of a batch, for load balancing
 
 
 class DampedLeastSquares:
@@ -35,7 +35,7 @@ class DampedLeastSquares:
     Each step solves (J^T J + mu I) dq = J^T e for the axes that are free to move (Wampler 1986), where mu
     follows the gain of the last step (Levenberg-Marquardt). An axis that a step would carry past its limit
     is stopped at the limit and the others are solved again, so that every iterate is inside the limits.
-    When the search stands still it starts again from a low-discrepancy set (Roberts 2018, the additive
+    When the search stagnates it restarts from a low-discrepancy set (Roberts 2018, the additive
     recurrence of the generalised golden ratio, shifted by `seed`); the same seed gives the same result.
 
     The search is compiled; it works on the axes as screws, taken from the robot once. An instance keeps
@@ -48,12 +48,12 @@ class DampedLeastSquares:
         restarts: Further starts after the one from `q_start`.
         seed: Of the restart points.
         tool: Pose of the tool centre point in tool0; tool0 itself by default.
-        redundancy: What to do with freedom that the pose leaves: from the solution, self-motion goes on to
-            where the criterion is satisfied.
+        redundancy: Secondary criterion for the degrees of freedom that the pose leaves: from the solution,
+            self-motion continues until the criterion is satisfied.
 
     Raises:
         InvalidInputError: an option that is not positive, or a robot whose axes are coupled.
-        JointLimitError: the posture of the redundancy criterion lies outside the limits.
+        JointLimitError: the preferred positions of the redundancy criterion lie outside the limits.
     """
 
     def __init__(
@@ -89,10 +89,10 @@ class DampedLeastSquares:
 
         Args:
             pose: Of the tool centre point in the base frame.
-            q_start: Where to start, (n,), rad (m); inside the limits.
+            q_start: Joint positions to start from, (n,), rad (m); inside the limits.
 
         Returns:
-            The solution, its full turns nearest to `q_start`; the closest posture found if there is none.
+            The solution, with full turns nearest to `q_start`; the closest joint positions found otherwise.
 
         Raises:
             JointLimitError: `q_start` outside the limits.
@@ -105,7 +105,7 @@ class DampedLeastSquares:
             self._starts,
             self._redundancy,
             self._options,
-            self._taken(pose),
+            self._as_arrays(pose),
             q,
             error,
         )
@@ -115,7 +115,7 @@ class DampedLeastSquares:
         """Like `solve` from a point close to the solution: few steps, no restarts, no checks."""
         q, error = np.array(q_near, dtype=np.float64), np.empty(6)
         options = (*self._options[:2], max_iterations, PATIENT)
-        steps = search(self._chain, self._limits, options, self._taken(pose), q, error)
+        steps = search(self._chain, self._limits, options, self._as_arrays(pose), q, error)
         return self._result(q, error, steps)
 
     def solve_many(self, r: ArrayLike, T: ArrayLike, q_start: ArrayLike) -> IkBatch:
@@ -164,8 +164,8 @@ class DampedLeastSquares:
         converged = (position_error <= self._options[0]) & (orientation_error <= self._options[1])
         return IkBatch(q, converged, steps, position_error, orientation_error)
 
-    def _taken(self, pose: Pose) -> tuple[Array, Array]:
-        """The pose in arrays of the one layout that the compiled code is made for."""
+    def _as_arrays(self, pose: Pose) -> tuple[Array, Array]:
+        """The pose in arrays of the memory layout that the code is compiled for."""
         r, T = self._target
         r[:], T[:] = pose.r, pose.T
         return r, T

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robots_core.blocks.inverse_kinematics.redundancy import (
     NO_CRITERION,
     RedundancyArrays,
-    wanted_displacement,
+    desired_displacement,
 )
 from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.robot_model.analytic.compiled import compiled
@@ -19,17 +19,17 @@ from robots_core.validation import Array
 
 DAMPING_START = 1e-2
 DAMPING_GROWTH = 8.0
-DAMPING_HIGHEST = 1e8  # above, a step is shorter than rounding: the search stands still
+DAMPING_HIGHEST = 1e8  # above it a step is shorter than rounding, and the search ends
 # Newton's last steps shrink the error by orders of magnitude; damping of this size does not slow them.
 DAMPING_LOWEST = 1e-14
-LARGEST_STEP = 1.5  # rad (m) per axis; beyond, the linearisation says nothing about the pose
-# A search is given up for another start when this many steps together gain less than the factor: it crawls
-# along a limit. Chosen by trial on three robots of the benchmark; shorter leaves good starts too early.
+LARGEST_STEP = 1.5  # rad (m) per axis; the linearisation does not hold beyond it
+# The search is restarted when this many steps together reduce the cost by less than the factor, as it does
+# along a limit. Chosen by trial on three robots of the benchmark; fewer steps leave good starts too early.
 PROGRESS_STEPS = 5
 PROGRESS_FACTOR = 0.5
 PATIENT = 0
-# Self-motion: part of the way that the criterion wants, steps, steps back to the pose after each, and the way
-# that is not worth another step (rad).
+# Self-motion: fraction of the criterion's displacement per step, number of steps, correction steps back to
+# the pose after each, and the displacement below which it ends (rad).
 SELF_MOTION_PART = 0.5
 SELF_MOTION_STEPS = 40
 CORRECTION_STEPS = 6
@@ -38,7 +38,7 @@ NULL_SPACE_DAMPING = 1e-6
 
 Options = tuple[float, float, int, int]
 """Position tolerance (m), orientation tolerance (rad), steps per start, and steps after which a start without
-progress is given up (PATIENT: never)."""
+progress is abandoned (PATIENT: never)."""
 
 
 @compiled()
@@ -52,7 +52,7 @@ def solve_pose(
     q: Array,
     error: Array,
 ) -> int:
-    """Search a posture for a pose from `q`, then from each of `starts` until one converges.
+    """Search joint positions for a pose from `q`, then from each of `starts` until one converges.
 
     Args:
         chain: Arrays of a `SerialChain`.
@@ -61,7 +61,7 @@ def solve_pose(
         redundancy: Arrays of a `Redundancy`.
         options: See `Options`.
         target: r (3,) and T (3, 3).
-        q: Where to start, (n,); replaced by the posture, or the closest found.
+        q: Start, (n,); replaced by the solution, or the closest joint positions found.
         error: Filled: pose error at `q`, (6,).
 
     Returns:
@@ -80,7 +80,7 @@ def solve_pose(
                 error[:] = other_error
             if reached(error, options):
                 break
-    if not reached(error, options):  # the closest point deserves all the steps
+    if not reached(error, options):  # all steps for the closest point
         patient = (options[0], options[1], options[2], PATIENT)
         steps += search(chain, limits, patient, target, q, error)
     if redundancy[0] != NO_CRITERION and reached(error, options):
@@ -134,7 +134,7 @@ def search(
             damping, growth = max(damping, 1e-9) * growth, 2.0 * growth
             if damping > DAMPING_HIGHEST:
                 return iteration + 1
-        # Close to the solution damping fades with the error, which makes the last steps Newton's.
+        # Close to the solution damping decreases with the error: the last steps are those of Newton's method.
         damping, growth = max(min(damping / DAMPING_GROWTH**2, next_cost), DAMPING_LOWEST), DAMPING_GROWTH
         cost = next_cost
         q[:] = next_q
@@ -155,7 +155,7 @@ def damped_step(
     gradient: Array,
     step: Array,
 ) -> None:
-    """Fill the damped step, (n,); an axis that would pass its limit is stopped there, the others go on.
+    """Fill the damped step, (n,); an axis that would pass its limit stops there, the others are solved again.
 
     `free`, `A` (n, n) and `gradient` (n,) are scratch.
     """
@@ -259,30 +259,30 @@ def _self_motion(
     q: Array,
     error: Array,
 ) -> int:
-    """Move to where the criterion wants the joints, as far as the pose stays reached."""
+    """Move towards the redundancy criterion by self-motion, which keeps the pose; return the steps taken."""
     n = q.size
-    r, T, J, wanted = np.empty(3), np.empty((3, 3)), np.empty((6, n)), np.empty(n)
+    r, T, J, desired = np.empty(3), np.empty((3, 3)), np.empty((6, n)), np.empty(n)
     candidate, candidate_error = np.empty(n), np.empty(6)
     correction = (options[0], options[1], CORRECTION_STEPS, PATIENT)
     steps, part = 0, SELF_MOTION_PART
     for _ in range(SELF_MOTION_STEPS):
         pose_and_jacobian(chain, q, r, T, J)
-        wanted_displacement(redundancy, q, J, wanted)
-        for i in range(n):  # what the limits forbid is no way
-            if (q[i] <= limits[0, i] and wanted[i] < 0.0) or (q[i] >= limits[1, i] and wanted[i] > 0.0):
-                wanted[i] = 0.0
+        desired_displacement(redundancy, q, J, desired)
+        for i in range(n):  # directions that the limits exclude
+            if (q[i] <= limits[0, i] and desired[i] < 0.0) or (q[i] >= limits[1, i] and desired[i] > 0.0):
+                desired[i] = 0.0
         A = J @ J.T
         for row in range(6):
             A[row, row] += NULL_SPACE_DAMPING
-        wanted -= J.T @ np.linalg.solve(A, J @ wanted)
+        desired -= J.T @ np.linalg.solve(A, J @ desired)
         largest = 0.0
         for i in range(n):
-            largest = max(largest, abs(wanted[i]))
+            largest = max(largest, abs(desired[i]))
         if part * largest < SELF_MOTION_END:
             break
         factor = min(part, LARGEST_STEP / largest)
         for i in range(n):
-            candidate[i] = q[i] + factor * wanted[i]
+            candidate[i] = q[i] + factor * desired[i]
         steps += 1 + search(chain, limits, correction, target, candidate, candidate_error)
         if reached(candidate_error, options):
             q[:] = candidate
@@ -294,7 +294,7 @@ def _self_motion(
 
 @compiled()
 def _turn_near(reference: Array, prismatic: NDArray[np.bool_], limits: Array, q: Array) -> None:
-    """The same posture with full turns added inside the limits, each axis nearest to the reference."""
+    """Add full turns inside the limits, so that each axis is nearest to the reference."""
     turn = 2.0 * np.pi
     for i in range(q.size):
         if prismatic[i]:

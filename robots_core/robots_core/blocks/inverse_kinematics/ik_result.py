@@ -1,4 +1,4 @@
-"""IkResult and IkBatch: what a numerical inverse kinematics block found."""
+"""IkResult and IkBatch: results of numerical inverse kinematics."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from robots_core.validation import Array, read_only
 
 @dataclass(frozen=True, eq=False)
 class IkResult:
-    """Joint positions for a pose, and how well they reach it.
+    """Joint positions for a pose, with the remaining errors.
 
     Attributes:
         q: Joint positions, (n,), rad (m), inside the limits, read-only; the closest found if not converged.

@@ -10,16 +10,16 @@ from robots_core.validation import Array
 def jacobian_der(J: Array, q_dot: Array, J_der: Array) -> None:
     """Fill the derivative J_der (6, n) of a geometric Jacobian J (6, n) for joint velocities `q_dot` (n,).
 
-    The Jacobian holds all that is needed (Bruyninckx and De Schutter 1996): with w the angular and v the
+    It follows from the Jacobian alone (Bruyninckx and De Schutter 1996): with w the angular and v the
     linear rows, column i changes with axis j by w_j x v_i if j <= i, and by w_i x v_j if j > i; its angular
     part by w_j x w_i if j < i. An axis that slides has w = 0.
     """
     n = q_dot.size
-    # Linear velocity that the axes behind i give to the tool.
+    # Linear velocity of the tool due to the axes after i.
     bx, by, bz = 0.0, 0.0, 0.0
     for j in range(n):
         bx, by, bz = bx + J[0, j] * q_dot[j], by + J[1, j] * q_dot[j], bz + J[2, j] * q_dot[j]
-    # Angular velocity before axis i.
+    # Angular velocity due to the axes before i.
     ax, ay, az = 0.0, 0.0, 0.0
     for i in range(n):
         rate = q_dot[i]

@@ -15,9 +15,9 @@ SOLVED = 0
 INFEASIBLE = 1
 EXHAUSTED = 2
 MAX_ITERATIONS = 200
-# Of a matrix that is singular but for rounding.
+# Of a matrix that is singular up to rounding.
 SMALLEST_PIVOT = 1e-18
-# A constraint broken by less is kept: rounding of sums of terms of order one.
+# A violation below this is rounding of sums of terms of order one.
 TOLERANCE = 1e-11
 # Multipliers this far below zero, relative to the largest, are rounding.
 ROUNDING = 1e-9
@@ -33,8 +33,8 @@ def solve_quadratic_program(
     """Minimise x^T H x / 2 + f^T x subject to low <= (x, C x) <= high.
 
     Dual active-set method of Goldfarb and Idnani (1983): it starts at the minimum without constraints and
-    adds the one broken most, so that few active limits take few steps. Bounds of x come first, which cost
-    next to nothing; rows are looked at when x keeps its bounds.
+    adds the most violated one, so that few active limits take few steps. Bounds of x come first, which cost
+    next to nothing; rows are checked once x keeps its bounds.
 
     Args:
         H: Symmetric, positive definite, (n, n).
@@ -88,13 +88,13 @@ def solve_factorised(
     multipliers[:] = 0.0
     count, iterations, fresh = 0, 0, False
     while True:
-        chosen, side = _most_broken(low, high, C, x, sides)
+        chosen, side = _most_violated(low, high, C, x, sides)
         if chosen < 0:
             if fresh or count == 0:
                 for k in range(count):
                     multipliers[active[k]] = sides[active[k]] * max(u[k], 0.0)
                 return SOLVED
-            # Multipliers may have been huge on the way, and left their rounding behind.
+            # Multipliers may have been large in earlier iterations, with large rounding errors.
             _recompute(K, R, f, low, high, sides, active, count, x, u)
             fresh = True
             leaving, largest = 0, 0.0
@@ -112,7 +112,7 @@ def solve_factorised(
                 return EXHAUSTED
             continue
         fresh = False
-        # The normal points inside.
+        # The normal points inwards.
         if chosen < n:
             normal[:] = 0.0
             normal[chosen] = -side
@@ -189,8 +189,8 @@ def _invert(L: Array, K: Array) -> None:
 
 
 @compiled()
-def _most_broken(low: Array, high: Array, C: Array, x: Array, sides: Array) -> tuple[int, float]:
-    """The constraint that x breaks most, bounds first, and its side; -1 if it keeps all."""
+def _most_violated(low: Array, high: Array, C: Array, x: Array, sides: Array) -> tuple[int, float]:
+    """The constraint that x violates most, bounds first, and its side; -1 if there is none."""
     n = x.size
     worst, chosen, side = TOLERANCE, -1, 0.0
     for p in range(n):
@@ -218,7 +218,7 @@ def _most_broken(low: Array, high: Array, C: Array, x: Array, sides: Array) -> t
 def _drop(
     K: Array, R: Array, active: NDArray[np.int64], sides: Array, u: Array, leaving: int, count: int
 ) -> None:
-    """Forget an active constraint; multipliers behind it, that of a coming one too, move up."""
+    """Remove an active constraint; later multipliers, that of the entering one included, move up."""
     sides[active[leaving]] = 0.0
     for k in range(leaving, count - 1):
         active[k] = active[k + 1]

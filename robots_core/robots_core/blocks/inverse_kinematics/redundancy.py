@@ -1,4 +1,4 @@
-"""Redundancy: what a robot does with the freedom that the pose of its tool leaves."""
+"""Redundancy: a secondary criterion for the degrees of freedom that the pose of the tool leaves."""
 
 from __future__ import annotations
 
@@ -14,57 +14,57 @@ from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, read_only
 
 NO_CRITERION: Final = 0
-POSTURE: Final = 1
+PREFERRED_POSITIONS: Final = 1
 LIMITS: Final = 2
 MANIPULABILITY: Final = 3
-# Squared singular values below this count as this much: the measure stays finite in a singularity.
+# Regularisation of squared singular values, which keeps the measure finite in a singularity.
 REGULARISATION: Final = 1e-4
 MANIPULABILITY_STEP: Final = 0.3  # rad, for a change of the measure by a factor e per radian
 
 RedundancyArrays = tuple[int, Array, Array]
-"""Kind, posture and pull of a `Redundancy`."""
+"""Kind, preferred joint positions and weights of a `Redundancy`."""
 
 
 @dataclass(frozen=True, eq=False)
 class Redundancy:
-    """A sub-criterion, weaker than the pose whatever its size. Make one by a class method.
+    """A secondary criterion in the null space of the pose. Create one by a class method.
 
     Attributes:
-        kind: One of POSTURE, LIMITS, MANIPULABILITY.
-        posture: Where to stay, (n,) rad (m); empty but for POSTURE.
+        kind: One of PREFERRED_POSITIONS, LIMITS, MANIPULABILITY.
+        preferred: Preferred joint positions, (n,) rad (m); empty for the other kinds.
     """
 
     kind: int
-    posture: Array = field(default_factory=lambda: np.empty(0))
+    preferred: Array = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, 'posture', read_only(self.posture))
+        object.__setattr__(self, 'preferred', read_only(self.preferred))
 
     @classmethod
-    def near(cls, posture: ArrayLike) -> Redundancy:
-        """Stay near a posture, (n,) rad (m)."""
-        return cls(POSTURE, np.asarray(posture, dtype=np.float64))
+    def near(cls, q: ArrayLike) -> Redundancy:
+        """Stay near joint positions `q`, (n,) rad (m)."""
+        return cls(PREFERRED_POSITIONS, np.asarray(q, dtype=np.float64))
 
     @classmethod
     def away_from_limits(cls) -> Redundancy:
-        """Stay in the middle of the ranges, each axis relative to its range (Liegeois 1977)."""
+        """Stay near the middle of the axes' ranges, each weighted by its range (Liegeois 1977)."""
         return cls(LIMITS)
 
     @classmethod
     def manipulability(cls) -> Redundancy:
-        """Stay away from singularities: climb the logarithm of sqrt(det(J J^T)) (Yoshikawa 1985)."""
+        """Stay away from singularities: ascend the gradient of log sqrt(det(J J^T)) (Yoshikawa 1985)."""
         return cls(MANIPULABILITY)
 
     def target(self, axes: AxesData) -> tuple[Array, Array]:
-        """Posture (n,) that the criterion pulls to, and the pull per axis (n,), 0..1, for compiled code.
+        """Preferred joint positions (n,) and the weight per axis (n,), 0..1, for compiled code.
 
         Raises:
-            JointLimitError: the posture lies outside the limits.
-            InvalidInputError: it has another shape or is not finite.
+            JointLimitError: the preferred positions lie outside the limits.
+            InvalidInputError: they have another shape or are not finite.
         """
         n = axes.num_axes
-        if self.kind == POSTURE:
-            return axes.check_position(self.posture, 'posture'), np.ones(n)
+        if self.kind == PREFERRED_POSITIONS:
+            return axes.check_position(self.preferred, 'preferred'), np.ones(n)
         if self.kind == LIMITS:
             middle = np.where(axes.continuous, 0.0, 0.5 * (axes.lower + axes.upper))
             width = np.where(axes.continuous, np.inf, axes.upper - axes.lower)
@@ -73,31 +73,33 @@ class Redundancy:
             return middle, (width.min() / width) ** 2
         if self.kind == MANIPULABILITY:
             return np.zeros(n), np.ones(n)
-        raise InvalidInputError(f'Redundancy.kind = {self.kind} is none of 1 (posture), 2 (limits), 3')
+        raise InvalidInputError(
+            f'Redundancy.kind = {self.kind} is none of 1 (preferred positions), 2 (limits), 3'
+        )
 
 
 def redundancy_arrays(redundancy: Redundancy | None, axes: AxesData) -> RedundancyArrays:
-    """Kind, posture and pull, as compiled code takes them; without a criterion nothing pulls."""
+    """Arrays for compiled code; without a criterion all weights are 0."""
     if redundancy is None:
         return NO_CRITERION, np.zeros(axes.num_axes), np.zeros(axes.num_axes)
-    posture, pull = redundancy.target(axes)
-    return redundancy.kind, np.ascontiguousarray(posture), np.ascontiguousarray(pull)
+    preferred, weights = redundancy.target(axes)
+    return redundancy.kind, np.ascontiguousarray(preferred), np.ascontiguousarray(weights)
 
 
 @compiled()
-def wanted_displacement(redundancy: RedundancyArrays, q: Array, J: Array, wanted: Array) -> None:
-    """Fill the joint displacement, (n,) rad (m), that a criterion wants at `q`."""
-    kind, posture, pull = redundancy
+def desired_displacement(redundancy: RedundancyArrays, q: Array, J: Array, desired: Array) -> None:
+    """Fill the joint displacement, (n,) rad (m), that a criterion demands at `q`."""
+    kind, preferred, weights = redundancy
     n = q.size
     if kind == NO_CRITERION:
-        wanted[:] = 0.0
+        desired[:] = 0.0
     elif kind == MANIPULABILITY:
-        _manipulability_gradient(J, wanted)
+        _manipulability_gradient(J, desired)
         for i in range(n):
-            wanted[i] *= MANIPULABILITY_STEP
+            desired[i] *= MANIPULABILITY_STEP
     else:
         for i in range(n):
-            wanted[i] = pull[i] * (posture[i] - q[i])
+            desired[i] = weights[i] * (preferred[i] - q[i])
 
 
 @compiled()
@@ -111,7 +113,7 @@ def _manipulability_gradient(J: Array, gradient: Array) -> None:
     for k in range(n):
         value = 0.0
         for i in range(n):
-            # The axis that is nearer to the base turns the other's column.
+            # The axis nearer to the base rotates the column of the other.
             first, second = (k, i) if k <= i else (i, k)
             wx, wy, wz = J[3, first], J[4, first], J[5, first]
             vx, vy, vz = J[0, second], J[1, second], J[2, second]

@@ -78,13 +78,13 @@ class SerialChain:
 
     @property
     def arrays(self) -> ChainArrays:
-        """All of it, as compiled code takes it."""
+        """The attributes as arrays for compiled code."""
         return self.directions, self.points, self.prismatic, self.r, self.T
 
     def forward(self, q: Array) -> Pose:
         """Pose of the tool centre point at joint positions `q`, (n,)."""
         r, T, J = np.empty(3), np.empty((3, 3)), np.empty((6, q.size))
-        pose_and_jacobian(self.arrays, np.array(q), r, T, J)  # read-only arrays would be compiled for anew
+        pose_and_jacobian(self.arrays, np.array(q), r, T, J)  # read-only arrays would be compiled for again
         return Pose(r, T)
 
     def _check(self, robot: BaseRobotModel, tool: Pose) -> None:
@@ -106,7 +106,7 @@ def pose_and_jacobian(chain: ChainArrays, q: Array, r: Array, T: Array, J: Array
     """Fill pose r (3,), T (3, 3) and geometric Jacobian J (6, n) of a chain at `q`, base frame."""
     directions, points, prismatic, r0, T0 = chain
     n = q.size
-    # R, t: what the axes so far make of a body that they carry.
+    # R, t: displacement of a body that the axes so far carry.
     R, t = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0)
     for i in range(n):
         axis = times(R, row_of(directions, i))
@@ -116,7 +116,7 @@ def pose_and_jacobian(chain: ChainArrays, q: Array, r: Array, T: Array, J: Array
             t = add(t, scale(q[i], axis))
             continue
         place = add(times(R, row_of(points, i)), t)
-        J[0, i], J[1, i], J[2, i] = place  # for now
+        J[0, i], J[1, i], J[2, i] = place  # replaced by the linear column below
         J[3, i], J[4, i], J[5, i] = axis
         E = rotation(axis, q[i])
         R = product(E, R)

@@ -1,15 +1,15 @@
 # ruff: noqa: PLR0917  # compiled functions take arrays, not objects
-"""Viability of one axis in discrete time: which speeds leave it able to stop before its limit.
+"""Viability of one axis in discrete time: speeds from which it can stop before its limit.
 
 An axis whose acceleration is constant over each period dt moves by dt (v + w) / 2 while its speed goes from
-v to w. Braking by the same deceleration a in every period, and by less in the last one so that it stands at
-its end, takes the way
+v to w. Braking by the same deceleration a in every period, and by less in the last one so that it ends at
+rest, takes the distance
 
     D(v) = dt (v / 2 + k v - a dt k (k + 1) / 2),    k = floor(v / (a dt)),
 
-exact and not only the limit dt -> 0, v^2 / (2 a). A state is viable when this way ends before the limit. From
-a viable state braking leads to a viable state, so that there is always a next step; between the samples the
-axis does not pass the limit either, because where its speed changes sign within a period it has moved on by
+exact and not only the limit dt -> 0, v^2 / (2 a). A state is viable when this distance ends before the limit.
+From a viable state braking leads to a viable state, so that there is always a next step; between the samples
+the axis does not pass the limit either, because where its speed changes sign within a period it moves on by
 less than dt v / 2 <= D(v).
 """
 
@@ -33,8 +33,8 @@ def fastest_stoppable(distance: float, deceleration: float, dt: float) -> float:
     """Highest speed w at the end of a period from which an axis can stop.
 
     Args:
-        distance: From where the axis would stand if the period ended at rest, rad (m): w solves
-            dt w / 2 + D(w) = distance, which is piecewise linear.
+        distance: From the position in which the period would end at rest to the limit, rad (m): w solves
+            the piecewise linear equation dt w / 2 + D(w) = distance.
         deceleration: Of the braking, rad/s^2.
         dt: s.
 
@@ -64,9 +64,9 @@ def velocity_interval(
 ) -> None:
     """Fill the velocities [low, high], (n,) each, that the axes may have after the next period.
 
-    They keep acceleration and velocity limits, and the states viable for braking by `deceleration`, which is
-    at most the acceleration limit. From a state outside, the acceleration limit is kept and the others are
-    approached as fast as that allows.
+    They keep acceleration and velocity limits, and lead to states viable for braking by `deceleration`, which
+    is at most the acceleration limit. From a state outside, the acceleration limit is kept and the others are
+    approached as fast as it allows.
     """
     for i in range(q.size):
         v = q_dot[i]
@@ -74,7 +74,7 @@ def velocity_interval(
         ahead = 0.5 * dt * v
         top = min(velocity[i], fastest_stoppable(upper[i] - q[i] - ahead, deceleration[i], dt))
         bottom = -min(velocity[i], fastest_stoppable(q[i] - lower[i] + ahead, deceleration[i], dt))
-        # Braking is always right; rounding must not forbid it on the boundary.
+        # Braking is always admissible; rounding must not exclude it on the boundary.
         brake = v - min(max(v, -deceleration[i] * dt), deceleration[i] * dt)
         if v > 0.0 and upper[i] - q[i] >= ahead:
             top = max(top, min(brake, velocity[i]))
