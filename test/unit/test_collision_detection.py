@@ -65,10 +65,10 @@ def test_a_robot_without_shapes_meets_nothing(tmp_path: Path, engine: str, aroun
     detection = CollisionDetection(robot, scene=Scene(around), engine=engine)
     assert detection.contacts(robot.home) == ()
     assert detection.distance(robot.home) is None
-    way = JointPath.straight(robot.home, robot.home + 1.0)
-    assert detection.first_approach(way) is None
-    assert detection.closest_approach(way) is None
-    detection.check(way)
+    straight = JointPath.straight(robot.home, robot.home + 1.0)
+    assert detection.first_approach(straight) is None
+    assert detection.closest_approach(straight) is None
+    detection.check(straight)
 
 
 def test_distance_to_a_ball_is_that_of_geometry(robot: BaseRobotModel):
@@ -214,7 +214,9 @@ def test_a_distance_that_is_only_maybe_below_the_margin_says_so():
     near = Proximity('hand/flange', 'post', 0.00506, point, point)
     place = PathProximity(1.0, 0.5, point, Pose.identity(), near)
     assert 'hand/flange comes to 5.1 mm from post' in str(CollisionError(place, 0.005))
-    assert str(CollisionError(place, 0.005)).endswith('the margin is 5 mm, told along a path to 0.1 mm')
+    assert str(CollisionError(place, 0.005)).endswith(
+        'the margin is 5 mm, the resolution along a path 0.1 mm'
+    )
     assert str(CollisionError(place, 0.006)).endswith('the margin is 6 mm')
     contact = replace(place, proximity=replace(near, distance=0.0))
     assert 'margin' not in str(CollisionError(contact, 0.005))

@@ -33,30 +33,30 @@ from robots_core.validation import Array, finite_vector, positive, read_only
 
 ENGINES: Final[dict[str, type[CollisionEngine]]] = {'fcl': FclEngine, 'coal': CoalEngine}
 
-# An answer of an engine holds if it is proven to this; python-fcl's own tolerance is 1e-6 m.
+# Tolerance of the proof of an engine's distance; python-fcl's own tolerance is 1e-6 m.
 PROOF_TOLERANCE = 1e-5  # m
-# Attached objects and links with so many axes between them are looked at before they are checked for good.
+# Pairs of an attached object and a link with at most so many axes between them are excluded if proven apart.
 NEAR_AXES = 2
-NEAR_BUDGET = 300  # postures
+NEAR_BUDGET = 300  # joint positions evaluated for that proof
 
 
 class CollisionDetection:
-    """Contacts and distances of a robot with itself, with obstacles, and of what hangs on its flange.
+    """Contacts and distances of a robot and its attached objects, with itself and with obstacles.
 
-    Answers of the engine are checked: a distance is accepted if its nearest points lie on the two bodies, are
-    as far apart as it says, and a plane between them proves that nothing is closer; otherwise the compiled
-    search that finds such a proof answers instead (see `nearest_points`). Whole paths are searched with these
+    Results of the engine are verified: a distance is accepted if its nearest points lie on the two bodies,
+    are that far apart, and a separating plane proves that nothing is closer; otherwise it is replaced by the
+    result of a compiled search with such a proof (see `nearest_points`). Whole paths are searched with these
     proven distances alone. An instance keeps scratch memory: use one per thread.
 
     Args:
-        robot: The robot. What hangs on its base frame may touch obstacles: it stands on them.
+        robot: The robot. Shapes fixed to its base frame may touch obstacles, on which it stands.
         scene: Obstacles and attached objects.
         engine: 'fcl' (python-fcl) or 'coal'.
         allowed_pairs: Pairs of the robot's shapes that are not checked; by default those stored with the
             robot, or found by sampling.
 
     Raises:
-        InvalidInputError: an unknown engine, or a scene whose `may_touch` names nobody.
+        InvalidInputError: an unknown engine, or a scene whose `may_touch` has an unknown name.
     """
 
     def __init__(
@@ -78,14 +78,15 @@ class CollisionDetection:
 
     @property
     def scene(self) -> Scene:
-        """The scene as it is now."""
+        """The current scene."""
         return self._scene
 
     def set_scene(self, scene: Scene) -> None:
         """Replace all obstacles and attached objects.
 
         Raises:
-            InvalidInputError: `may_touch` names nobody, or an object is named like a shape of the robot.
+            InvalidInputError: `may_touch` has an unknown name, or an object has the name of a shape of the
+                robot.
         """
         self._check_names(scene)
         around = [
@@ -120,9 +121,10 @@ class CollisionDetection:
     def _without_held_apart(
         self, solids: Sequence[Solid], pairs: list[tuple[int, int]], held: set[str]
     ) -> SolidSet:
-        """The pairs without those of attached objects and near links that can never meet.
+        """The pairs without those of attached objects and near links that can never be in contact.
 
-        Like those of the robot itself: that a tool is close to the wrist in every posture tells nothing.
+        As with pairs of the robot itself: a tool is always close to the wrist, which would hide other
+        distances.
         """
         near = self.robot.num_axes - NEAR_AXES
         doubtful = [(i, j) for i, j in pairs if solids[j].name in held and solids[i].frame >= max(near, 1)]
@@ -152,7 +154,7 @@ class CollisionDetection:
         r, T = self.robot.kinematic_model.frame_axes(self.robot.home)
         return Pose(r[-1], T[-1]).inverse() @ Pose(*self.robot.direct_kinematics(self.robot.home))
 
-    # -- one posture ---------------------------------------------------------------------------------
+    # -- one state -----------------------------------------------------------------------------------
 
     def in_contact(self, q: ArrayLike) -> bool:
         """Whether anything is in contact at joint positions `q`, (n,) rad (m).
@@ -184,7 +186,7 @@ class CollisionDetection:
         for pair in self._with_surface:
             if self._enclosed(int(self._set.first[pair]), int(self._set.second[pair])):
                 return self._proximity(int(pair))
-        # Which pair it is, is found by compiled code; the engine answers for that one.
+        # Compiled code finds the pair; the engine computes its distance.
         _, closest = self._set.smallest_distance(every, np.inf)
         return self._proximity(closest)
 
@@ -204,7 +206,7 @@ class CollisionDetection:
     # -- whole paths ---------------------------------------------------------------------------------
 
     def closest_approach(self, path: JointPath, *, tolerance: float = 1e-3) -> PathProximity | None:
-        """Where on a path the smallest distance is; None if there are no pairs.
+        """The place of the smallest distance on a path; None if there are no pairs.
 
         Nothing between the samples is missed: no distance on the path is smaller by more than the tolerance.
 
@@ -224,15 +226,15 @@ class CollisionDetection:
     def first_approach(
         self, path: JointPath, *, margin: float = 0.0, since: float | None = None
     ) -> PathProximity | None:
-        """Where on a path two bodies first come closer than a margin; None if they never do.
+        """The first place on a path where two bodies are closer than a margin; None if there is none.
 
-        Nothing between the samples is missed, however thin. What is closer at the start already may leave,
-        but not come closer. Distances within `RESOLUTION` of the margin may count as below it.
+        Nothing between the samples is missed, however thin. Bodies that are closer at the start may separate,
+        but not approach. Distances within `RESOLUTION` of the margin may count as below it.
 
         Args:
             path: The motion.
             margin: m, from 0.
-            since: Time to begin at, s; the path's start by default.
+            since: Start time, s; the path's start by default.
 
         Raises:
             InvalidInputError: another number of axes, or a margin that is negative or not finite.
@@ -248,10 +250,10 @@ class CollisionDetection:
         return None if time is None else self._at(path, time, margins)
 
     def check(self, path: JointPath, *, margin: float = 0.0) -> None:
-        """Pass a path that keeps the margin everywhere.
+        """Check that a path keeps the margin everywhere.
 
         Raises:
-            CollisionError: it does not; names the bodies and the first place on the path.
+            CollisionError: it does not; names the bodies and the place on the path.
             InvalidInputError: see `first_approach`.
         """
         place = self.first_approach(path, margin=margin)
@@ -274,7 +276,7 @@ class CollisionDetection:
             found = self.distance(q)
             assert found is not None
         else:
-            # Of several that are closer than they should, the one that is farthest below its margin.
+            # Of several pairs below their margins, the one farthest below.
             bounds = self._set.distances(np.arange(margins.size), margins + RESOLUTION)
             found = self._proximity(int(np.argmin(bounds - margins)))
         tool0 = Pose(*self.robot.direct_kinematics(q))
@@ -291,7 +293,7 @@ class CollisionDetection:
         return close
 
     def _names(self, pair: int) -> tuple[str, str]:
-        """Who they are, what moves with more axes first."""
+        """Names of a pair, that moved by more axes first."""
         solids = self._set.solids
         return solids[self._set.second[pair]].name, solids[self._set.first[pair]].name
 

@@ -1,4 +1,4 @@
-"""ToolTrace: the path that the tool went, as a line in the browser page."""
+"""ToolTrace: the path of the tool as a line in the browser page."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import viser
 from robots_core.validation import Array
 
 SPACING = 0.002  # m between two points of the line
-JUMP = 0.3  # m; farther than any tool goes between two updates: the robot was put there
-CHUNK = 100  # segments that are sent again when one is added
-CHUNKS = 60  # what is older is forgotten
+JUMP = 0.3  # m between two updates; larger ones start a new line
+CHUNK = 100  # segments of a piece, which is sent again when one is added
+CHUNKS = 60  # pieces kept; older ones are removed
 COLOUR = (0, 150, 136)
 THICKNESS = 3.0  # pixels
 
@@ -20,7 +20,7 @@ THICKNESS = 3.0  # pixels
 class ToolTrace:
     """A line that grows with the tool's position.
 
-    It is kept in short pieces, so that a new point sends little however long the line is.
+    It is kept in short pieces, so that the data per new point does not grow with the line.
 
     Args:
         server: The page.
@@ -80,7 +80,7 @@ class ToolTrace:
             self._pieces.popleft().remove()
 
     def clear(self) -> None:
-        """Forget the line."""
+        """Remove the line."""
         for piece in self._pieces:
             piece.remove()
         self._pieces.clear()

@@ -22,12 +22,12 @@ from robots_core.robot_model.shapes import Geometry, Shape
 from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 from robots_core.validation import Array
 
-CREASE = np.pi / 6  # rad; edges sharper than this stay edges, flatter ones are shaded round
+CREASE = np.pi / 6  # rad; sharper edges stay visible, flatter ones are shaded smoothly
 BRAND = (0, 150, 136)
 COLLISION_COLOUR = (30, 120, 255)
 CAMERA_DIRECTION = np.array([0.62, -0.72, 0.30])  # from the robot to the camera
 CAMERA_DISTANCE = 1.7  # in reaches of the robot
-FIELD_OF_VIEW = np.pi / 5  # rad, as a lens of about 60 mm sees
+FIELD_OF_VIEW = np.pi / 5  # rad, that of a lens of about 60 mm
 LAST_PORT = 65535
 
 
@@ -37,7 +37,7 @@ class Visualizer:
     Args:
         robot: The robot.
         host: Network address to serve at; '0.0.0.0' serves the whole network.
-        port: First port to try; a busy port gives way to the next free one, 0 lets the system choose.
+        port: First port to try; if it is busy the next free one is used; 0: chosen by the system.
         tool: Pose of the tool centre point in tool0; identity: tool0 itself.
         title: The page's title; the robot's name by default.
 
@@ -59,7 +59,7 @@ class Visualizer:
         self._host = host
         self._reach = reach(robot)
         first = free_port(host, port)
-        # The server has no option to say nothing.
+        # The server has no option to suppress its output.
         with contextlib.redirect_stdout(io.StringIO()):
             self._server = viser.ViserServer(host, first, label=title or robot.name, verbose=False)
         self._show_surroundings()
@@ -117,7 +117,7 @@ class Visualizer:
         ]
 
     def clear_trace(self) -> None:
-        """Forget the path that the tool went."""
+        """Clear the displayed path of the tool."""
         self._trace.clear()
 
     def close(self) -> None:
@@ -228,7 +228,7 @@ def reach(robot: BaseRobotModel) -> float:
 
 
 def free_port(host: str, port: int) -> int:
-    """The first port from `port` on that nobody serves at `host`; 0 lets the system choose.
+    """The first free port at `host` from `port` on; 0: chosen by the system.
 
     Raises:
         InvalidInputError: a host that this machine does not have, or a port outside 0..65535.

@@ -1,4 +1,4 @@
-"""Which pairs of a robot's shapes need no collision check, found by sampling its postures."""
+"""Pairs of a robot's shapes that need no collision check, found by sampling joint positions."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 
 SAMPLES = 1000
-# Postures looked at for a proof; a pair that needs more stays checked.
+# Joint positions evaluated for a proof; a pair that needs more stays checked.
 BUDGET = 2000
-# Boxes over more axes are too many: what is not soon proven there will not be.
+# Boxes over more axes are too many; proofs there get a tenth of the budget.
 FEW_AXES = 3
 NEVER_GAP = 1e-3  # m
 
@@ -28,14 +28,14 @@ def find_allowed_pairs(
 ) -> AllowedPairs:
     """The pairs of a robot's shapes that need no check.
 
-    Random postures tell which pairs are always in contact. Of the others it is proven, where that is so and
-    does not take too long, that they never are: the range of the axes between them is cut into boxes until in
-    each one the distance in its middle is more than what the axes can make of it within the box.
+    Pairs that are in contact at all of many random joint positions count as always in contact. Other pairs
+    are proven to be always apart, within a budget: the range of the axes between them is bisected into boxes
+    until in each one the distance at its centre exceeds the largest approach within the box.
 
     Args:
         robot: The robot.
-        samples: Random postures, the same in every run.
-        budget: Postures for the proofs of the pairs between two frames.
+        samples: Number of random joint positions, the same in every run.
+        budget: Joint positions evaluated for the proofs of the pairs between two frames.
     """
     solids = robot_solids(robot)
     frames = {solid.name: solid.frame for solid in solids}
@@ -74,32 +74,32 @@ def robot_solids(robot: BaseRobotModel) -> tuple[Solid, ...]:
 
 
 def _range(robot: BaseRobotModel) -> tuple[Array, Array]:
-    """All that the axes can make different, (n,) each."""
+    """The axes' ranges, one turn for continuous axes: lowest and highest positions, (n,) each."""
     axes = robot.axes_data
     return np.where(axes.continuous, -np.pi, axes.lower), np.where(axes.continuous, np.pi, axes.upper)
 
 
 def _touching(solids: SolidSet, robot: BaseRobotModel, samples: int) -> NDArray[np.bool_]:
-    """Whether each pair is in contact in each of some random postures, (samples, p) bool."""
+    """Whether each pair is in contact at home and at random joint positions, (samples + 1, p) bool."""
     low, high = _range(robot)
     every = np.arange(solids.first.size)
     none = np.zeros(every.size)
-    postures = np.random.default_rng(0).uniform(low, high, (samples, robot.num_axes))
+    random = np.random.default_rng(0).uniform(low, high, (samples, robot.num_axes))
     result = np.empty((samples + 1, every.size), dtype=bool)
-    for row, q in enumerate((robot.home, *postures)):
+    for row, q in enumerate((robot.home, *random)):
         solids.place(q)
         result[row] = solids.distances(every, none) <= 0.0
     return result
 
 
 def proven_apart(solids: SolidSet, robot: BaseRobotModel, names: Sequence[Pair], budget: int) -> set[Pair]:
-    """Those named pairs that are proven to be apart in every posture inside the limits.
+    """The named pairs that are proven to be apart at all joint positions inside the limits.
 
     Args:
         solids: Solids with their pairs.
         robot: The robot.
-        names: Who the pairs of solids belong to; several may have the same name.
-        budget: Postures to look at for the proofs of the pairs between two frames.
+        names: Shapes that the pairs of solids belong to; several may have the same name.
+        budget: Joint positions evaluated for the proofs of the pairs between two frames.
     """
     frame = np.array([solid.frame for solid in solids.solids])
     between = np.stack([frame[solids.first], frame[solids.second]], axis=1)
@@ -112,7 +112,7 @@ def proven_apart(solids: SolidSet, robot: BaseRobotModel, names: Sequence[Pair],
 
 
 def _unproven(solids: SolidSet, robot: BaseRobotModel, pairs: Indices, axes: slice, budget: int) -> set[int]:
-    """Those of some pairs that may be closer than the gap for some positions of the axes between them."""
+    """The pairs that may be closer than the gap for some positions of the axes between them."""
     low, high = _range(robot)
     middle, half = robot.home.copy(), np.zeros(robot.num_axes)
     middle[axes], half[axes] = 0.5 * (low + high)[axes], 0.5 * (high - low)[axes]
@@ -125,18 +125,18 @@ def _unproven(solids: SolidSet, robot: BaseRobotModel, pairs: Indices, axes: sli
             continue
         budget -= 1
         solids.place(middle)
-        way = solids.travels(mine, half)
-        lower = solids.distances(mine, way + NEVER_GAP)
+        approach = solids.travels(mine, half)
+        lower = solids.distances(mine, approach + NEVER_GAP)
         failed |= {int(pair) for pair in mine[lower <= NEVER_GAP]}
-        mine = mine[(lower - way <= NEVER_GAP) & (lower > NEVER_GAP)]
+        mine = mine[(lower - approach <= NEVER_GAP) & (lower > NEVER_GAP)]
         if mine.size == 0:
             continue
-        # The axis that makes most of the way is cut.
-        ways = [
+        # The axis with the largest approach is bisected.
+        approaches = [
             solids.travels(mine, np.where(np.arange(half.size) == k, half, 0.0)).max()
             for k in range(half.size)
         ]
-        cut = int(np.argmax(ways))
+        cut = int(np.argmax(approaches))
         half = half.copy()
         half[cut] *= 0.5
         for sign in (-1.0, 1.0):

@@ -1,4 +1,4 @@
-"""CollisionEngine: what a collision library has to answer about two solids."""
+"""CollisionEngine: the interface of collision libraries, for contact and distance of two solids."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ Answer = tuple[float, Array, Array]
 
 
 class CollisionEngine(ABC):
-    """A library's view of a set of solids.
+    """A set of solids as objects of a library.
 
     Args:
-        solids: All solids; they are named by their index.
+        solids: All solids; they are identified by their index.
     """
 
     def __init__(self, solids: Sequence[Solid]) -> None:
@@ -27,12 +27,12 @@ class CollisionEngine(ABC):
 
     def place(self, R: Array, t: Array) -> None:
         """Place all solids: orientations (s, 3, 3) and positions (s, 3), m."""
-        # Only those that are asked about are moved: most pairs are known to be far apart.
+        # Solids are moved on demand: most pairs are excluded by the broad phase.
         self._R, self._t = R, t
         self._placement += 1
 
     def _is_stale(self, index: int) -> bool:
-        """Whether a solid has to be moved now; it counts as moved from then on."""
+        """Whether a solid has to be moved now; from then on it counts as moved."""
         stale = self._placed[index] != self._placement
         self._placed[index] = self._placement
         return stale
@@ -43,4 +43,4 @@ class CollisionEngine(ABC):
 
     @abstractmethod
     def distance(self, first: int, second: int) -> Answer:
-        """Distance and nearest points, as the library gives them."""
+        """Distance and nearest points, as computed by the library."""

@@ -1,4 +1,4 @@
-"""JointPath: joint positions over time with bounds of how far they go between any two times."""
+"""JointPath: joint positions over time, with bounds on the displacement between any two times."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from scipy.interpolate import BPoly
 from robots_core.errors import InvalidInputError
 from robots_core.validation import Array, read_only
 
-# Bounds by control points are as close as the pieces are short.
+# Bounds by control points are the tighter the shorter the pieces are.
 LONGEST_PIECE = 0.02  # s
 
 
 @dataclass(frozen=True, eq=False)
 class JointPath:
-    """A motion in joint space, as collision checks look at it.
+    """A motion in joint space for collision checks.
 
     Between its points it is the quintic through both, as trajectories are in ros2_control and here.
 
@@ -69,10 +69,10 @@ class JointPath:
         )
         states = [np.asarray(curve(time, order)) for order in range(3)]
         for order, given in enumerate((self.position, self.velocity, self.acceleration)):
-            # The acceleration jumps where only velocities meet: the points' own values hold.
+            # Where the acceleration jumps at a point, the given value is used.
             states[order][np.searchsorted(time, self.time)] = given
         points = _control_points(time, *states)
-        # Bernstein polynomials stay within the hull of their control points, and so do their derivatives.
+        # Bernstein polynomials and their derivatives lie in the convex hull of their control points.
         steps = np.abs(np.diff(points, axis=0)).max(axis=0) * 5.0
         travel = np.concatenate([np.zeros((1, points.shape[2])), np.cumsum(steps, axis=0)])
         object.__setattr__(self, '_curve', BPoly(points, time))
@@ -80,7 +80,7 @@ class JointPath:
 
     @classmethod
     def straight(cls, start: ArrayLike, end: ArrayLike) -> JointPath:
-        """The straight line between two postures (n,), at constant speed within 1 s."""
+        """The straight line between two joint positions (n,), at constant speed within 1 s."""
         position = np.array([start, end], dtype=np.float64)
         velocity = np.repeat(position[1:] - position[:1], 2, axis=0)
         return cls(np.array([0.0, 1.0]), position, velocity, np.zeros_like(position))
@@ -100,7 +100,7 @@ class JointPath:
         return np.asarray(self._curve(t), dtype=np.float64)
 
     def turn(self, low: float, middle: float, high: float) -> Array:
-        """How far each axis gets from where it is at `middle`, between `low` and `high`; (n,) rad (m)."""
+        """Bounds on the axes' displacements from `middle`, between times `low` and `high`; (n,) rad (m)."""
         at = np.array([low, middle, high])
         x = self._curve.x
         index = np.clip(np.searchsorted(x, at, side='right') - 1, 0, len(x) - 2)

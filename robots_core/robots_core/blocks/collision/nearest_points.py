@@ -1,9 +1,9 @@
 # ruff: noqa: PLR0917, PLR0912, PLR0915, C901  # compiled loops over arrays
-"""Nearest points of two convex parts with a bound that proves them, compiled.
+"""Nearest points of two convex parts with a proven lower bound of the distance, compiled.
 
-Gilbert, Johnson and Keerthi 1988: the distance of two convex sets is that of the origin from their
-Minkowski difference. Every support point bounds the distance from below, every point found from above;
-where both meet the answer is proven. The subalgorithm looks at all faces of the simplex, which is the
+Gilbert, Johnson and Keerthi 1988: the distance of two convex sets is that of the origin from their Minkowski
+difference. Every support point bounds the distance from below, every point of the difference from above;
+where both bounds meet the distance is proven. The subalgorithm checks all faces of the simplex, which is the
 backup procedure of that paper and does not depend on the order of its points.
 """
 
@@ -24,11 +24,11 @@ the frame that each part is fixed to (p,).
 A part is the hull of its vertices, or, where `disc` is above 0, a cylinder along z; either grown by `radius`.
 """
 
-# Rounding of differences of coordinates of some metres is 1e-15 m; simplices flatter than 1e-7 m are decided
-# by rounding, so no bound gets closer than this.
+# Differences of coordinates of some metres are rounded to 1e-15 m; the computation on simplices flatter than
+# 1e-7 m is dominated by rounding, so that no bound gets tighter than this.
 GAP = 1e-8  # m
 MAX_STEPS = 100
-SINGULAR = 1e-13  # of the product of the edges: a simplex this flat adds nothing to its faces
+SINGULAR = 1e-13  # of the product of the edges; a simplex this flat is skipped in favour of its faces
 
 
 @compiled()
@@ -172,7 +172,7 @@ def nearest_points(parts: PartArrays, R: Array, t: Array, i: int, j: int, result
         lower = max(lower, (x * (a[0] - b[0]) + y * (a[1] - b[1]) + z * (a[2] - b[2])) / upper)
         if upper - lower <= GAP or upper <= rounding:
             break
-        # Keep what carries weight, and add the new point.
+        # Keep points with positive weight, and add the new one.
         kept = 0
         for k in range(count):
             if weights[k] > 0.0:

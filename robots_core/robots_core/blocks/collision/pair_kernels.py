@@ -15,7 +15,7 @@ from robots_core.validation import Array
 Indices = NDArray[np.int64]
 
 SolidArrays = tuple[PartArrays, Indices, Array, Array, Array, Array, Indices, Array, Array]
-"""All that compiled code knows of s solids with p parts; a convex solid has one, a surface one per triangle.
+"""Arrays of s solids with p parts; a convex solid has one part, a surface one per triangle.
 
 The parts; first part of every solid (s + 1,); centres (p, 3) and radii (p,) of balls around the parts;
 centres (s, 3) and half edges (s, 3) of boxes around the solids, in their own frames; the axis frame that each
@@ -67,7 +67,7 @@ def _ball_to_box(solids: SolidArrays, R: Array, t: Array, i: int, j: int) -> flo
 
 @compiled()
 def broad_distance(solids: SolidArrays, R: Array, t: Array, i: int, j: int) -> float:
-    """A distance (m) that two solids keep at least, found quickly; may be below 0."""
+    """A fast lower bound of the distance of two solids, m; may be below 0."""
     return max(_ball_to_box(solids, R, t, i, j), _ball_to_box(solids, R, t, j, i))
 
 
@@ -86,7 +86,7 @@ def solid_distance(
 ) -> None:
     """Fill result (8,) as `nearest_points` does, for solids of any kind.
 
-    Surfaces count as such: what is inside of one keeps a distance from it. A lower bound beyond `enough` (m)
+    Surfaces are not filled: a solid inside of one has a distance from it. A lower bound beyond `enough` (m)
     may be less than the distance, and the points are then not the nearest ones.
     """
     parts, first, centres, radii = solids[0], solids[1], solids[2], solids[3]
@@ -151,7 +151,7 @@ def smallest_distance(
     bounds = broad_distances(solids, R, t, first, second)
     result = np.empty(8)
     best, at = limit, -1
-    # The nearest first, until all others are farther away: few of many, so nothing is sorted.
+    # The smallest bound first, until all others are farther; few steps, so that sorting would not pay.
     while bounds.size > 0:
         k = int(np.argmin(bounds))
         if bounds[k] >= best:
@@ -175,22 +175,22 @@ def travels(
     second: Indices,
     turn: Array,
 ) -> Array:
-    """How far two solids can approach each other at most while the axes move, (p,) m.
+    """Upper bound on the approach of two solids while the axes move, (p,) m.
 
     Moved one after the other, the outermost axis first, axis k moves a point by no more than its turn times
-    the point's distance from the axis: that in the posture at hand, and what the axes further out have added
-    (after Schwarzer, Saha and Latombe 2005, with radii of the posture in place of the largest ones).
+    the point's distance from the axis: that at the current joint positions, plus the displacement by the axes
+    further out (after Schwarzer, Saha and Latombe 2005, with current radii in place of the largest ones).
 
     Args:
         solids: The solids.
         motion: The axes.
-        r: Origins of the axis frames in the posture at hand, (n, 3), m.
+        r: Origins of the axis frames at the current joint positions, (n, 3), m.
         T: Their orientations, (n, 3, 3).
         R: Orientations of the solids, (s, 3, 3).
         t: Positions of the solids, (s, 3), m.
         first: First solid of each pair, fixed to a frame not after that of the other.
         second: Other solid of each pair.
-        turn: Largest turn of each axis from the posture at hand, (n,), rad (m).
+        turn: Largest displacement of each axis from its current position, (n,), rad (m).
     """
     directions, slides = motion
     centres, halves, frame = solids[4], solids[5], solids[6]
@@ -203,15 +203,15 @@ def travels(
                 + T[k, row, 1] * directions[k, 1]
                 + T[k, row, 2] * directions[k, 2]
             )
-    # Farthest corner of the box around a solid from each axis, found when it is needed.
+    # Distance of the farthest corner of a solid's box from each axis, computed on demand.
     reach = np.full((frame.size, n), -1.0)
     result = np.zeros(first.size)
     for p in range(first.size):
         s = second[p]
-        way = 0.0
+        approach = 0.0
         for k in range(frame[s] - 1, frame[first[p]] - 1, -1):
             if slides[k]:
-                way += turn[k]
+                approach += turn[k]
                 continue
             if reach[s, k] < 0.0:
                 farthest = 0.0
@@ -225,6 +225,6 @@ def travels(
                     along = dx * axes[k, 0] + dy * axes[k, 1] + dz * axes[k, 2]
                     farthest = max(farthest, dx * dx + dy * dy + dz * dz - along * along)
                 reach[s, k] = sqrt(farthest)
-            way += turn[k] * (reach[s, k] + way)
-        result[p] = way
+            approach += turn[k] * (reach[s, k] + approach)
+        result[p] = approach
     return result

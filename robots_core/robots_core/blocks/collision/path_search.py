@@ -1,8 +1,8 @@
-"""Searches along a path that cannot step over anything.
+"""Searches for approaches along a path that cannot miss any between samples.
 
-In the middle of an interval of time all pairs of solids have distances with proven lower bounds. What the
-axes turn within the interval bounds how far two solids can approach each other in it. Where that is less than
-their distance the pair is free in the whole interval; otherwise the interval is halved (adaptive dynamic
+In the middle of an interval of time the distances of all pairs of solids have proven lower bounds. The motion
+of the axes within the interval bounds the approach of two solids. If that is less than their distance, the
+pair is free in the whole interval; otherwise the interval is halved (adaptive dynamic
 collision checking, Schwarzer, Saha and Latombe 2005).
 """
 
@@ -20,13 +20,13 @@ from robots_core.blocks.collision.solid_set import SolidSet
 from robots_core.validation import Array
 
 RESOLUTION = 1e-4  # m
-"""What comes closer to a margin than this may count as below it; what is below it never counts as free."""
-FIRST_LOOK = 17
+"""A distance within this of the margin may count as below it; one below it never counts as free."""
+FIRST_SAMPLES = 17  # of the path, for a first bound of the smallest distance
 
 
 @dataclass(frozen=True)
 class Interval:
-    """A part of the path, and the pairs that are not known to be free in it."""
+    """A part of the path, and the pairs that are not proven to be free in it."""
 
     low: float
     high: float
@@ -46,9 +46,9 @@ def first_approach(solids: SolidSet, path: JointPath, since: float, margins: Arr
     """The first time at which a pair may be closer than its margin, s; None if none ever is.
 
     Args:
-        solids: What moves.
-        path: How it moves.
-        since: Time to begin at, s.
+        solids: The solids.
+        path: The motion.
+        since: Start time, s.
         margins: (p,) m, one per pair.
     """
     found: float | None = None
@@ -63,16 +63,16 @@ def first_approach(solids: SolidSet, path: JointPath, since: float, margins: Arr
     waiting = [Interval(since, path.end, every)]
     while waiting:
         interval = waiting.pop()
-        lower, way = _look(solids, path, interval, margins[interval.pairs])
-        open_ = lower - way <= margins[interval.pairs]
+        lower, approach = _bounds(solids, path, interval, margins[interval.pairs])
+        open_ = lower - approach <= margins[interval.pairs]
         if not open_.any():
             continue
         before, after = interval.halves(interval.pairs[open_])
         if (lower <= margins[interval.pairs]).any():
-            found, waiting = interval.middle, []  # what comes later does not matter any more
-            if way[open_].max() > RESOLUTION:
+            found, waiting = interval.middle, []  # later intervals no longer matter
+            if approach[open_].max() > RESOLUTION:
                 waiting = [before]
-        elif way[open_].max() <= RESOLUTION:
+        elif approach[open_].max() <= RESOLUTION:
             return interval.middle
         else:
             waiting += [after, before]
@@ -86,23 +86,23 @@ def closest_approach(solids: SolidSet, path: JointPath, tolerance: float) -> tup
     """
     every = np.arange(solids.first.size)
     best, time = np.inf, path.start
-    for t in np.linspace(path.start, path.end, FIRST_LOOK):
+    for t in np.linspace(path.start, path.end, FIRST_SAMPLES):
         solids.place(path.sample(t))
         found, at = solids.smallest_distance(every, best)
         if at >= 0:
             best, time = found, float(t)
-    order = count()  # intervals of equal bounds are taken as they come
+    order = count()  # breaks ties between equal bounds
     waiting = [(0.0, next(order), Interval(path.start, path.end, every))]
     while waiting and best > 0.0:
         bound, _, interval = heapq.heappop(waiting)
         if bound >= best - tolerance:
             break
-        lower, way = _look(solids, path, interval, np.full(interval.pairs.size, best))
+        lower, approach = _bounds(solids, path, interval, np.full(interval.pairs.size, best))
         if (lower < best).any():
             found, at = solids.smallest_distance(interval.pairs, best)
             if at >= 0:
                 best, time = found, interval.middle
-        bounds = lower - way
+        bounds = lower - approach
         open_ = bounds < best - tolerance
         if open_.any():
             for half in interval.halves(interval.pairs[open_]):
@@ -110,9 +110,9 @@ def closest_approach(solids: SolidSet, path: JointPath, tolerance: float) -> tup
     return time, best
 
 
-def _look(solids: SolidSet, path: JointPath, interval: Interval, enough: Array) -> tuple[Array, Array]:
-    """Distances in the middle of an interval, and how far they can shrink within it, (k,) m each."""
+def _bounds(solids: SolidSet, path: JointPath, interval: Interval, enough: Array) -> tuple[Array, Array]:
+    """Distances in the middle of an interval, and bounds on the approach within it, (k,) m each."""
     solids.place(path.sample(interval.middle))
-    way = solids.travels(interval.pairs, path.turn(interval.low, interval.middle, interval.high))
-    # A distance beyond what can be travelled need not be known exactly.
-    return solids.distances(interval.pairs, enough + way), way
+    approach = solids.travels(interval.pairs, path.turn(interval.low, interval.middle, interval.high))
+    # Distances beyond the largest approach need not be exact.
+    return solids.distances(interval.pairs, enough + approach), approach

@@ -1,4 +1,4 @@
-"""What collision checks find."""
+"""Results of collision checks."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Proximity:
         return self.distance <= 0.0
 
     def describe(self) -> str:
-        """One line for a person."""
+        """One line of text."""
         if self.in_contact:
             return f'{self.first} meets {self.second}'
         return f'{self.first} comes to {1e3 * self.distance:.1f} mm from {self.second}'
@@ -43,7 +43,7 @@ class Proximity:
 
 @dataclass(frozen=True, eq=False)
 class PathProximity:
-    """A place on a path, and who is close to whom there.
+    """A place on a path, and the closest bodies there.
 
     Attributes:
         time: s on the path.
@@ -60,7 +60,7 @@ class PathProximity:
     proximity: Proximity
 
     def describe(self) -> str:
-        """One line for a person."""
+        """One line of text."""
         x, y, z = (float(value) for value in self.tool0.r)
         return (
             f'{self.proximity.describe()} after {100.0 * self.fraction:.1f} % of the path '
@@ -82,7 +82,7 @@ class CollisionError(PlanningError):
         if not place.proximity.in_contact:
             message += f'; the margin is {1e3 * margin:g} mm'
             if place.proximity.distance >= margin:
-                message += f', told along a path to {1e3 * RESOLUTION:g} mm'
+                message += f', the resolution along a path {1e3 * RESOLUTION:g} mm'
         super().__init__(
             message,
             link=place.proximity.first,

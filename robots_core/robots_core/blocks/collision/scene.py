@@ -1,4 +1,4 @@
-"""Scene: what stands around a robot, and what hangs on its flange."""
+"""Scene: obstacles around a robot, and objects attached to its flange."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ class PlacedObject:
 
     Attributes:
         name: Unique within the scene.
-        geometry: What it is.
-        pose: Where it is.
+        geometry: Its geometry, in a frame of its own.
+        pose: Pose of that frame.
         colour: Red, green, blue, opacity, each 0..1.
     """
 
@@ -40,7 +40,7 @@ class AttachedObject(PlacedObject):
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Obstacles, attached objects, and who of them may touch whom.
+    """Obstacles, attached objects, and the pairs that may touch.
 
     Attributes:
         objects: Obstacles.
@@ -74,7 +74,7 @@ class Scene:
         )
 
     def updated(self, objects: Iterable[SceneObject], removed: Iterable[str] = ()) -> Scene:
-        """The scene with objects added, or replaced where the name is known, and others removed.
+        """The scene with objects added, or replaced if the name exists, and others removed.
 
         Raises:
             InvalidInputError: an object with the name of an attached one.

@@ -1,4 +1,4 @@
-"""Scenes from YAML files; every mistake is told with its line."""
+"""Scenes from YAML files; errors name the line."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ GEOMETRIES = {
     'capsule': ('radius', 'length'),
     'mesh': ('file', 'scale'),
 }
-"""Kinds of geometry and what each is described by; `scale` may be left out."""
+"""Kinds of geometry and their keys; `scale` is optional."""
 SCENE_KEYS = ('objects', 'attached', 'may_touch')
 POSE_KEYS = ('position', 'angles', 'quaternion')
 
@@ -33,7 +33,7 @@ Made = TypeVar('Made')
 def read_scene(path: Path | str) -> Scene:
     """The scene of a YAML file.
 
-    Its format is told in the README: lists `objects` (in the base frame), `attached` (in tool0) and
+    The README describes the format: lists `objects` (in the base frame), `attached` (in tool0) and
     `may_touch`; lengths in metres, angles in radians about z, the new y and the new x.
 
     Raises:
@@ -43,7 +43,7 @@ def read_scene(path: Path | str) -> Scene:
 
 
 class _SceneFile:
-    """A scene file while it is read: its YAML nodes know their lines."""
+    """A scene file being read, as YAML nodes with line numbers."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -112,7 +112,7 @@ class _SceneFile:
             if 'scale' in parts:
                 scale = self._checked(parts['scale'], _number)
             path = self._path.parent / str(file)
-            # Who has no mesh loads nothing that reads them.
+            # Imported on demand: scenes without meshes need no mesh library.
             read_mesh: Callable[..., Mesh] = import_module('robots_core.robot_model.urdf.mesh_file').read_mesh
             return self._checked(parts['file'], lambda _: read_mesh(path, scale))
         if kind == 'box':
@@ -154,7 +154,7 @@ class _SceneFile:
             loader.dispose()
 
     def _checked(self, node: yaml.Node, make: Callable[[Any], Made]) -> Made:
-        """What `make` makes of the node's value, its errors told with the line."""
+        """The result of `make` for the node's value; its errors are raised with the line."""
         try:
             return make(self._value(node))
         except RobotsError as error:

@@ -1,4 +1,4 @@
-"""SolidSet: solids of a robot and its surroundings, placed and compared by compiled code."""
+"""SolidSet: solids of a robot and its surroundings, placed and checked by compiled code."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class SolidSet:
     """Solids fixed to the frames of a robot, and the pairs of them that are to be checked.
 
     Args:
-        robot: Whose frames.
+        robot: The robot.
         solids: The solids.
         pairs: (p, 2) indices of solids.
     """
@@ -37,7 +37,7 @@ class SolidSet:
         self._frame_axes = robot.kinematic_model.frame_axes
         self.solids = tuple(solids)
         frames = np.array([solid.frame for solid in solids], dtype=np.int64)
-        # What moves with more axes comes second.
+        # The solid that is moved by more axes comes second.
         ordered = np.where((frames[pairs[:, 0]] > frames[pairs[:, 1]])[:, None], pairs[:, ::-1], pairs)
         self.first, self.second = (np.ascontiguousarray(ordered[:, column]) for column in (0, 1))
         self._arrays = _solid_arrays(self.solids, frames)
@@ -47,7 +47,7 @@ class SolidSet:
 
     @property
     def arrays(self) -> SolidArrays:
-        """The solids, as compiled code takes them."""
+        """The solids as arrays for compiled code."""
         return self._arrays
 
     def place(self, q: Array) -> None:
@@ -56,7 +56,7 @@ class SolidSet:
         place(self._arrays, self._r, self._T, self.R, self.t)
 
     def broad_distances(self) -> Array:
-        """Distances that all pairs keep at least, (p,) m, found quickly; below 0 if unknown."""
+        """Fast lower bounds of the distances of all pairs, (p,) m; may be below 0."""
         return broad_distances(self._arrays, self.R, self.t, self.first, self.second)
 
     def distances(self, chosen: Indices, enough: Array) -> Array:
@@ -74,7 +74,7 @@ class SolidSet:
         return result
 
     def travels(self, chosen: Indices, turn: Array) -> Array:
-        """How far chosen pairs can approach each other while the axes turn by `turn` (n,) rad (m); (k,) m."""
+        """Bounds on the approach of chosen pairs if the axes move by at most `turn`, (n,) rad (m); (k,) m."""
         return travels(
             self._arrays,
             self._motion,
@@ -89,7 +89,7 @@ class SolidSet:
 
 
 def _solid_arrays(solids: Sequence[Solid], frames: Indices) -> SolidArrays:
-    # Shapes are told, since a robot without shapes has no row to tell them.
+    # Array shapes are stated explicitly, for robots without solids.
     vertices: list[Array] = []
     rows: list[tuple[float, float, float, int]] = []
     centres: list[Array] = []

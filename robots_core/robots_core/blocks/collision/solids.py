@@ -1,4 +1,4 @@
-"""Solids: the convex pieces and concave surfaces that collision checks work on."""
+"""Solids: convex pieces and concave surfaces for collision checks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from robots_core.pose import Pose
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
 from robots_core.validation import Array, read_only
 
-# A mesh is taken as its convex hull if that is larger by this part at most: files hold single precision.
+# A mesh is replaced by its convex hull if that is larger by at most this fraction: files have single
+# precision.
 HULL_EXCESS = 1e-4
 FLAT = 1e-9  # a piece this thin, relative to its size, encloses nothing
 BOX_CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
@@ -24,7 +25,7 @@ class Solid:
     """A geometry with a name, fixed to a frame.
 
     Attributes:
-        name: What it belongs to: a shape of the robot, or an object.
+        name: Of the shape of the robot or the object that it belongs to.
         geometry: Box, cylinder, capsule, sphere, or a mesh in one piece.
         frame: 0 for the base, i for the frame of axis i (counted from 1).
         pose: Pose in that frame.
@@ -39,7 +40,7 @@ class Solid:
 
     @cached_property
     def core(self) -> tuple[Array, float, float, float]:
-        """Vertices (k, 3), disc, half length and rounding radius, m, as `nearest_points` takes them."""
+        """Vertices (k, 3), disc, half length and rounding radius, m; see `PartArrays`."""
         match self.geometry:
             case Box(size):
                 return read_only(BOX_CORNERS * size), 0.0, 0.0, 0.0
@@ -76,9 +77,9 @@ class Solid:
         return bool(trimesh.Trimesh(self.geometry.vertices, self.geometry.faces, process=False).is_watertight)
 
     def encloses(self, point: Array) -> bool:
-        """Whether a closed surface has a point (3,), in its own frame, inside.
+        """Whether a point (3,), in the surface's own frame, is inside a closed surface.
 
-        The solid angle that the surface fills, seen from the point: van Oosterom and Strackee 1983.
+        By the solid angle of the surface at the point (van Oosterom and Strackee 1983).
         """
         a, b, c = np.moveaxis(self.triangles - point, 1, 0)
         la, lb, lc = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
@@ -93,7 +94,7 @@ class Solid:
 
 
 def solids_of(name: str, geometry: Geometry, frame: int, pose: Pose) -> tuple[Solid, ...]:
-    """A geometry as solids: a mesh falls into its pieces, and a convex piece becomes its hull."""
+    """A geometry as solids: a mesh is split into its connected pieces; a convex piece becomes its hull."""
     if not isinstance(geometry, Mesh):
         return (Solid(name, geometry, frame, pose),)
     mesh = trimesh.Trimesh(geometry.vertices, geometry.faces, process=True)

@@ -11,10 +11,10 @@ from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, positive
 
-GAIN = 0.5  # part of the position error that is removed per period
-# Part of the deceleration used for approaching the reference; the rest is for a reference that moves.
+GAIN = 0.5  # fraction of the position error removed per period
+# Fraction of the deceleration used for approaching the reference; the rest is for a moving reference.
 APPROACH_SHARE = 0.8
-# An error of rounding: removing it would take speeds that positions are too coarse for, without end.
+# Errors below this are rounding; removing them would never end.
 ROUNDING = 1e-14  # rad (m)
 
 
@@ -58,18 +58,18 @@ class AxisFollowing:
         Args:
             q: Positions now, (n,), rad (m); not checked.
             q_dot: Velocities now, (n,), rad/s.
-            q_reference: Where the axes should be at the end of the period, (n,).
-            q_dot_reference: How fast they should be then, (n,).
+            q_reference: Reference positions at the end of the period, (n,).
+            q_dot_reference: Reference velocities then, (n,).
             speed: Part of the velocity limits to use, 0..1.
         """
-        # Compiled code is made for one layout of memory; another would be compiled anew, for seconds.
+        # Compiled code is specialised for one memory layout; another would take seconds to compile.
         a, state = self._arguments, np.empty((3, q.size))
         a[0], a[1], a[2], a[3] = q, q_dot, q_reference, q_dot_reference
         _follow(a[0], a[1], a[2], a[3], self._limits, speed, self.dt, state)
         return state
 
     def brake(self, q: Array, q_dot: Array) -> Array:
-        """State after a period of braking, (3, n), as `step`; each axis stands as soon as it can."""
+        """State after a period of braking, (3, n), as `step`; each axis stops as early as possible."""
         deceleration = self._limits[4]
         change = np.clip(-q_dot, -deceleration * self.dt, deceleration * self.dt)
         # Subtracting a speed from itself leaves zero exactly, so that braking ends.
@@ -93,7 +93,7 @@ def _follow(
     low, high = np.empty(n), np.empty(n)
     velocity_interval(q, q_dot, limits[0], limits[1], speed * limits[2], limits[3], limits[4], dt, low, high)
     for i in range(n):
-        # What is left of the error if the axis moves as the reference does from now on.
+        # The error that remains if the axis moves like the reference from now on.
         error = q_reference[i] - q[i] - 0.5 * dt * (q_dot[i] + q_dot_reference[i])
         towards = 0.0
         if abs(error) > ROUNDING:

@@ -1,4 +1,4 @@
-"""Following a reference pose period by period, by each of the inverse kinematics blocks."""
+"""Following of a reference pose, period by period, by each of the inverse kinematics blocks."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class FollowedStep:
         state: (3, n): positions and velocities at its end, accelerations during it.
         position_error: Distance to the reference at its end, m.
         orientation_error: Angle to the reference at its end, rad.
-        slack: By how much a limit had to be broken, relative to it.
-        limits: Limits that cost accuracy, for a person; empty where the method does not tell.
+        slack: Largest violation of a limit, relative to it.
+        limits: Descriptions of active limits; empty for methods that do not report them.
     """
 
     state: Array
@@ -44,7 +44,7 @@ class FollowedStep:
 
 
 class PoseFollowing(ABC):
-    """Follows a reference pose; the state it leads to can always be braked.
+    """Follows a reference pose; from every state that it leads to the robot can brake inside the limits.
 
     Args:
         robot: The robot.
@@ -61,7 +61,7 @@ class PoseFollowing(ABC):
         """Motion of the next period towards a pose with a twist (6,) at its end, from state q, q_dot (n,).
 
         Raises:
-            UnreachablePoseError: the method finds no posture.
+            UnreachablePoseError: the method finds no solution.
         """
 
     def brake(self, q: Array, q_dot: Array) -> Array:
@@ -74,7 +74,7 @@ class PoseFollowing(ABC):
 
 
 class ConstrainedFollowing(PoseFollowing):
-    """By `ConstrainedInverseKinematics`: all limits, torques too, and the way there is the reference's."""
+    """By `ConstrainedInverseKinematics`: inside all limits, torques included, along the reference's path."""
 
     def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose) -> None:
         super().__init__(robot, dt, tool)
@@ -88,46 +88,46 @@ class ConstrainedFollowing(PoseFollowing):
 
 
 class _JointFollowing(PoseFollowing):
-    """By the posture for each pose: axes follow it each on its own, inside all limits but torques."""
+    """By joint positions for each pose, which the axes follow independently; torques are not limited."""
 
     _last: Array | None = None
 
     @abstractmethod
-    def _posture(self, pose: Pose, q: Array) -> Array:
-        """Posture for a pose of tool0, near `q`."""
+    def _solution(self, pose: Pose, q: Array) -> Array:
+        """Joint positions (n,) for a pose of tool0, near `q`."""
 
     def follow(self, pose: Pose, twist: Array, q: Array, q_dot: Array) -> FollowedStep:
         """See `PoseFollowing.follow`."""
         del twist
-        posture = self._posture(pose @ self.tool.inverse(), q)
-        velocity = np.zeros_like(q) if self._last is None else (posture - self._last) / self.dt
+        solution = self._solution(pose @ self.tool.inverse(), q)
+        velocity = np.zeros_like(q) if self._last is None else (solution - self._last) / self.dt
         if (np.abs(velocity) > self.robot.axes_data.velocity).any():  # a jump of the reference
             velocity = np.zeros_like(q)
-        self._last = posture
-        state = self._axes.step(q, q_dot, posture, velocity)
+        self._last = solution
+        state = self._axes.step(q, q_dot, solution, velocity)
         return FollowedStep(state, *self.pose(state[0]).distance_to(pose))
 
 
 class DampedLeastSquaresFollowing(_JointFollowing):
-    """By `DampedLeastSquares` from the last posture; an unreachable pose leads to the closest posture."""
+    """By `DampedLeastSquares` from the last solution; for an unreachable pose, the closest one found."""
 
     def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose) -> None:
         super().__init__(robot, dt, tool)
         self._ik = DampedLeastSquares(robot, tolerances=TOLERANCES, restarts=0)
-        self._posture(Pose(*robot.direct_kinematics(robot.home)), np.array(robot.home))
+        self._solution(Pose(*robot.direct_kinematics(robot.home)), np.array(robot.home))
 
-    def _posture(self, pose: Pose, q: Array) -> Array:
+    def _solution(self, pose: Pose, q: Array) -> Array:
         return self._ik.solve(pose, q).q
 
 
 class AnalyticalFollowing(_JointFollowing):
-    """By `AnalyticalInverseKinematic`, the branch nearest to the last posture."""
+    """By `AnalyticalInverseKinematic`, on the branch nearest to the last solution."""
 
     def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose) -> None:
         super().__init__(robot, dt, tool)
         self._ik = AnalyticalInverseKinematic(robot)
 
-    def _posture(self, pose: Pose, q: Array) -> Array:
+    def _solution(self, pose: Pose, q: Array) -> Array:
         return self._ik.solve(pose, q)
 
 

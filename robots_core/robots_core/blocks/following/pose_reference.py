@@ -1,4 +1,4 @@
-"""PoseReference: a moving reference pose, known from samples at any rate."""
+"""PoseReference: a moving reference pose from samples at any rate."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from robots_core.orientation import rotation_from_vector
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector, positive
 
-# A sample is extrapolated for this many intervals between samples: one that is late does not stop the robot.
+# A sample is extrapolated for this many sample intervals, so that a late one does not stop the robot.
 HORIZON_INTERVALS = 1.5
 NO_TWIST = np.zeros(6)
 
 
 class PoseReference:
-    """Where a reference is and how it moves, between its samples and a little beyond.
+    """Pose and twist of a reference, at its samples and extrapolated shortly beyond.
 
     The twist is that of the newest sample where it is given, else the difference of the last two. A
-    difference too fast for a motion is a jump, and the reference is taken to stand there.
+    difference above `largest_twist` is a jump, after which the twist is 0.
 
     Args:
         timeout: Without a sample for this long the reference is stale, s.
@@ -56,11 +56,11 @@ class PoseReference:
         self._given, self._twist_time = finite_vector(twist, 6, 'twist'), time
 
     def fresh_pose(self, now: float) -> bool:
-        """A pose came within the timeout."""
+        """Whether a pose arrived within the timeout."""
         return now - self._time <= self.timeout
 
     def fresh_twist(self, now: float) -> bool:
-        """A twist came within the timeout."""
+        """Whether a twist arrived within the timeout."""
         return now - self._twist_time <= self.timeout
 
     def twist(self, now: float) -> Array:
@@ -68,7 +68,7 @@ class PoseReference:
         return self._given if self.fresh_twist(now) else self._twist
 
     def at(self, time: float, now: float) -> tuple[Pose, Array]:
-        """Pose and twist (6,) at a time near now, s; a pose must have come before."""
+        """Pose and twist (6,) at a time near now, s; a pose must have arrived before."""
         assert self._pose is not None
         twist = self.twist(now)
         horizon = self.timeout if self.fresh_twist(now) else HORIZON_INTERVALS * self._interval
