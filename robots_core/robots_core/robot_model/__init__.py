@@ -1,1 +1,1 @@
-"""Robot models: the plugin interface and what it is made of."""
+"""Robot models: the plugin interface of a robot and the records and models that it consists of."""

@@ -1,4 +1,4 @@
-"""AllowedPairs: pairs of a robot's shapes that collision checks leave out, and why."""
+"""AllowedPairs: pairs of a robot's shapes that collision checks omit, with the reasons."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from robots_core.errors import InvalidInputError
 
 REASONS: Final = {
     'adjacent': 'bodies with one axis between them: its limits keep them apart',
-    'always': 'in contact in every posture: drawn into each other',
-    'never': 'apart in every posture inside the limits, proven',
+    'always': 'always in contact: the shapes overlap',
+    'never': 'proven to be apart for all joint positions inside the limits',
 }
 Pair = tuple[str, str]
 
@@ -52,7 +52,7 @@ class AllowedPairs:
         """The table of a file made by `write`.
 
         Raises:
-            InvalidInputError: not such a file; says what is wrong.
+            InvalidInputError: not such a file; names the mistake.
         """
         try:
             content = yaml.safe_load(path.read_text())

@@ -1,4 +1,4 @@
-"""AxesData: the paper's record of everything that is known per axis."""
+"""AxesData: the paper's record of limits and drive data per axis."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from robots_core.errors import InvalidInputError, JointLimitError
 from robots_core.validation import Array, finite_vector, read_only
 
-# Limits are inclusive; a value computed to lie on one may be off by rounding.
+# Limits are inclusive; a value computed to lie on a limit may exceed it by rounding.
 LIMIT_TOLERANCE = 1e-9
 
 
@@ -100,12 +100,12 @@ class AxesData:
 
     @property
     def continuous(self) -> NDArray[np.bool_]:
-        """(n,) bool: the axis turns without end."""
+        """(n,) bool: the axis turns without limits."""
         return np.isinf(self.lower) & np.isinf(self.upper)
 
     @property
     def reflected_inertia(self) -> Array:
-        """Rotor inertia as felt at the joint, (n,), kg m^2 (kg): gear ratio squared times rotor inertia."""
+        """Rotor inertia reflected to the joint, (n,), kg m^2 (kg): gear ratio squared times rotor inertia."""
         ratio = np.where(np.isnan(self.gear_ratio), 0.0, self.gear_ratio)
         return np.asarray(ratio**2 * self.rotor_inertia)
 

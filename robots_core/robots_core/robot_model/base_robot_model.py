@@ -1,4 +1,4 @@
-"""BaseRobotModel: what every robot plugin offers (the paper's partial package `baseRobotModel`)."""
+"""BaseRobotModel: the interface of every robot plugin (the paper's partial package `baseRobotModel`)."""
 
 from abc import ABC, abstractmethod
 
@@ -49,7 +49,7 @@ class BaseRobotModel(ABC):
     @property
     @abstractmethod
     def visualization(self) -> RobotVisualization:
-        """Shapes for the eye."""
+        """Visual shapes."""
 
     @property
     @abstractmethod
@@ -64,11 +64,11 @@ class BaseRobotModel(ABC):
     @property
     @abstractmethod
     def home(self) -> Array:
-        """A posture inside the limits to start from, (n,), read-only."""
+        """Joint positions inside the limits to start from, (n,), read-only."""
 
     @property
     def drive_data(self) -> DriveData:
-        """Motors, gears and their controllers; by default what `DriveData.from_limits` makes of the axes."""
+        """Motors, gears and their controllers; by default those of `DriveData.from_limits`."""
         return DriveData.from_limits(self.axes_data)
 
     @property
@@ -128,16 +128,16 @@ class BaseRobotModel(ABC):
         Args:
             r: Position of tool0 in the base frame, (3,), m.
             T: Orientation of tool0, (3, 3).
-            q_near: A posture, (n,); each solution has the full turns nearest to it. Where a singular pose
-                leaves axes free (a straight wrist, a wrist point on axis 1), they stand as here. The home
-                posture by default.
+            q_near: Joint positions, (n,); each solution has the full turns nearest to them. Axes that a
+                singular pose leaves undetermined (a straight wrist, a wrist point on axis 1) keep these
+                positions. Home by default.
 
         Returns:
             (k, n) rad, one row per branch; k = 0 if nothing inside the limits reaches the pose. A singular
-            pose is reached by one representative of each family of postures.
+            pose is reached by one representative of each family of solutions.
 
         Raises:
-            NoAnalyticInverseKinematicsError: the robot has no closed form; says why.
+            NoAnalyticInverseKinematicsError: the robot has no closed form; names the reason.
             InvalidInputError: values that are not finite, of the wrong shape, or `T` is no rotation.
         """
         del r, T, q_near

@@ -1,4 +1,4 @@
-"""The sum of a rigid robot's torques, compiled: on a few values numpy's product and sum take longer."""
+"""The sum of a rigid robot's torques, compiled: faster than numpy for a few values."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Direct kinematics of a serial chain, compiled: less than Pinocchio's call and reading its result."""
+"""Direct kinematics of a serial chain, compiled: faster than calling Pinocchio."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robots_core.validation import Array
 
 _Rows = nb.float64[:, ::1]
 _Vector = nb.float64[::1]
-# Whatever array of numbers like these: one signature for all of them is found faster than one for each kind.
+# One signature for all arrays of numbers: Numba selects it faster than one of several.
 _Numbers = nb.types.Array(nb.float64, 1, 'A', readonly=True)
 
 
@@ -52,8 +52,8 @@ def _tool_pose(links: Array, q: Array, r: Array, T: Array) -> bool:
             t = add(t, times(R, (0.0, 0.0, q[i])))
         else:
             R = _turned_about_z(R, q[i])
-        turn, way = _link(links, i + 1)
-        t = add(t, times(R, way))
+        turn, step = _link(links, i + 1)
+        t = add(t, times(R, step))
         R = product(R, turn)
     r[0], r[1], r[2] = t
     for row in range(3):
@@ -61,5 +61,5 @@ def _tool_pose(links: Array, q: Array, r: Array, T: Array) -> bool:
     return total - total == 0.0
 
 
-# Called several times per sample, and half of what a call takes is Numba's look at what comes in.
+# Called several times per sample; half of a call is Numba's inspection of the argument types.
 tool_pose = entry_point(_tool_pose)

@@ -40,19 +40,19 @@ class DriveData:
     `array`.
 
     Attributes:
-        position_gain: Speed wanted per position error, 1/s.
-        velocity_gain: Torque wanted per speed error, N m s/rad.
+        position_gain: Commanded speed per position error, 1/s.
+        velocity_gain: Commanded torque per speed error, N m s/rad.
         integral_time: Time constant of the speed control's integrator, s; inf: none.
-        torque_limit: Highest torque the controller may want, N m; inf: none.
+        torque_limit: Highest commanded torque, N m; inf: none.
         inertia: Of the rotor, kg m^2.
         coulomb_friction: Friction while sliding, N m: of the motor's shaft where the gear is elastic.
-        viscous_friction: What friction grows with speed, N m s/rad.
+        viscous_friction: Increase of friction with speed, N m s/rad.
         stiction: Highest friction at standstill per friction while sliding, at least 1.
         stiffness: Of the gear, N m/rad; inf: rigid.
         damping: Of an elastic gear, N m s/rad.
-        current_frequency: Natural frequency of the current control, rad/s; inf: the torque is as wanted.
+        current_frequency: Natural frequency of the current control, rad/s; inf: ideal.
         current_damping: Its damping ratio.
-        back_emf: Rate of the torque per speed by the voltage that the motor induces, N m/rad.
+        back_emf: Rate of the torque per speed due to the voltage induced in the motor, N m/rad.
 
     Raises:
         InvalidInputError: arrays of different lengths, or values outside their range.
@@ -89,7 +89,7 @@ class DriveData:
 
     @property
     def array(self) -> Array:
-        """All of it as (13, n), one row per attribute."""
+        """The attributes as (13, n), one row each."""
         return np.array([getattr(self, item.name) for item in fields(self)])
 
     @classmethod
@@ -135,7 +135,7 @@ class DriveData:
         current_damping: ArrayLike = 1.0,
         resistance: ArrayLike = np.inf,
     ) -> DriveData:
-        """Drives from figures at the motor's side, each one number or (n,), as data sheets have them.
+        """Drives from figures at the motor's side, each one number or (n,), as in data sheets.
 
         Gear ratio, rotor inertia and friction are those of `axes`. The current control is that of the
         Modelica Standard Library's `RobotR3.Utilities.Motor`: 1 / (1 + 2 D s / w + s^2 / w^2), with an
@@ -145,7 +145,7 @@ class DriveData:
             axes: The robot's axes, with all gear ratios.
             torque_constant: N m/A.
             position_gain: 1/s.
-            speed_gain: A s/rad, current wanted per error of the motor's speed.
+            speed_gain: A s/rad, commanded current per error of the motor's speed.
             integral_time: s.
             current_limit: A; inf: none.
             stiction: Ratio to the friction while sliding.

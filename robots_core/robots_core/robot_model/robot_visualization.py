@@ -1,4 +1,4 @@
-"""RobotVisualization: what the robot looks like, fixed to its axis frames."""
+"""RobotVisualization: the visual shapes of a robot, fixed to its axis frames."""
 
 from __future__ import annotations
 
@@ -9,6 +9,6 @@ from robots_core.robot_model.shapes import Shape
 
 @dataclass(frozen=True)
 class RobotVisualization:
-    """Shapes for the eye. Holds no kinematics: place each shape with `KinematicModel.frame_axes`."""
+    """Visual shapes. Holds no kinematics: place each shape with `KinematicModel.frame_axes`."""
 
     shapes: tuple[Shape, ...]

@@ -1,4 +1,4 @@
-"""Shapes attached to the frames of a robot, for the eye and for collision checks."""
+"""Shapes fixed to the frames of a robot, for display and for collision checks."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class Shape:
     """A geometry fixed to a frame of the robot.
 
     Attributes:
-        geometry: What it is.
+        geometry: In a frame of its own.
         frame: 0 for the base, i for the frame of axis i (counted from 1, as in `frame_axes`).
         pose: Pose of the geometry in that frame.
         colour: Red, green, blue, opacity, each 0..1.

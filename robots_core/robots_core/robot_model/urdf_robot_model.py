@@ -1,4 +1,4 @@
-"""UrdfRobotModel: a robot with everything derived from its URDF and limits."""
+"""UrdfRobotModel: a robot model derived from a URDF and a file of limits."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class UrdfRobotModel(BaseRobotModel):
     """A serial robot from a URDF file; kinematics and dynamics by Pinocchio, shapes by yourdfpy.
 
     Where `allowed_pairs.yaml` lies beside the URDF, collision checks leave out the pairs that it names.
-    A link without <inertial> has no mass; a robot without any moves as it should, with torques of zero.
+    A link without <inertial> has no mass; a robot without any mass has torques of zero.
 
     Args:
         urdf: The URDF file; relative mesh names start in its folder.
@@ -47,11 +47,12 @@ class UrdfRobotModel(BaseRobotModel):
         joint_limits: YAML file with acceleration, jerk, gear and rotor data; by default
             `joint_limits.yaml` beside the URDF if it exists.
         structural_data: The robot's own record of dimensions.
-        home: Posture to start from, (n,) rad; by default zero, or mid-range where zero is not allowed.
+        home: Joint positions to start from, (n,) rad; by default zero, or mid-range where zero is not
+            allowed.
         orientation_convention: Orientation-angle convention of the maker.
         gravity: Acceleration of free fall in the base frame, (3,) m/s^2; zero for a robot in orbit.
-        shapes_on_demand: Meshes are not read before shapes are asked for, nor what reads them loaded: for
-            files that are known to be sound. By default one that cannot be read is refused at once.
+        shapes_on_demand: Read meshes, and import the libraries for them, on first use of the shapes: for
+            files that are known to be valid. By default an unreadable file raises an error here.
 
     Raises:
         UnknownRobotError: the file is missing, or holds no serial chain.
@@ -158,7 +159,7 @@ class UrdfRobotModel(BaseRobotModel):
 
     @property
     def home(self) -> Array:
-        """Posture to start from, (n,) rad."""
+        """Joint positions to start from, (n,) rad."""
         return self._home
 
     @property
@@ -169,7 +170,7 @@ class UrdfRobotModel(BaseRobotModel):
     def direct_kinematics(self, q: Array) -> tuple[Array, Array]:
         """See `BaseRobotModel.direct_kinematics`."""
         r, T = empty(3), empty((3, 3))
-        # What is no array of n finite numbers is left to the complete check, which takes longer than this.
+        # Other arguments than n finite numbers go to the complete check, which is slower.
         try:
             if q.dtype is FLOAT64 and q.ndim == 1 and self._tool_pose(self._links, q, r, T):
                 return r, T
@@ -180,8 +181,8 @@ class UrdfRobotModel(BaseRobotModel):
 
     def jacobian(self, q: Array) -> Array:
         """See `BaseRobotModel.jacobian`."""
-        # Pinocchio tells arrays of another size, but misreads another byte order; the sum tells what is no
-        # number in one row.
+        # Pinocchio rejects arrays of another size, but misreads another byte order; the sum detects NaN and
+        # infinity.
         try:
             J: Array = pin.computeFrameJacobian(self._model, self._data, q, self._tool0, _WORLD)
             finite = q.dtype is FLOAT64 and isfinite(sum(q.tolist()))
@@ -190,7 +191,7 @@ class UrdfRobotModel(BaseRobotModel):
         if not finite:
             q = finite_vector(q, self._n, 'q')
             J = pin.computeFrameJacobian(self._model, self._data, q, self._tool0, _WORLD)
-        return J if self._n > 1 else J.reshape(6, 1)  # Pinocchio hands out a single column as a vector
+        return J if self._n > 1 else J.reshape(6, 1)  # Pinocchio returns a single column as a vector
 
     def jacobian_der(self, q: Array, q_dot: Array) -> Array:
         """See `BaseRobotModel.jacobian_der`."""
@@ -208,7 +209,7 @@ class UrdfRobotModel(BaseRobotModel):
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """See `BaseRobotModel.rigid_dynamics`."""
-        # Torques are finite if all that they come from is: one check in the place of three.
+        # Torques are finite only if all arguments are: one check instead of three.
         model, data, tau = self._model, self._data, empty(self._n)
         try:
             M: Array = pin.crba(model, data, q)
@@ -227,8 +228,8 @@ class UrdfRobotModel(BaseRobotModel):
         """See `BaseRobotModel.inverse_kinematics_analytic`; the form is found from the lines of the axes."""
         return self._analytic_solver.solve(r, T, q_near)
 
-    # Who asks for neither kinematics nor torques loads no compiler: these two stand in the place of what is
-    # compiled until it is called. A cached property would take longer to find on each call.
+    # Compiled functions are imported on first use: these two methods are placeholders until then. A cached
+    # property would take longer per call.
     def _load_tool_pose(self, *arrays: Array) -> bool:
         self._tool_pose = import_module('robots_core.robot_model.compiled_kinematics').tool_pose
         return self._tool_pose(*arrays)
@@ -247,7 +248,7 @@ class UrdfRobotModel(BaseRobotModel):
         return CollisionModel(self._shapes('collision'), AllowedPairs.read(file) if file.is_file() else None)
 
     def _shapes(self, kind: Literal['visual', 'collision']) -> tuple[Shape, ...]:
-        # Who asks for no shapes loads nothing that reads meshes.
+        # Imported on demand: without shapes no mesh library is needed.
         urdf_shapes = import_module('robots_core.robot_model.urdf.urdf_shapes').urdf_shapes
         shapes: tuple[Shape, ...] = urdf_shapes(self._description, self._model, kind)
         return shapes

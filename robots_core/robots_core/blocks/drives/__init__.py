@@ -1,1 +1,1 @@
-"""Simulated drives, from ideal ones to motors, gears, friction and masses."""
+"""Simulated drives: ideal, second-order, and rigid-body with motors, gears, friction and masses; faults."""

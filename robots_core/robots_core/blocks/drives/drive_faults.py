@@ -1,4 +1,4 @@
-"""DriveFaults: drives and encoders that fail on demand, to see how others take it."""
+"""DriveFaults: simulated failures of drives and encoders, for tests of the rest of the system."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from robots_core.validation import Array
 
 @dataclass(frozen=True)
 class DriveFaults:
-    """What is broken now; nothing by default.
+    """The active faults; none by default.
 
     Attributes:
-        stopped: Axes whose drives stop following: they stay at the reference of the moment they stop.
+        stopped: Axes whose drives stop following and hold the reference of that moment.
         frozen: Axes whose encoders report the same position from now on, at rest.
         lost: Axes that are missing in the feedback.
         noise: Standard deviation of the reported positions, rad (m).
@@ -66,7 +66,7 @@ def known_axes(names: Sequence[str], chosen: Iterable[str]) -> frozenset[str]:
 
 
 class FaultInjection:
-    """Puts faults between a reference, the drives and what is reported of them.
+    """Applies faults to references and to the feedback of the drives.
 
     Args:
         names: Names of the axes, n of them.
@@ -82,7 +82,7 @@ class FaultInjection:
 
     @property
     def faults(self) -> DriveFaults:
-        """What is broken; may be set at any time."""
+        """The active faults; may be set at any time."""
         return self._faults
 
     @faults.setter

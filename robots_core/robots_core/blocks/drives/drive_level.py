@@ -1,4 +1,4 @@
-"""Levels of drives: from a reference that is met at once to a machine with motors and masses."""
+"""Levels of simulated drives: ideal, second-order, and rigid-body."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def drive_train(
         period: Time of one step, s.
         bandwidth: Natural frequency of `second_order`, Hz, one number or (n,).
         damping: Damping ratio of `second_order`, one number or (n,).
-        payload: What hangs on tool0, for `rigid_body`.
-        feed_forward: The controllers of `rigid_body` know robot and payload (see `RigidBodyDrive`).
+        payload: Payload on tool0, for `rigid_body`.
+        feed_forward: Feed-forward by the model of robot and payload, for `rigid_body` (see `RigidBodyDrive`).
 
     Raises:
         InvalidInputError: no such level, or values out of range.
@@ -49,7 +49,7 @@ def drive_train(
         return IdealDrive(q, period=period)
     if level == 'second_order':
         return SecondOrderDrive(q, period=period, bandwidth=bandwidth, damping=damping)
-    # Who moves no masses loads no compiler.
+    # Imported on demand: only `rigid_body` needs the compiler.
     rigid_body_drive: Callable[..., DriveTrain] = import_module(
         'robots_core.blocks.drives.rigid_body_drive'
     ).RigidBodyDrive
@@ -57,7 +57,7 @@ def drive_train(
 
 
 def check_level(level: str) -> None:
-    """Accept a level that exists.
+    """Check that a level exists.
 
     Raises:
         InvalidInputError: it does not.

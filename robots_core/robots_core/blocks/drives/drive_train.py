@@ -1,4 +1,4 @@
-"""DriveTrain: what the drives make of the reference."""
+"""DriveTrain: the interface of simulated drives, and ideal and second-order ones."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robots_core.validation import Array, finite_vector, positive
 
 
 class DriveTrain(ABC):
-    """Drives of all axes of a robot. Implementations differ in how much of a machine they are."""
+    """Drives of all axes of a robot. Implementations differ in the level of detail."""
 
     @property
     @abstractmethod
@@ -26,7 +26,7 @@ class DriveTrain(ABC):
 
     @property
     def torque(self) -> Array | None:
-        """Torques of the motors, at the joints, (n,), N m (N); None for drives that know none."""
+        """Torques of the motors, at the joints, (n,), N m (N); None for drives without torques."""
         return None
 
     @abstractmethod
@@ -35,7 +35,7 @@ class DriveTrain(ABC):
 
         Args:
             q_ref: Reference positions at the end of the period, (n,), rad (m).
-            q_dot_ref: Reference velocities there, (n,), rad/s; by default those of the way to `q_ref`.
+            q_dot_ref: Reference velocities there, (n,), rad/s; by default the difference quotient to `q_ref`.
 
         Returns:
             Positions and velocities (n,) at the end of the period.
@@ -46,7 +46,7 @@ class DriveTrain(ABC):
 
 
 class IdealDrive(DriveTrain):
-    """Drives that stand where the reference is.
+    """Drives that follow the reference exactly.
 
     Args:
         q: Joint positions at the start, (n,), rad (m), at rest.
@@ -133,7 +133,7 @@ class SecondOrderDrive(DriveTrain):
 
 
 def _transition(w: Array, D: Array, period: float) -> Array:
-    """How position and velocity after a period follow from those before, (2, 2, n).
+    """Transition matrices of position and velocity over a period, (2, 2, n).
 
     The exponential of [[0, 1], [-w^2, -2 D w]] period, of its two eigenvalues, which may be complex or meet.
     """

@@ -1,4 +1,4 @@
-"""FeedForward: what a reference asks of the motors, by the model of the robot."""
+"""FeedForward: motor torques and positions for a reference, from the model of the robot."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class FeedForward:
         self._twist = self._bias / drives.stiffness
 
     def advance(self, q: Array, q_dot: Array, period: float) -> tuple[Array, Array, Array]:
-        """Go on to the reference (n,) at the end of a period, s.
+        """Advance to the reference (n,) at the end of a period, s.
 
         Returns:
             Position and velocity of the motors there, (n,), through their gears, and the mean torque of the

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
-# Sweeps end when no velocity changes by more than rounding of the largest; as many as these suffice for axes
-# that push each other hard, and what is left after them is removed in the next step.
+# Sweeps end when no velocity changes by more than rounding of the largest; this number suffices for strongly
+# coupled axes, and a remaining error is removed in the next step.
 SWEEP_TOLERANCE: Final = 1e-13
 MAX_SWEEPS: Final = 200
 
@@ -74,7 +74,7 @@ def sweep(A: Array, b: Array, hold: Array, w: Array) -> None:
 
 @compiled(nrt=False)
 def solve_free(A: Array, b: Array, friction: Array, stands: NDArray[np.bool_], L: Array, w: Array) -> None:
-    """Fill w by Cholesky's method: A w = b - friction, those that stand left out at zero.
+    """Fill w by Cholesky's method: A w = b - friction, with those at rest fixed at zero.
 
     L (m, m) is memory.
     """

@@ -1,4 +1,4 @@
-"""RigidBodyDrive: controllers, motors, gears and bodies as one machine, torque by torque."""
+"""RigidBodyDrive: simulation of controllers, motors, gears, friction and rigid bodies."""
 
 from __future__ import annotations
 
@@ -26,25 +26,25 @@ LONGEST_STEP: Final = 1e-3  # s
 
 
 class RigidBodyDrive(DriveTrain):
-    """The robot as its drives move it: position and speed control, motors, gears, friction, rigid bodies.
+    """A robot moved by its drives: position and speed control, motors, gears, friction, rigid bodies.
 
     The cascade of the Modelica Standard Library's RobotR3 (P position control with speed feedforward, PI
     speed control, current control) on the dynamics of the robot and its payload, integrated at 1 kHz or
-    faster. The step is stable for any gains; axes that stand are held by friction, exactly. See
+    faster. The step is stable for any gains; axes at rest are held by friction exactly. See
     `rigid_body_kernel`.
 
-    The cascade alone follows late, hangs by the twist of elastic gears, and hunts about its target where
-    stiction is higher than friction. Controllers that know the robot's model, as those that are sold do,
-    feed forward what it asks of the motors; then the joints settle where they should.
+    The cascade alone lags, has a steady-state error by the twist of elastic gears, and limit cycles about its
+    target where stiction is higher than friction. Industrial controllers feed forward torques and twist by
+    the model of the robot, which makes the joints settle at the reference.
 
     Args:
         robot: The robot.
         q: Joint positions at the start, (n,), rad (m), at rest and held by the motors.
         period: Time of one `step`, s.
-        payload: What hangs on tool0.
+        payload: Payload on tool0.
         base: Orientation and linear acceleration of the base.
         drives: Controllers, motors and gears; the robot's by default.
-        feed_forward: Add what the reference asks of the motors by the robot's model, its payload and friction
+        feed_forward: Add motor torques and positions by the robot's model, its payload and friction
             (see `FeedForward`); without, the cascade is that of RobotR3.
         longest_step: Of the integration, s, at most 1 ms; a period is divided into equal ones.
 
@@ -75,7 +75,7 @@ class RigidBodyDrive(DriveTrain):
             raise InvalidInputError(f'longest_step = {longest_step:g} s must be at most {LONGEST_STEP:g} s')
         base = BaseMotion() if base is None else base
         if base.turns:
-            raise InvalidInputError('RigidBodyDrive knows no base that turns')
+            raise InvalidInputError('RigidBodyDrive does not support a base that turns')
         self._period = positive(period, 'period', 's')
         self._steps = ceil(period / longest_step * (1.0 - 1e-9))  # no step more for rounding
         self._dynamics = loaded_chain(robot, payload, base).arrays
@@ -92,7 +92,7 @@ class RigidBodyDrive(DriveTrain):
         kernel.advance(*self._fixed, self._state.copy(), self._end, self._end, self._feed, self._period, 1)
 
     def _rest(self, q: Array) -> None:
-        """Stand at `q`, every torque in balance with the weight; no friction is needed."""
+        """Start at rest at `q`, with all torques in balance with the weight and no friction."""
         n, drives, state = q.size, self.drives, self._state
         M, weight = np.empty((n, n)), np.empty(n)
         mass_matrix_and_bias(self._dynamics, np.array(q), np.zeros(n), M, weight)
@@ -105,7 +105,7 @@ class RigidBodyDrive(DriveTrain):
             self._feed[1] = drives.coulomb_friction
             self._end[0] = state[kernel.MOTOR]
             return
-        # The speed control's integrator carries the weight and what the position control makes of the twist.
+        # The speed control's integrator balances the weight and the position control's reaction to the twist.
         held = np.divide(weight, drives.velocity_gain, out=np.zeros(n), where=drives.velocity_gain > 0.0)
         state[kernel.INTEGRAL] = held + drives.position_gain * (state[kernel.MOTOR] - q)
         self._end[0] = q
@@ -140,7 +140,7 @@ class RigidBodyDrive(DriveTrain):
 
         Raises:
             InvalidInputError: a reference of another shape or not finite.
-            RobotsError: the machine's state is not finite any more.
+            RobotsError: the state is no longer finite.
         """
         n = self._end.shape[1]
         q_ref = finite_vector(q_ref, n, 'q_ref')

@@ -49,7 +49,7 @@ Q_DDOT: Final = 7  # mean of the last step
 JOINT_TORQUE: Final = 8  # mean of the last step, behind gear and friction
 STATE_ROWS: Final = 9
 
-# Friction known beforehand is fed forward in full from this wanted speed on: with a position gain of 5/s, an
+# Friction is fed forward in full from this commanded speed on: with a position gain of 5/s, an
 # axis comes loose while it is more than 2e-6 rad from its reference.
 CREEP: Final = 1e-5  # rad/s (m/s)
 
@@ -58,11 +58,11 @@ class Friction(NamedTuple):
     """Memory for a step's friction, one value for each of the unknown speeds, (m,).
 
     Attributes:
-        hold: What holds one that stands.
-        slide: What slows one that moves.
+        hold: Highest friction at rest.
+        slide: Friction while moving.
         sign: Direction in which it moved, 0 for one that stood.
-        now: What slows it in that direction.
-        stands: Whether it stood.
+        now: Friction in that direction.
+        stands: Whether it was at rest.
         L: For the solution, (m, m).
     """
 
@@ -88,13 +88,13 @@ def advance(
 ) -> bool:
     """Advance state (9, n) by a period, in steps.
 
-    The reference (2, n) of the motors, position and velocity, leads from `start` to `end` on a cubic.
-    `feed` (2, n) is what the controllers know beforehand: torques wanted in this period, and friction of
-    moving axes. `motors` (n,) says where the motor's speed stands among the unknowns: with the joint's where
-    the gear is rigid, else behind all joints.
+    The reference (2, n) of the motors, position and velocity, leads from `start` to `end` on a cubic. `feed`
+    (2, n) is the feed-forward of the controllers: torques of this period, and friction of moving axes.
+    `motors` (n,) holds the index of the motor's speed among the unknowns: that of the joint if the gear is
+    rigid, else after all joints.
 
     Returns:
-        False if a value is not finite any more.
+        False if a value is no longer finite.
     """
     n = state.shape[1]
     size = n
@@ -152,10 +152,10 @@ def _reference(start: Array, end: Array, period: float, part: float, q_ref: Arra
 
 @compiled(nrt=False)
 def _ahead(drive: Array, state: Array, q_ref: Array, v_ref: Array, feed: Array, ahead: Array) -> None:
-    """Fill ahead (n,): torques known beforehand; friction in the direction that the position control wants.
+    """Fill ahead (n,): torques of the feed-forward, with friction in the direction of the position control.
 
-    An axis that should creep while it stands is given its stiction, so that it comes loose and does not wait
-    for the integrator, which would then carry it past its target, again and again.
+    An axis at rest that should creep gets its stiction, so that it starts to move without waiting for the
+    integrator, which would overshoot the target periodically.
     """
     for j in range(ahead.size):
         wanted = v_ref[j] + drive[POSITION_GAIN, j] * (q_ref[j] - state[MOTOR, j])
@@ -255,9 +255,9 @@ def _solve_with_friction(
 ) -> None:
     """Fill w: velocities at the end of the step with friction on the motors.
 
-    A first guess, each axis sliding on or standing as before, is exact in nearly every step; sweeps over the
-    axes (coordinate descent) end at the minimum from any guess. An axis that stands is held up to its
-    stiction; once it slips, the others see it slide.
+    The initial guess, with each axis sliding or at rest as before, is exact in nearly every step; sweeps over
+    the axes (coordinate descent) converge to the minimum from any guess. An axis at rest is held up to its
+    stiction; once it slips, it has sliding friction.
     """
     n, size = state.shape[1], b.size
     hold, slide, sign, stands = friction.hold, friction.slide, friction.sign, friction.stands
@@ -301,7 +301,7 @@ def _saturate(
     w: Array,
     saturated: Array,
 ) -> bool:
-    """Set saturated (n,) to the sign of wanted torques past their limit; True if there is a new one."""
+    """Set saturated (n,) to the sign of commanded torques past their limit; True if there is a new one."""
     found = False
     for j in range(state.shape[1]):
         if saturated[j] == 0.0:
@@ -354,7 +354,7 @@ def _move(
         if saturated[j] != 0.0:
             wanted = saturated[j] * drive[TORQUE_LIMIT, j]
         error = _speed_error(drive, state, q_ref, v_ref, h, mean, j)
-        # The integrator holds while the torque is at its limit, unless it leads back.
+        # Anti-windup: at the torque limit the integrator is frozen unless it unloads.
         if error * saturated[j] <= 0.0:
             state[INTEGRAL, j] += h / drive[INTEGRAL_TIME, j] * error
         frequency = drive[CURRENT_FREQUENCY, j]

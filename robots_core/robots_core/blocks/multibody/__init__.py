@@ -1,1 +1,1 @@
-"""Dynamics of the whole arm: on a base that stands, is moved or floats, with a payload."""
+"""Dynamics of the whole arm with payload, on a fixed, moving or floating base."""

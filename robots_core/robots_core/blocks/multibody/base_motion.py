@@ -1,4 +1,4 @@
-"""BaseMotion: how a robot's base stands and moves."""
+"""BaseMotion: orientation and motion of a robot's base."""
 
 from __future__ import annotations
 
@@ -53,5 +53,5 @@ class BaseMotion:
         return bool(self.angular_velocity.any() or self.angular_acceleration.any())
 
     def free_fall(self, gravity: Array) -> Array:
-        """Acceleration (3,), m/s^2, of free fall seen from the base; `gravity` is that of an upright one."""
+        """Acceleration (3,), m/s^2, of free fall in base axes; `gravity` is that of an upright one."""
         return np.asarray(self.T.T @ gravity - self.acceleration)

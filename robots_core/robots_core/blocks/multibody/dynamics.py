@@ -22,8 +22,8 @@ class Dynamics(ABC):
 
     Args:
         robot: The robot.
-        payload: What hangs on tool0: tool, workpiece, or their sum.
-        base: How the base stands and moves.
+        payload: Payload on tool0: tool, workpiece, or their sum.
+        base: Orientation and motion of the base.
         friction: With the friction of the robot's `axes_data`.
         rotors: With the rotor inertias of the robot's `axes_data`.
     """
@@ -41,7 +41,7 @@ class Dynamics(ABC):
         self.payload = payload
         self._n = robot.num_axes
         axes = robot.axes_data
-        # Rows: reflected inertia, Coulomb and viscous friction, as compiled code takes them.
+        # Rows: reflected inertia, Coulomb and viscous friction, for compiled code.
         self._losses = np.zeros((3, self._n))
         if rotors:
             self._losses[0] = axes.reflected_inertia
@@ -49,14 +49,14 @@ class Dynamics(ABC):
             self._losses[1:] = axes.coulomb_friction, axes.viscous_friction
         self._resists = bool(self._losses[1:].any())
         self._no_motion = np.zeros(self._n)
-        # Compiled code is made for one layout of memory; another would be compiled anew, for many seconds.
+        # Compiled code is specialised for one memory layout; another would take many seconds to compile.
         self._q_dot, self._tau = np.zeros((2, self._n))
         self._prepare()
         self.base = BaseMotion() if base is None else base
 
     @property
     def base(self) -> BaseMotion:
-        """How the base stands and moves; may be set between two calls."""
+        """Orientation and motion of the base; may be set between two calls."""
         return self._base
 
     @base.setter
@@ -66,18 +66,18 @@ class Dynamics(ABC):
 
     @abstractmethod
     def _prepare(self) -> None:
-        """Make what the sums of this robot with its payload need, for any base."""
+        """Prepare the computation for this robot with its payload, for any base."""
 
     @abstractmethod
     def _use_base(self, base: BaseMotion) -> None:
-        """Take a base for what is computed from now on."""
+        """Set the base for the following computations."""
 
     @abstractmethod
     def _loaded(self, q: Array, q_dot: Array) -> tuple[Array, Array]:
         """Mass matrix (n, n) and bias torques (n,), own arrays: bodies, payload and losses (`add_losses`)."""
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
-        """Torques of the drives for a motion, as felt at the joints.
+        """Torques of the drives for a motion, at the joints.
 
         Args:
             q: Joint positions, (n,), rad (m).
@@ -143,7 +143,7 @@ class Dynamics(ABC):
         """Wrench that the surroundings exert on the tool, estimated from torques of the drives.
 
         Least squares of J^T F = M q_ddot + tau_aux - tau. With fewer than six axes, or near a singularity,
-        the part that no axis feels is zero.
+        the part without effect on any axis is zero.
 
         Returns:
             Force (N) and moment (N m) at tool0, (6,), base frame.
@@ -155,9 +155,9 @@ class Dynamics(ABC):
         return np.asarray(np.linalg.lstsq(self._tool_jacobian(q).T, rest, rcond=WRENCH_CUTOFF)[0])
 
     def _tool_jacobian(self, q: Array) -> Array:
-        """How tool0 moves with the joints, (6, n), base frame."""
+        """Jacobian of tool0, (6, n), base frame."""
         return self.robot.jacobian(q)
 
 
-# A direction in which a metre of motion takes a hundred times the joint angles of the best one tells nothing.
+# Directions in which a motion takes a hundred times the joint angles of the best one are left out.
 WRENCH_CUTOFF = 1e-2

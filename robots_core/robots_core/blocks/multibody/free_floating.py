@@ -1,4 +1,4 @@
-"""FreeFloatingRobot: a robot on a base that nothing holds, such as a satellite."""
+"""FreeFloatingRobot: a robot on a floating base, such as a satellite."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ class FreeFloatingRobot:
     """Simulates base and joints of a robot that floats, driven by torques in its joints.
 
     Forward dynamics by the articulated body algorithm on the floating base (Featherstone 2008), integrated by
-    the classical Runge-Kutta method on positions, quaternion, twist and joints. The robot's gravity pulls
-    everything alike, along its direction for an upright base; load the robot with gravity zero for one in
-    orbit. Joint friction and rotors are left out: both act inside the robot and change no momentum.
+    the classical Runge-Kutta method on positions, quaternion, twist and joints. The robot's gravity acts on
+    base and arm alike, along its direction for an upright base; load the robot with gravity zero for one in
+    orbit. Joint friction and rotors are omitted: both are internal and change no momentum.
 
     Args:
         robot: The robot; its base body needs a mass and an inertia.
@@ -34,7 +34,7 @@ class FreeFloatingRobot:
         q_dot: Joint velocities at the start, (n,), rad/s; at rest by default.
         pose: Of the base in the world at the start; the world's origin by default.
         twist: Velocity of the base (m/s), then angular velocity (rad/s), (6,), in base axes.
-        payload: What hangs on tool0.
+        payload: Payload on tool0.
 
     Raises:
         InvalidInputError: a base without mass or inertia, or values of another shape or not finite.
@@ -99,7 +99,7 @@ class FreeFloatingRobot:
         return float(pin.computeKineticEnergy(self.model, self._data, self._configuration, self._velocity))
 
     def step(self, tau: ArrayLike, period: float) -> tuple[Array, Array]:
-        """Move on with constant torques in the joints.
+        """Advance with constant torques in the joints.
 
         Args:
             tau: Torques, (n,), N m (N).

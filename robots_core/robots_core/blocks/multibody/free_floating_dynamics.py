@@ -1,4 +1,4 @@
-"""FreeFloatingDynamics: torques of a robot on a base that nothing holds, such as a satellite."""
+"""FreeFloatingDynamics: torques of a robot on a floating base, such as a satellite."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from robots_core.validation import Array, finite_motion
 
 
 class FreeFloatingDynamics(Dynamics):
-    """Dynamics in joint space of a robot whose base moves as the arm pushes it, without any momentum.
+    """Joint-space dynamics of a robot on a floating base with zero momentum.
 
-    With the blocks b of the base and r of the joints, zero momentum gives the base the twist -S q_dot with
-    S = M_bb^-1 M_br, and the joints the generalised mass matrix M_rr - M_br^T S and the generalised Jacobian
-    J_r - J_b S (Umetani and Yoshida 1989). Gravity pulls base and arm alike and is not felt. Arguments are
-    those of `Dynamics`, without `base`.
+    With the blocks b of the base and r of the joints, zero momentum gives the base the twist -S q_dot with S
+    = M_bb^-1 M_br, and the joints the generalised mass matrix M_rr - M_br^T S and the generalised Jacobian
+    J_r - J_b S (Umetani and Yoshida 1989). Gravity acts on base and arm alike and has no effect. Arguments
+    are those of `Dynamics`, without `base`.
 
     Raises:
         InvalidInputError: a base without mass or inertia; a motion of the base; or a robot whose own dynamics
@@ -65,7 +65,7 @@ class FreeFloatingDynamics(Dynamics):
         return np.asarray(J[:, 6:] - J[:, :6] @ S)
 
     def base_wrench(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
-        """Wrench with which the base body holds and moves the arm; the arm pushes it with the opposite.
+        """Wrench of the base body on the arm; the arm exerts the opposite.
 
         Args:
             q: Joint positions, (n,), rad (m).
@@ -88,7 +88,7 @@ class FreeFloatingDynamics(Dynamics):
 
 
 def check_base_body(robot: BaseRobotModel) -> None:
-    """Accept a robot whose base may float.
+    """Check that the base of a robot may float.
 
     Raises:
         InvalidInputError: its base has no mass or no inertia.

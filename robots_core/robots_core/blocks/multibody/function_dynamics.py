@@ -17,10 +17,10 @@ from robots_core.validation import Array
 
 
 class FunctionDynamics(Dynamics):
-    """The robot's `rigid_dynamics`, whatever it is made of, with payload, base, friction and rotors added.
+    """The robot's own `rigid_dynamics`, with payload, base, friction and rotors added.
 
     Payload by the projection of its Newton-Euler equations through the Jacobian at its centre of mass
-    (Kane); an inclined or accelerated base by the difference in gravity. A base that turns takes
+    (Kane); an inclined or accelerated base by the difference in gravity. A base that turns needs
     `NumericalDynamics`. Arguments are those of `Dynamics`.
 
     Raises:
@@ -36,7 +36,7 @@ class FunctionDynamics(Dynamics):
     def _use_base(self, base: BaseMotion) -> None:
         if base.turns:
             raise InvalidInputError(
-                f'FunctionDynamics knows no base that turns (angular velocity '
+                f'FunctionDynamics does not support a base that turns (angular velocity '
                 f'{base.angular_velocity.tolist()} rad/s); use NumericalDynamics'
             )
         self._inclined = bool(base.acceleration.any()) or not np.array_equal(base.T, np.eye(3))

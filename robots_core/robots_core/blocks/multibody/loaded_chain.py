@@ -15,7 +15,7 @@ from robots_core.validation import read_only
 
 
 def loaded_chain(robot: BaseRobotModel, payload: Payload, base: BaseMotion) -> ChainDynamics:
-    """The dynamics of a robot with its payload; a base that turns is taken as one that does not.
+    """The dynamics of a robot with its payload; rotation of the base is ignored.
 
     Raises:
         InvalidInputError: the robot's `rigid_dynamics` are not those of its bodies under gravity.

@@ -1,4 +1,4 @@
-"""NumericalDynamics: the dynamics of a robot's bodies, on a base that may move in any way."""
+"""NumericalDynamics: the dynamics of a robot's bodies on a base with any motion."""
 
 from __future__ import annotations
 
@@ -21,9 +21,8 @@ class NumericalDynamics(Dynamics):
     """The bodies of the robot's `RigidDynamicsModel` and the payload, on any base.
 
     Also computes the wrench in the mount. Recursive Newton-Euler, composite rigid body and articulated body
-    algorithms by Pinocchio (Featherstone 2008), on a floating base where it turns or the mount is asked for.
-    A base that accelerates is one that gravity pulls the other way. Arguments
-    are those of `Dynamics`.
+    algorithms by Pinocchio (Featherstone 2008), on a floating base if it turns or for the mount.
+    Acceleration of the base is equivalent to opposite gravity. Arguments are those of `Dynamics`.
 
     Raises:
         InvalidInputError: a robot whose own dynamics are not those of its bodies; use `FunctionDynamics`.
@@ -72,7 +71,7 @@ class NumericalDynamics(Dynamics):
         return np.asarray(pin.aba(self._fixed, self._fixed_data, q, q_dot, tau))
 
     def base_wrench(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
-        """Wrench with which the mount holds and moves the robot, base body included.
+        """Wrench of the mount on the robot, base body included.
 
         Args:
             q: Joint positions, (n,), rad (m).
@@ -80,8 +79,8 @@ class NumericalDynamics(Dynamics):
             q_ddot: Joint accelerations, (n,), rad/s^2.
 
         Returns:
-            Force (N) and moment (N m) at the base's origin, in base axes, (6,). The robot pushes its mount
-            with the opposite. Rotors are without effect on it.
+            Force (N) and moment (N m) at the base's origin, in base axes, (6,). The robot exerts the
+            opposite on its mount. Rotors are without effect on it.
 
         Raises:
             InvalidInputError: an argument of another shape or not finite.

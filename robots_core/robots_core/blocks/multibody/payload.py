@@ -1,4 +1,4 @@
-"""Payload: what hangs on the flange, a tool or a workpiece or both."""
+"""Payload: a tool, a workpiece or both on the flange."""
 
 from __future__ import annotations
 

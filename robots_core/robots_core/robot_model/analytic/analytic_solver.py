@@ -16,12 +16,12 @@ from robots_core.robot_model.analytic.ur_arm import ur_arm
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, read_only, rotation_matrix
 
-# A structure this exact gives solutions to a few 1e-10; a coarser one is polished.
+# Solutions for a structure this exact are accurate to a few 1e-10; others are refined.
 EXACT_DEVIATION = 5e-11
 POLISH_STEPS = 4
 POLISHED = 1e-11  # m and rad
-POLISH_DROP = 1e-9  # the accuracy that is promised; what stays above is no posture of the pose
-SINGULAR_RATIO = 1e-7  # of singular values; motions below change the pose by less than rounding asks for
+POLISH_DROP = 1e-9  # guaranteed accuracy; candidates that stay above are no solutions
+SINGULAR_RATIO = 1e-7  # of singular values; directions below it are left out of Newton steps
 
 Family = Literal['spherical wrist', 'parallel axes']
 FAMILIES: Final[dict[Family, Callable[[AxisLines], tuple[Any, float]]]] = {
@@ -31,12 +31,12 @@ FAMILIES: Final[dict[Family, Callable[[AxisLines], tuple[Any, float]]]] = {
 
 
 class AnalyticSolver:
-    """All postures of a six-axis robot for a pose, in closed form.
+    """All solutions of a six-axis robot for a pose, in closed form.
 
     Either axes 2 and 3 are parallel and axes 4, 5 and 6 meet in one point (Pieper 1968), or axes 2, 3 and 4
-    are parallel and axes 5 and 6 meet; both forms are written for axes of any sign, zero position and offset.
-    Angles that a singular pose leaves free stand as in the home posture, or in the posture that is given; if
-    that breaks a limit, 63 other values are tried.
+    are parallel and axes 5 and 6 meet; both forms hold for axes of any sign, zero position and offset.
+    Angles that a singular pose leaves undetermined are those of home or of the given joint positions; if that
+    breaks a limit, 63 other values are tried.
 
     An instance keeps scratch memory: use one per thread.
 
@@ -45,7 +45,7 @@ class AnalyticSolver:
         limited: Keep to the robot's limits; otherwise each branch has the turns nearest to mid-range.
 
     Raises:
-        NoAnalyticInverseKinematicsError: the robot has another structure; says why.
+        NoAnalyticInverseKinematicsError: the robot has another structure; names the reason.
     """
 
     def __init__(self, robot: BaseRobotModel, *, limited: bool = True) -> None:
@@ -65,7 +65,7 @@ class AnalyticSolver:
         self._lower, self._upper = lower, upper
         self._near = read_only(np.clip(near, lower, upper))
         self._found = np.empty((9, 6))
-        # Compiled code takes 0.2 s to load: only who asks for a closed form waits for it.
+        # Loading compiled code takes 0.2 s: done on first use of a closed form.
         self._kernel = _kernel(self.family)
         self._forward, self._upward = _senses(record[0])
         self._exact = self.deviation <= EXACT_DEVIATION
@@ -77,7 +77,7 @@ class AnalyticSolver:
             near = np.clip(finite_vector(q_near, 6, 'q_near'), self._lower, self._upper)
         try:
             count = self._kernel(self._record, r, T, near, self._found)
-        except TypeError:  # not the arrays that the kernel is compiled for
+        except TypeError:  # arrays of other types than the kernel is compiled for
             count = -1
         if count < 0:
             r, T = finite_vector(r, 3, 'r'), rotation_matrix(T)
@@ -86,7 +86,7 @@ class AnalyticSolver:
         return solutions if self._exact else self._polished(solutions, Pose(r, T))
 
     def configuration(self, q: Array) -> Configuration:
-        """Which branch a posture (6,) belongs to."""
+        """The configuration of joint positions (6,)."""
         arm = self._record[0]
         elbow = arm['sign_3'] * q[2] + arm['forearm_angle'] - arm['upper_arm_angle']
         raised = q[1] + arm['upper_arm_angle']
@@ -101,7 +101,7 @@ class AnalyticSolver:
         )
 
     def _polished(self, solutions: Array, pose: Pose) -> Array:
-        """Newton steps with the robot's own kinematics, for axes that are a little off the ideal places."""
+        """Newton steps with the robot's own kinematics, for axes slightly off the ideal structure."""
         kept = []
         for solution in solutions:
             q = solution.copy()
@@ -109,7 +109,7 @@ class AnalyticSolver:
                 error = Pose(*self._robot.direct_kinematics(q)).error_to(pose)
                 if np.abs(error).max() <= POLISHED:
                     break
-                # Least squares of smallest norm, so that singular postures move no farther than they must.
+                # Minimum-norm least squares, for the smallest motion in singularities.
                 q += np.linalg.lstsq(self._robot.jacobian(q), error, rcond=SINGULAR_RATIO)[0]
             np.clip(q, self._lower, self._upper, out=q)
             error = Pose(*self._robot.direct_kinematics(q)).error_to(pose)
@@ -139,7 +139,7 @@ def _kernel(family: Family) -> Callable[..., int]:
 
 
 def _senses(arm: Any) -> tuple[float, float]:
-    """Signs of forward along X, and of X's and Y's senses together: elbows bend the other way where -1."""
+    """Sign of the forward direction along X, and sign of the bend of elbows in the frame X, Y."""
     a, x, first = arm['basis']
     y = np.cross(arm['tilt_cos'] * a + arm['tilt_sin'] * first, x)
     sides = (arm['shoulder'][0], x[0], x[1], 1.0)

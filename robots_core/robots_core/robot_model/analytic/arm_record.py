@@ -1,4 +1,4 @@
-"""The numbers of one arm as a record that compiled code reads without unpacking."""
+"""The parameters of one arm as a record for compiled code."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from robots_core.robot_model.analytic.axis_lines import SHORTEST_LINK, AxisLines, no_closed_form
 from robots_core.validation import ROTATION_TOLERANCE, Array
 
-# A pose this far out of reach is reached still, by the nearest posture: rounding of poses that lie on the
-# boundary is some 1e-16 and that of printed angles some 1e-11; solutions stay good to 1e-9.
+# A pose this far out of reach still has a solution, the nearest one: rounding of poses on the boundary is
+# some 1e-16 and that of printed angles some 1e-11; solutions stay accurate to 1e-9.
 REACH_SLACK = 1e-10
 SLACK_PER_DEVIATION = 10.0
 
@@ -51,14 +51,14 @@ ARM = np.dtype(
 def arm_record(
     lines: AxisLines, parallel: Array, wrist_point: Array, signs: Array, deviation: float
 ) -> tuple[Any, Array]:
-    """What both families of arms share: axis 1, the parallel axes 2 and 3, the wrist point, the tool.
+    """The parameters common to both families of arms: axis 1, parallel axes 2 and 3, wrist point, tool.
 
     Args:
         lines: The axes.
         parallel: Direction of axis 2, unit, (3,).
         wrist_point: The point that axis 6 (and 5) carries, (3,) m.
         signs: Of axes 2, 3 (and 4) along `parallel`.
-        deviation: How far the axes are off their ideal places, rad or m.
+        deviation: Largest deviation of the axes from the ideal structure, rad or m.
 
     Returns:
         A record array (1,) of `ARM` without wrist and limits, and the rows X, Y, Z of body 1, (3, 3).
@@ -105,7 +105,7 @@ def set_wrist(record: Any, lines: AxisLines, first: Array, frame: Array) -> None
         record: Changed.
         lines: The axes.
         first: Direction of the wrist's first axis at q = 0, (3,).
-        frame: Rows of the frame in which the wrist's axes are wanted, (3, 3).
+        frame: Rows of the frame in which the wrist's axes are expressed, (3, 3).
 
     Raises:
         NoAnalyticInverseKinematicsError: two of them are parallel.

@@ -1,4 +1,4 @@
-"""The axes of a robot as lines in space at q = 0: all that a closed form needs to know."""
+"""The axes of a robot as lines in space at q = 0, from which a closed form is built."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ class AxisLines:
 
 
 def no_closed_form(robot: str, reason: str) -> NoAnalyticInverseKinematicsError:
-    """The error that says why a robot has no closed form here."""
+    """The error with the reason why a robot has no closed form here."""
     return NoAnalyticInverseKinematicsError(
         f'robot {robot!r} has no analytic inverse kinematics: {reason}; use DampedLeastSquares', reason=reason
     )

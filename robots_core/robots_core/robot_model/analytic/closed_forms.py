@@ -1,7 +1,7 @@
 """The closed forms of shoulder, elbow and wrist, compiled: one joint's triangle each, and its frames.
 
-Every angle comes from sine and cosine together, so that poses at and beside singularities lose no digits:
-the arc cosine of the textbook is good to 1e-8 only where an arm is stretched or a wrist straight.
+Every angle is computed from sine and cosine together, which keeps full accuracy in and near singularities:
+the arc cosine of textbooks is accurate to 1e-8 only where an arm is stretched or a wrist straight.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from robots_core.validation import Array
 
 Triple = tuple[float, float, float]
 
-# How many postures there are; FREE: any angle will do.
+# Number of solutions; FREE: any angle is a solution.
 UNREACHABLE, ONE, TWO, FREE = 0, 1, 2, 3
 
 
@@ -28,7 +28,7 @@ def wrist_bend(arm: Any, x: float, y: float, z: float) -> tuple[int, float, floa
     cos psi = cos a cos b + sin a sin b cos C; the sine of C by the Gram determinant of the three axes.
 
     Returns:
-        Number of postures (or FREE: the first axis may turn at will), cosine and sine >= 0 of C.
+        Number of solutions (or FREE: any angle of the first axis), cosine and sine >= 0 of C.
     """
     ca, cb = arm.cos_a, arm.cos_b
     across_2 = x * x + y * y
@@ -76,8 +76,8 @@ def shoulder_turn(arm: Any, v: Triple) -> tuple[int, float, float]:
     """Axis 1: the wrist point keeps its offset along axis 2.
 
     Returns:
-        Number of postures (or FREE), and coordinates of the wrist point along a and, apart from the sign,
-        along b once axis 1 has turned.
+        Number of solutions (or FREE), and coordinates of the wrist point along a and, apart from the sign,
+        along b after the rotation of axis 1.
     """
     radius = hypot(v[0], v[1])
     along = (arm.offset - arm.tilt_sin * v[2]) / arm.tilt_cos
@@ -92,10 +92,10 @@ def shoulder_turn(arm: Any, v: Triple) -> tuple[int, float, float]:
 
 @compiled()
 def elbow_bend(arm: Any, x: float, y: float) -> tuple[int, float, float]:
-    """Axis 3: the triangle of upper arm, forearm and the way (x, y) from axis 2 to what they carry.
+    """Axis 3: the triangle of upper arm, forearm and the vector (x, y) from axis 2 to their tip.
 
     Returns:
-        Number of postures (or FREE: axis 2 may turn at will), and the products of both lengths with cosine
+        Number of solutions (or FREE: any angle of axis 2), and the products of both lengths with cosine
         and sine >= 0 of the angle between them.
     """
     first, second = arm.upper_arm, arm.forearm

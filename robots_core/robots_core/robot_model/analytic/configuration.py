@@ -1,4 +1,4 @@
-"""Configuration: which of the up to eight postures of a six-axis arm for a pose."""
+"""Configuration: the branch of the inverse kinematics of a six-axis arm, one of up to eight."""
 
 from __future__ import annotations
 

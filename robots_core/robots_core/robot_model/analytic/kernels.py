@@ -1,6 +1,6 @@
-"""All postures of an arm, compiled: loops over the branches of the closed forms, per family of arms."""
+"""All solutions of an arm, compiled: loops over the branches of the closed forms, per family of arms."""
 
-# Arguments stand by position: that is how compiled code takes them.
+# Compiled code takes positional arguments.
 # ruff: noqa: PLR0917, FBT001
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ TAU = 2.0 * pi
 INVALID = -1
 WORK = 8  # behind the eight rows of solutions, the row in which a solution grows, axis by axis
 LIMIT_ROUNDING = 1e-10  # rad; solutions past a limit by rounding are put on it
-# Tries of free angles where the first leaves no solution inside the limits. The free angle of the wrist goes
-# on by the golden section, so that all pairs of a free shoulder and a free wrist are covered evenly.
+# Tries of free angles if the first gives no solution inside the limits. The free angle of the wrist advances
+# by the golden section, so that all pairs of a free shoulder and a free wrist are covered evenly.
 FREE_TRIES = 64
 FREE_STEP = TAU / FREE_TRIES
 GOLDEN_STEP = TAU * 0.6180339887498949
@@ -81,10 +81,10 @@ def _keep(found: Array, count: int) -> int:
 
 @compiled()
 def _axis_1(
-    v: Triple, postures: int, branch: int, along: float, across: float, free: float
+    v: Triple, solutions: int, branch: int, along: float, across: float, free: float
 ) -> tuple[float, float]:
-    """Cosine and sine of axis 1 in one of its postures."""
-    if postures == FREE:
+    """Cosine and sine of axis 1 in one of its solutions."""
+    if solutions == FREE:
         c, s = cos(free), sin(free)
         return (c, s) if branch == 0 else (-c, -s)
     w = across if branch == 0 else -across
@@ -97,14 +97,14 @@ def _axis_1(
 def _wrists(
     arm: Any, u: Triple, t: Triple, near: Array, found: Array, count: int, try_: int
 ) -> tuple[int, bool]:
-    """Axes 4, 5 and 6 of a spherical wrist, for the arm that stands in the working row."""
-    postures, cosine, sine = wrist_bend(arm, u[0], u[1], u[2])
+    """Axes 4, 5 and 6 of a spherical wrist, for the arm angles in the working row."""
+    solutions, cosine, sine = wrist_bend(arm, u[0], u[1], u[2])
     angle = atan2(sine, cosine)
-    for flip in range(0 if postures == UNREACHABLE else 2 if postures == TWO else 1):
+    for flip in range(0 if solutions == UNREACHABLE else 2 if solutions == TWO else 1):
         sign = 1.0 - 2.0 * flip
         if not _place(arm, near, found, 4, sign * angle - arm.straight):
             continue
-        if postures == FREE:
+        if solutions == FREE:
             free = near[3] + try_ * GOLDEN_STEP
             c, s = cos(free), sin(free)
         else:
@@ -113,7 +113,7 @@ def _wrists(
             arm, near, found, 5, wrist_roll(arm, u, t, c, s)
         ):
             count = _keep(found, count)
-    return count, postures == FREE
+    return count, solutions == FREE
 
 
 @compiled()
@@ -122,15 +122,15 @@ def _elbows_and_wrists(
 ) -> tuple[int, bool]:
     """Axes 2 to 6 of an arm with a spherical wrist; all vectors in body 1."""
     x, y = v[0] - arm.shoulder[0], v[1] - arm.shoulder[1]
-    postures, cosine, sine = elbow_bend(arm, x, y)
-    any_free = postures == FREE
+    solutions, cosine, sine = elbow_bend(arm, x, y)
+    any_free = solutions == FREE
     angle, scale = atan2(sine, cosine), 1.0 / hypot(sine, cosine)
-    for up in range(0 if postures == UNREACHABLE else 2 if postures == TWO else 1):
+    for up in range(0 if solutions == UNREACHABLE else 2 if solutions == TWO else 1):
         sign = 1.0 - 2.0 * up
         bend = sign * angle - arm.forearm_angle + arm.upper_arm_angle
         if not _place(arm, near, found, 2, arm.sign_3 * bend):
             continue
-        if postures == FREE:
+        if solutions == FREE:
             free = near[1] + try_ * FREE_STEP + arm.upper_arm_angle
             c, s = cos(free), sin(free)
         else:
@@ -153,12 +153,12 @@ def _elbows(
     # Axis 4 is where the hand, turned by the three axes together, puts it.
     x = v[0] - arm.shoulder[0] - (c * arm.hand[0] - s * arm.hand[1])
     y = v[1] - arm.shoulder[1] - (s * arm.hand[0] + c * arm.hand[1])
-    postures, cosine, sine = elbow_bend(arm, x, y)
+    solutions, cosine, sine = elbow_bend(arm, x, y)
     angle, total = atan2(sine, cosine), atan2(s, c)
-    for up in range(0 if postures == UNREACHABLE else 2 if postures == TWO else 1):
+    for up in range(0 if solutions == UNREACHABLE else 2 if solutions == TWO else 1):
         sign = 1.0 - 2.0 * up
         bend = sign * angle - arm.forearm_angle + arm.upper_arm_angle
-        if postures == FREE:
+        if solutions == FREE:
             raised = near[1] + try_ * FREE_STEP
         else:
             raised_c, raised_s = upper_arm(arm, x, y, cosine, sign * sine)
@@ -169,7 +169,7 @@ def _elbows(
             and _place(arm, near, found, 3, arm.sign_4 * (total - raised - bend))
         ):
             count = _keep(found, count)
-    return count, postures == FREE
+    return count, solutions == FREE
 
 
 @compiled()
@@ -178,14 +178,14 @@ def _hands_and_elbows(
 ) -> tuple[int, bool]:
     """Axes 2 to 6 of an arm with parallel axes; all vectors in body 1."""
     wrist_u, wrist_t = seen_from_wrist(arm, u, 1.0, 0.0), seen_from_wrist(arm, t, 1.0, 0.0)
-    postures, cosine, sine = wrist_bend(arm, wrist_u[0], wrist_u[1], wrist_u[2])
-    any_free = postures == FREE
+    solutions, cosine, sine = wrist_bend(arm, wrist_u[0], wrist_u[1], wrist_u[2])
+    any_free = solutions == FREE
     angle = atan2(sine, cosine)
-    for flip in range(0 if postures == UNREACHABLE else 2 if postures == TWO else 1):
+    for flip in range(0 if solutions == UNREACHABLE else 2 if solutions == TWO else 1):
         sign = 1.0 - 2.0 * flip
         if not _place(arm, near, found, 4, sign * angle - arm.straight):
             continue
-        if postures == FREE:
+        if solutions == FREE:
             free = near[1] + arm.sign_3 * near[2] + arm.sign_4 * near[3] + try_ * GOLDEN_STEP
             c, s = cos(free), sin(free)
         else:
@@ -203,13 +203,13 @@ def _solve(arms: Any, r: Array, T: Array, near: Array, found: Array, parallel: b
         return INVALID
     arm = arms[0]
     v, u, t = seen_from_axis_1(arm, r, T)
-    postures, along, across = shoulder_turn(arm, v)
-    branches = 0 if postures == UNREACHABLE else 1 if postures == ONE else 2
+    solutions, along, across = shoulder_turn(arm, v)
+    branches = 0 if solutions == UNREACHABLE else 1 if solutions == ONE else 2
     count = 0
     for try_ in range(FREE_TRIES):
-        any_free = postures == FREE
+        any_free = solutions == FREE
         for branch in range(branches):
-            c, s = _axis_1(v, postures, branch, along, across, near[0] + try_ * FREE_STEP)
+            c, s = _axis_1(v, solutions, branch, along, across, near[0] + try_ * FREE_STEP)
             if not _place(arm, near, found, 0, atan2(s, c)):
                 continue
             point = seen_from_body_1(arm, v, c, s)
@@ -226,22 +226,22 @@ def _solve(arms: Any, r: Array, T: Array, near: Array, found: Array, parallel: b
 
 @compiled(_signature, nogil=False)
 def solve_spherical_wrist(arms: Any, r: Array, T: Array, near: Array, found: Array) -> int:
-    """All postures of an arm with a spherical wrist.
+    """All solutions of an arm with a spherical wrist.
 
     Args:
         arms: Record array (1,) of `ARM`.
         r: Position of tool0, (3,), m.
         T: Orientation of tool0, (3, 3).
-        near: Posture inside the limits, (6,): full turns nearest to it, free angles from it.
+        near: Joint positions inside the limits, (6,), for full turns and free angles.
         found: Filled, (9, 6); the last row is scratch.
 
     Returns:
-        Number of rows filled, or INVALID for a pose that is none.
+        Number of rows filled, or INVALID for an invalid pose.
     """
     return int(_solve(arms, r, T, near, found, False))
 
 
 @compiled(_signature, nogil=False)
 def solve_parallel_axes(arms: Any, r: Array, T: Array, near: Array, found: Array) -> int:
-    """All postures of an arm of the Universal Robots kind; as `solve_spherical_wrist`."""
+    """All solutions of an arm of the Universal Robots kind; as `solve_spherical_wrist`."""
     return int(_solve(arms, r, T, near, found, True))

@@ -11,7 +11,7 @@ from robots_core.robot_model.analytic.axis_lines import AxisLines
 
 
 def spherical_wrist(lines: AxisLines) -> tuple[Any, float]:
-    """The numbers of an arm whose axes 2 and 3 are parallel and whose axes 4, 5 and 6 meet in one point.
+    """The parameters of an arm whose axes 2 and 3 are parallel and whose axes 4, 5 and 6 meet in one point.
 
     Axis 1 may pass axis 2 at any distance and the forearm may be offset to any side; the angles between
     axes 1 and 2, 3 and 4, 4 and 5, 5 and 6 may be other than right; signs and zero positions are free.

@@ -1,1 +1,1 @@
-"""URDF files: the tree of links, the arm in it, its meshes and shapes."""
+"""URDF files: the tree of links, the serial chain in it, its meshes and shapes."""

@@ -11,8 +11,8 @@ from robots_core.validation import Array
 def links_of(model: pin.Model, tool0: int) -> Array:
     """The chain of a model with one position per joint, as `tool_pose` takes it.
 
-    Each joint gets a frame whose z axis is that of the joint; a row holds the way from the frame before: its
-    rotation, row by row, its translation, and 1 if the axis slides.
+    Each joint gets a frame whose z axis is that of the joint; a row holds the transform from the frame
+    before: its rotation, row by row, its translation, and 1 if the axis slides.
 
     Args:
         model: A single chain.
@@ -27,7 +27,7 @@ def links_of(model: pin.Model, tool0: int) -> Array:
     before = pin.SE3.Identity()
     for joint in range(1, model.njoints):
         columns = pin.getJointJacobian(model, data, joint, pin.ReferenceFrame.LOCAL)
-        column = columns.reshape(6, model.nv)[:, joint - 1]  # a single column is handed out as a vector
+        column = columns.reshape(6, model.nv)[:, joint - 1]  # a single column is returned as a vector
         slides = not column[3:].any()
         axis = column[:3] if slides else column[3:]
         turned = pin.SE3(pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), axis).matrix(), np.zeros(3))

@@ -1,4 +1,4 @@
-"""Triangle meshes from files: STL, OBJ, PLY, COLLADA and what else trimesh reads."""
+"""Triangle meshes from files: STL, OBJ, PLY, COLLADA and further formats of trimesh."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def read_mesh(path: Path, scale: ArrayLike = 1.0) -> Mesh:
 
     Args:
         path: The file.
-        scale: Metres per unit of the file, one number or three (x, y, z). COLLADA files say their unit
-            themselves; the scale comes on top of it.
+        scale: Metres per unit of the file, one number or three (x, y, z). COLLADA files state their unit
+            themselves; the scale is applied in addition.
 
     Raises:
         InvalidInputError: a file that cannot be read or holds no triangles.

@@ -15,7 +15,7 @@ from robots_core.errors import UnknownRobotError
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.urdf.urdf_tree import MOVING_JOINTS, TOOL, LinkTree
 
-# The rule for a URDF that says nothing: full speed within half a second, full acceleration within a tenth.
+# Defaults for limits that the files lack: full speed within half a second, full acceleration within a tenth.
 DEFAULT_RAMP_TIME = 0.5  # s
 DEFAULT_JERK_TIME = 0.1  # s
 
@@ -60,14 +60,15 @@ def read_urdf_chain(
 ) -> UrdfChain:
     """Cut the chain from `base` to `tip` out of a URDF.
 
-    The default base is the URDF's root. The default tip is `tool0` if there is one; else the way leads at
-    every branch to the most axes. It ends before branches that are shorter than the way so far: the fingers
-    of a hand. Behind the last axis, the fixed links are followed to the end. Branches of equal length (two
+    The default base is the URDF's root. The default tip is `tool0` if there is one; else the chain follows at
+    every branch the link with the most axes. It ends before branches that are shorter than the chain so
+    far: the fingers of a hand. After the last axis, the fixed links are followed to the end. Branches of
+        equal length (two
     arms, four legs) are refused: choose a tip.
 
     Moving joints off the chain, such as fingers or joints that mimic others, are held fixed at zero.
-    Accelerations and jerks come from `joint_limits` (the format of MoveIt's joint_limits.yaml), which goes
-    before the URDF with every other limit too, with friction (`<dynamics>`) and with gear ratios; where it
+    Accelerations and jerks come from `joint_limits` (the format of MoveIt's joint_limits.yaml), which
+    overrides the URDF for every other limit too, for friction (`<dynamics>`) and for gear ratios; where it
     has none, full speed is reached in 0.5 s and full acceleration in 0.1 s. Speed and effort have no
     default: a robot needs them from one of the files.
 
@@ -270,7 +271,7 @@ def _reduce(root: etree._Element, kept: tuple[set[str], set[str]], moving: set[s
 
 
 def _write_limits(moving: list[etree._Element], axes: AxesData) -> None:
-    """Write the limits into the URDF, so that it says the same as the axes' data."""
+    """Write the limits into the URDF, so that it agrees with the axes' data."""
     for index, joint in enumerate(moving):
         limit = joint.find('limit')
         limit = etree.SubElement(joint, 'limit') if limit is None else limit

@@ -1,4 +1,4 @@
-"""The mesh files that a URDF names."""
+"""The mesh files of a URDF."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robots_core.errors import UnknownRobotError
 
 
 def mesh_path(filename: str, folder: Path) -> Path:
-    """The file that a URDF's mesh name means.
+    """The file of a mesh name in a URDF.
 
     Args:
         filename: A relative or absolute path, `file://` with an absolute path, or
@@ -42,7 +42,7 @@ def mesh_path(filename: str, folder: Path) -> Path:
 
 
 def with_absolute_meshes(xml: str, folder: Path) -> str:
-    """The URDF text with every mesh named by an absolute `file://` address, so that anyone can load it.
+    """The URDF text with every mesh named by an absolute `file://` address, which loads from any folder.
 
     Raises:
         UnknownRobotError: a mesh file that is missing.

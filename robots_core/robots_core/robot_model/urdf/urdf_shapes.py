@@ -24,7 +24,8 @@ def urdf_shapes(xml: str, model: pin.Model, kind: Literal['visual', 'collision']
 
     Args:
         xml: The URDF, its meshes named by absolute addresses.
-        model: The Pinocchio model of the same URDF: tells which axis carries which link, and where.
+        model: The Pinocchio model of the same URDF: it holds the axis that carries each link, and the link's
+            pose.
         kind: Which of a link's shapes.
 
     Raises:

@@ -142,19 +142,19 @@ class LinkTree:
         return link
 
     def _axes_from(self, joint: etree._Element) -> int:
-        """Most axes on one way from `joint`, itself included, to an end."""
+        """Largest number of axes on a path from `joint`, itself included, to a leaf."""
         child = link_of(joint, 'child')
         beyond = max((self._axes_from(following) for following in self._children.get(child, [])), default=0)
         return _moves(joint) + beyond
 
     def _end(self, link: str) -> str:
-        """The last of the links that are fixed to `link`, along the longest way."""
+        """The last of the links that are fixed to `link`, along the longest path."""
 
-        def way(link: str) -> list[str]:
-            ways = [way(link_of(joint, 'child')) for joint in self._children.get(link, [])]
-            return [link, *max(ways, key=len, default=[])]
+        def longest_path(link: str) -> list[str]:
+            paths = [longest_path(link_of(joint, 'child')) for joint in self._children.get(link, [])]
+            return [link, *max(paths, key=len, default=[])]
 
-        return way(link)[-1]
+        return longest_path(link)[-1]
 
 
 def link_of(joint: etree._Element, role: str) -> str:
