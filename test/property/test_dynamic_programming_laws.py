@@ -32,38 +32,34 @@ def planner_of(name: str) -> LinearCartesianDynamicProgramming:
     return _PLANNERS[name]
 
 
-def positions(robot: BaseRobotModel, offsets: list[float]) -> np.ndarray:
+def posture(robot: BaseRobotModel, offsets: list[float]) -> np.ndarray:
     axes = robot.axes_data
     return np.clip(robot.home + offsets[: robot.num_axes], axes.lower, axes.upper)
 
 
 def line_from(
-    robot: BaseRobotModel,
-    q: np.ndarray,
-    directions: tuple[tuple[float, ...], ...],
-    metres: float,
-    radians: float,
+    robot: BaseRobotModel, q: np.ndarray, ways: tuple[tuple[float, ...], ...], metres: float, radians: float
 ) -> CartesianLine:
     pose = Pose(*robot.direct_kinematics(q))
-    turn = Rotation.from_rotvec(radians * np.array(directions[1])).as_matrix()
-    return CartesianLine(pose, Pose(pose.r + metres * np.array(directions[0]), turn @ pose.T))
+    turn = Rotation.from_rotvec(radians * np.array(ways[1])).as_matrix()
+    return CartesianLine(pose, Pose(pose.r + metres * np.array(ways[0]), turn @ pose.T))
 
 
 @pytest.mark.parametrize('name', available_robot_models())
 @settings(max_examples=8, deadline=None)  # every plan is looked at 1000 times a second with inverse dynamics
 @given(
     offsets=st.lists(st.floats(-0.7, 0.7), min_size=7, max_size=7),
-    directions=st.tuples(direction, direction),
+    ways=st.tuples(direction, direction),
     metres=st.floats(0.0, 0.4),
     radians=st.floats(0.0, 0.4),
 )
 def test_every_robot_keeps_every_limit(
-    name: str, offsets: list[float], directions: tuple[tuple[float, ...], ...], metres: float, radians: float
+    name: str, offsets: list[float], ways: tuple[tuple[float, ...], ...], metres: float, radians: float
 ) -> None:
     planner = planner_of(name)
     robot = planner.robot
-    q = positions(robot, offsets)
-    line = line_from(robot, q, directions, metres, radians)
+    q = posture(robot, offsets)
+    line = line_from(robot, q, ways, metres, radians)
     try:
         trajectory = planner.generate(q, line.end)
     except PlanningError as error:
@@ -96,17 +92,17 @@ def search_finds(robot: BaseRobotModel, line: CartesianLine, start: np.ndarray) 
 @given(
     offsets=st.lists(st.floats(-0.7, 0.7), min_size=6, max_size=6),
     wrist=bend,
-    directions=st.tuples(direction, direction),
+    ways=st.tuples(direction, direction),
     metres=st.floats(0.01, 0.4),
 )
 def test_a_plan_wherever_a_search_finds_one(
-    name: str, offsets: list[float], wrist: float, directions: tuple[tuple[float, ...], ...], metres: float
+    name: str, offsets: list[float], wrist: float, ways: tuple[tuple[float, ...], ...], metres: float
 ) -> None:
     planner = planner_of(name)
     robot = planner.robot
     offsets[4] = wrist - robot.home[4]
-    q = positions(robot, offsets)
-    line = line_from(robot, q, directions, metres, 0.3)
+    q = posture(robot, offsets)
+    line = line_from(robot, q, ways, metres, 0.3)
     try:
         planner.generate(q, line.end)
     except (PlanningError, UnreachablePoseError) as error:
@@ -117,18 +113,18 @@ def test_a_plan_wherever_a_search_finds_one(
 @settings(max_examples=12, deadline=None)  # four plans each
 @given(
     offsets=st.lists(st.floats(-0.5, 0.5), min_size=6, max_size=6),
-    directions=st.tuples(direction, direction),
+    ways=st.tuples(direction, direction),
     metres=st.floats(0.02, 0.3),
     less=st.floats(0.2, 0.9),
 )
 def test_backwards_it_takes_as_long_and_with_smaller_limits_not_less(
-    name: str, offsets: list[float], directions: tuple[tuple[float, ...], ...], metres: float, less: float
+    name: str, offsets: list[float], ways: tuple[tuple[float, ...], ...], metres: float, less: float
 ) -> None:
     planner = planner_of(name)
     robot = planner.robot
     offsets[4] += 0.7  # off the straight wrist, where two configurations are equally near
-    q = positions(robot, offsets)
-    line = line_from(robot, q, directions, metres, 0.2)
+    q = posture(robot, offsets)
+    line = line_from(robot, q, ways, metres, 0.2)
     try:
         there = planner.generate(q, line.end)
         back = planner.generate(there.position[-1], line.start)

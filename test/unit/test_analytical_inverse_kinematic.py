@@ -1,4 +1,4 @@
-"""AnalyticalInverseKinematic: branches, turns, configurations, and what it says where there is no posture."""
+"""AnalyticalInverseKinematic: branches, turns, configurations, and errors where there is no solution."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_home_of_the_kuka_is_front_up(block: AnalyticalInverseKinematic, robot: 
     assert block.configuration(back).shoulder == 'back'
 
 
-def test_turns_are_all_postures_of_a_branch_inside_the_limits(
+def test_turns_are_all_solutions_of_a_branch_inside_the_limits(
     robot: BaseRobotModel, block: AnalyticalInverseKinematic, pose: Pose
 ):
     axes = robot.axes_data
@@ -120,7 +120,7 @@ def test_a_wrist_on_axis_1_keeps_axis_1_of_the_seed(robot: BaseRobotModel, block
     assert np.isfinite(free).all()
 
 
-def test_out_of_reach_is_told(block: AnalyticalInverseKinematic):
+def test_out_of_reach_is_an_error(block: AnalyticalInverseKinematic):
     with pytest.raises(UnreachablePoseError, match='out of reach'):
         block.solve(Pose([5.0, 0.0, 1.0], np.eye(3)))
     assert block.solve_all(Pose([5.0, 0.0, 1.0], np.eye(3))).shape == (0, 6)
@@ -136,7 +136,7 @@ def test_the_limit_in_the_way_is_named(robot: BaseRobotModel, block: AnalyticalI
     assert caught.value.details['upper'] == robot.axes_data.upper[1]
 
 
-def test_no_posture_of_a_configuration_is_told(robot: BaseRobotModel, block: AnalyticalInverseKinematic):
+def test_no_solution_of_a_configuration_is_an_error(robot: BaseRobotModel, block: AnalyticalInverseKinematic):
     pose = Pose(*robot.direct_kinematics(Q))
     found = {block.configuration(q) for q in block.solve_all(pose)}
     absent = Configuration('back', 'up', 'flip')

@@ -1,4 +1,4 @@
-"""BaseMotion: which way things fall, seen from the base."""
+"""BaseMotion: free fall in base axes."""
 
 import numpy as np
 import pytest

@@ -31,7 +31,7 @@ def test_few_steps_from_near(robot: BaseRobotModel) -> None:
     assert result.iterations <= 6
 
 
-def test_unreachable_pose_gives_the_closest_posture(robot: BaseRobotModel) -> None:
+def test_unreachable_pose_gives_the_closest_joint_positions(robot: BaseRobotModel) -> None:
     pose = Pose(np.array([20.0, 0.0, 1.0]), np.eye(3))
     result = DampedLeastSquares(robot).solve(pose, robot.home)
     assert not result.converged

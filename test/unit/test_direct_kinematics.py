@@ -22,16 +22,16 @@ def robot(request: pytest.FixtureRequest) -> BaseRobotModel:
 
 
 @pytest.fixture
-def postures(robot: BaseRobotModel) -> np.ndarray:
+def positions(robot: BaseRobotModel) -> np.ndarray:
     axes = robot.axes_data
     lower = np.where(axes.continuous, -np.pi, axes.lower)
     upper = np.where(axes.continuous, np.pi, axes.upper)
     return np.random.default_rng(11).uniform(lower, upper, (10, axes.num_axes))
 
 
-def test_without_tool_it_is_the_robot(robot: BaseRobotModel, postures: np.ndarray):
+def test_without_tool_it_is_the_robot(robot: BaseRobotModel, positions: np.ndarray):
     block = DirectKinematics(robot)
-    for q in postures:
+    for q in positions:
         pose = block.forward(q)
         r, T = robot.direct_kinematics(q)
         np.testing.assert_allclose(pose.r, r, atol=1e-15)
@@ -39,17 +39,17 @@ def test_without_tool_it_is_the_robot(robot: BaseRobotModel, postures: np.ndarra
         np.testing.assert_allclose(block.jacobian(q), robot.jacobian(q), atol=1e-15)
 
 
-def test_tool_is_seen_from_tool0(robot: BaseRobotModel, postures: np.ndarray):
+def test_tool_is_seen_from_tool0(robot: BaseRobotModel, positions: np.ndarray):
     block = DirectKinematics(robot, tool=TOOL)
-    for q in postures:
+    for q in positions:
         tool = Pose(*robot.direct_kinematics(q)).inverse() @ block.forward(q)
         np.testing.assert_allclose(tool.r, TOOL.r, atol=1e-11)  # the description's angles have 12 digits
         np.testing.assert_allclose(tool.T, TOOL.T, atol=1e-11)
 
 
-def test_jacobian_is_the_derivative_of_the_tool_pose(robot: BaseRobotModel, postures: np.ndarray):
+def test_jacobian_is_the_derivative_of_the_tool_pose(robot: BaseRobotModel, positions: np.ndarray):
     block = DirectKinematics(robot, tool=TOOL)
-    for q in postures:
+    for q in positions:
         jacobian = block.jacobian(q)
         for index, unit in enumerate(np.eye(robot.num_axes)):
             before, after = block.forward(q - STEP * unit), block.forward(q + STEP * unit)
@@ -57,9 +57,9 @@ def test_jacobian_is_the_derivative_of_the_tool_pose(robot: BaseRobotModel, post
             np.testing.assert_allclose(jacobian[:, index], moved / (2.0 * STEP), atol=DIFFERENCE)
 
 
-def test_jacobian_der_is_the_derivative_of_the_jacobian(robot: BaseRobotModel, postures: np.ndarray):
+def test_jacobian_der_is_the_derivative_of_the_jacobian(robot: BaseRobotModel, positions: np.ndarray):
     block = DirectKinematics(robot, tool=TOOL)
-    for q, q_dot in zip(postures, postures[::-1], strict=True):
+    for q, q_dot in zip(positions, positions[::-1], strict=True):
         change = block.jacobian(q + STEP * q_dot) - block.jacobian(q - STEP * q_dot)
         np.testing.assert_allclose(block.jacobian_der(q, q_dot), change / (2.0 * STEP), atol=DIFFERENCE)
 

@@ -1,4 +1,4 @@
-"""FreeFloatingDynamics: the same motion as FreeFloatingRobot, which is told by torques."""
+"""FreeFloatingDynamics: the same motion as FreeFloatingRobot, which is driven by torques."""
 
 from __future__ import annotations
 
@@ -87,8 +87,8 @@ def test_the_wrench_at_the_tool_moves_the_base_too():
     J = dynamics._tool_jacobian(q)
     assert np.abs(J - ORBIT.jacobian(q)).max() > 0.1
     tau = dynamics.torques(q, still, still) - J.T @ np.array([1.0, 2.0, 3.0, 0.0, 0.0, 0.0])
-    told = dynamics.external_wrench(q, still, still, tau)
-    np.testing.assert_allclose(J.T @ told, J.T @ np.array([1.0, 2.0, 3.0, 0.0, 0.0, 0.0]), atol=1e-9)
+    found = dynamics.external_wrench(q, still, still, tau)
+    np.testing.assert_allclose(J.T @ found, J.T @ np.array([1.0, 2.0, 3.0, 0.0, 0.0, 0.0]), atol=1e-9)
 
 
 def test_bad_input_is_named():
