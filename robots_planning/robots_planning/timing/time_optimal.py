@@ -44,9 +44,7 @@ CLOSEST_SEAM = 2e-4  # s to the next point of the trajectory; shorter steps woul
 # Use of a limit: above the first the grid is too coarse for the path, and is refined wherever the use is
 # above the second.
 COARSE, TOO_LONG = 1.04, 1.005
-EXCESS = (
-    3e-4  # of a limit, not worth another round; `LIMIT_MARGIN` lowered the limits by a third of it before
-)
+EXCESS = 3e-4  # of a limit, not worth another round; `LIMIT_MARGIN` covers a third of it
 
 
 @dataclass(frozen=True, eq=False)
