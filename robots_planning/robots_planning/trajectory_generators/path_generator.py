@@ -34,7 +34,7 @@ LIMITS: Final = (
 class PathGenerator(TrajectoryGenerator):
     """The tool centre point follows a path of poses.
 
-    Subclasses choose the path, the timing, and whether configurations are searched or follow from the start alone.
+    Subclasses choose the path, the timing, and whether configurations are searched or follow from the start.
 
     Args:
         robot: The robot.
