@@ -6,11 +6,9 @@ import threading
 import time
 from collections.abc import Callable
 
+from robots_core.periodic_schedule import MAX_LATE_PERIODS
 from robots_core.realtime import ask_for_realtime, idle_latency
 from robots_core.validation import positive
-
-# Past this many missed periods the thread starts a new schedule instead of catching up in a burst.
-MAX_LATE_PERIODS = 5
 
 
 class PeriodicThread:

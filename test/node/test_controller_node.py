@@ -103,7 +103,7 @@ class Bench:
         # On a busy machine the last references and states come after it.
         now = 1e-9 * self.node.get_clock().now().nanoseconds
         self.wait(lambda: self.newest_reference >= now, 'the references until now')
-        if self.drive._thread.alive:
+        if self.drive._loop.alive:
             self.wait(lambda: self.newest_state >= now, 'the states until now')
         return self.results.pop(0)
 
@@ -208,7 +208,7 @@ def test_an_override_outside_its_range_is_refused_and_named(bench: Bench, value:
 def test_lost_feedback_brakes_on_the_path(bench: Bench) -> None:
     bench.send(HOME, AWAY)
     bench.until_moving()
-    bench.drive._thread.stop()
+    bench.drive._loop.stop()
     result = bench.result()
     assert not result.ok
     assert 'no feedback for 0.5 s' in result.message

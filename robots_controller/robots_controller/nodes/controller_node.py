@@ -5,7 +5,6 @@ from __future__ import annotations
 import gc
 import math
 import sys
-import time
 from collections import deque
 from collections.abc import Callable
 from functools import partial
@@ -25,9 +24,9 @@ from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
-from robots_core.periodic_thread import PeriodicThread
 from robots_core.realtime import ask_for_realtime
 from robots_core.ros.joint_state_reader import JointStateReader
+from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import motion_result_message, stamp_id
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE, subscribe_state
@@ -48,9 +47,11 @@ REFUSAL_PERIOD = 1.0  # s
 class ControllerNode(RobotNode):
     """Follows `joint_trajectory` and publishes `joint_reference` on absolute deadlines.
 
-    The loop has its own thread. Callbacks validate what comes in and put it into a mailbox that the loop
-    empties once per period.
+    The loop has its own thread, unless time is simulated. Callbacks validate what comes in and put it into a
+    mailbox that the loop empties once per period.
     """
+
+    phase = Phase.CONTROL
 
     def __init__(self, **options: Any) -> None:
         super().__init__('controller_node', **options)
@@ -121,22 +122,22 @@ class ControllerNode(RobotNode):
 
         sys.setswitchinterval(SWITCH_INTERVAL)
         gc.freeze()
-        self._thread = PeriodicThread(
+        self._loop = self.start_loop(
             self._step,
             period=1.0 / rate,
             name='controller',
-            on_error=self.thread_failed,
             realtime_priority=priority,
             idle_latency=latency if latency >= 0.0 else None,
         )
-        self._thread.start()
 
-    # -- the loop's thread ---------------------------------------------------------------------------
+    # -- the loop ------------------------------------------------------------------------------------
 
     def _step(self, now: float) -> None:
         controller, mailbox = self._controller, self._mailbox
         while mailbox:
             mailbox.popleft()(now)
+        if self.simulated_time:
+            self._look_at_feedback()
         reference = controller.step(now, self._position)
         if reference is not None:
             self._references.publish(reference, now)
@@ -144,11 +145,14 @@ class ControllerNode(RobotNode):
             self._publish_result(controller.outcomes.popleft())
         self._publish_progress()
         self._cycle += 1
-        # For the next period: nothing that can wait delays a reference.
-        due = self._rates.feedback_due(self._cycle, controller)
-        self._position = self._take_feedback() if due else None
+        if not self.simulated_time:  # for the next period: nothing that can wait delays a reference
+            self._look_at_feedback()
         if self._cycle % self._health_every == 0:
             self._watch_health()
+
+    def _look_at_feedback(self) -> None:
+        due = self._rates.feedback_due(self._cycle, self._controller)
+        self._position = self._take_feedback() if due else None
 
     def _take_feedback(self) -> Array | None:
         raw = self._feedback.take()
@@ -171,8 +175,10 @@ class ControllerNode(RobotNode):
 
     def _publish_progress(self) -> None:
         progress = self._controller.progress
-        ends = progress in (0.0, 1.0)  # both are told, whatever the rate
-        if progress != self._last_progress and (ends or self._cycle % self._rates.progress_every == 0):
+        # Both ends are published whatever the rate, and in simulated time every period: outputs are switched
+        # on the path by it.
+        due = progress in (0.0, 1.0) or self.simulated_time or self._cycle % self._rates.progress_every == 0
+        if due and progress != self._last_progress:
             self._last_progress = progress
             self._progress_publisher.publish(Float64(data=progress))
 
@@ -181,14 +187,17 @@ class ControllerNode(RobotNode):
         condition = self._condition()
         if condition != self._last_condition:
             self._last_condition = condition
-            self._report_due.trigger()
+            if self.simulated_time:
+                self.look_after_health()
+            else:
+                self._report_due.trigger()
 
     def _condition(self) -> tuple[bytes, str]:
         if self._controller.state is ControllerState.WAITING:
             return DiagnosticStatus.WARN, 'waiting for joint_states'
         if self._controller.feedback_lost:
             return DiagnosticStatus.ERROR, 'joint_states are lost'
-        if time.monotonic() - self._refusal_time < REFUSAL_PERIOD:
+        if self.now() - self._refusal_time < REFUSAL_PERIOD:
             return DiagnosticStatus.WARN, f'joint_trajectory: {self._refusal}'
         return DiagnosticStatus.OK, 'ready'
 
@@ -232,7 +241,7 @@ class ControllerNode(RobotNode):
         self._mailbox.append(partial(self._follow, trajectory, id_, join))
 
     def _on_streamed_point(self, message: JointTrajectory, id_: str) -> None:
-        ros_time, now = 1e-9 * self.get_clock().now().nanoseconds, time.monotonic()
+        ros_time, now = 1e-9 * self.get_clock().now().nanoseconds, self.now()
         try:
             point = stream_point_from_message(message, self._names, ros_time=ros_time, now=now)
         except RobotsError as error:
@@ -289,7 +298,7 @@ class ControllerNode(RobotNode):
 
     def look_after_health(self) -> None:
         """Report it, with the loop's figures."""
-        if self._executor_priority > 0:
+        if self._executor_priority > 0 and not self.simulated_time:
             # This thread shares the interpreter with the loop: preempted while it holds it, it would hold
             # up the loop too.
             ask_for_realtime(self._executor_priority)
@@ -297,14 +306,14 @@ class ControllerNode(RobotNode):
         self.report_health(
             *self._condition(),
             state=self._controller.state.value,
-            missed_deadlines=self._thread.missed,
-            realtime=self._thread.realtime,
-            idle_latency_kept=self._thread.idle_latency_kept,
+            missed_deadlines=self._loop.missed,
+            realtime=self._loop.realtime,
+            idle_latency_kept=self._loop.idle_latency_kept,
         )
 
     def destroy_node(self) -> None:
         """End the loop before what it uses."""
-        self._thread.stop()
+        self._loop.stop()
         super().destroy_node()  # type: ignore[no-untyped-call]
 
 

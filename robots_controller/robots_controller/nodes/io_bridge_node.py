@@ -14,6 +14,7 @@ from robots_controller.io.io_map import IoMap, IoRow, TopicQos, read_io_map
 from robots_controller.nodes.io_images import InputImages, OutputImages
 from robots_controller.nodes.message_types import make_room, number_type
 from robots_core.errors import InvalidInputError
+from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
@@ -29,13 +30,15 @@ class IoBridgeNode(RobotNode):
         io_map: The YAML file; nothing is connected without one.
     """
 
+    phase = Phase.ENVIRONMENT
+
     def __init__(self, **options: Any) -> None:
         super().__init__('io_bridge_node', **options)
         path = self.parameter('io_map', '', 'YAML file that maps channels to topics', read_only=True)
         self._map = read_io_map(path) if path else IoMap()
         kinds = {id(row): _checked(row) for row in (*self._map.inputs, *self._map.outputs)}
         self._problems: dict[str, str] = {}
-        now = self._now()
+        now = self.now()
         self._inputs = [InputValue(row, now) for row in self._map.inputs]
         self._images = InputImages(self, [row.channel for row in self._map.inputs])
         self._timer = self.create_timer(WATCH_PERIOD, self._on_time)
@@ -53,9 +56,6 @@ class IoBridgeNode(RobotNode):
         if any(row.timeout < float('inf') for row in self._map.outputs):
             self.create_timer(WATCH_PERIOD, self._on_outputs)
         self._report()
-
-    def _now(self) -> float:
-        return 1e-9 * self.get_clock().now().nanoseconds
 
     def _report(self) -> None:
         problems = '; '.join(self._problems.values())
@@ -77,7 +77,7 @@ class IoBridgeNode(RobotNode):
     # -- inputs ---------------------------------------------------------------------------------------
 
     def _on_message(self, members: list[InputValue], message: Any) -> None:
-        now = self._now()
+        now = self.now()
         for value in members:
             name = value.row.channel.name
             try:
@@ -92,7 +92,7 @@ class IoBridgeNode(RobotNode):
         self._update_inputs()
 
     def _update_inputs(self) -> None:
-        now = self._now()
+        now = self.now()
         for value in self._inputs:
             row = value.row
             self._images.set(row.channel, value.update(now))
@@ -116,7 +116,7 @@ class IoBridgeNode(RobotNode):
     # -- outputs --------------------------------------------------------------------------------------
 
     def _on_outputs(self) -> None:
-        now = self._now()
+        now = self.now()
         for topic in self._topics:
             for row, problem in topic.update(self._outputs, now):
                 self._set_problem(f'output {row.file}:{row.line}', problem)

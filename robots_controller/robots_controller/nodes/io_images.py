@@ -7,12 +7,12 @@ from functools import partial
 from typing import Any, Final
 
 import numpy as np
-from rclpy.node import Node
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
 from robots_controller.io.io_image import Channel
 from robots_core.ros.messages import doubles
 from robots_core.ros.qos import STATE, subscribe_state
+from robots_core.ros.timed_node import TimedNode
 from robots_core.validation import Array
 
 MESSAGES: Final[dict[str, Any]] = {'digital': UInt8MultiArray, 'analog': Float64MultiArray}
@@ -26,7 +26,7 @@ class InputImages:
         channels: The inputs that will be set; a kind that has none is not published.
     """
 
-    def __init__(self, node: Node, channels: Iterable[Channel]) -> None:
+    def __init__(self, node: TimedNode, channels: Iterable[Channel]) -> None:
         self._values: dict[str, Array] = {}
         self._publishers: dict[str, Any] = {}
         self._published: dict[str, bytes] = {}
@@ -57,13 +57,13 @@ class OutputImages:
         on_change: An image came.
     """
 
-    def __init__(self, node: Node, channels: Iterable[Channel], on_change: Callable[[], None]) -> None:
+    def __init__(self, node: TimedNode, channels: Iterable[Channel], on_change: Callable[[], None]) -> None:
         self._node = node
         self._on_change = on_change
         self._values: dict[str, Array] = {}
         self._seen: dict[str, float] = {}
         for image, kind, _ in _sizes(channels):
-            self._seen[image] = 1e-9 * node.get_clock().now().nanoseconds
+            self._seen[image] = node.now()
             subscribe_state(node, MESSAGES[kind], image, partial(self._on_message, image))
 
     def value(self, channel: Channel) -> float | None:

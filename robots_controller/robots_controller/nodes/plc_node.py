@@ -8,10 +8,12 @@ from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from robots_controller.io.io_image import Channel
 from robots_controller.io.plc_script import PlcScript, read_plc_script
 from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.nodes.io_images import InputImages, OutputImages
 from robots_core.errors import InvalidInputError
+from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 
@@ -21,34 +23,51 @@ IDLE_PERIOD: Final = 3600.0  # s, of a timer that has nothing to do
 class PlcNode(RobotNode):
     """Hears the outputs and sets the inputs as a script says.
 
+    On the wall clock it acts at once. In simulated time it acts as a PLC does, once per cycle, on the outputs
+    that have come since the last one, in their order.
+
     Parameters:
         script: The YAML file; without one nothing is set.
+        cycle: Of the PLC in simulated time, s.
     """
+
+    phase = Phase.OBSERVE  # after the controller: in the cycle in which outputs are switched on the path
 
     def __init__(self, **options: Any) -> None:
         super().__init__('plc_node', **options)
         path = self.parameter('script', '', 'YAML file with the rules of the PLC', read_only=True)
+        cycle = self.parameter(
+            'cycle', 0.004, 'of the PLC in simulated time, s', bounds=(1e-4, 10.0), read_only=True
+        )
         script = read_plc_script(path) if path else PlcScript(())
-        self._plc = ScriptedPlc(script, self._now())
+        self._plc = ScriptedPlc(script, self.now())
         self._inputs = InputImages(self, script.inputs)
         self._wanted = [channel for channel in script.channels if channel.direction == 'output']
-        self._timer = self.create_timer(IDLE_PERIOD, self._step)
-        self._outputs = OutputImages(self, self._wanted, self._step)
+        self._came: list[dict[Channel, float]] = []  # outputs since the last step
+        self._timer = self.create_timer(IDLE_PERIOD, self._step, autostart=False)
+        self._outputs = OutputImages(self, self._wanted, self._on_outputs)
         for channel, value in self._plc.inputs.items():
             self._inputs.set(channel, value)
         self._inputs.publish()
         self.ready('ready' if path else 'ready; parameter script is empty, no input is set')
-        self._step()
+        if self.simulated_time:
+            self.start_loop(lambda _: self._step(), period=cycle, name='PLC')
+        else:
+            self._step()
 
-    def _now(self) -> float:
-        return 1e-9 * self.get_clock().now().nanoseconds
+    def _on_outputs(self) -> None:
+        heard = {channel: self._outputs.value(channel) for channel in self._wanted}
+        self._came.append({channel: value for channel, value in heard.items() if value is not None})
+        if not self.simulated_time:
+            self._step()
 
     def _step(self) -> None:
-        heard = {channel: self._outputs.value(channel) for channel in self._wanted}
-        outputs = {channel: value for channel, value in heard.items() if value is not None}
-        now = self._now()
+        came, self._came = self._came, []
+        now = self.now()
         try:
-            changes = self._plc.step(now, outputs)
+            changes = self._plc.step(now, {})
+            for outputs in came:
+                changes = changes + self._plc.step(now, outputs)
         except InvalidInputError as error:
             self.get_logger().error(str(error))  # type: ignore[no-untyped-call]
             self.report_health(DiagnosticStatus.ERROR, str(error))
@@ -57,9 +76,10 @@ class PlcNode(RobotNode):
         for change in changes:
             self._inputs.set(change.channel, change.value)
             self._inputs.publish()
-        due = self._plc.next_time - now
-        self._timer.timer_period_ns = int(1e9 * (IDLE_PERIOD if due == math.inf else max(1e-4, due)))
-        self._timer.reset()
+        if not self.simulated_time:
+            due = self._plc.next_time - now
+            self._timer.timer_period_ns = int(1e9 * (IDLE_PERIOD if due == math.inf else max(1e-4, due)))
+            self._timer.reset()
 
 
 def main() -> None:

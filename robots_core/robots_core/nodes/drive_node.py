@@ -15,7 +15,7 @@ from robots_core.blocks.drives.drive_level import check_level, drive_train
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.payload_parameter import payload_from_parameters
-from robots_core.periodic_thread import PeriodicThread
+from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import doubles, joint_values
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, STATE
@@ -34,6 +34,8 @@ class DriveNode(RobotNode):
     `rigid_body` reports the torques of the motors too, as effort. The parameters `fault_...` may be set at
     any time: axes that stop following, whose encoders freeze or that vanish from `joint_states`, and noise.
     """
+
+    phase = Phase.DRIVES
 
     def __init__(self, **options: Any) -> None:
         super().__init__('drive_node', **options)
@@ -92,14 +94,11 @@ class DriveNode(RobotNode):
         )
         self._message = JointState(name=list(axes.names))
         self._publisher = self.create_publisher(JointState, 'joint_states', STATE)
-        self._thread = PeriodicThread(
-            self._step,
-            period=self._period,
-            name='drives',
-            on_error=self.thread_failed,
-            realtime_priority=priority,
+        if self.simulated_time:  # the controller's first period needs to find the robot where it is
+            self._report(q, np.zeros_like(q))
+        self._loop = self.start_loop(
+            self._step, period=self._period, name='drives', realtime_priority=priority
         )
-        self._thread.start()
         self.ready(rate=rate, drives=level)
 
     def _declare_faults(self) -> None:
@@ -133,8 +132,7 @@ class DriveNode(RobotNode):
             noise=values['fault_noise'],
         )
 
-    def _step(self, deadline: float) -> None:
-        del deadline
+    def _step(self, _now: float) -> None:
         message = self._references.take()
         if message is None:
             self._extrapolate()
@@ -186,8 +184,8 @@ class DriveNode(RobotNode):
         return q, q_dot
 
     def destroy_node(self) -> None:
-        """End the thread before what it uses."""
-        self._thread.stop()
+        """End the loop before what it uses."""
+        self._loop.stop()
         super().destroy_node()  # type: ignore[no-untyped-call]
 
 

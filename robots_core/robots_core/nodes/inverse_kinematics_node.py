@@ -20,7 +20,7 @@ from robots_core.blocks.following.pose_following import FollowedStep, pose_follo
 from robots_core.blocks.following.reference_following import ReferenceFollowing
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
-from robots_core.periodic_thread import PeriodicThread
+from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import joint_values, pose_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import STREAM, subscribe_state
@@ -54,6 +54,8 @@ class InverseKinematicsNode(RobotNode):
         largest_deviation: The controller's reference may be this far from the one sent, rad (m), before this
             node starts again from there.
     """
+
+    phase = Phase.GUIDANCE
 
     def __init__(self, **options: Any) -> None:
         super().__init__('inverse_kinematics_node', **options)
@@ -113,17 +115,12 @@ class InverseKinematicsNode(RobotNode):
         self._stream = ReferenceStream(
             self, 'joint_trajectory', self._names, time_from_start=self._dt, qos=STREAM
         )
-        self.create_timer(REPORT_PERIOD, self._report)
+        self.create_timer(REPORT_PERIOD, self._report, phase=Phase.OBSERVE)
         sys.setswitchinterval(SWITCH_INTERVAL)
         gc.freeze()
-        self._thread = PeriodicThread(
-            self._step,
-            period=self._dt,
-            name='inverse kinematics',
-            on_error=self.thread_failed,
-            realtime_priority=priority,
+        self._loop = self.start_loop(
+            self._step, period=self._dt, name='inverse kinematics', realtime_priority=priority
         )
-        self._thread.start()
 
     # -- the loop's thread ---------------------------------------------------------------------------
 
@@ -228,7 +225,7 @@ class InverseKinematicsNode(RobotNode):
         return np.array([position, velocity, np.zeros_like(position)])
 
     def _refuse_input(self, topic: str, error: RobotsError) -> None:
-        self._refusal, self._refusal_time = f'{topic}: {error}', time.monotonic()
+        self._refusal, self._refusal_time = f'{topic}: {error}', self.now()
         self.get_logger().error(  # type: ignore[no-untyped-call]
             self._refusal, throttle_duration_sec=REFUSAL_SHOWN
         )
@@ -239,7 +236,7 @@ class InverseKinematicsNode(RobotNode):
         self._command_state = message.data
 
     def _report(self) -> None:
-        values: dict[str, Any] = {'method': self._method, 'missed_deadlines': self._thread.missed}
+        values: dict[str, Any] = {'method': self._method, 'missed_deadlines': self._loop.missed}
         step = self._step_result
         if step is not None:
             values |= {
@@ -251,7 +248,7 @@ class InverseKinematicsNode(RobotNode):
         durations = list(self._durations)
         if durations:
             values['computation_p99_ms'] = f'{1e3 * float(np.percentile(durations, 99.0)):.3f}'
-        if time.monotonic() - self._refusal_time < REFUSAL_SHOWN:
+        if self.now() - self._refusal_time < REFUSAL_SHOWN:
             self.report_health(DiagnosticStatus.WARN, self._refusal, **values)
         elif self._streaming:
             self.ready('following', **values)
@@ -262,7 +259,7 @@ class InverseKinematicsNode(RobotNode):
 
     def destroy_node(self) -> None:
         """End the loop before what it uses."""
-        self._thread.stop()
+        self._loop.stop()
         super().destroy_node()  # type: ignore[no-untyped-call]
 
 

@@ -37,6 +37,8 @@ class VisualizerNode(RobotNode):
         rate: Highest rate of the page's updates, Hz.
     """
 
+    takes_part = False  # who looks on does not hold time
+
     def __init__(self, **options: Any) -> None:
         super().__init__('visualizer_node', **options)
         host = self.parameter(

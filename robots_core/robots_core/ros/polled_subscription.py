@@ -2,36 +2,26 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Iterator
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
-from rclpy.callback_groups import CallbackGroup
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
+from robots_core.ros.lockstep.counted import NeverExecuted
+from robots_core.ros.lockstep.participant import PATIENCE, Participant
+
 Message = TypeVar('Message')
-
-
-class _Polled(CallbackGroup):
-    """Entities that no executor may take."""
-
-    def can_execute(self, entity: Any) -> bool:
-        del entity
-        return False
-
-    def beginning_execution(self, entity: Any) -> bool:
-        del entity
-        return False
-
-    def ending_execution(self, entity: Any) -> None:
-        del entity
 
 
 class PolledSubscription(Generic[Message]):
     """Newest message of a topic, taken when asked for.
 
     Waking the executor costs several times what taking a message does; a loop that looks once per period
-    anyway needs no waking.
+    anyway needs no waking. In lock-step, what was sent in earlier phases is waited for when the loop looks:
+    the messages taken do not depend on the machine.
 
     Args:
         node: Where the subscription belongs.
@@ -45,8 +35,12 @@ class PolledSubscription(Generic[Message]):
         self, node: Node, message_type: type[Message], topic: str, qos: QoSProfile, *, raw: bool = False
     ) -> None:
         self._subscription = node.create_subscription(
-            message_type, topic, _never_called, qos, callback_group=_Polled(), raw=raw
+            message_type, topic, _never_called, qos, callback_group=NeverExecuted(), raw=raw
         )
+        participant: Participant | None = getattr(node, 'participant', None)
+        self._participant = None if participant is None or participant.started else participant
+        self._topic: str = self._subscription.topic_name
+        self._newest = 0  # sequence number of the message
 
     def take(self) -> Message | None:
         """The newest message since the last call, or None."""
@@ -57,12 +51,18 @@ class PolledSubscription(Generic[Message]):
 
     def take_all(self) -> Iterator[tuple[Message, dict[str, int]]]:
         """All messages since the last call, oldest first, each with its info (`source_timestamp`, ns)."""
-        subscription = self._subscription
+        subscription, deadline = self._subscription, math.inf
         while True:
             taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
-            if taken is None:
+            if taken is not None:
+                self._newest = taken[1]['publication_sequence_number']
+                deadline = math.inf
+                yield taken
+            elif self._participant is None or not self._participant.is_behind(self._topic, self._newest):
                 return
-            yield taken
+            else:
+                deadline = min(deadline, time.monotonic() + PATIENCE)
+                self._participant.wait_for_message(self._topic, deadline)
 
     @property
     def publishers(self) -> int:

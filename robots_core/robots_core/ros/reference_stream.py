@@ -12,6 +12,7 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from robots_core.ros.lockstep.counted import CountedPublisher
 from robots_core.ros.messages import doubles
 from robots_core.ros.qos import STATE
 from robots_core.validation import Array
@@ -48,9 +49,12 @@ class ReferenceStream:
         qos: QoSProfile = STATE,
     ) -> None:
         self._publisher = node.create_publisher(JointTrajectory, topic, qos)
-        self._publish = self._publisher.handle.publish_raw  # without the publisher's checks of its argument
+        if isinstance(self._publisher, CountedPublisher):
+            self._publish = self._publisher.publish
+        else:
+            self._publish = self._publisher.handle.publish_raw  # without its checks of the argument
         self._clock = node.get_clock()
-        self._simulated = bool(node.get_parameter('use_sim_time').value)
+        self._simulated = bool(getattr(self._clock, 'ros_time_is_active', False))
         n = len(names)
         # Marks that cannot occur by chance show where serialization puts each of the three arrays.
         marks = 1e300 * (1.0 + np.arange(3.0 * n).reshape(3, n))
@@ -75,7 +79,7 @@ class ReferenceStream:
         Args:
             reference: (3, n): position, velocity, acceleration; never changed after it was published.
             deadline: When it was due, s on the clock of `time.monotonic`: the message's stamp, free of the
-                jitter of sending.
+                jitter of sending. In simulated time the stamp is that of the node's clock.
         """
         if self._simulated:
             nanoseconds = self._clock.now().nanoseconds

@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.robot_choice import load_robot_model
+from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
 from robots_core.ros.qos import COMMAND
+from robots_core.ros.timed_node import TimedNode
 
 HEALTH_PERIOD = 1.0  # s
 REPEAT_PERIOD = 5.0  # s
 
 
-class RobotNode(Node):
+class RobotNode(TimedNode):
     """A node with parameter `robot_model` and a diagnostic status of its own.
 
     The status is published on `/diagnostics` once a second and at every change. A node is ready when
@@ -31,7 +31,7 @@ class RobotNode(Node):
     Args:
         name: Default node name.
         robot: Default of parameter `robot_model`.
-        options: Passed on to `rclpy.node.Node`.
+        options: Passed on to `TimedNode`.
 
     Raises:
         UnknownRobotError: the parameter names no robot.
@@ -49,7 +49,7 @@ class RobotNode(Node):
         self._health_values: dict[str, object] = {}
         self._bad_streams: dict[str, float] = {}
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', COMMAND)
-        self.create_timer(HEALTH_PERIOD, self._repeat_health)
+        self.create_timer(HEALTH_PERIOD, self._repeat_health, phase=Phase.OBSERVE)
 
     def parameter(
         self,
@@ -133,11 +133,9 @@ class RobotNode(Node):
 
     def thread_failed(self, error: BaseException) -> None:
         """Report that a thread of this node ended by itself, and end the node."""
-        if not self.context.ok():  # shut down from outside: the thread only noticed it first
-            return
-        self.get_logger().fatal(f'internal error: {error!r}')  # type: ignore[no-untyped-call]
-        self.report_health(DiagnosticStatus.ERROR, f'internal error: {error!r}')
-        self.context.try_shutdown()
+        if self.context.ok():
+            self.report_health(DiagnosticStatus.ERROR, f'internal error: {error!r}')
+        super().thread_failed(error)
 
     def refuse(self, topic: str, error: RobotsError, *, stream: bool = False) -> None:
         """Log and report bad input on a topic; the node goes on.
@@ -147,7 +145,7 @@ class RobotNode(Node):
             error: What is wrong with it.
             stream: The topic is a stream: as long as it stays bad it is logged once in `REPEAT_PERIOD`.
         """
-        now = time.monotonic()
+        now = self.now()
         if not stream or now - self._bad_streams.get(topic, -REPEAT_PERIOD) >= REPEAT_PERIOD:
             self._bad_streams[topic] = now
             self.get_logger().error(f'{topic}: {error}')  # type: ignore[no-untyped-call]

@@ -1,0 +1,1 @@
+"""Simulated time that advances when every node has done what was due."""

@@ -1,0 +1,86 @@
+"""Agenda: whose turn is next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from robots_core.errors import RobotsError
+from robots_core.ros.lockstep.phases import NEVER, START, Phase
+
+# A participant that asks for another turn in every turn would let no time pass.
+MOST_TURNS: Final = 10_000
+
+
+class LockstepError(RobotsError):
+    """A lock-step run cannot go on; the message names the participant."""
+
+
+@dataclass(frozen=True)
+class Turn:
+    """What is due next.
+
+    Attributes:
+        time: ns.
+        phase: Of the instant.
+        participants: Those that have something to do.
+    """
+
+    time: int
+    phase: Phase
+    participants: tuple[str, ...]
+
+
+class Agenda:
+    """Goes from instant to instant and from phase to phase, past those in which nobody has anything to do.
+
+    What becomes due in a phase that is over waits for the next instant.
+    """
+
+    def __init__(self) -> None:
+        self.time = START
+        """The present instant, ns."""
+        self._phase = Phase.ENVIRONMENT
+        self._due: dict[str, tuple[int, ...]] = {}
+        self._turns = 0
+
+    def set_due(self, participant: str, due: tuple[int, ...]) -> None:
+        """When a participant has something to do next, ns, for each phase; `NEVER` for nothing."""
+        self._due[participant] = due
+
+    def next_turn(self, *, advance: bool = True) -> Turn | None:
+        """The next turn; None if nobody has anything to do.
+
+        Args:
+            advance: Time may advance; otherwise only the present instant counts.
+
+        Raises:
+            LockstepError: time does not advance, somebody asks for turn after turn.
+        """
+        turn = self._at_this_instant()
+        if turn is not None:
+            self._turns += 1
+            if self._turns > MOST_TURNS:
+                raise LockstepError(
+                    f'{", ".join(turn.participants)} asked for {MOST_TURNS} turns at '
+                    f'{1e-9 * turn.time:.9f} s, time cannot advance'
+                )
+            return turn
+        if not advance:
+            return None
+        later = min((time for due in self._due.values() for time in due), default=NEVER)
+        if later == NEVER:
+            return None
+        # What became due in a phase that was over is done at the next instant at which anything is due.
+        after = min((t for due in self._due.values() for t in due if t > self.time), default=NEVER)
+        self.time = self.time + 1 if after == NEVER else after
+        self._phase, self._turns = Phase.ENVIRONMENT, 0
+        return self.next_turn()
+
+    def _at_this_instant(self) -> Turn | None:
+        for phase in range(self._phase, len(Phase)):
+            due = tuple(name for name, times in self._due.items() if times[phase] <= self.time)
+            if due:
+                self._phase = Phase(phase)
+                return Turn(self.time, self._phase, due)
+        return None

@@ -1,0 +1,256 @@
+"""Coordinator: lets simulated time advance when every participant has done what was due."""
+
+from __future__ import annotations
+
+import struct
+import time
+from collections.abc import Callable, Iterable
+from typing import Any, Final
+
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock as ClockMessage
+from std_msgs.msg import Int64MultiArray, String
+
+from robots_core.errors import RobotsError
+from robots_core.ros.lockstep.agenda import Agenda, LockstepError
+from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
+from robots_core.ros.lockstep.protocol import (
+    ALL,
+    GO,
+    LATCHED,
+    LATCHED_BY_MANY,
+    NEWEST,
+    PARTICIPANTS,
+    RELEASE,
+    REPORT,
+    ROSTER,
+    TIME,
+    Announcement,
+    Roster,
+    decode,
+    encode,
+)
+from robots_core.ros.lockstep.traffic import Traffic
+
+JOINING_PATIENCE: Final = 120.0  # s of the wall clock: models and compiled code take long to load
+PATIENCE: Final = 30.0  # s of the wall clock
+WATCH_PERIOD: Final = 0.1  # s of the wall clock
+
+_CLOCK = struct.Struct('<4siI')  # CDR of a Clock
+_LITTLE_ENDIAN: Final = b'\x00\x01\x00\x00'
+
+
+class Coordinator:
+    """Goes through the phases of one instant after the other (see `Phase`), each as soon as all is quiet.
+
+    The run begins at `START` when all expected participants have joined and found each other. While it is
+    held, the present instant goes on, with whatever services are called in it, and time stands still.
+
+    All methods are called in the thread that spins the node.
+
+    Args:
+        node: Whose topics are used; spun by the owner.
+        expected: Names of the participants, each with its namespace; others may join too before the start.
+        on_error: Called once when the run cannot go on; by default the error is raised where the node spins.
+        on_held: Called when nothing more is due at this instant and the run is held.
+        held: The run is held from the beginning on.
+        patience: Longest time without any progress, s of the wall clock.
+        joining_patience: Longest time until the run begins, s of the wall clock.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        expected: Iterable[str],
+        *,
+        on_error: Callable[[LockstepError], None] | None = None,
+        on_held: Callable[[], None] = lambda: None,
+        held: bool = False,
+        patience: float = PATIENCE,
+        joining_patience: float = JOINING_PATIENCE,
+    ) -> None:
+        self.instants = 0
+        """Instants so far."""
+        self._node, self._expected = node, frozenset(expected)
+        self._on_error, self._on_held = on_error, on_held
+        self._patience, self._joining_patience = patience, joining_patience
+        self._held, self._told_held = held, False
+        self._traffic, self._agenda = Traffic(), Agenda()
+        self._announced: dict[str, Announcement] = {}
+        self._names: list[str] = []
+        self._roster = Roster(0, {}, ())
+        self._gos: dict[str, Any] = {}
+        self._sequence, self._started, self._ended = 0, False, False
+        self._outstanding: set[str] = set()
+        self._busy: set[str] = set()
+        self._early: dict[str, dict[int, int]] = {}  # counts of endpoints that were not announced yet
+        self._progress = time.monotonic()
+        self._time_told = -1
+
+        self._rosters = node.create_publisher(String, ROSTER, LATCHED)
+        self._times = node.create_publisher(Int64MultiArray, TIME, NEWEST)
+        self._clock = node.create_publisher(ClockMessage, '/clock', NEWEST)
+        node.create_subscription(String, PARTICIPANTS, self._on_announcement, LATCHED_BY_MANY)
+        node.create_subscription(Int64MultiArray, REPORT, self._on_report, ALL, raw=True)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._watch = node.create_timer(WATCH_PERIOD, self._look_for_progress, clock=steady)
+
+    @property
+    def time(self) -> int:
+        """The present instant, ns."""
+        return self._agenda.time
+
+    @property
+    def started(self) -> bool:
+        """All participants have joined and time may advance."""
+        return self._started
+
+    @property
+    def missing(self) -> list[str]:
+        """Expected participants that have not joined."""
+        return sorted(self._expected - self._announced.keys())
+
+    def hold(self) -> None:
+        """Let no time pass after the present instant."""
+        self._held = True
+
+    def release(self) -> None:
+        """Let time pass."""
+        self._held = self._told_held = False
+        self._go_on()
+
+    def end(self) -> None:
+        """End the run: time stands still for good, and nobody is waited for."""
+        self._ended = True
+        self._watch.cancel()
+
+    # -- joining -----------------------------------------------------------------------------------------
+
+    def _on_announcement(self, message: String) -> None:
+        announcement = Announcement.from_json(message.data)
+        name = announcement.name
+        if self._started and name not in self._announced:
+            self._node.get_logger().warning(f'{name} is too late to take part: the run has begun')
+            return
+        before = self._announced.get(name)
+        self._announced[name] = announcement
+        if before is None:
+            self._names.append(name)
+            self._gos[name] = self._node.create_publisher(Int64MultiArray, f'{name}/{GO}', ALL)
+        try:
+            if before is None or before.endpoints != announcement.endpoints:
+                self._change_roster(announcement)
+            self._begin_when_matched()
+        except RobotsError as error:
+            self._fail(LockstepError(error.message))
+
+    def _change_roster(self, announcement: Announcement) -> None:
+        name = announcement.name
+        self._traffic.join(name, announcement.endpoints)
+        for index, count in self._early.pop(name, {}).items():
+            self._count(name, index, count)
+        participants = {name: self._announced[name].endpoints for name in self._names}
+        polled = dict.fromkeys([*self._roster.polled, *self._traffic.polled])
+        self._roster = Roster(self._roster.version + 1, participants, tuple(polled))
+        self._rosters.publish(String(data=self._roster.to_json()))
+        self._progress = time.monotonic()
+        self._go_on()
+
+    def _begin_when_matched(self) -> None:
+        if self._started or self.missing:
+            return
+        if any(one.matched != self._roster.version for one in self._announced.values()):
+            return
+        if any(go.get_subscription_count() == 0 for go in self._gos.values()):
+            return
+        self._started = True
+        self._give_turn(RELEASE, self._names)
+
+    # -- running -----------------------------------------------------------------------------------------
+
+    def _give_turn(self, phase: int, names: Iterable[str]) -> None:
+        self._sequence += 1
+        now = self._agenda.time
+        sent = [self._traffic.sent(topic) for topic in self._roster.polled]
+        self._times.publish(encode([self._sequence, now, phase, *sent]))
+        if now != self._time_told:
+            self._time_told = now
+            self.instants += 1
+            self._clock.publish(_CLOCK.pack(_LITTLE_ENDIAN, *divmod(now, NANOSECONDS)))
+        go = encode([self._sequence])
+        self._outstanding.update(names)
+        for name in names:
+            self._gos[name].publish(go)
+
+    def _on_report(self, data: bytes) -> None:
+        number, answered, busy, *numbers = decode(data)
+        name, phases = self._names[number], len(Phase)
+        self._progress = time.monotonic()
+        self._agenda.set_due(name, tuple(numbers[:phases]))
+        for place in range(phases, len(numbers), 2):
+            self._count(name, numbers[place], numbers[place + 1])
+        if answered == self._sequence:
+            self._outstanding.discard(name)
+        if busy:
+            self._busy.add(name)
+        else:
+            self._busy.discard(name)
+        self._go_on()
+
+    def _count(self, name: str, index: int, count: int) -> None:
+        if index < len(self._announced[name].endpoints):
+            self._traffic.count(name, index, count)
+        else:
+            self._early.setdefault(name, {})[index] = count
+
+    @property
+    def _quiet(self) -> bool:
+        return not (self._outstanding or self._busy or self._early) and self._traffic.quiet
+
+    def _go_on(self) -> None:
+        if not self._started or self._ended or not self._quiet:
+            return
+        try:
+            turn = self._agenda.next_turn(advance=not self._held)
+        except LockstepError as error:
+            self._fail(error)
+            return
+        if turn is not None:
+            self._told_held = False
+            self._give_turn(turn.phase, turn.participants)
+        elif self._held and not self._told_held:
+            self._told_held = True
+            self._on_held()
+
+    # -- patience ----------------------------------------------------------------------------------------
+
+    def _look_for_progress(self) -> None:
+        self._begin_when_matched()
+        idle = time.monotonic() - self._progress
+        if not self._started:
+            if idle > self._joining_patience:
+                self._fail(LockstepError(f'{self._not_joined()} within {self._joining_patience:g} s'))
+        elif idle > self._patience and not self._quiet:
+            self._fail(LockstepError(f'{self._not_done()} within {self._patience:g} s'))
+
+    def _not_joined(self) -> str:
+        if self.missing:
+            return f'{", ".join(self.missing)} did not join the lock-step run'
+        unmatched = [one.name for one in self._announced.values() if one.matched != self._roster.version]
+        return f'{", ".join(unmatched) or "the coordinator"} did not find all topics and services'
+
+    def _not_done(self) -> str:
+        at = f'at {1e-9 * self._agenda.time:.9f} s'
+        if self._outstanding:
+            return f'{", ".join(sorted(self._outstanding))} did not do what was due {at}'
+        if self._busy:
+            return f'{", ".join(sorted(self._busy))} did not end the work under way {at}'
+        return f'{"; ".join(self._traffic.on_the_way())} {at}: this did not change'
+
+    def _fail(self, error: LockstepError) -> None:
+        self.end()
+        if self._on_error is None:
+            raise error
+        self._on_error(error)

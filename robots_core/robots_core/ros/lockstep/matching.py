@@ -1,0 +1,63 @@
+"""Whether the endpoints of a roster have found each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from robots_core.ros.lockstep.protocol import Roster
+
+
+def unmatched_publisher(node: Node, publisher: Any, topic: str, roster: Roster, *, latched: bool) -> str:
+    """Why a publisher does not reach every subscription of the roster yet; '' if it does.
+
+    Subscriptions of nodes that do not take part have to be matched too: a count does not show which are.
+    """
+    wanted = [
+        participant
+        for participant, endpoints in roster.participants.items()
+        for endpoint in endpoints
+        if endpoint.name == topic and endpoint.kind in {'subscription', 'polled'}
+        if latched or not endpoint.latched
+    ]
+    found = [
+        info
+        for info in node.get_subscriptions_info_by_topic(topic)
+        if latched or info.qos_profile.durability is not DurabilityPolicy.TRANSIENT_LOCAL
+    ]
+    return _problem(topic, 'subscription', wanted, found, publisher.get_subscription_count())
+
+
+def unmatched_subscription(
+    node: Node, subscription: Any, topic: str, roster: Roster, *, latched: bool
+) -> str:
+    """Why a subscription does not hear every publisher of the roster yet; '' if it does."""
+    wanted = [
+        participant
+        for participant, endpoints in roster.participants.items()
+        for endpoint in endpoints
+        if endpoint.name == topic and endpoint.kind == 'publisher' and (endpoint.latched or not latched)
+    ]
+    found = [
+        info
+        for info in node.get_publishers_info_by_topic(topic)
+        if info.qos_profile.reliability is ReliabilityPolicy.RELIABLE
+        if not latched or info.qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
+    ]
+    return _problem(topic, 'publisher', wanted, found, subscription.get_publisher_count())
+
+
+def _problem(
+    topic: str, what: str, wanted: Sequence[str], found: Sequence[TopicEndpointInfo], matched: int
+) -> str:
+    names = [f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in found]
+    missing = [name for name in dict.fromkeys(wanted) if names.count(name) < wanted.count(name)]
+    if missing:
+        return f'the {what} of {missing[0]} on {topic} was not found'
+    if matched < len(found):
+        return f'{matched} of {len(found)} {what}s on {topic} are matched'
+    return ''

@@ -1,0 +1,400 @@
+"""Participant: a node's part in a lock-step run."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, Final
+
+from rclpy.clock import Clock, ROSClock
+from rclpy.clock_type import ClockType
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.time import Time
+from std_msgs.msg import Int64MultiArray, String
+
+from robots_core.ros.lockstep.agenda import LockstepError
+from robots_core.ros.lockstep.counted import (
+    DEPTH,
+    POLLED_DEPTH,
+    CountedPublisher,
+    NeverExecuted,
+    count_client,
+    count_service,
+    counted_callback,
+    is_latched,
+    reliable,
+)
+from robots_core.ros.lockstep.matching import unmatched_publisher, unmatched_subscription
+from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
+from robots_core.ros.lockstep.protocol import (
+    ALL,
+    GO,
+    LATCHED,
+    NEWEST,
+    PARTICIPANTS,
+    RELEASE,
+    REPORT,
+    ROSTER,
+    TIME,
+    Announcement,
+    Endpoint,
+    Kind,
+    Roster,
+    decode,
+    encode,
+)
+from robots_core.ros.lockstep.timed_work import LockstepLoop, LockstepTimer, LockstepTurn, TimedWork
+from robots_core.ros.lockstep.traffic import CLOSED
+
+MATCHING_PERIOD: Final = 0.02  # s of the wall clock between looks, until all endpoints are matched
+POLL: Final = 2e-5  # s
+PATIENCE: Final = 30.0  # s of the wall clock for a message that was sent
+
+
+class Participant:
+    """Counts a node's messages, sets its clock, and does what is due when the coordinator says so.
+
+    A node that is no `TimedNode` creates with the methods of this class what shall be counted; what it
+    creates itself is not waited for. Subscriptions are created before the node is spun. Time is `START` until
+    the run begins; messages published before are sent then.
+
+    Callbacks run as messages arrive, and time stands still meanwhile. Work that goes on in a thread of the
+    node's own after the callback that gave it has returned holds `busy` as long as it goes on; what it
+    publishes without is not waited for.
+
+    Args:
+        node: The node; it must not follow `/clock` itself.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self.node = node
+        self.name: Final[str] = node.get_fully_qualified_name()
+        self._time, self._sequence, self._phase = START, 0, 0
+        self._answered = 0
+        self._number: int | None = None
+        self._roster: Roster | None = None
+        self._polled: dict[str, int] = {}  # where the message of TIME counts a topic
+        self._polled_counts: tuple[int, ...] = ()
+        self._started = False
+        self._matched = 0  # version of the roster
+        self._announced = Announcement('', ())
+        self._endpoints: list[Endpoint] = []
+        self._entities: list[Any] = []
+        self._counts: list[int] = []
+        self._reported: list[int] = []
+        self._works: list[TimedWork] = []
+        self._inside = self._busy = 0
+        self._lock = threading.RLock()
+        self._replies: list[Callable[[], None]] = []
+        self._set_clock()
+        create = _Uncounted(node)
+        self._participants = create.publisher(String, PARTICIPANTS, LATCHED)
+        self._reports = create.publisher(Int64MultiArray, REPORT, ALL)
+        self._times = create.polled(Int64MultiArray, TIME, NEWEST)
+        self._go = create.subscription(Int64MultiArray, f'{self.name}/{GO}', self._on_go, ALL)
+        create.subscription(String, ROSTER, self._on_roster, LATCHED, raw=False)
+        self._after_replies = node.create_guard_condition(self._handle_replies)
+        self._matching = Node.create_timer(
+            node, MATCHING_PERIOD, self._match, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+
+    @property
+    def time(self) -> int:
+        """The present instant, ns."""
+        return self._time
+
+    @property
+    def started(self) -> bool:
+        """The run has begun."""
+        return self._started
+
+    # -- what is counted -----------------------------------------------------------------------------
+
+    def create_publisher(self, message_type: Any, topic: str, qos: QoSProfile | int, **options: Any) -> Any:
+        """As `Node.create_publisher`, reliable; messages are held back until all subscriptions match."""
+        qos = reliable(qos, DEPTH)
+        publisher: Any = Node.create_publisher(
+            self.node, message_type, topic, qos, publisher_class=CountedPublisher, **options
+        )
+        publisher.count(
+            self, self._add('publisher', publisher.topic_name, publisher, latched=is_latched(qos))
+        )
+        if self._started:
+            self._change_busy(1)
+        return publisher
+
+    def create_subscription(
+        self, message_type: Any, topic: str, callback: Any, qos: QoSProfile | int, **options: Any
+    ) -> Any:
+        """As `Node.create_subscription`, reliable and with a deep queue.
+
+        One that is created after the start does not hold time until it has received everything.
+        """
+        polled = isinstance(options.get('callback_group'), NeverExecuted)
+        qos = reliable(qos, POLLED_DEPTH if polled else DEPTH)
+        kind: Kind = 'polled' if polled else 'subscription'
+        index = -1 if self._started else len(self._endpoints)
+        if not polled:
+            callback = counted_callback(callback, self, index)
+        subscription = Node.create_subscription(self.node, message_type, topic, callback, qos, **options)
+        if not self._started:
+            self._add(kind, subscription.topic_name, subscription, latched=is_latched(qos))
+        return subscription
+
+    def create_service(self, service_type: Any, name: str, callback: Any, **options: Any) -> Any:
+        """As `Node.create_service`."""
+        service = Node.create_service(self.node, service_type, name, callback, **options)
+        count_service(service, self, self._add('service', service.service_name, service))
+        return service
+
+    def create_client(self, service_type: Any, name: str, **options: Any) -> Any:
+        """As `Node.create_client`; time stands still until a service of a participant has answered."""
+        client = Node.create_client(self.node, service_type, name, **options)
+        index = self._add('requests', client.service_name, client)
+        self._add('replies', client.service_name, client)
+        count_client(client, self, index, self._after_callbacks)
+        return client
+
+    def destroyed(self, entity: Any) -> None:
+        """A subscription is not waited for any more."""
+        for index, one in enumerate(self._entities):
+            if one is entity and self._endpoints[index].kind == 'subscription':
+                self._counts[index] = CLOSED
+
+    def is_behind(self, topic: str, sequence_number: int) -> bool:
+        """More messages were sent on a polled topic before this phase than its newest one's number says."""
+        self._update()
+        place = self._polled.get(topic)
+        if place is None or place >= len(self._polled_counts):
+            return False
+        return sequence_number < self._polled_counts[place]
+
+    # -- what is due ---------------------------------------------------------------------------------
+
+    def create_timer(
+        self, period: float, callback: Callable[[], object], *, phase: Phase, autostart: bool = True
+    ) -> LockstepTimer:
+        """A timer with a period in s; first due one period from now."""
+        timer = LockstepTimer(
+            round(period * NANOSECONDS), callback, phase=phase, now=lambda: self._time, autostart=autostart
+        )
+        self._add_work(timer)
+        return timer
+
+    def start_loop(self, work: Callable[[float], None], *, period: float, phase: Phase) -> LockstepLoop:
+        """Call `work(now)` at the multiples of a period (s) from the start on, `START` included."""
+        first = self._time + 1 if self._started else START
+        loop = LockstepLoop(work, period=round(period * NANOSECONDS), phase=phase, first=first)
+        self._add_work(loop)
+        return loop
+
+    def create_turn(self, work: Callable[[float], None], *, phase: Phase) -> LockstepTurn:
+        """Work that is done in a phase of instants that the node asks for."""
+        turn = LockstepTurn(work, phase=phase, asked=self._report_unless_inside)
+        self._add_work(turn)
+        return turn
+
+    def _add_work(self, work: TimedWork) -> None:
+        self._works = [one for one in self._works if getattr(one, 'alive', True)] + [work]
+
+    @contextmanager
+    def busy(self) -> Iterator[None]:
+        """Time stands still, whatever the other nodes do; from any thread."""
+        self._change_busy(1)
+        try:
+            yield
+        finally:
+            self._change_busy(-1)
+
+    def _change_busy(self, change: int) -> None:
+        with self._lock:
+            self._busy += change
+        self._report_unless_inside()
+
+    # -- Counter: the executor's thread, but `sent` ------------------------------------------------------
+
+    def sent(self, index: int) -> None:
+        """A message is being sent."""
+        with self._lock:
+            self._counts[index] += 1
+        if not self._busy:
+            self._report_unless_inside()
+
+    def received(self, index: int) -> None:
+        """A message was handled."""
+        if index >= 0 and self._counts[index] != CLOSED:
+            with self._lock:
+                self._counts[index] += 1
+
+    def enter(self) -> None:
+        """A callback begins."""
+        self._update()
+        self._inside += 1
+
+    def leave(self) -> None:
+        """A callback has ended."""
+        self._inside -= 1
+        self._report_unless_inside()
+
+    def _report_unless_inside(self) -> None:
+        if self._inside or self._number is None or not self._started:
+            return
+        with self._lock:
+            due = [NEVER] * len(Phase)
+            for work in self._works:
+                due[work.phase] = min(due[work.phase], work.due)
+            report = [self._number, self._answered, int(self._busy > 0), *due]
+            if self._counts != self._reported:
+                for index, count in enumerate(self._counts):
+                    if index >= len(self._reported) or count != self._reported[index]:
+                        report += (index, count)
+                self._reported = list(self._counts)
+            self._reports.publish(encode(report))
+
+    # -- the coordinator's messages ----------------------------------------------------------------------
+
+    def _on_go(self, data: bytes) -> None:
+        (sequence,) = decode(data)
+        deadline = time.monotonic() + PATIENCE
+        self.enter()
+        while self._sequence < sequence:
+            self.wait_for_message(TIME, deadline)
+            self._update()
+        if self._phase == RELEASE:
+            self._started = True
+            for publisher in self._publishers():
+                publisher.release()
+        else:
+            self._do_what_is_due()
+        self._answered = sequence
+        self.leave()
+
+    def _do_what_is_due(self) -> None:
+        now, phase = self._time, self._phase
+        works = [work for work in self._works if work.phase == phase and work.due <= now]
+        for work in sorted(works, key=lambda work: work.due):
+            if work.due <= now:  # not cancelled by one before it
+                work.run(now)
+
+    def _update(self) -> None:
+        taken = self._times.handle.take_message(Int64MultiArray, True)  # raw
+        if taken is None:
+            return
+        self._sequence, now, self._phase, *counts = decode(taken[0])
+        self._polled_counts = tuple(counts)
+        if now != self._time:
+            self._time = now
+            self._set_clock()
+
+    def _set_clock(self) -> None:
+        clock = self.node.get_clock()
+        assert isinstance(clock, ROSClock)
+        clock.set_ros_time_override(Time(nanoseconds=self._time, clock_type=ClockType.ROS_TIME))
+        if not clock.ros_time_is_active:
+            clock._set_ros_time_is_active(True)  # noqa: SLF001  # as rclpy's TimeSource does
+
+    def wait_for_message(self, topic: str, deadline: float) -> None:
+        """Wait a little for the middleware.
+
+        Raises:
+            LockstepError: the deadline is over, s of `time.monotonic`.
+        """
+        if time.monotonic() > deadline:
+            raise LockstepError(f'what was sent on {topic} has not reached {self.name} within {PATIENCE:g} s')
+        time.sleep(POLL)
+
+    def _handle_replies(self) -> None:
+        while self._replies:
+            self._replies.pop(0)()
+
+    def _after_callbacks(self, function: Callable[[], None]) -> None:
+        self._replies.append(function)
+        self._after_replies.trigger()
+
+    # -- joining -----------------------------------------------------------------------------------------
+
+    def _add(self, kind: Kind, name: str, entity: Any, *, latched: bool = False) -> int:
+        with self._lock:
+            self._endpoints.append(Endpoint(kind, name, latched))
+            self._entities.append(entity)
+            self._counts.append(0)
+        self._matching.reset()
+        return len(self._counts) - 1
+
+    def _on_roster(self, message: String) -> None:
+        roster = Roster.from_json(message.data)
+        if self.name not in roster.participants:
+            return
+        self._roster = roster
+        self._number = list(roster.participants).index(self.name)
+        self._polled = {topic: place for place, topic in enumerate(roster.polled)}
+        if not self._started:
+            self._matching.reset()
+
+    def _match(self) -> None:
+        """Announce what is new, and look whether all endpoints are matched."""
+        if self._roster is not None and not self.unmatched():
+            self._matched = self._roster.version
+            self._matching.cancel()
+        announcement = Announcement(self.name, tuple(self._endpoints), self._matched)
+        if announcement != self._announced:
+            self._announced = announcement
+            self._participants.publish(String(data=announcement.to_json()))
+
+    def unmatched(self) -> str:
+        """What still has to be found in the network; '' for nothing. Releases late publishers."""
+        roster = self._roster
+        if roster is None:
+            return 'the coordinator was not found'
+        if not (
+            self._reports.get_subscription_count()
+            and self._go.get_publisher_count()
+            and self._times.get_publisher_count()
+        ):
+            return 'the coordinator is not matched'
+        for endpoint, entity in zip(list(self._endpoints), list(self._entities), strict=True):
+            if problem := self._unmatched(endpoint, entity, roster):
+                return problem
+            if self._started and endpoint.kind == 'publisher' and entity.held:
+                entity.release()
+                self._change_busy(-1)
+        return ''
+
+    def _unmatched(self, endpoint: Endpoint, entity: Any, roster: Roster) -> str:
+        node, topic, latched = self.node, endpoint.name, endpoint.latched
+        if self._started and not (endpoint.kind == 'publisher' and entity.held):
+            return ''
+        if endpoint.kind == 'publisher':
+            return unmatched_publisher(node, entity, topic, roster, latched=latched)
+        if endpoint.kind in {'subscription', 'polled'}:
+            return unmatched_subscription(node, entity, topic, roster, latched=latched)
+        served = any(Endpoint('service', topic) in endpoints for endpoints in roster.participants.values())
+        if endpoint.kind == 'requests' and served and not entity.service_is_ready():
+            return f'the service {topic} was not found'
+        return ''
+
+    def _publishers(self) -> list[CountedPublisher]:
+        return [one for one in self._entities if isinstance(one, CountedPublisher)]
+
+
+class _Uncounted:
+    """Creates what the protocol itself needs."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+
+    def publisher(self, message_type: Any, topic: str, qos: QoSProfile) -> Any:
+        return Node.create_publisher(self._node, message_type, topic, qos)
+
+    def subscription(
+        self, message_type: Any, topic: str, callback: Any, qos: QoSProfile, *, raw: bool = True
+    ) -> Any:
+        return Node.create_subscription(self._node, message_type, topic, callback, qos, raw=raw)
+
+    def polled(self, message_type: Any, topic: str, qos: QoSProfile) -> Any:
+        return Node.create_subscription(
+            self._node, message_type, topic, lambda _: None, qos, callback_group=NeverExecuted(), raw=True
+        )

@@ -1,0 +1,146 @@
+"""What coordinator and participants of a lock-step run send each other."""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from typing import Final, Literal
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+PARTICIPANTS: Final = '/lockstep/participants'
+"""std_msgs/String, an `Announcement` as JSON; latched by each participant."""
+ROSTER: Final = '/lockstep/roster'
+"""std_msgs/String, a `Roster` as JSON; latched by the coordinator."""
+TIME: Final = '/lockstep/time'
+"""std_msgs/Int64MultiArray: sequence, time (ns), phase, messages sent so far on each polled topic."""
+REPORT: Final = '/lockstep/report'
+"""std_msgs/Int64MultiArray: participant, sequence answered, busy, next due time (ns) per phase, then pairs of
+an endpoint and its new count."""
+GO: Final = 'lockstep_go'
+"""std_msgs/Int64MultiArray below a participant's name: the sequence that it is to answer."""
+
+RELEASE: Final = -1
+"""The phase of the first turn, in which the participants send what they have held back so far."""
+
+LATCHED: Final = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+LATCHED_BY_MANY: Final = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1000,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+NEWEST: Final = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.VOLATILE,
+)
+ALL: Final = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1000,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.VOLATILE,
+)
+
+# CDR of an Int64MultiArray without layout: encapsulation (little endian), no dimensions, no offset, the
+# length, padding to 8 bytes, the numbers.
+_HEAD: Final = struct.Struct('<4sIII4x')
+_LITTLE_ENDIAN: Final = b'\x00\x01\x00\x00'
+
+Kind = Literal['publisher', 'subscription', 'polled', 'service', 'requests', 'replies']
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """Where a participant counts messages.
+
+    Attributes:
+        kind: What it counts; a client has two, its requests and behind them the replies to them.
+        name: Of the topic or service, with its namespace.
+        latched: It is transient-local; such a subscription does not match other publishers.
+    """
+
+    kind: Kind
+    name: str
+    latched: bool = False
+
+
+@dataclass(frozen=True)
+class Announcement:
+    """A node takes part.
+
+    Attributes:
+        name: The node's name, with its namespace.
+        endpoints: In the order of their numbers; more may follow, none goes.
+        matched: Version of the roster whose endpoints have all found each other, as far as this node sees.
+    """
+
+    name: str
+    endpoints: tuple[Endpoint, ...]
+    matched: int = 0
+
+    def to_json(self) -> str:
+        """As text."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> Announcement:
+        """Of its text."""
+        fields = json.loads(text)
+        return cls(fields['name'], _endpoints(fields['endpoints']), fields['matched'])
+
+
+@dataclass(frozen=True)
+class Roster:
+    """Who takes part.
+
+    Attributes:
+        version: Grows with each change.
+        participants: Endpoints by the participant's name; their order gives their numbers.
+        polled: Topics in the order in which the message of `TIME` counts them; more may follow.
+    """
+
+    version: int
+    participants: dict[str, tuple[Endpoint, ...]]
+    polled: tuple[str, ...]
+
+    def to_json(self) -> str:
+        """As text."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> Roster:
+        """Of its text."""
+        fields = json.loads(text)
+        participants = {name: _endpoints(items) for name, items in fields['participants'].items()}
+        return cls(fields['version'], participants, tuple(fields['polled']))
+
+
+def _endpoints(items: Iterable[dict[str, object]]) -> tuple[Endpoint, ...]:
+    return tuple(Endpoint(**item) for item in items)  # type: ignore[arg-type]
+
+
+def encode(numbers: list[int]) -> bytes:
+    """A serialized Int64MultiArray, at a fraction of what building and converting a message takes."""
+    count = len(numbers)
+    return _HEAD.pack(_LITTLE_ENDIAN, 0, 0, count) + struct.pack(f'<{count}q', *numbers)
+
+
+def decode(data: bytes) -> tuple[int, ...]:
+    """The numbers of a serialized Int64MultiArray.
+
+    Raises:
+        ValueError: not little endian, or with a layout.
+    """
+    encapsulation, dimensions, _, count = _HEAD.unpack_from(data)
+    if encapsulation[:2] != _LITTLE_ENDIAN[:2] or dimensions:
+        raise ValueError('an Int64MultiArray of lock-step is little endian and has no layout')
+    return struct.unpack_from(f'<{count}q', data, _HEAD.size)

@@ -1,0 +1,151 @@
+"""What a participant of a lock-step run does at given times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from robots_core.periodic_schedule import PeriodicSchedule
+from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
+
+
+class TimedWork(Protocol):
+    """Something that is due at a time."""
+
+    phase: Phase
+    due: int
+    """ns; `NEVER` for not at all."""
+
+    def run(self, now: int) -> None:
+        """Do it at `now` (ns), and set the next due time."""
+
+
+class LockstepLoop:
+    """Calls `work(now)` at every multiple of a period, counted from `START`.
+
+    Args:
+        work: Called with the time in s.
+        period: ns.
+        phase: When in an instant.
+        first: The first time is this one or the next multiple, ns.
+    """
+
+    realtime = False
+    idle_latency_kept = False
+    missed = 0
+
+    def __init__(self, work: Callable[[float], None], *, period: int, phase: Phase, first: int) -> None:
+        self.phase = phase
+        self._work = work
+        self._schedule = PeriodicSchedule(period, origin=START)
+        self._schedule.begin(first)
+        self.due = self._next()
+
+    @property
+    def alive(self) -> bool:
+        """It goes on."""
+        return self.due != NEVER
+
+    def stop(self) -> None:
+        """End the loop; called by its own work, that call is the last."""
+        self.due = NEVER
+
+    def run(self, now: int) -> None:
+        """Do the work; past times are caught up in their order, as time goes from one to the next."""
+        for time in self._schedule.due(now):
+            if self.alive:
+                self._work(time / NANOSECONDS)
+        if self.alive:
+            self.due = self._next()
+
+    def _next(self) -> int:
+        assert self._schedule.next_time is not None
+        return self._schedule.next_time
+
+
+class LockstepTimer:
+    """A timer of a node with rclpy's methods, as far as they are about time.
+
+    Args:
+        period: ns.
+        callback: Called without arguments.
+        phase: When in an instant.
+        now: The participant's time, ns.
+        autostart: It runs from the beginning.
+    """
+
+    def __init__(
+        self,
+        period: int,
+        callback: Callable[[], object],
+        *,
+        phase: Phase,
+        now: Callable[[], int],
+        autostart: bool = True,
+    ) -> None:
+        self.phase, self.callback = phase, callback
+        self.timer_period_ns = period
+        """Counts from the next `reset` or call on."""
+        self._now = now
+        self.due = NEVER
+        if autostart:
+            self.reset()
+
+    def reset(self) -> None:
+        """Start again: due one period from now."""
+        self.due = self._now() + self.timer_period_ns
+
+    def cancel(self) -> None:
+        """Not due any more until `reset`."""
+        self.due = NEVER
+
+    def is_canceled(self) -> bool:
+        """It was cancelled, or not started yet."""
+        return self.due == NEVER
+
+    def run(self, now: int) -> None:
+        """Call back."""
+        self.due = max(self.due + self.timer_period_ns, now + 1)
+        self.callback()
+
+
+class LockstepTurn:
+    """Work that is done when it was asked for.
+
+    Args:
+        work: Called with the time in s.
+        phase: When in an instant.
+        asked: Called when the due time was changed.
+    """
+
+    def __init__(self, work: Callable[[float], None], *, phase: Phase, asked: Callable[[], None]) -> None:
+        self.phase, self.due = phase, NEVER
+        self._work, self._asked = work, asked
+
+    def ask(self, time: float) -> None:
+        """Ask for the turn at the first instant that is not before `time`, s; infinite cancels.
+
+        Replaces what was asked for before. From any thread.
+        """
+        self.due = instant(time)
+        self._asked()
+
+    def cancel(self) -> None:
+        """Ask for none."""
+        self.due = NEVER
+        self._asked()
+
+    def run(self, now: int) -> None:
+        """Do the work; it may ask for the next turn."""
+        self.due = NEVER
+        self._work(now / NANOSECONDS)
+
+
+def instant(time: float) -> int:
+    """First nanosecond whose time in seconds is not before `time` (s); `NEVER` for infinity."""
+    if time >= NEVER / NANOSECONDS:
+        return NEVER
+    nanoseconds = int(time * NANOSECONDS) - 1
+    while nanoseconds / NANOSECONDS < time:  # a nanosecond is finer than the rounding of late times
+        nanoseconds += 1
+    return nanoseconds

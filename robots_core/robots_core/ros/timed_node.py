@@ -1,0 +1,184 @@
+"""TimedNode: a node that takes its time from its clock, in lock-step with others if asked."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.clock import Clock
+from rclpy.node import Node
+from rclpy.parameter_service import ParameterService
+
+from robots_core.errors import InvalidInputError
+from robots_core.periodic_thread import PeriodicThread
+from robots_core.ros.lockstep.participant import Participant
+from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
+from robots_core.ros.loop import ClockLoop, ClockLoops, Loop
+
+
+class TimedNode(Node):
+    """A node whose timers and loops follow the wall clock, `/clock`, or a lock-step coordinator.
+
+    Args:
+        name: Default node name.
+        options: Passed on to `rclpy.node.Node`.
+
+    Parameters:
+        lockstep: Take part in a lock-step run: time advances when all nodes have done what was due.
+        use_sim_time: Follow `/clock`.
+
+    Raises:
+        InvalidInputError: both are set.
+    """
+
+    phase: ClassVar = Phase.OBSERVE
+    """When in an instant of a lock-step run the loops and timers have their turn."""
+    takes_part: ClassVar = True
+    """Parameter `lockstep` has an effect."""
+    participant: Participant | None = None
+    """The part in a lock-step run; None without."""
+
+    def __init__(self, name: str, **options: Any) -> None:
+        parameter_services = options.pop('start_parameter_services', True)
+        super().__init__(name, start_parameter_services=False, **options)
+        self.declare_parameter(
+            'lockstep',
+            value=False,
+            descriptor=ParameterDescriptor(
+                description='time advances when all nodes have done what was due', read_only=True
+            ),
+        )
+        lockstep = self.get_parameter('lockstep').value and self.takes_part
+        follows_clock = self.get_parameter('use_sim_time').value
+        if lockstep and follows_clock:
+            raise InvalidInputError('lockstep sets the clock itself; use_sim_time must be false with it')
+        self.simulated_time = bool(lockstep or follows_clock)
+        """Time is not the wall clock's; fixed at the start."""
+        if lockstep:
+            self.participant = Participant(self)
+        if parameter_services:
+            self._parameter_service = ParameterService(self)  # its services are counted
+        self._clock_loops = ClockLoops(self) if follows_clock else None
+
+    def now(self) -> float:
+        """Time in s: of the node's clock if it is simulated, otherwise of `time.monotonic`."""
+        if self.participant is not None:
+            return self.participant.time / NANOSECONDS
+        if self.simulated_time:
+            return float(self.get_clock().now().nanoseconds / NANOSECONDS)
+        return time.monotonic()
+
+    def thread_failed(self, error: BaseException) -> None:
+        """A loop's thread has ended with an error: end the node."""
+        if self.context.ok():  # otherwise shut down from outside: the thread only noticed it first
+            self.get_logger().fatal(f'internal error: {error!r}')  # type: ignore[no-untyped-call]
+            self.context.try_shutdown()
+
+    def start_loop(
+        self,
+        work: Callable[[float], None],
+        *,
+        period: float,
+        name: str,
+        realtime_priority: int = 0,
+        idle_latency: float | None = None,
+        phase: Phase | None = None,
+    ) -> Loop:
+        """Call `work(now)` in each period.
+
+        On the wall clock it has a thread of its own (see `PeriodicThread`). In simulated time it is called in
+        the executor's thread at the multiples of the period.
+
+        Args:
+            work: Called with the time at which it was due, s on the clock of `now()`.
+            period: s.
+            name: Of the thread.
+            realtime_priority: Of the thread (see `PeriodicThread`).
+            idle_latency: Asked of the system by the thread, s (see `PeriodicThread`).
+            phase: When in an instant of a lock-step run; the node's own by default.
+        """
+        if self.participant is not None:
+            return self.participant.start_loop(
+                work, period=period, phase=self.phase if phase is None else phase
+            )
+        if self._clock_loops is not None:
+            return self._clock_loops.add(ClockLoop(work, period=round(period * NANOSECONDS)))
+        thread = PeriodicThread(
+            work,
+            period=period,
+            name=name,
+            on_error=self.thread_failed,
+            realtime_priority=realtime_priority,
+            idle_latency=idle_latency,
+        )
+        thread.start()
+        return thread
+
+    # -- what a participant counts -------------------------------------------------------------------
+
+    def create_timer(
+        self,
+        timer_period_sec: float,
+        callback: Callable[[], object],
+        callback_group: Any = None,
+        clock: Clock | None = None,
+        autostart: bool = True,  # noqa: FBT001, FBT002  # rclpy's
+        *,
+        phase: Phase | None = None,
+    ) -> Any:
+        """As `Node.create_timer`; in lock-step the timer is the participant's, unless it has its own clock.
+
+        Args:
+            timer_period_sec: s.
+            callback: Called without arguments.
+            callback_group: rclpy's.
+            clock: Another clock than the node's.
+            autostart: It runs from the beginning.
+            phase: When in an instant of a lock-step run; the node's own by default.
+        """
+        if self.participant is None or clock is not None:
+            return super().create_timer(timer_period_sec, callback, callback_group, clock, autostart)
+        return self.participant.create_timer(
+            timer_period_sec, callback, phase=self.phase if phase is None else phase, autostart=autostart
+        )
+
+    def create_publisher(self, msg_type: Any, topic: str, qos_profile: Any, **options: Any) -> Any:
+        """As `Node.create_publisher`."""
+        if self.participant is None:
+            return super().create_publisher(msg_type, topic, qos_profile, **options)
+        return self.participant.create_publisher(msg_type, topic, qos_profile, **options)
+
+    def create_subscription(
+        self, msg_type: Any, topic: str, callback: Any, qos_profile: Any, **options: Any
+    ) -> Any:
+        """As `Node.create_subscription`."""
+        if self.participant is None:
+            return super().create_subscription(msg_type, topic, callback, qos_profile, **options)
+        return self.participant.create_subscription(msg_type, topic, callback, qos_profile, **options)
+
+    def create_service(self, srv_type: Any, srv_name: str, callback: Any, **options: Any) -> Any:
+        """As `Node.create_service`."""
+        if self.participant is None:
+            return super().create_service(srv_type, srv_name, callback, **options)
+        return self.participant.create_service(srv_type, srv_name, callback, **options)
+
+    def create_client(self, srv_type: Any, srv_name: str, **options: Any) -> Any:
+        """As `Node.create_client`."""
+        if self.participant is None:
+            return super().create_client(srv_type, srv_name, **options)
+        return self.participant.create_client(srv_type, srv_name, **options)
+
+    def destroy_timer(self, timer: Any) -> bool:
+        """As `Node.destroy_timer`."""
+        if self.participant is None or timer in self._timers:
+            return bool(super().destroy_timer(timer))
+        timer.cancel()
+        return True
+
+    def destroy_subscription(self, subscription: Any) -> bool:
+        """As `Node.destroy_subscription`."""
+        if self.participant is not None:
+            self.participant.destroyed(subscription)
+        return bool(super().destroy_subscription(subscription))
