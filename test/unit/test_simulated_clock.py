@@ -8,7 +8,8 @@ from collections.abc import Callable
 import pytest
 
 from robots_controller.program.clock import Clock
-from robots_controller.simulation.simulated_clock import CALLS_PER_PERIOD, NANOSECONDS, START, SimulatedClock
+from robots_controller.program.turn_clock import CALLS_PER_PERIOD, NANOSECONDS
+from robots_controller.simulation.simulated_clock import START, SimulatedClock
 
 START_TIME = START / NANOSECONDS
 PERIOD = 0.004
@@ -30,7 +31,7 @@ class Program:
 
         self.thread = threading.Thread(target=run)
         self.thread.start()
-        clock.wait_for_program()
+        clock.program_started()
 
 
 @pytest.fixture

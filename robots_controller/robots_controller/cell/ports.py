@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
+from robots_controller.control.control_loop import ControllerRequest
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_state import RunState
 from robots_core.errors import PlanningError, ProgramError, RobotsError
 from robots_core.validation import Array
 from robots_planning.robot_command_state import RobotCommandState
 
-ControllerRequest = Literal['pause', 'resume', 'stop']
 Configured = Callable[[PlanningError | None], None]
 
 

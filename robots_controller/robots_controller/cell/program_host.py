@@ -118,6 +118,7 @@ class ProgramHost:
             ProgramError: no program is open, one is running, or the robot still moves.
         """
         self.program.run(hold=hold)
+        self.clock.program_started()
         return f'{self.program.file} is held before its first line' if hold else f'{self.program.file} runs'
 
     def pause(self) -> str:

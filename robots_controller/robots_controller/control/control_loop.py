@@ -15,6 +15,7 @@ from robots_core.motion_result import MotionResult
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 
+ControllerRequest = Literal['pause', 'resume', 'stop']
 STOPPED = 'stopped by ~/stop'
 
 
@@ -69,7 +70,7 @@ class ControlLoop:
         """Scale the speed of all motions, 0..1."""
         self._mailbox.append(lambda _: self.controller.set_override(value))
 
-    def request(self, request: Literal['pause', 'resume', 'stop']) -> None:
+    def request(self, request: ControllerRequest) -> None:
         """Pause on the path, resume, or stop and give up all motions."""
         if request == 'stop':
             self._mailbox.append(partial(self._stop, STOPPED, resume=True))
@@ -83,7 +84,7 @@ class ControlLoop:
     # -- the loop -------------------------------------------------------------------------------------
 
     def step(self, now: float, position: Array | None) -> Array | None:
-        """One period.
+        """One period; `report` follows when the reference is out.
 
         Args:
             now: Time, s.
@@ -95,13 +96,16 @@ class ControlLoop:
         controller, mailbox = self.controller, self._mailbox
         while mailbox:
             mailbox.popleft()(now)
-        reference = controller.step(now, position)
+        return controller.step(now, position)
+
+    def report(self) -> None:
+        """Report what the period has brought."""
+        controller = self.controller
         while controller.outcomes:
             self._port.result(controller.outcomes.popleft())
         self._report_progress()
         self.cycle += 1
         self.feedback_due = self._rates.feedback_due(self.cycle, controller)
-        return reference
 
     def pass_over(self, cycles: int) -> None:
         """Leave out cycles of a robot that stands."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 import gc
 import math
 import sys
-from collections import deque
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -17,10 +15,10 @@ from std_msgs.msg import Bool, Float64
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_controller.control.control_loop import ControllerRequest, ControlLoop
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
@@ -35,7 +33,6 @@ from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array, fraction
 from robots_planning.nodes.trajectory_messages import join_time, trajectory_from_message
-from robots_planning.trajectory import Trajectory
 from robots_planning.verification import verify
 
 HEALTH_RATE = 10.0  # Hz
@@ -88,14 +85,14 @@ class ControllerNode(RobotNode):
         )
         self._controller = Controller(self.robot.axes_data, ControllerSettings(period=1.0 / rate, **options))
         self._names = list(self.robot.axes_data.names)
-        self._mailbox: deque[Callable[[float], None]] = deque()
         self._planner_seen = False
         self._refusal: RobotsError | None = None
         self._refusal_time = -math.inf
-        self._rates = ControllerRates(rate, self._controller.settings.feedback_timeout)
+        rates = ControllerRates(rate, self._controller.settings.feedback_timeout)
+        # In simulated time in every period: outputs are switched on the path by it.
+        every = 1 if self.simulated_time else rates.progress_every
+        self._control = ControlLoop(self._controller, rates, self, progress_every=every)
         self._health_every = cycles(rate, HEALTH_RATE)
-        self._cycle = 0
-        self._last_progress = -1.0
         self._last_condition: tuple[bytes, str] | None = None
 
         self._references = ReferenceStream(self, 'joint_reference', self._names, time_from_start=1.0 / rate)
@@ -115,8 +112,13 @@ class ControllerNode(RobotNode):
             PLANNER_ALIVE,
             event_callbacks=SubscriptionEventCallbacks(liveliness=self._on_planner_liveliness),
         )
-        for name, handler in (('pause', self._pause), ('resume', self._resume), ('stop', self._stop)):
-            self.create_service(Trigger, f'~/{name}', handler)
+        answers: dict[ControllerRequest, str] = {
+            'pause': 'stopping on the path',
+            'resume': 'moving on',
+            'stop': 'stopping on the path, the motion is given up',
+        }
+        for request, answer in answers.items():
+            self.create_service(Trigger, f'~/{request}', partial(self._serve, request, answer))
         self._report_due = self.create_guard_condition(self.look_after_health)
         self._executor_priority = priority - 1
 
@@ -133,26 +135,18 @@ class ControllerNode(RobotNode):
     # -- the loop ------------------------------------------------------------------------------------
 
     def _step(self, now: float) -> None:
-        controller, mailbox = self._controller, self._mailbox
-        while mailbox:
-            mailbox.popleft()(now)
-        if self.simulated_time:
-            self._look_at_feedback()
-        reference = controller.step(now, self._position)
+        control = self._control
+        if self.simulated_time and control.feedback_due:
+            self._position = self._take_feedback()
+        reference = control.step(now, self._position)
         if reference is not None:
             self._references.publish(reference, now)
-        while controller.outcomes:
-            self._publish_result(controller.outcomes.popleft())
-        self._publish_progress()
-        self._cycle += 1
-        if not self.simulated_time:  # for the next period: nothing that can wait delays a reference
-            self._look_at_feedback()
-        if self._cycle % self._health_every == 0:
-            self._watch_health()
-
-    def _look_at_feedback(self) -> None:
-        due = self._rates.feedback_due(self._cycle, self._controller)
+        control.report()
+        # For the next period: nothing that can wait delays a reference.
+        due = control.feedback_due and not self.simulated_time
         self._position = self._take_feedback() if due else None
+        if control.cycle % self._health_every == 0:
+            self._watch_health()
 
     def _take_feedback(self) -> Array | None:
         raw = self._feedback.take()
@@ -164,23 +158,29 @@ class ControllerNode(RobotNode):
             self.refuse('joint_states', error, stream=True)
             return None
 
-    def _publish_result(self, outcome: MotionResult) -> None:
-        # Who has commanded another motion meanwhile can tell whether that was before or after this end.
+    def result(self, result: MotionResult) -> None:
+        """See `ControlPort`."""
+        # Those who have commanded another motion meanwhile compare its stamp with this end.
         ended = 1e-9 * self.get_clock().now().nanoseconds
-        details = {key: str(value) for key, value in outcome.details.items()} | {'ended': f'{ended:.9f}'}
-        result = MotionResult(outcome.id, outcome.ok, outcome.message, details)
-        self._result_publisher.publish(motion_result_message(result, self.robot_name))
-        if not outcome.ok:
-            self.get_logger().warning(f'motion stopped: {outcome.message}')  # type: ignore[no-untyped-call]
+        details = {**result.details, 'ended': f'{ended:.9f}'}
+        self._publish_result(MotionResult(result.id, result.ok, result.message, details))
+        if not result.ok:
+            self.get_logger().warning(f'motion stopped: {result.message}')  # type: ignore[no-untyped-call]
 
-    def _publish_progress(self) -> None:
-        progress = self._controller.progress
-        # Both ends are published whatever the rate, and in simulated time every period: outputs are switched
-        # on the path by it.
-        due = progress in (0.0, 1.0) or self.simulated_time or self._cycle % self._rates.progress_every == 0
-        if due and progress != self._last_progress:
-            self._last_progress = progress
-            self._progress_publisher.publish(Float64(data=progress))
+    def progress(self, progress: float) -> None:
+        """See `ControlPort`."""
+        self._progress_publisher.publish(Float64(data=progress))
+
+    def stream_refused(self, error: RobotsError, now: float) -> None:
+        """See `ControlPort`."""
+        # A refused stream goes on at its rate: one line a second says enough.
+        self.get_logger().error(  # type: ignore[no-untyped-call]
+            f'joint_trajectory: {error}', throttle_duration_sec=REFUSAL_PERIOD
+        )
+        self._refusal, self._refusal_time = error, now
+
+    def _publish_result(self, result: MotionResult) -> None:
+        self._result_publisher.publish(motion_result_message(result, self.robot_name))
 
     def _watch_health(self) -> None:
         """Have a change of health reported: to wake the executor is dear."""
@@ -201,29 +201,11 @@ class ControllerNode(RobotNode):
             return DiagnosticStatus.WARN, f'joint_trajectory: {self._refusal}'
         return DiagnosticStatus.OK, 'ready'
 
-    def _follow(self, trajectory: Trajectory, id_: str, join: float, now: float) -> None:
-        try:
-            self._controller.follow(trajectory, id_, now, join_time=join)
-        except RobotsError as error:
-            self._refuse_motion(id_, error)
-            return
-        self._publish_progress()
-
-    def _stream(self, point: StreamPoint, id_: str, now: float) -> None:
-        try:
-            self._controller.stream(point, id_, now)
-        except RobotsError as error:
-            # A refused stream goes on at its rate: one line a second says enough.
-            self.get_logger().error(  # type: ignore[no-untyped-call]
-                f'joint_trajectory: {error}', throttle_duration_sec=REFUSAL_PERIOD
-            )
-            self._refusal, self._refusal_time = error, now
-
     # -- the executor's thread -----------------------------------------------------------------------
 
     def _on_trajectory(self, message: JointTrajectory) -> None:
         if not message.points:  # as in ros2_control: an empty trajectory stops
-            self._mailbox.append(lambda _: self._controller.stop('stopped by an empty joint_trajectory'))
+            self._control.stop('stopped by an empty joint_trajectory')
             return
         id_ = stamp_id(message.header.stamp)
         if len(message.points) == 1:
@@ -238,7 +220,7 @@ class ControllerNode(RobotNode):
         except RobotsError as error:
             self._refuse_motion(id_, error)
             return
-        self._mailbox.append(partial(self._follow, trajectory, id_, join))
+        self._control.follow(trajectory, id_, join_time=join)
 
     def _on_streamed_point(self, message: JointTrajectory, id_: str) -> None:
         ros_time, now = 1e-9 * self.get_clock().now().nanoseconds, self.now()
@@ -247,15 +229,10 @@ class ControllerNode(RobotNode):
         except RobotsError as error:
             self.refuse('joint_trajectory', error)
             return
-        self._mailbox.append(partial(self._stream, point, id_))
+        self._control.stream(point, id_)
 
     def _refuse_motion(self, id_: str, error: RobotsError) -> None:
-        details = {key: str(value) for key, value in error.details.items()}
-        self._result_publisher.publish(
-            motion_result_message(
-                MotionResult(id_, ok=False, message=error.message, details=details), self.robot_name
-            )
-        )
+        self._publish_result(MotionResult.refused(id_, error))
         self.get_logger().error(f'joint_trajectory: {error}')  # type: ignore[no-untyped-call]
 
     def _on_override(self, message: Float64) -> None:
@@ -264,37 +241,20 @@ class ControllerNode(RobotNode):
         except InvalidInputError as error:
             self.refuse('override', error)
             return
-        self._mailbox.append(lambda _: self._controller.set_override(override))
+        self._control.set_override(override)
 
     def _on_planner_liveliness(self, event: object) -> None:
         alive = getattr(event, 'alive_count', 0) > 0
         if self._planner_seen and not alive:
-            self._mailbox.append(
-                lambda _: self._controller.stop('planning_node is gone: is it still running?')
-            )
+            self._control.stop('planning_node is gone: is it still running?')
         self._planner_seen = alive
 
-    def _set_paused(self, paused: bool, _now: float) -> None:  # noqa: FBT001
-        self._controller.paused = paused
-
-    def _pause(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._mailbox.append(partial(self._set_paused, True))
-        response.success, response.message = True, 'stopping on the path'
+    def _serve(
+        self, request: ControllerRequest, answer: str, _: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        self._control.request(request)
+        response.success, response.message = True, answer
         return response
-
-    def _resume(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._mailbox.append(partial(self._set_paused, False))
-        response.success, response.message = True, 'moving on'
-        return response
-
-    def _stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._mailbox.append(partial(self._stop_motion, 'stopped by ~/stop'))
-        response.success, response.message = True, 'stopping on the path, the motion is given up'
-        return response
-
-    def _stop_motion(self, reason: str, _now: float) -> None:
-        self._controller.stop(reason)
-        self._controller.paused = False
 
     def look_after_health(self) -> None:
         """Report it, with the loop's figures."""

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
-import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
@@ -14,21 +12,22 @@ from typing import Any, Final
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.cell.ports import ControllerRequest
 from robots_controller.cell.program_host import ProgramHost
+from robots_controller.control.control_loop import ControllerRequest
 from robots_controller.editor.debug_adapter_server import DebugAdapterServer
 from robots_controller.interpreter.debugger import STEPS, breakpoints_by_file
 from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.io_services import IoServices
+from robots_controller.nodes.lockstep_turns import LockstepTurns
+from robots_controller.nodes.path_switching_messages import PathSwitchingMessages
 from robots_controller.nodes.planner_client import PlannerClient
-from robots_controller.program.clock import WallClock
+from robots_controller.nodes.program_clock import ProgramClock
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
@@ -36,16 +35,13 @@ from robots_core.ros.messages import (
     diagnostic_status,
     joint_values,
     motion_result_from_message,
-    serialized_stamp_id,
 )
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode, bounded
 from robots_core.ros.run import run
 from robots_core.validation import Array
-from robots_planning.nodes.trajectory_messages import trajectory_from_message
 from robots_planning.robot_command_state import RobotCommandState
-from robots_planning.trajectory import Trajectory
 
 AUTOSTART_PERIOD: Final = 0.1  # s
 JOIN_TIMEOUT: Final = 5.0  # s
@@ -122,9 +118,10 @@ class LuaProgramNode(RobotNode):
             name: self.create_client(Trigger, f'controller_node/{name}')
             for name in ('pause', 'resume', 'stop')
         }
+        self._turns = None if self.participant is None else LockstepTurns(self.participant)
         self.host = ProgramHost(
             self.robot,
-            clock=WallClock(),
+            clock=ProgramClock(self) if self._turns is None else self._turns.clock,
             robot_port=self,
             planner=self._planner,
             controller=self,
@@ -148,10 +145,7 @@ class LuaProgramNode(RobotNode):
         port = self.parameter(
             'debug_port', 0, 'port on this machine where editors connect; 0 for none', read_only=True
         )
-        self._switch_timer: threading.Timer | None = None
-        # A motion that switches nothing is not worth its deserialization.
-        self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND, raw=True)
-        self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
+        PathSwitchingMessages(self, self.host.switching, axes.names)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
         self.create_timer(WATCH_PERIOD, self.host.motions.watch)
         self.create_timer(STATUS_PERIOD, self.host.reporter.report_in_time)
@@ -198,6 +192,8 @@ class LuaProgramNode(RobotNode):
     ) -> Trigger.Response:
         try:
             response.success, response.message = True, handler()
+            if self._turns is not None:
+                self._turns.begun() if name == 'run' else self._turns.changed()
         except RobotsError as error:
             response.success, response.message = False, str(error)
             self.get_logger().error(f'~/{name}: {error}')  # type: ignore[no-untyped-call]
@@ -225,6 +221,8 @@ class LuaProgramNode(RobotNode):
         try:
             self._open()
             self.host.run()
+            if self._turns is not None:
+                self._turns.begun()
         except RobotsError as error:
             self.get_logger().error(f'autostart: {error}')  # type: ignore[no-untyped-call]
 
@@ -235,6 +233,8 @@ class LuaProgramNode(RobotNode):
     # -- messages -------------------------------------------------------------------------------------
 
     def _on_inputs(self, topic: str, error: InvalidInputError | None) -> None:
+        if self._turns is not None:
+            self._turns.changed()
         if error is None:
             self.ready()
         else:
@@ -242,30 +242,8 @@ class LuaProgramNode(RobotNode):
 
     def _on_motion_result(self, message: DiagnosticStatus) -> None:
         self.host.motions.result(motion_result_from_message(message))
-
-    def _on_trajectory(self, data: bytes) -> None:
-        self.host.switching.planned(serialized_stamp_id(data), partial(self._trajectory, data))
-
-    def _trajectory(self, data: bytes) -> Trajectory | None:
-        try:
-            message = deserialize_message(data, JointTrajectory)
-            return trajectory_from_message(message, self.robot.axes_data.names)
-        except RobotsError:  # the controller refuses it and says why
-            return None
-
-    def _on_progress(self, message: Float64) -> None:
-        switching = self.host.switching
-        switching.progress(self.host.clock.now(), message.data)
-        if self._switch_timer is not None:
-            self._switch_timer.cancel()
-        if switching.next_time < math.inf:
-            delay = max(0.0, switching.next_time - self.host.clock.now())
-            self._switch_timer = threading.Timer(delay, self._switch_in_time)
-            self._switch_timer.daemon = True
-            self._switch_timer.start()
-
-    def _switch_in_time(self) -> None:
-        self.host.switching.step(self.host.clock.now())
+        if self._turns is not None:
+            self._turns.changed()
 
     # -- the program's robot and controller, from its thread ------------------------------------------
 
@@ -363,6 +341,8 @@ class LuaProgramNode(RobotNode):
         if self._debug_server is not None:
             self._debug_server.close()
         self._program.stop()
+        if self._turns is not None:
+            self._turns.clock.end()
         self._program.join(JOIN_TIMEOUT)
         super().destroy_node()  # type: ignore[no-untyped-call]
 

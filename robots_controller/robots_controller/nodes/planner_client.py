@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections import deque
+from collections.abc import Callable, Collection, Mapping
+from functools import partial
 from typing import Any, Final
 
 from builtin_interfaces.msg import Time
 from nav_msgs.msg import Path
-from rclpy.node import Node
 
 from robots_controller.cell.ports import Configured
 from robots_controller.nodes.planner_settings import PlannerSettings
 from robots_controller.program.motion_command import MotionCommand
+from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import id_stamp, joint_state_message, pose_stamped_message, stamp_id
 from robots_core.ros.qos import COMMAND
+from robots_core.ros.timed_node import TimedNode
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
 
 UNKNOWN_NODE: Final = '_NODE_NAME_UNKNOWN_'
@@ -28,10 +31,14 @@ class PlannerClient:
         joint_names: The robot's joints.
     """
 
-    def __init__(self, node: Node, joint_names: tuple[str, ...]) -> None:
+    def __init__(self, node: TimedNode, joint_names: tuple[str, ...]) -> None:
         self._node, self._joint_names = node, joint_names
         self._last_stamp = 0
         self._settings = PlannerSettings(node)
+        self._changes: deque[Callable[[], None]] = deque()
+        self._turn = None
+        if node.participant is not None:
+            self._turn = node.participant.create_turn(self._apply, phase=Phase.PLANNING)
         self._planners: set[bytes] = set()  # endpoints of those who plan
         self._publishers = {
             kind: node.create_publisher(message_class(kind.message_type), kind.topic, COMMAND)
@@ -65,8 +72,17 @@ class PlannerClient:
         return self._settings.ready
 
     def configure(self, settings: Mapping[str, object], done: Configured, *, moving: bool) -> None:
-        """See `PlannerPort`."""
-        self._settings.apply(settings, done, moving=moving)
+        """See `PlannerPort`; in lock-step when the planner has all commands that were sent before."""
+        apply = partial(self._settings.apply, settings, done, moving=moving and self._turn is None)
+        if self._turn is None:
+            apply()
+        else:
+            self._changes.append(apply)
+            self._turn.ask(self._node.now())
+
+    def _apply(self, _now: float) -> None:
+        while self._changes:
+            self._changes.popleft()()
 
     def next_id(self) -> str:
         """The stamp of the next command: unique even while a simulated clock stands still."""

@@ -28,6 +28,9 @@ class Clock(Protocol):
             deadline: s, on this clock; None waits for a notification alone.
         """
 
+    def program_started(self) -> None:
+        """The program has begun in its thread; a clock shared in turns lets it work until it waits."""
+
     def program_ended(self) -> None:
         """The program has ended: it waits no more."""
 
@@ -48,6 +51,9 @@ class WallClock:
             condition.wait()
         else:
             condition.wait(min(max(deadline - self.now(), 0.0), LONGEST_WAIT))
+
+    def program_started(self) -> None:
+        """Nothing: time passes by itself."""
 
     def program_ended(self) -> None:
         """Nothing: time passes by itself."""

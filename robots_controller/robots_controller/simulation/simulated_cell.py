@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from robots_controller.cell.ports import ControllerRequest
 from robots_controller.cell.program_host import ProgramHost
-from robots_controller.control.control_loop import STOPPED, ControlLoop
+from robots_controller.control.control_loop import STOPPED, ControllerRequest, ControlLoop
 from robots_controller.control.controller import ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles
+from robots_controller.program.turn_clock import NANOSECONDS
 from robots_controller.simulation.cell_log import CellLog
 from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.collision_watch import WATCH_RATE, CollisionWatch
@@ -22,7 +22,7 @@ from robots_controller.simulation.in_process_planner import InProcessPlanner, Ma
 from robots_controller.simulation.motion_records import MotionRecords
 from robots_controller.simulation.recording import Recording
 from robots_controller.simulation.simulated_bag import SimulatedBag
-from robots_controller.simulation.simulated_clock import NANOSECONDS, START, SimulatedClock
+from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_controller.simulation.simulated_guide import SimulatedGuide
 from robots_controller.simulation.simulated_plc import SimulatedPlc
 from robots_controller.simulation.simulation_run import SimulationRun
@@ -37,10 +37,10 @@ WATCH_PERIOD = 0.1  # s between looks at motions that nothing would end
 class SimulatedCell:
     """A cell for one run of one program.
 
-    In each period the PLC and those who guide the robot act first, then the controller makes one step, then
-    the drives. After that time stands still: results reach the planner and the program, the program works
-    until it waits, and the planner plans. The program's own waits end between two periods, too. See
-    `CellParts` for the parts.
+    In each period those who guide the robot act first, then the controller makes one step, then the drives,
+    then the PLC. After that time stands still: the program works until it waits, and the planner plans. The
+    program's own waits end between two periods, too. A lock-step run of the nodes goes through the same
+    phases. See `CellParts` for the parts.
 
     Args:
         parts: Robot, program and blocks.
@@ -65,7 +65,7 @@ class SimulatedCell:
         axes = robot.axes_data
         self._period_ns = round(period * NANOSECONDS)
         self._drives = parts.drives
-        self.clock = SimulatedClock(period)
+        self.clock = SimulatedClock()
         torque = parts.drives.torque is not None
         self._recording = Recording(axes.num_axes, torque=torque)
         self._bag = (
@@ -161,7 +161,6 @@ class SimulatedCell:
         self.cost.begin()
         self.cost.switch('program')
         self._host.run()
-        self.clock.wait_for_program()
         self.cost.switch('other')
 
     def _go(self) -> None:
@@ -262,11 +261,11 @@ class SimulatedCell:
         self._cycle += 1
         now, cycle, cost = self.clock.now(), self._cycle, self.cost
         cost.switch('controller')
-        self._step_plc(now)
         self._guide.step(self.clock.stamp)
         position = self._drives.position
         reference = self._control.step(now, position if self._control.feedback_due else None)
         assert reference is not None
+        self._control.report()
         cost.switch('drives')
         q, q_dot = self._drives.step(reference[0], reference[1])
         cost.switch('other')
@@ -279,6 +278,7 @@ class SimulatedCell:
             self._look_around(self._watch, q, q_dot)
         cost.switch('other')
         self._deliver()
+        self._step_plc(now)
         self._note_start()
         if cycle % self._watch_every == 0 and self._records.any_open:
             self._host.motions.watch()

@@ -1,52 +1,25 @@
-"""SimulatedClock: the time of a simulated cell, which its robot program and its blocks share in turns."""
+"""SimulatedClock: the time of a simulated cell."""
 
 from __future__ import annotations
 
-import math
-import threading
 from typing import Final
 
-NANOSECONDS: Final = 1_000_000_000
-START: Final = 1_000_000_000  # ns; a stamp of zero means "none" in ROS
-# A program that reads an input in a loop without waiting would let no time pass for the input to change.
-CALLS_PER_PERIOD: Final = 200
+from robots_controller.program.turn_clock import CALLS_PERIOD, NANOSECONDS, TurnClock
+
+START: Final = NANOSECONDS  # ns; a stamp of zero means "none" in ROS
 
 
-class SimulatedClock:
-    """Time that stands still while the program computes, and runs while it waits (see `Clock`).
-
-    The program's thread and the cell's take turns: while one works, the other one waits for it, so that
-    neither the speed of the machine nor its scheduler has any influence.
+class SimulatedClock(TurnClock):
+    """A clock that the cell sets.
 
     Args:
         period: Time that passes for a program that calls functions again and again without waiting, s.
     """
 
-    def __init__(self, period: float) -> None:
+    def __init__(self, period: float = CALLS_PERIOD) -> None:
+        super().__init__(lambda: self.stamp, period)
         self.nanoseconds = 0
         """Time since the start of the simulation; the cell sets it."""
-        self.deadline = math.inf
-        """Until when the waiting program waits, s; infinite for a change alone."""
-        self._period = period
-        self._condition = threading.Condition()
-        self._waits_in = self._condition
-        self._program_has_turn = False
-        self._waiting = False
-        self._ended = False
-        self._cell_turn = threading.Semaphore(0)
-        self._calls = 0
-        self._calls_at = -1
-
-    @property
-    def waiting(self) -> bool:
-        """The program waits; it neither computes nor has it ended."""
-        return self._waiting
-
-    # -- the program's thread ---------------------------------------------------------------------
-
-    def now(self) -> float:
-        """Time in seconds, `START` at the start of the simulation."""
-        return self.stamp / NANOSECONDS
 
     @property
     def stamp(self) -> int:
@@ -57,61 +30,3 @@ class SimulatedClock:
     def elapsed(self) -> float:
         """Seconds since the start of the simulation."""
         return self.nanoseconds / NANOSECONDS
-
-    @property
-    def deadline_stamp(self) -> float:
-        """Time in whole nanoseconds at which the program's wait is over; infinite for never."""
-        if self.deadline == math.inf:
-            return math.inf
-        stamp = math.ceil(self.deadline * NANOSECONDS - 1e-3)
-        while stamp / NANOSECONDS < self.deadline:  # a nanosecond is finer than the rounding of late times
-            stamp += 1
-        return stamp
-
-    def wait(self, condition: threading.Condition, deadline: float | None) -> None:
-        """Wait as `Clock.wait` says: the cell's turn until it says so."""
-        if self._ended:
-            return
-        self._waits_in, self._waiting = condition, True
-        # A wait whose rest is smaller than the rounding of the time would never end.
-        shortest = (self.stamp + 1) / NANOSECONDS
-        self.deadline = math.inf if deadline is None else max(deadline, shortest)
-        self._program_has_turn = False
-        self._cell_turn.release()
-        while not self._program_has_turn:
-            condition.wait()
-        self._waiting = False
-
-    def called(self) -> None:
-        """Let a period pass if the program calls functions without ever waiting."""
-        if self._calls_at != self.nanoseconds:
-            self._calls, self._calls_at = 0, self.nanoseconds
-        self._calls += 1
-        if self._calls > CALLS_PER_PERIOD:
-            end = self.now() + self._period
-            with self._condition:
-                while self.now() < end and not self._ended:
-                    self.wait(self._condition, end)
-
-    def program_ended(self) -> None:
-        """It will not wait any more."""
-        self._cell_turn.release()
-
-    # -- the cell's thread ------------------------------------------------------------------------
-
-    def wait_for_program(self) -> None:
-        """Let the program that was just started work until it waits or ends."""
-        self._cell_turn.acquire()
-
-    def let_program_work(self) -> None:
-        """Let the waiting program work until it waits again or ends."""
-        with self._waits_in:
-            self._program_has_turn = True
-            self._waits_in.notify_all()
-        self._cell_turn.acquire()
-
-    def end(self) -> None:
-        """No time will pass any more: the program, told to stop, must not wait for it."""
-        self._ended = True
-        if self._waiting:
-            self.let_program_work()

@@ -5,28 +5,37 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from builtin_interfaces.msg import Time
-from rclpy.node import Node
+
+from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.timed_node import TimedNode
 
 
 class CommandInbox:
     """Holds what came until nothing more waits on any topic, and then delivers it by stamp.
 
     An executor takes one message of each topic in turn: of commands that wait on several topics, it would
-    hand over a later one first.
+    hand over a later one first. In lock-step everything has come when the planner has its turn.
 
     Args:
         node: Whose executor delivers.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: TimedNode) -> None:
         self._waiting: list[tuple[tuple[int, int], Callable[[], None]]] = []
         self._more = False
+        self._node = node
+        self._turn = None
+        if node.participant is not None:
+            self._turn = node.participant.create_turn(lambda _: self.deliver(), phase=Phase.PLANNING)
         # In every round of the executor, subscriptions are served before it.
         self._arrival = node.create_guard_condition(self._look)
 
     def put(self, stamp: Time, act: Callable[[], None]) -> None:
         """Call `act` after all commands that were sent before `stamp` and are here already."""
         self._waiting.append(((stamp.sec, stamp.nanosec), act))
+        if self._turn is not None:
+            self._turn.ask(self._node.now())
+            return
         self._more = True
         self._arrival.trigger()
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -15,8 +14,9 @@ from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
-from robots_core.periodic_thread import PeriodicThread
 from robots_core.pose import Pose
+from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.loop import Loop
 from robots_core.ros.messages import joint_values
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import STREAM
@@ -86,7 +86,7 @@ class Jogging:
             node, JointTrajectory, 'joint_reference', STREAM
         )
         self._mailbox: deque[Callable[[TeachBox], None]] = deque()
-        self._thread: PeriodicThread | None = None
+        self._loop: Loop | None = None
         self._limits: tuple[str, ...] = ()
         self._stream: ReferenceStream | None = None
         node.create_subscription(TwistStamped, 'teach_twist', self._on_twist, STREAM)
@@ -95,7 +95,7 @@ class Jogging:
     @property
     def active(self) -> bool:
         """The robot is jogged, or brakes from it."""
-        return self._thread is not None and self._thread.alive
+        return self._loop is not None and self._loop.alive
 
     def use_tool(self, tool: Pose) -> None:
         """Jog this tool centre point from the next jog on."""
@@ -132,7 +132,7 @@ class Jogging:
         Raises:
             PlanningError: it is stale already.
         """
-        now, stamp = time.monotonic(), message.header.stamp
+        now, stamp = self._node.now(), message.header.stamp
         if not stamp.sec and not stamp.nanosec:
             return now
         age: float = 1e-9 * self._node.get_clock().now().nanoseconds - stamp.sec - 1e-9 * stamp.nanosec
@@ -165,13 +165,12 @@ class Jogging:
         self._references.take()  # older than this jog
         self._mailbox.clear()
         self._mailbox.append(put)
-        self._thread = PeriodicThread(
+        self._loop = self._node.start_loop(
             partial(self._step, self._box, self._stream),
             period=1.0 / JOG_RATE,
             name='jogging',
-            on_error=self._node.thread_failed,
+            phase=Phase.GUIDANCE,
         )
-        self._thread.start()
 
     # -- the loop's thread ---------------------------------------------------------------------------
 
@@ -206,5 +205,5 @@ class Jogging:
 
     def stop(self) -> None:
         """End the loop."""
-        if self._thread is not None:
-            self._thread.stop()
+        if self._loop is not None:
+            self._loop.stop()

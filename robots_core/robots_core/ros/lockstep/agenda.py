@@ -78,7 +78,7 @@ class Agenda:
         return self.next_turn()
 
     def _at_this_instant(self) -> Turn | None:
-        for phase in range(self._phase, len(Phase)):
+        for phase in range(min(self._phase, Phase.PLANNING), len(Phase)):
             due = tuple(name for name, times in self._due.items() if times[phase] <= self.time)
             if due:
                 self._phase = Phase(phase)

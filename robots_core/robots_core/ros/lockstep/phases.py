@@ -28,5 +28,7 @@ class Phase(IntEnum):
     """The drives."""
     OBSERVE = 4
     """Whatever looks at the robot: collision watch, kinematics, health; a PLC at the end of its cycle."""
-    PROGRAM = 5
-    """Robot programs; repeated until none of them has anything to do at this instant."""
+    PLANNING = 5
+    """Planners, when all commands of a program's turn have come."""
+    PROGRAM = 6
+    """Robot programs; planners and programs have turns until none has anything to do at this instant."""

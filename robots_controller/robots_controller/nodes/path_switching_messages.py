@@ -1,0 +1,59 @@
+"""PathSwitchingMessages: plans and progress as messages to `PathSwitching`."""
+
+from __future__ import annotations
+
+import math
+import threading
+from functools import partial
+
+from rclpy.serialization import deserialize_message
+from std_msgs.msg import Float64
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_controller.cell.path_switching import PathSwitching
+from robots_core.errors import RobotsError
+from robots_core.ros.messages import serialized_stamp_id
+from robots_core.ros.qos import COMMAND, STREAM
+from robots_core.ros.timed_node import TimedNode
+from robots_planning.nodes.trajectory_messages import trajectory_from_message
+from robots_planning.trajectory import Trajectory
+
+
+class PathSwitchingMessages:
+    """Subscribes `joint_trajectory` and `motion_progress`.
+
+    Args:
+        node: The node.
+        switching: Gets them.
+        joint_names: The robot's joints.
+    """
+
+    def __init__(self, node: TimedNode, switching: PathSwitching, joint_names: tuple[str, ...]) -> None:
+        self._node, self._switching, self._joint_names = node, switching, joint_names
+        self._timer: threading.Timer | None = None
+        # A motion that switches nothing is not worth its deserialization.
+        node.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND, raw=True)
+        node.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
+
+    def _on_trajectory(self, data: bytes) -> None:
+        self._switching.planned(serialized_stamp_id(data), partial(self._trajectory, data))
+
+    def _trajectory(self, data: bytes) -> Trajectory | None:
+        try:
+            return trajectory_from_message(deserialize_message(data, JointTrajectory), self._joint_names)
+        except RobotsError:  # the controller refuses it and says why
+            return None
+
+    def _on_progress(self, message: Float64) -> None:
+        now = self._node.now()
+        self._switching.progress(now, message.data)
+        # In simulated time progress comes in every period, and nothing is extrapolated.
+        if self._switching.next_time < math.inf and not self._node.simulated_time:
+            if self._timer is not None:
+                self._timer.cancel()
+            self._timer = threading.Timer(max(0.0, self._switching.next_time - now), self._switch)
+            self._timer.daemon = True
+            self._timer.start()
+
+    def _switch(self) -> None:
+        self._switching.step(self._node.now())

@@ -1,0 +1,61 @@
+"""ProgramClock: a program's time in a node that follows the wall clock or `/clock`."""
+
+from __future__ import annotations
+
+import threading
+from typing import Final
+
+from rclpy.clock import JumpThreshold
+from rclpy.duration import Duration
+
+from robots_core.ros.timed_node import TimedNode
+
+# Python refuses to wait for centuries; a wait may end early, so a long one is a few of these.
+LONGEST_WAIT: Final = 3600.0  # s
+
+
+class ProgramClock:
+    """See `Clock`. In simulated time a wait looks at the clock whenever that is set.
+
+    Args:
+        node: Whose clock it is.
+    """
+
+    def __init__(self, node: TimedNode) -> None:
+        self._node = node
+        self._waits_in: threading.Condition | None = None
+        if node.simulated_time:
+            self._jumps = node.get_clock().create_jump_callback(
+                JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=Duration(nanoseconds=-1)),
+                post_callback=lambda _: self._wake(),
+            )
+
+    def now(self) -> float:
+        """See `Clock`."""
+        return self._node.now()
+
+    def wait(self, condition: threading.Condition, deadline: float | None) -> None:
+        """See `Clock`."""
+        self._waits_in = condition
+        if deadline is None:
+            condition.wait()
+        elif self._node.simulated_time:
+            if self.now() < deadline:
+                condition.wait()  # until something changes, or the clock is set
+        else:
+            condition.wait(min(max(deadline - self.now(), 0.0), LONGEST_WAIT))
+
+    def _wake(self) -> None:
+        condition = self._waits_in
+        if condition is not None:
+            with condition:
+                condition.notify_all()
+
+    def program_started(self) -> None:
+        """Nothing: time passes by itself."""
+
+    def program_ended(self) -> None:
+        """Nothing: time passes by itself."""
+
+    def called(self) -> None:
+        """Nothing: time passes by itself."""

@@ -1,0 +1,109 @@
+"""TurnClock: simulated time that a robot program and its cell share in turns."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable
+from typing import Final
+
+NANOSECONDS: Final = 1_000_000_000
+# A program that reads an input in a loop without waiting would let no time pass for the input to change.
+CALLS_PER_PERIOD: Final = 200
+CALLS_PERIOD: Final = 0.004  # s
+
+
+class TurnClock:
+    """Time that stands still while the program computes, and passes while it waits (see `Clock`).
+
+    The program's thread and the cell's take turns: while one works, the other one waits for it, so that
+    neither the speed of the machine nor its scheduler has any influence.
+
+    Args:
+        stamp: Gives the time in ns.
+        period: Time that passes for a program that calls functions again and again without waiting, s.
+    """
+
+    def __init__(self, stamp: Callable[[], int], period: float = CALLS_PERIOD) -> None:
+        self._stamp = stamp
+        self.deadline = math.inf
+        """Until when the waiting program waits, s; infinite for a change alone."""
+        self._period = period
+        self._condition = threading.Condition()
+        self._waits_in = self._condition
+        self._program_has_turn = False
+        self._waiting = False
+        self._ended = False
+        self._cell_turn = threading.Semaphore(0)
+        self._calls = 0
+        self._calls_at = -1
+
+    @property
+    def waiting(self) -> bool:
+        """The program waits; it neither computes nor has it ended."""
+        return self._waiting
+
+    @property
+    def deadline_stamp(self) -> float:
+        """Time in whole nanoseconds at which the program's wait is over; infinite for never."""
+        if self.deadline == math.inf:
+            return math.inf
+        stamp = math.ceil(self.deadline * NANOSECONDS - 1e-3)
+        while stamp / NANOSECONDS < self.deadline:  # a nanosecond is finer than the rounding of late times
+            stamp += 1
+        return stamp
+
+    # -- the program's thread ---------------------------------------------------------------------
+
+    def now(self) -> float:
+        """Time in seconds."""
+        return self._stamp() / NANOSECONDS
+
+    def wait(self, condition: threading.Condition, deadline: float | None) -> None:
+        """Wait as `Clock.wait` says: the cell has the turn until it gives it back."""
+        if self._ended:
+            return
+        self._waits_in, self._waiting = condition, True
+        # A wait whose rest is smaller than the rounding of the time would never end.
+        shortest = (self._stamp() + 1) / NANOSECONDS
+        self.deadline = math.inf if deadline is None else max(deadline, shortest)
+        self._program_has_turn = False
+        self._cell_turn.release()
+        while not self._program_has_turn:
+            condition.wait()
+        self._waiting = False
+
+    def called(self) -> None:
+        """Let a period pass if the program calls functions without ever waiting."""
+        if self._calls_at != self._stamp():
+            self._calls, self._calls_at = 0, self._stamp()
+        self._calls += 1
+        if self._calls > CALLS_PER_PERIOD:
+            end = self.now() + self._period
+            with self._condition:
+                while self.now() < end and not self._ended:
+                    self.wait(self._condition, end)
+
+    def program_ended(self) -> None:
+        """The program will not wait any more."""
+        self._cell_turn.release()
+
+    # -- the cell's thread ------------------------------------------------------------------------
+
+    def program_started(self) -> None:
+        """Let the program that was just started work until it waits or ends."""
+        self._ended = False
+        self._cell_turn.acquire()
+
+    def let_program_work(self) -> None:
+        """Let the waiting program work until it waits again or ends."""
+        with self._waits_in:
+            self._program_has_turn = True
+            self._waits_in.notify_all()
+        self._cell_turn.acquire()
+
+    def end(self) -> None:
+        """No time will pass any more: the program, told to stop, must not wait for it."""
+        self._ended = True
+        if self._waiting:
+            self.let_program_work()
