@@ -13,6 +13,7 @@ from rclpy.serialization import serialize_message
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core.ros.lockstep.counted import CountedPublisher
+from robots_core.ros.lockstep.phases import NANOSECONDS
 from robots_core.ros.messages import doubles
 from robots_core.ros.qos import STATE
 from robots_core.validation import Array
@@ -31,7 +32,7 @@ class ReferenceStream:
     template, which takes a fraction of what building and converting a message object takes.
 
     Args:
-        node: Owner; its clock is used with simulated time.
+        node: Owner; stamps are on its clock.
         topic: Topic name.
         names: Joint names, n of them.
         time_from_start: The point's time, s.
@@ -53,8 +54,7 @@ class ReferenceStream:
             self._publish = self._publisher.publish
         else:
             self._publish = self._publisher.handle.publish_raw  # without its checks of the argument
-        self._clock = node.get_clock()
-        self._simulated = bool(getattr(self._clock, 'ros_time_is_active', False))
+        self._simulated = bool(getattr(node.get_clock(), 'ros_time_is_active', False))
         n = len(names)
         # Marks that cannot occur by chance show where serialization puts each of the three arrays.
         marks = 1e300 * (1.0 + np.arange(3.0 * n).reshape(3, n))
@@ -78,14 +78,14 @@ class ReferenceStream:
 
         Args:
             reference: (3, n): position, velocity, acceleration; never changed after it was published.
-            deadline: When it was due, s on the clock of `time.monotonic`: the message's stamp, free of the
-                jitter of sending. In simulated time the stamp is that of the node's clock.
+            deadline: When it was due, s on the clock of `TimedNode.now`: the message's stamp, free of the
+                jitter of sending.
         """
         if self._simulated:
-            nanoseconds = self._clock.now().nanoseconds
+            nanoseconds = round(NANOSECONDS * deadline)
         else:
             nanoseconds = time.time_ns() + int(1e9 * (deadline - time.monotonic()))
-        STAMP.pack_into(self._buffer, STAMP_OFFSET, *divmod(nanoseconds, 1_000_000_000))
+        STAMP.pack_into(self._buffer, STAMP_OFFSET, *divmod(nanoseconds, NANOSECONDS))
         if reference is not self._last:  # one that stands is the same from period to period
             self._values[:] = self._last = reference
         self._publish(bytes(self._buffer))

@@ -48,7 +48,7 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
             # Models and compiled code may take long to load, and nothing is there yet that wants closing.
             sys.stdout.flush()
             os._exit(0)
-        executor.wake()
+        executor.create_task(lambda: None)  # woken alone, an executor with nothing to do waits on
 
     with interrupt(wake) as stopping:
         try:

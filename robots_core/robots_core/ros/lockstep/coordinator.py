@@ -16,12 +16,9 @@ from std_msgs.msg import Int64MultiArray, String
 from robots_core.errors import RobotsError
 from robots_core.ros.lockstep.agenda import Agenda, LockstepError
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
+from robots_core.ros.lockstep.profiles import ALL, LATCHED, LATCHED_BY_MANY, NEWEST
 from robots_core.ros.lockstep.protocol import (
-    ALL,
     GO,
-    LATCHED,
-    LATCHED_BY_MANY,
-    NEWEST,
     PARTICIPANTS,
     RELEASE,
     REPORT,
@@ -93,7 +90,7 @@ class Coordinator:
         self._times = node.create_publisher(Int64MultiArray, TIME, NEWEST)
         self._clock = node.create_publisher(ClockMessage, '/clock', NEWEST)
         node.create_subscription(String, PARTICIPANTS, self._on_announcement, LATCHED_BY_MANY)
-        node.create_subscription(Int64MultiArray, REPORT, self._on_report, ALL, raw=True)
+        self._reports = node.create_subscription(Int64MultiArray, REPORT, self._on_report, ALL, raw=True)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._watch = node.create_timer(WATCH_PERIOD, self._look_for_progress, clock=steady)
 
@@ -162,6 +159,10 @@ class Coordinator:
         if self._started or self.missing:
             return
         if any(one.matched != self._roster.version for one in self._announced.values()):
+            return
+        # A volatile reader that matches its writer late does not get what was sent before.
+        count = len(self._names)
+        if self._reports.get_publisher_count() < count or self._times.get_subscription_count() < count:
             return
         if any(go.get_subscription_count() == 0 for go in self._gos.values()):
             return

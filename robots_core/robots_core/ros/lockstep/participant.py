@@ -29,11 +29,9 @@ from robots_core.ros.lockstep.counted import (
 )
 from robots_core.ros.lockstep.matching import unmatched_publisher, unmatched_subscription
 from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
+from robots_core.ros.lockstep.profiles import ALL, LATCHED, NEWEST
 from robots_core.ros.lockstep.protocol import (
-    ALL,
     GO,
-    LATCHED,
-    NEWEST,
     PARTICIPANTS,
     RELEASE,
     REPORT,

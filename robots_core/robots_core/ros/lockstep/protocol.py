@@ -8,8 +8,6 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Final, Literal
 
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-
 PARTICIPANTS: Final = '/lockstep/participants'
 """std_msgs/String, an `Announcement` as JSON; latched by each participant."""
 ROSTER: Final = '/lockstep/roster'
@@ -24,31 +22,6 @@ GO: Final = 'lockstep_go'
 
 RELEASE: Final = -1
 """The phase of the first turn, in which the participants send what they have held back so far."""
-
-LATCHED: Final = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
-LATCHED_BY_MANY: Final = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1000,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
-NEWEST: Final = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.VOLATILE,
-)
-ALL: Final = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1000,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.VOLATILE,
-)
 
 # CDR of an Int64MultiArray without layout: encapsulation (little endian), no dimensions, no offset, the
 # length, padding to 8 bytes, the numbers.

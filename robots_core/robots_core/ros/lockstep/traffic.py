@@ -88,7 +88,7 @@ class Traffic:
             self._compare((participant, index + 1))
             for receiver in self._receivers[endpoint.name]:
                 self._compare(receiver)
-        else:
+        elif endpoint.kind != 'polled':
             self._compare(place)
 
     @property
