@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import json
 import math
 import os
 import signal
 import sys
-import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from rich.markup import escape
 
@@ -38,7 +33,7 @@ from robots_controller.live_cell.cell_events import (
     ProgramStatus,
 )
 from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, cell_graph
-from robots_controller.live_cell.cell_monitor import CellMonitor
+from robots_controller.live_cell.cell_listener import CellListener, listen
 from robots_controller.live_cell.cell_view import CellView
 from robots_controller.live_cell.node_processes import NodeProcesses
 from robots_controller.nodes.bag_recorder import BagRecorder
@@ -80,6 +75,7 @@ class CellOptions:
     guided: str
     debug_port: int
     describe: bool
+    lockstep: bool
 
 
 def main() -> None:
@@ -112,6 +108,11 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         '--guided', default='', choices=METHODS, help='follow reference_pose by this inverse kinematics'
     )
     parser.add_argument('--debug-port', type=int, default=0, help='port for editors; 0 for none')
+    parser.add_argument(
+        '--lockstep',
+        action='store_true',
+        help='simulated time that advances when all nodes have done what was due, as fast as they can',
+    )
     parser.add_argument('--describe', action='store_true', help='print the nodes as JSON, and start none')
     options = parser.parse_args(arguments)
     if options.once and not options.program:
@@ -135,6 +136,7 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         guided=options.guided,
         debug_port=options.debug_port,
         describe=options.describe,
+        lockstep=options.lockstep,
     )
 
 
@@ -165,6 +167,7 @@ def run_cell(options: CellOptions, console: Console) -> int:
         scene=options.scene,
         guided=options.guided,
         debug_port=options.debug_port,
+        lockstep=options.lockstep,
     )
     if options.describe:
         print(json.dumps([node.as_dict() for node in graph], indent=2))
@@ -175,10 +178,13 @@ def run_cell(options: CellOptions, console: Console) -> int:
     console.print(f'[bold]{options.robot}[/]{job}')
     if options.note:
         console.print(f'[yellow]{options.note}[/]')
-    with _listen(options, folder / 'bag' if options.record else None) as (monitor, recorder):
+    with listen(options.namespace, folder / 'bag' if options.record else None) as listener:
+        recorder = listener.recorder
         view = CellView(console, processes.names)
-        cell = _Cell(options, processes, monitor, recorder, view)
+        cell = _Cell(options, processes, listener, view)
         try:
+            if options.lockstep:
+                listener.coordinate(processes.names)
             processes.start()
             code = cell.run()
             cell.bring_to_rest()
@@ -222,14 +228,13 @@ class _Cell:
         self,
         options: CellOptions,
         processes: NodeProcesses,
-        monitor: CellMonitor,
-        recorder: BagRecorder | None,
+        listener: CellListener,
         view: CellView,
     ) -> None:
         self._options = options
         self._processes = processes
-        self._monitor = monitor
-        self._recorder = recorder
+        self._listener = listener
+        self._monitor, self._recorder = listener.monitor, listener.recorder
         self._console = view.console
         self._waiting = set(processes.names)
         self._failed = False
@@ -251,6 +256,7 @@ class _Cell:
         self._settled = time.monotonic() + SETTLING_TIME
         if self._options.program and not (self._call('open') and self._call('run')):
             return EXIT_FAILED
+        self._listener.release()
         while self._healthy():
             self._show_events()
             if self.program_ended and self._options.once:
@@ -272,7 +278,9 @@ class _Cell:
             self._show_events()
 
     def _ready(self) -> bool:
-        return not self._waiting and (self._recorder is None or self._recorder.records(REPORTED_TOPICS))
+        # Health changes with time, which stands still at the first instant of a lock-step run.
+        ready = self._listener.held if self._options.lockstep else not self._waiting
+        return ready and (self._recorder is None or self._recorder.records(REPORTED_TOPICS))
 
     def _until(self, condition: object, timeout: float) -> bool:
         deadline = time.monotonic() + timeout
@@ -290,7 +298,10 @@ class _Cell:
         for node in self._processes.dead():
             self._console.print(f'[bold red]{node.name} {node.reason}[/]\n{escape(node.last_words)}')
             self._ended = True
-        # Who has been here for a while stays; who comes second leaves.
+        if self._listener.problem:
+            self._console.print(f'[bold red]{escape(self._listener.problem)}[/]')
+            self._ended = True
+        # The established cell keeps the namespace; the newcomer exits.
         if self._foreign and time.monotonic() < self._settled:
             self._console.print(
                 f'[bold red]there is another {self._foreign} in namespace {self._options.namespace}[/]: '
@@ -300,7 +311,7 @@ class _Cell:
         return not self._ended
 
     def _call(self, service: str) -> bool:
-        future = self._monitor.call(f'lua_program_node/{service}')
+        future = self._listener.call(f'lua_program_node/{service}')
         if not self._until(future.done, SERVICE_TIMEOUT):
             self._console.print(f'[bold red]lua_program_node does not answer ~/{service}[/]')
             return False
@@ -344,35 +355,6 @@ def _run_folder(root: Path, options: CellOptions) -> Path:
         folder = root / f'{program}_{robot}_{stamp}_{number}'
     folder.mkdir(parents=True)
     return folder
-
-
-@contextlib.contextmanager
-def _listen(options: CellOptions, bag: Path | None) -> Iterator[tuple[CellMonitor, BagRecorder | None]]:
-    """The cell's own two nodes, spun by a thread."""
-    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    monitor = CellMonitor(namespace=options.namespace)
-    recorder = BagRecorder(bag, namespace=options.namespace) if bag is not None else None
-    executor = SingleThreadedExecutor()
-    nodes = [node for node in (monitor, recorder) if node is not None]
-    for node in nodes:
-        executor.add_node(node)
-
-    def spin() -> None:
-        with contextlib.suppress(ExternalShutdownException):
-            executor.spin()
-
-    thread = threading.Thread(target=spin, name='cell listener', daemon=True)
-    thread.start()
-    try:
-        yield monitor, recorder
-    finally:
-        executor.shutdown()
-        thread.join()
-        if recorder is not None:
-            recorder.close()
-        for node in nodes:
-            node.destroy_node()  # type: ignore[no-untyped-call]
-        rclpy.shutdown()
 
 
 if __name__ == '__main__':

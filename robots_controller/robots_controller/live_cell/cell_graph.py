@@ -85,6 +85,7 @@ def cell_graph(
     scene: str = '',
     guided: str = '',
     debug_port: int = 0,
+    lockstep: bool = False,
 ) -> tuple[NodeDescription, ...]:
     """All nodes of a cell with one simulated robot.
 
@@ -103,6 +104,7 @@ def cell_graph(
         guided: Inverse kinematics that follows `reference_pose` in command state TRAJECTORY, one of
             `METHODS`; none by default.
         debug_port: Port on this machine where editors debug the program; 0 for none.
+        lockstep: All nodes take part in a lock-step run.
 
     Raises:
         RobotsError: no such level or method, a file that is not valid, or both set inputs of the same kind.
@@ -116,8 +118,11 @@ def cell_graph(
     if scene:
         read_scene(scene)
 
+    plc_cycle = {'cycle': 1.0 / rate} if lockstep else {}
+
     def node(package: str, executable: str, **parameters: Any) -> NodeDescription:
-        return NodeDescription(package, executable, {'robot_model': robot, **parameters})
+        time = {'lockstep': True} if lockstep else {}
+        return NodeDescription(package, executable, {'robot_model': robot, **time, **parameters})
 
     return (
         node('robots_core', 'drive_node', rate=rate, level=drive),
@@ -135,6 +140,6 @@ def cell_graph(
         node('robots_core', 'visualizer_node', port=port, scene=scene),
         *([node('robots_core', 'inverse_kinematics_node', method=guided)] if guided else []),
         *([node('robots_core', 'collision_node', scene=scene)] if scene else []),
-        *([node('robots_controller', 'plc_node', script=io)] if io else []),
+        *([node('robots_controller', 'plc_node', script=io, **plc_cycle)] if io else []),
         *([node('robots_controller', 'io_bridge_node', io_map=io_map)] if io_map else []),
     )

@@ -25,7 +25,7 @@ from robots_core.motion_result import MotionResult
 from robots_core.realtime import ask_for_realtime
 from robots_core.ros.joint_state_reader import JointStateReader
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import motion_result_message, stamp_id
+from robots_core.ros.messages import NANOSECONDS, motion_result_message, stamp_id
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE, subscribe_state
 from robots_core.ros.reference_stream import ReferenceStream
@@ -161,7 +161,7 @@ class ControllerNode(RobotNode):
     def result(self, result: MotionResult) -> None:
         """See `ControlPort`."""
         # Those who have commanded another motion meanwhile compare its stamp with this end.
-        ended = 1e-9 * self.get_clock().now().nanoseconds
+        ended = self.get_clock().now().nanoseconds / NANOSECONDS
         details = {**result.details, 'ended': f'{ended:.9f}'}
         self._publish_result(MotionResult(result.id, result.ok, result.message, details))
         if not result.ok:
@@ -223,7 +223,7 @@ class ControllerNode(RobotNode):
         self._control.follow(trajectory, id_, join_time=join)
 
     def _on_streamed_point(self, message: JointTrajectory, id_: str) -> None:
-        ros_time, now = 1e-9 * self.get_clock().now().nanoseconds, self.now()
+        ros_time, now = self.get_clock().now().nanoseconds, self.now()
         try:
             point = stream_point_from_message(message, self._names, ros_time=ros_time, now=now)
         except RobotsError as error:

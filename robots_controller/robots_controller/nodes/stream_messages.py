@@ -7,12 +7,12 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.errors import InvalidInputError
-from robots_core.ros.messages import joint_indices
+from robots_core.ros.messages import NANOSECONDS, joint_indices, nanoseconds
 from robots_core.validation import finite_vector
 
 
 def stream_point_from_message(
-    message: JointTrajectory, names: list[str], *, ros_time: float, now: float
+    message: JointTrajectory, names: list[str], *, ros_time: int, now: float
 ) -> StreamPoint:
     """The point of a message, joints matched by name.
 
@@ -22,7 +22,7 @@ def stream_point_from_message(
     Args:
         message: With one point.
         names: The robot's joints, n of them.
-        ros_time: Time on the clock of the message's stamp, s.
+        ros_time: Time on the clock of the message's stamp, ns.
         now: The same instant on the controller's clock, s.
 
     Raises:
@@ -40,9 +40,8 @@ def stream_point_from_message(
             raise InvalidInputError(f'the streamed point has {len(row)} {field} for {count} joints')
         else:
             rows.append(finite_vector(row, count, field)[indices])
-    due = now + point.time_from_start.sec + 1e-9 * point.time_from_start.nanosec
-    stamp = message.header.stamp
-    if stamp.sec or stamp.nanosec:
-        due += stamp.sec + 1e-9 * stamp.nanosec - ros_time
+    ahead = nanoseconds(point.time_from_start)
+    if sent := nanoseconds(message.header.stamp):
+        ahead += sent - ros_time
     position, velocity, acceleration = rows
-    return StreamPoint(position, velocity, acceleration, due)
+    return StreamPoint(position, velocity, acceleration, now + ahead / NANOSECONDS)

@@ -25,6 +25,7 @@ from robots_core.ros.messages import (
     joint_indices,
     joint_values,
     motion_result_from_message,
+    seconds,
     stamp_id,
 )
 from robots_core.ros.polled_subscription import PolledSubscription
@@ -152,7 +153,7 @@ class CollisionNode(RobotNode):
             np.array([getattr(point, field) for point in message.points], dtype=np.float64)[:, indices]
             for field in ('positions', 'velocities', 'accelerations')
         )
-        time = [p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points]
+        time = [seconds(p.time_from_start) for p in message.points]
         return JointPath(np.array(time), position, velocity, acceleration)
 
     def _on_progress(self, message: Float64) -> None:

@@ -22,7 +22,7 @@ from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.base_motion_message import base_motion_from_message
 from robots_core.nodes.payload_parameter import payload_from_parameters, payload_from_values
 from robots_core.pose import Pose
-from robots_core.ros.messages import doubles, joint_indices
+from robots_core.ros.messages import doubles, joint_indices, seconds
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, SENSOR, STATE, subscribe_state
 from robots_core.ros.robot_node import RobotNode, bounded
@@ -125,7 +125,7 @@ class DynamicsNode(RobotNode):
         if self._source == 'joint_states':
             q, q_dot, tau = self._ordered(message.name, message.position, message.velocity, message.effort)
             stamp = message.header.stamp
-            return q, q_dot, self._accelerate(stamp.sec + 1e-9 * stamp.nanosec, q_dot), tau
+            return q, q_dot, self._accelerate(seconds(stamp), q_dot), tau
         if len(message.points) != 1:
             raise InvalidInputError(f'{len(message.points)} points came, a reference is one point')
         point = message.points[0]

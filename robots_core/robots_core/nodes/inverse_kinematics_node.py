@@ -21,7 +21,7 @@ from robots_core.blocks.following.reference_following import ReferenceFollowing
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import joint_values, pose_from_message
+from robots_core.ros.messages import NANOSECONDS, joint_values, nanoseconds, pose_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import STREAM, subscribe_state
 from robots_core.ros.reference_stream import ReferenceStream
@@ -187,7 +187,7 @@ class InverseKinematicsNode(RobotNode):
         stamp = message.header.stamp
         if not stamp.sec and not stamp.nanosec:
             return now
-        age: float = 1e-9 * self.get_clock().now().nanoseconds - stamp.sec - 1e-9 * stamp.nanosec
+        age: float = (self.get_clock().now().nanoseconds - nanoseconds(stamp)) / NANOSECONDS
         if not -FUTURE <= age <= self._reference.timeout:
             if not -self._reference.timeout <= age - self._oldest <= self._reference.timeout:
                 self._oldest = age

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from builtin_interfaces.msg import Time
+from builtin_interfaces.msg import Duration, Time
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Pose as PoseMessage
 from geometry_msgs.msg import PoseStamped
@@ -21,12 +21,23 @@ from robots_core.validation import Array
 
 # CDR: the encapsulation, and then a message that begins with a header has the stamp's two 32-bit words.
 ENCAPSULATION_SIZE: Final = 4
+NANOSECONDS: Final = 1_000_000_000
 SERIALIZED_STAMP: Final = struct.Struct('<iI')
 
 
 def doubles(values: Array) -> array.array[float]:
     """A float64 array as the type that message fields take without a loop."""
     return array.array('d', np.ascontiguousarray(values, dtype=np.float64).tobytes())
+
+
+def nanoseconds(time: Time | Duration) -> int:
+    """A stamp or a duration in ns."""
+    return int(time.sec) * NANOSECONDS + int(time.nanosec)
+
+
+def seconds(time: Time | Duration) -> float:
+    """A stamp or a duration in s: the double nearest to it, as blocks compute it."""
+    return nanoseconds(time) / NANOSECONDS
 
 
 def stamp_id(stamp: Time) -> str:
@@ -36,8 +47,8 @@ def stamp_id(stamp: Time) -> str:
 
 def serialized_stamp_id(data: bytes) -> str:
     """The id of a serialized message that begins with a header, without deserializing it."""
-    seconds, nanoseconds = SERIALIZED_STAMP.unpack_from(data, ENCAPSULATION_SIZE)
-    return f'{seconds}.{nanoseconds:09d}'
+    sec, nanosec = SERIALIZED_STAMP.unpack_from(data, ENCAPSULATION_SIZE)
+    return f'{sec}.{nanosec:09d}'
 
 
 def id_stamp(id_: str) -> Time:

@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger
 
 from robots_core.errors import InvalidInputError, JointNamesError, PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
-from robots_core.ros.messages import joint_indices, stamp_id
+from robots_core.ros.messages import joint_indices, seconds, stamp_id
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
@@ -52,7 +52,7 @@ def waypoints_trajectory(message: Any, names: list[str], start: Array) -> Trajec
     indices = joint_indices(message.joint_names, names, ACTION)
     if not message.points:
         raise InvalidInputError(f'{ACTION}: a trajectory needs at least one point, got none')
-    time = np.array([p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points])
+    time = np.array([seconds(p.time_from_start) for p in message.points])
     rows: list[Array | None] = []
     for field in ('positions', 'velocities', 'accelerations'):
         given = [getattr(point, field) for point in message.points]

@@ -17,7 +17,7 @@ from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.loop import Loop
-from robots_core.ros.messages import joint_values
+from robots_core.ros.messages import NANOSECONDS, joint_values, nanoseconds
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import STREAM
 from robots_core.ros.reference_stream import ReferenceStream
@@ -135,7 +135,7 @@ class Jogging:
         now, stamp = self._node.now(), message.header.stamp
         if not stamp.sec and not stamp.nanosec:
             return now
-        age: float = 1e-9 * self._node.get_clock().now().nanoseconds - stamp.sec - 1e-9 * stamp.nanosec
+        age: float = (self._node.get_clock().now().nanoseconds - nanoseconds(stamp)) / NANOSECONDS
         if age > self._timeout:
             raise PlanningError(
                 f'the command is {age:.3g} s old, allowed is {self._timeout:g} s: are the clocks the same?',

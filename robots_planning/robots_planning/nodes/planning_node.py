@@ -24,6 +24,7 @@ from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.pose import Pose
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
+    NANOSECONDS,
     id_stamp,
     joint_values,
     motion_result_from_message,
@@ -227,7 +228,7 @@ class PlanningNode(RobotNode):
 
     def time(self) -> float:
         """See `MotionPlannerPort`."""
-        return 1e-9 * float(self.get_clock().now().nanoseconds)
+        return self.get_clock().now().nanoseconds / NANOSECONDS
 
     def reference(self) -> tuple[Array, Array] | None:
         """See `MotionPlannerPort`."""

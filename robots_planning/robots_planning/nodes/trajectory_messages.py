@@ -9,7 +9,7 @@ from builtin_interfaces.msg import Time
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core.errors import InvalidInputError
-from robots_core.ros.messages import doubles, joint_indices
+from robots_core.ros.messages import doubles, joint_indices, seconds
 from robots_planning.trajectory import Trajectory
 
 BASE_FRAME = 'base'
@@ -38,7 +38,7 @@ def trajectory_from_message(message: JointTrajectory, names: Sequence[str]) -> T
     position, velocity, acceleration = (
         np.array(rows[field], dtype=np.float64).reshape(-1, count)[:, indices] for field in rows
     )
-    time = [p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points]
+    time = [seconds(p.time_from_start) for p in message.points]
     return Trajectory(np.array(time) - join_time(message), position, velocity, acceleration)
 
 
@@ -47,8 +47,7 @@ def join_time(message: JointTrajectory) -> float:
 
     It is the time of its first point: the trajectory counts time as the motion does whose place it takes.
     """
-    start = message.points[0].time_from_start
-    return float(start.sec + 1e-9 * start.nanosec)
+    return seconds(message.points[0].time_from_start)
 
 
 def trajectory_message(

@@ -1,0 +1,127 @@
+"""CellListener: the nodes of the process `cell` itself, spun by a thread."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+from robots_controller.live_cell.cell_monitor import SERVICES, CellMonitor
+from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_core.ros.lockstep.agenda import LockstepError
+from robots_core.ros.lockstep.coordinator import Coordinator
+from robots_core.ros.timed_node import TimedNode
+
+# Nodes that only show what happens, and never hold up a lock-step run.
+ONLOOKERS = ('visualizer_node',)
+
+
+class CellOperator(TimedNode):
+    """Calls the program's services in a lock-step run, in which time waits for the answers.
+
+    Args:
+        namespace: The cell's.
+    """
+
+    def __init__(self, *, namespace: str) -> None:
+        super().__init__(
+            'cell_operator', namespace=namespace, parameter_overrides=[Parameter('lockstep', value=True)]
+        )
+        self._program_services = {name: self.create_client(Trigger, name) for name in SERVICES}
+
+    def call(self, service: str) -> Future:
+        """Call one of `SERVICES`."""
+        future: Future = self._program_services[service].call_async(Trigger.Request())
+        return future
+
+
+@dataclass
+class CellListener:
+    """What listens to a cell, records it, and advances the time of a lock-step run.
+
+    Attributes:
+        monitor: Gives the events.
+        recorder: Writes the bag; None for none.
+        held: A lock-step run has done all that was due at its first instant.
+        problem: Why a lock-step run cannot go on; '' if it can.
+    """
+
+    monitor: CellMonitor
+    recorder: BagRecorder | None
+    executor: SingleThreadedExecutor
+    held: bool = False
+    problem: str = ''
+    _coordinator: Coordinator | None = None
+    _operator: CellOperator | None = None
+
+    def coordinate(self, nodes: Iterable[str]) -> None:
+        """Begin a lock-step run of nodes as soon as all have joined, and hold it at its first instant."""
+        node = Node('lockstep_coordinator', namespace=self.monitor.get_namespace())
+        prefix = self.monitor.get_namespace().rstrip('/')
+        expected = [f'{prefix}/{name}' for name in nodes if name not in ONLOOKERS]
+        self._operator = CellOperator(namespace=self.monitor.get_namespace())
+        expected.append(self._operator.get_fully_qualified_name())
+        self._coordinator = Coordinator(node, expected, on_error=self._fail, on_held=self._hold, held=True)
+        self.executor.add_node(node)
+        self.executor.add_node(self._operator)
+
+    def call(self, service: str) -> Future:
+        """Call one of `SERVICES` below the namespace; the future holds its response."""
+        return self.monitor.call(service) if self._operator is None else self._operator.call(service)
+
+    def release(self) -> None:
+        """Let the time of a lock-step run pass."""
+        if self._coordinator is not None:
+            self.executor.create_task(self._coordinator.release)
+
+    def _hold(self) -> None:
+        self.held = True
+
+    def _fail(self, error: LockstepError) -> None:
+        self.problem = error.message
+
+
+@contextlib.contextmanager
+def listen(namespace: str, bag: Path | None) -> Iterator[CellListener]:
+    """Listen to a cell.
+
+    Args:
+        namespace: Of the cell.
+        bag: Folder to record to, None for none.
+    """
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    monitor = CellMonitor(namespace=namespace)
+    recorder = BagRecorder(bag, namespace=namespace) if bag is not None else None
+    executor = SingleThreadedExecutor()
+    for node in (monitor, recorder):
+        if node is not None:
+            executor.add_node(node)
+
+    def spin() -> None:
+        with contextlib.suppress(ExternalShutdownException):
+            executor.spin()
+
+    thread = threading.Thread(target=spin, name='cell listener', daemon=True)
+    thread.start()
+    try:
+        yield CellListener(monitor, recorder, executor)
+    finally:
+        executor.shutdown()
+        thread.join()
+        if recorder is not None:
+            recorder.close()
+        nodes: list[Any] = executor.get_nodes()
+        for node in nodes:
+            node.destroy_node()
+        rclpy.shutdown()
