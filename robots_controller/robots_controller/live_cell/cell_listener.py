@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import sys
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -23,6 +23,8 @@ from robots_core.ros.lockstep.agenda import LockstepError
 from robots_core.ros.lockstep.coordinator import Coordinator
 from robots_core.ros.timed_node import TimedNode
 
+# The thread that advances time waits so long at most for those that listen and record.
+SWITCH_INTERVAL = 1e-4  # s
 # Nodes that only show what happens, and never hold up a lock-step run.
 ONLOOKERS = ('visualizer_node',)
 
@@ -46,6 +48,39 @@ class CellOperator(TimedNode):
         return future
 
 
+class Spinning:
+    """Nodes spun by a thread of their own.
+
+    Args:
+        nodes: The nodes.
+        name: Of the thread.
+    """
+
+    def __init__(self, nodes: Sequence[Node], name: str) -> None:
+        self._nodes = nodes
+        self._executor = SingleThreadedExecutor()
+        for node in nodes:
+            self._executor.add_node(node)
+        self._thread = threading.Thread(target=self._spin, name=name, daemon=True)
+        self._thread.start()
+
+    def _spin(self) -> None:
+        with contextlib.suppress(ExternalShutdownException):
+            self._executor.spin()
+
+    def call(self, function: Callable[[], None]) -> None:
+        """Call a function in the thread."""
+        self._executor.create_task(function)
+
+    def end(self, before: Callable[[], None] = lambda: None) -> None:
+        """End the thread, call a function, and destroy the nodes."""
+        self._executor.shutdown()
+        self._thread.join()
+        before()
+        for node in self._nodes:
+            node.destroy_node()
+
+
 @dataclass
 class CellListener:
     """What listens to a cell, records it, and advances the time of a lock-step run.
@@ -59,22 +94,22 @@ class CellListener:
 
     monitor: CellMonitor
     recorder: BagRecorder | None
-    executor: SingleThreadedExecutor
     held: bool = False
     problem: str = ''
     _coordinator: Coordinator | None = None
     _operator: CellOperator | None = None
+    _spinning: Spinning | None = None
 
     def coordinate(self, nodes: Iterable[str]) -> None:
         """Begin a lock-step run of nodes as soon as all have joined, and hold it at its first instant."""
+        sys.setswitchinterval(SWITCH_INTERVAL)
         node = Node('lockstep_coordinator', namespace=self.monitor.get_namespace())
         prefix = self.monitor.get_namespace().rstrip('/')
         expected = [f'{prefix}/{name}' for name in nodes if name not in ONLOOKERS]
         self._operator = CellOperator(namespace=self.monitor.get_namespace())
         expected.append(self._operator.get_fully_qualified_name())
         self._coordinator = Coordinator(node, expected, on_error=self._fail, on_held=self._hold, held=True)
-        self.executor.add_node(node)
-        self.executor.add_node(self._operator)
+        self._spinning = Spinning((node, self._operator), 'lock-step')
 
     def call(self, service: str) -> Future:
         """Call one of `SERVICES` below the namespace; the future holds its response."""
@@ -83,7 +118,13 @@ class CellListener:
     def release(self) -> None:
         """Let the time of a lock-step run pass."""
         if self._coordinator is not None:
-            self.executor.create_task(self._coordinator.release)
+            assert self._spinning is not None
+            self._spinning.call(self._coordinator.release)
+
+    def close(self) -> None:
+        """End a lock-step run."""
+        if self._spinning is not None:
+            self._spinning.end()
 
     def _hold(self) -> None:
         self.held = True
@@ -103,25 +144,11 @@ def listen(namespace: str, bag: Path | None) -> Iterator[CellListener]:
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     monitor = CellMonitor(namespace=namespace)
     recorder = BagRecorder(bag, namespace=namespace) if bag is not None else None
-    executor = SingleThreadedExecutor()
-    for node in (monitor, recorder):
-        if node is not None:
-            executor.add_node(node)
-
-    def spin() -> None:
-        with contextlib.suppress(ExternalShutdownException):
-            executor.spin()
-
-    thread = threading.Thread(target=spin, name='cell listener', daemon=True)
-    thread.start()
+    spinning = Spinning([node for node in (monitor, recorder) if node is not None], 'cell listener')
+    listener = CellListener(monitor, recorder)
     try:
-        yield CellListener(monitor, recorder, executor)
+        yield listener
     finally:
-        executor.shutdown()
-        thread.join()
-        if recorder is not None:
-            recorder.close()
-        nodes: list[Any] = executor.get_nodes()
-        for node in nodes:
-            node.destroy_node()
+        listener.close()
+        spinning.end(before=lambda: None if recorder is None else recorder.close())
         rclpy.shutdown()
