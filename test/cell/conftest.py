@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
 from .cell_process import CellProcess
-from .live_runs import LiveRuns
+from .lockstep_runs import LockstepRuns
 
 
 @pytest.fixture(scope='session')
-def live_runs(session_ros_domain: int, tmp_path_factory: pytest.TempPathFactory) -> LiveRuns:
-    """Programs that have run in a live cell."""
+def lockstep_runs(session_ros_domain: int, tmp_path_factory: pytest.TempPathFactory) -> LockstepRuns:
+    """Programs that the nodes have run in lock-step."""
     del session_ros_domain
-    return LiveRuns(tmp_path_factory.mktemp('live'))
+    folder = tmp_path_factory.getbasetemp()
+    # Those of the processes of one test run are beside each other.
+    shared = folder.parent if 'PYTEST_XDIST_WORKER' in os.environ else folder
+    return LockstepRuns(shared / 'lockstep')
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ import pytest
 from robots_controller.recording.bag_reading import read_messages
 
 from .cell_process import CellProcess
-from .live_runs import PROGRAMS
+from .lockstep_runs import PROGRAMS
 
 StartCell = Callable[..., CellProcess]
 

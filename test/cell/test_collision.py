@@ -2,30 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from robots_controller.recording.bag_reading import read_messages
 from robots_core import load_robot_model
 from robots_core.blocks import CollisionDetection, read_scene
 
-from .cell_process import CellProcess
-from .live_runs import PROGRAMS
+from .lockstep_runs import PROGRAMS, LockstepRuns
 
 ROBOT = 'kuka_kr210_r2700'
 SCENE = PROGRAMS / 'scenes' / 'car_frame.yaml'
 
 
-def run(start_cell: Callable[..., CellProcess], program: str) -> CellProcess:
-    cell = start_cell(
-        '--robot', ROBOT, '--program', str(PROGRAMS / program), '--scene', str(SCENE), '--once'
-    )  # fmt: skip
-    cell.wait()
-    return cell
-
-
-def test_a_motion_through_the_pillar_is_refused_with_its_line(start_cell: Callable[..., CellProcess]) -> None:
-    cell = run(start_cell, 'welding_collision.lua')
-    assert cell.process.returncode == 1, cell.text
+def test_a_motion_through_the_pillar_is_refused_with_its_line(lockstep_runs: LockstepRuns) -> None:
+    cell = lockstep_runs.run('welding_collision.lua')
+    assert cell.returncode == 1, cell.text
     lines = (PROGRAMS / 'welding_collision.lua').read_text().splitlines()
     number = next(index for index, line in enumerate(lines, 1) if 'across the B pillar' in line)
     refusal = next(line for line in cell.text.splitlines() if 'the motion collides' in line)
@@ -38,9 +27,9 @@ def test_a_motion_through_the_pillar_is_refused_with_its_line(start_cell: Callab
     assert len(messages['/motion_result']) == 4
 
 
-def test_the_corrected_program_runs_clear_of_the_car(start_cell: Callable[..., CellProcess]) -> None:
-    cell = run(start_cell, 'welding_around_pillar.lua')
-    assert cell.process.returncode == 0, cell.text
+def test_the_corrected_program_runs_clear_of_the_car(lockstep_runs: LockstepRuns) -> None:
+    cell = lockstep_runs.run('welding_around_pillar.lua')
+    assert cell.returncode == 0, cell.text
     assert 'every target reached, every limit kept' in cell.text
     messages = read_messages(cell.bag, ('/joint_states', '/collision_status', '/min_distance'))
     assert len(messages['/collision_status']) > 10

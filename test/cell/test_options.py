@@ -8,7 +8,7 @@ import pytest
 
 from robots_controller.live_cell.cell_command import parse_options
 
-from .live_runs import PROGRAMS
+from .lockstep_runs import PROGRAMS
 
 PRESS = str(PROGRAMS / 'press_tending.lua')
 PILLAR = str(PROGRAMS / 'welding_around_pillar.lua')

@@ -16,8 +16,7 @@ from robots_controller.report.motion_report import motion_report
 from robots_core import Pose, load_robot_model
 
 from .bag_checks import changes, check_references
-from .cell_process import CellProcess
-from .live_runs import PROGRAMS, LiveRuns
+from .lockstep_runs import PROGRAMS, LockstepRun, LockstepRuns
 
 ROBOT = 'kuka_kr210_r2700'
 TOPICS = (
@@ -37,21 +36,21 @@ TOPICS = (
 
 
 @pytest.fixture(scope='module')
-def cell(live_runs: LiveRuns) -> CellProcess:
+def cell(lockstep_runs: LockstepRuns) -> LockstepRun:
     """The demo, which has run."""
-    return live_runs.run('welding.lua').cell
+    return lockstep_runs.run('welding.lua')
 
 
 @pytest.fixture(scope='module')
-def bag(cell: CellProcess) -> dict[str, list[tuple[float, Any]]]:
+def bag(cell: LockstepRun) -> dict[str, list[tuple[float, Any]]]:
     return read_messages(cell.bag, TOPICS)
 
 
-def test_the_program_finishes(cell: CellProcess) -> None:
-    assert cell.process.returncode == 0, cell.text
+def test_the_program_finishes(cell: LockstepRun) -> None:
+    assert cell.returncode == 0, cell.text
 
 
-def test_shows_every_line_every_motion_and_the_table(cell: CellProcess) -> None:
+def test_shows_every_line_every_motion_and_the_table(cell: LockstepRun) -> None:
     program = (PROGRAMS / 'welding.lua').read_text().splitlines()
     shown = [line for line in program if line and not line.startswith('--')]
     position = 0
@@ -66,14 +65,14 @@ def test_shows_every_line_every_motion_and_the_table(cell: CellProcess) -> None:
     assert 'every target reached, every limit kept' in cell.text
 
 
-def test_the_bag_holds_all_topics_as_mcap(cell: CellProcess) -> None:
+def test_the_bag_holds_all_topics_as_mcap(cell: LockstepRun) -> None:
     with Reader(cell.bag) as reader:
         assert {connection.topic for connection in reader.connections} >= set(TOPICS)
     assert (cell.bag / 'metadata.yaml').is_file()
     assert [file.suffix for file in cell.bag.iterdir() if file.suffix != '.yaml'] == ['.mcap']
 
 
-def test_the_readme_lists_the_topics(cell: CellProcess) -> None:
+def test_the_readme_lists_the_topics(cell: LockstepRun) -> None:
     readme = (PROGRAMS.parent / 'README.md').read_text()
     table = readme[readme.index('### Topics') : readme.index('### Services')]
     rows = [line.split('|')[1:-1] for line in table.splitlines() if line.startswith('| `')]
@@ -135,7 +134,7 @@ def test_cartesian_motions_stay_on_their_lines(bag: dict[str, Any]) -> None:
         assert np.linalg.norm(r[-1] - target) <= 1e-4
 
 
-def test_the_robot_stands_at_every_target(cell: CellProcess, bag: dict[str, Any]) -> None:
+def test_the_robot_stands_at_every_target(cell: LockstepRun, bag: dict[str, Any]) -> None:
     report = motion_report(cell.bag, ROBOT)
     assert report.ok
     assert [row.kind for row in report.rows] == ['PTPJOINT_JOINT'] + 3 * ['PTPCARTESIAN']
@@ -150,7 +149,7 @@ def test_the_robot_stands_at_every_target(cell: CellProcess, bag: dict[str, Any]
     assert orientation <= np.radians(0.01)
 
 
-def test_every_node_left_its_log(cell: CellProcess) -> None:
+def test_every_node_left_its_log(cell: LockstepRun) -> None:
     logs = {file.name for file in Path(cell.bag.parent, 'log').iterdir()}
     assert 'controller_node.log' in logs
     assert 'Traceback' not in ''.join(Path(cell.bag.parent, 'log', name).read_text() for name in logs)

@@ -178,7 +178,8 @@ def run_cell(options: CellOptions, console: Console) -> int:
     console.print(f'[bold]{options.robot}[/]{job}')
     if options.note:
         console.print(f'[yellow]{options.note}[/]')
-    with listen(options.namespace, folder / 'bag' if options.record else None) as listener:
+    bag = folder / 'bag' if options.record else None
+    with listen(options.namespace, bag, lockstep=options.lockstep) as listener:
         recorder = listener.recorder
         view = CellView(console, processes.names)
         cell = _Cell(options, processes, listener, view)

@@ -134,16 +134,17 @@ class CellListener:
 
 
 @contextlib.contextmanager
-def listen(namespace: str, bag: Path | None) -> Iterator[CellListener]:
+def listen(namespace: str, bag: Path | None, *, lockstep: bool = False) -> Iterator[CellListener]:
     """Listen to a cell.
 
     Args:
         namespace: Of the cell.
         bag: Folder to record to, None for none.
+        lockstep: The bag has the times of a lock-step run.
     """
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     monitor = CellMonitor(namespace=namespace)
-    recorder = BagRecorder(bag, namespace=namespace) if bag is not None else None
+    recorder = BagRecorder(bag, namespace=namespace, lockstep=lockstep) if bag is not None else None
     spinning = Spinning([node for node in (monitor, recorder) if node is not None], 'cell listener')
     listener = CellListener(monitor, recorder)
     try:

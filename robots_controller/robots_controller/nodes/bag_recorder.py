@@ -15,6 +15,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosbags.interfaces import Connection, Qos
 from rosbags.typesys import Stores, get_typestore
 
+from robots_controller.nodes.lockstep_times import LockstepTimes, Sent
 from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.crash_safe_writer import CrashSafeWriter
 from robots_core.ros.message_class import message_class
@@ -43,10 +44,11 @@ class BagRecorder(Node):
     Args:
         path: Folder of the bag; must not exist.
         namespace: Records the topics below it, and the global ones (`/diagnostics`, `/rosout`).
+        lockstep: Times are those of a lock-step run, not of the system's clock.
         options: Passed on to `rclpy.node.Node`.
     """
 
-    def __init__(self, path: Path, *, namespace: str, **options: Any) -> None:
+    def __init__(self, path: Path, *, namespace: str, lockstep: bool = False, **options: Any) -> None:
         super().__init__('bag_recorder', namespace=namespace, **options)
         self.path = path
         self._prefix = namespace.rstrip('/') + '/'
@@ -56,6 +58,7 @@ class BagRecorder(Node):
         self._writer.open()
         self._writing = threading.Lock()  # a topic is found while another's messages are written
         self._closed = threading.Event()
+        self._times = LockstepTimes(self) if lockstep else None
         # A topic may be found while the bag is being closed; then it comes too late.
         self._discovering = threading.Lock()
         self._thread = threading.Thread(target=self._write, name='bag writer', daemon=True)
@@ -86,6 +89,8 @@ class BagRecorder(Node):
     def _find_topics(self) -> None:
         for topic, types in self.get_topic_names_and_types():
             if topic in self._topics or not topic.startswith((self._prefix, '/diagnostics', '/rosout')):
+                continue
+            if '/lockstep' in topic:
                 continue
             publishers = self.get_publishers_info_by_topic(topic)
             if publishers and types[0] in self._typestore.types:
@@ -118,17 +123,23 @@ class BagRecorder(Node):
                 with self._writing:
                     self._writer.flush()
                 unsaved, saved = False, time.monotonic()
-        self._write_what_came()
+        self._write_what_came(last=True)
         self._writer.close()
 
-    def _write_what_came(self) -> bool:
+    def _write_what_came(self, *, last: bool = False) -> bool:
+        # Sent, not received: topics keep their order to each other however late they come in.
+        messages: Iterable[Sent] = [
+            (info['source_timestamp'], topic.connection, data)
+            for topic in list(self._topics.values())
+            for data, info in topic.subscription.take_all()
+        ]
+        if self._times is not None:
+            messages = self._times.stamped(messages, last=last)
         written = False
-        for topic in list(self._topics.values()):
-            for data, info in topic.subscription.take_all():
-                # Sent, not received: topics keep their order to each other however late they come in.
-                with self._writing:
-                    self._writer.write(topic.connection, info['source_timestamp'], data)
-                written = True
+        for stamp, connection, data in messages:
+            with self._writing:
+                self._writer.write(connection, stamp, data)
+            written = True
         return written
 
 

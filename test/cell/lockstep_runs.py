@@ -1,7 +1,9 @@
-"""Programs of programs/, each run in a live cell once, for all tests."""
+"""Programs of programs/, each run by the real nodes in lock-step once, for all tests."""
 
 from __future__ import annotations
 
+import fcntl
+import json
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,41 +40,54 @@ SHORTENED = {
 
 
 @dataclass(frozen=True)
-class LiveRun:
+class LockstepRun:
     """A program that has run.
 
     Attributes:
         program: The shortened copy.
-        cell: Has ended.
+        returncode: Of `cell`.
+        text: Its output.
+        bag: Its recording.
     """
 
     program: Path
-    cell: CellProcess
+    returncode: int
+    text: str
+    bag: Path
 
 
-class LiveRuns:
-    """Runs programs in the cells that they name.
+class LockstepRuns:
+    """Runs programs in lock-step, in the cells that they name; each once for all processes of the tests.
 
     Args:
-        folder: For their copies and bags.
+        folder: For their copies and bags, shared by these processes.
     """
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._runs: dict[str, LiveRun] = {}
 
-    def run(self, program: str) -> LiveRun:
-        """The run of a program, by its file name; the same whenever it is asked for."""
-        if program not in self._runs:
-            folder = self._folder / program
-            path = _copy(folder / 'programs' / program)
-            cell = CellProcess('--program', str(path), '--once', '--port', '0', out=folder / 'out')
-            try:
-                cell.wait()
-            finally:
-                cell.close()
-            self._runs[program] = LiveRun(path, cell)
-        return self._runs[program]
+    def run(self, program: str, drive: str = 'second_order') -> LockstepRun:
+        """The run of a program, by its file name, with drives of a level."""
+        folder = self._folder / f'{program}_{drive}'
+        folder.mkdir(parents=True, exist_ok=True)
+        result = folder / 'result.json'
+        with (folder / 'lock').open('w') as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not result.exists():
+                result.write_text(json.dumps(_run(folder, program, drive)))
+        values = json.loads(result.read_text())
+        return LockstepRun(Path(values[0]), values[1], values[2], Path(values[3]))
+
+
+def _run(folder: Path, program: str, drive: str) -> tuple[str, int, str, str]:
+    path = _copy(folder / 'programs' / program)
+    options = ('--program', str(path), '--drive', drive, '--once', '--lockstep', '--port', '0')
+    cell = CellProcess(*options, out=folder / 'out')
+    try:
+        code = cell.wait()
+    finally:
+        cell.close()
+    return str(path), code, cell.text, str(cell.bag)
 
 
 def _copy(path: Path) -> Path:
