@@ -75,7 +75,7 @@ def test_results_states_and_lines_come_at_the_same_times(runs: Runs) -> None:
 @pytest.mark.parametrize('image', IMAGES)
 def test_inputs_and_outputs_change_at_the_same_times(runs: Runs, image: str) -> None:
     there, here = (
-        [(round(time, 3), channel, value) for time, channel, value in _changes(bag, image)]
+        [(round(1e-6 * stamp), channel, value) for stamp, channel, value in _changes(bag, image)]
         for bag in (runs.recorded, runs.simulated)
     )
     assert there == here
