@@ -321,3 +321,13 @@ def test_a_map_and_a_script_that_set_the_same_inputs_are_refused(tmp_path: Path)
     io = PROGRAMS / 'io' / 'press_tending.yaml'
     with pytest.raises(RobotsError, match='both set digital_inputs; only one can publish that topic'):
         run_text(tmp_path, 'wait(1)', io=io, io_map=tmp_path / 'map.yaml')
+
+
+def test_a_motion_begins_at_once_although_the_plc_does_something_later(tmp_path: Path):
+    program, rules = tmp_path / 'move.lua', tmp_path / 'plc.yaml'
+    program.write_text('ptpJointSpaceAngles(20, -90, 90, 0, 90, 0)')
+    rules.write_text('rules: [{when: start, after: 5, set: {digital_input.1: 1}}]')
+    alone = simulate(program, robot=ROBOT, drive='ideal')
+    beside = simulate(program, robot=ROBOT, drive='ideal', io=rules)
+    np.testing.assert_array_equal(beside.reference, alone.reference)
+    assert beside.duration == alone.duration

@@ -56,6 +56,11 @@ class ControlLoop:
         """The next cycle takes feedback."""
         self._reported = -1.0
 
+    @property
+    def pending(self) -> bool:
+        """A request waits for the next cycle."""
+        return bool(self._mailbox)
+
     # -- requests -------------------------------------------------------------------------------------
 
     def follow(self, trajectory: Trajectory, id_: str, *, join_time: float = 0.0) -> None:

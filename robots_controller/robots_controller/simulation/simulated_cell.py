@@ -124,6 +124,7 @@ class SimulatedCell:
         self._look_every = cycles(1.0 / period, WATCH_RATE)
         self._watch_every = cycles(1.0 / period, 1.0 / WATCH_PERIOD)
         self._cycle = -1
+        self._progress = 1.0
         self._settled = False
         self._changed = False
         self._deadlocks = DeadlockDetection(longest, self._recording)
@@ -201,8 +202,8 @@ class SimulatedCell:
             clock.nanoseconds = max(clock.nanoseconds, int(wait) - START)
             return
         # A line is reported some periods after it was reached, not after its wait.
-        reported = not self._host.reporter.due
-        if self._settled and reported and self._skip(min(wait / NANOSECONDS, self._next_event())):
+        nothing_to_do = not (self._host.reporter.due or self._control.pending)
+        if self._settled and nothing_to_do and self._skip(min(wait / NANOSECONDS, self._next_event())):
             return
         clock.nanoseconds = next_tick - START
         self._tick()
@@ -261,7 +262,8 @@ class SimulatedCell:
         self._cycle += 1
         now, cycle, cost = self.clock.now(), self._cycle, self.cost
         cost.switch('controller')
-        self._guide.step(self.clock.stamp)
+        if self._parts.references is not None:
+            self._guide.step(self.clock.stamp)
         position = self._drives.position
         reference = self._control.step(now, position if self._control.feedback_due else None)
         assert reference is not None
@@ -279,10 +281,10 @@ class SimulatedCell:
         cost.switch('other')
         self._deliver()
         self._step_plc(now)
-        self._note_start()
         if cycle % self._watch_every == 0 and self._records.any_open:
             self._host.motions.watch()
-        self._host.reporter.report_in_time()
+        if self._host.reporter.due:
+            self._host.reporter.report_in_time()
         if self._on_progress is not None and cycle % self._rates.progress_every == 0:
             self._on_progress(self.clock.elapsed, self._program.line)
 
@@ -298,7 +300,7 @@ class SimulatedCell:
             self._control.stop(STOPPED)
 
     def _note_start(self) -> None:
-        if self._controller.progress < 1.0 and self._planner.motions:
+        if self._planner.motions:
             self._records.started(self._planner.motions[0].id, self.clock.elapsed)
 
     def _motion_ended(self, result: MotionResult) -> None:
@@ -358,6 +360,9 @@ class SimulatedCell:
 
     def progress(self, progress: float) -> None:
         """See `ControlPort`."""
+        if progress < self._progress:  # of another motion than before
+            self._mail.append(self._note_start)
+        self._progress = progress
         if progress in (0.0, 1.0) or self._cycle % self._rates.progress_every == 0:
             self._log.progress(progress)
         now = self.clock.now()

@@ -21,6 +21,10 @@ class SimulatedClock(TurnClock):
         self.nanoseconds = 0
         """Time since the start of the simulation; the cell sets it."""
 
+    def now(self) -> float:
+        """Time in seconds."""
+        return (START + self.nanoseconds) / NANOSECONDS
+
     @property
     def stamp(self) -> int:
         """Time in nanoseconds, `START` at the start of the simulation."""
