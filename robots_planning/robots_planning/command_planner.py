@@ -20,12 +20,12 @@ class PlannedCommands:
     """A motion that is ready to be sent.
 
     Attributes:
-        orders: Its commands.
+        commands: Its commands.
         motion: The plan.
         join_time: Path time of the running motion at which this one takes its place, s; 0: after its end.
     """
 
-    orders: tuple[QueuedCommand, ...]
+    commands: tuple[QueuedCommand, ...]
     motion: PlannedMotion
     join_time: float = 0.0
 
@@ -35,7 +35,7 @@ class CommandPlanner:
 
     Args:
         planning: Plans.
-        book: Knows what runs.
+        queue: Knows what runs.
         standing: Where the robot's reference stands, (n,); raises a PlanningError if it does not.
         path_time: How far the running motion is, s of its plan.
         send: Sends a motion.
@@ -45,7 +45,7 @@ class CommandPlanner:
     def __init__(
         self,
         planning: PathPlanning,
-        book: CommandQueue,
+        queue: CommandQueue,
         *,
         standing: Callable[[], Array],
         path_time: Callable[[], float],
@@ -54,14 +54,14 @@ class CommandPlanner:
     ) -> None:
         self.replace = False
         """A joint motion takes the place of the running motion, and does not wait for its end."""
-        self._planning, self._book = planning, book
+        self._planning, self._queue = planning, queue
         self._chain = MotionChain(planning.robot, planning)
         self._standing, self._path_time = standing, path_time
         self._send, self._refuse = send, refuse
 
-    def plan(self, orders: Sequence[QueuedCommand]) -> None:
+    def plan(self, commands: Sequence[QueuedCommand]) -> None:
         """Plan a chain of commands as one motion, or one by one if they do not blend."""
-        chain = tuple(orders)
+        chain = tuple(commands)
         try:
             self._plan(chain)
         except RobotsError as error:
@@ -71,41 +71,41 @@ class CommandPlanner:
                 self._plan_each(chain)
 
     def _plan_each(self, chain: tuple[QueuedCommand, ...]) -> None:
-        for place, order in enumerate(chain):
+        for place, command in enumerate(chain):
             try:
-                self._plan((order,))
+                self._plan((command,))
             except RobotsError as error:
-                self._refuse(order, error)
+                self._refuse(command, error)
                 for later in chain[place + 1 :]:
-                    self._refuse(later, PlanningError(f'given up with motion {order.id} before it'))
+                    self._refuse(later, PlanningError(f'given up with motion {command.id} before it'))
                 return
 
-    def _plan(self, orders: tuple[QueuedCommand, ...]) -> None:
+    def _plan(self, commands: tuple[QueuedCommand, ...]) -> None:
         while True:
-            failures = self._book.failures
-            if reason := self._book.given_up(orders):
+            failures = self._queue.failures
+            if reason := self._queue.given_up(commands):
                 raise PlanningError(reason)
-            running = self._book.running
-            join_time = self._join_time(running, orders)
+            running = self._queue.running
+            join_time = self._join_time(running, commands)
             ends: tuple[float, ...] = (0.0,)
             if join_time > 0.0:
                 q, q_dot, q_ddot = running[-1].trajectory.sample(join_time)
-                only = orders[0]
+                only = commands[0]
                 motion = self._planning.plan_moving(only.kind, (q, q_dot, q_ddot), only.target, only.settings)
             else:
                 q = running[-1].trajectory.position[-1] if running else self._standing()
-                motion, ends = self._chain.plan(orders, q)
-            planned = RunningMotion(tuple(order.id for order in orders), motion.trajectory, ends)
-            if self._book.planned(planned, failures):
+                motion, ends = self._chain.plan(commands, q)
+            planned = RunningMotion(tuple(command.id for command in commands), motion.trajectory, ends)
+            if self._queue.planned(planned, failures):
                 break
         if join_time > 0.0:
-            self._book.replaced(running[-1])
-        self._send(PlannedCommands(orders, motion, join_time))
+            self._queue.replaced(running[-1])
+        self._send(PlannedCommands(commands, motion, join_time))
 
-    def _join_time(self, running: tuple[RunningMotion, ...], orders: tuple[QueuedCommand, ...]) -> float:
-        if not self.replace or len(running) != 1 or len(orders) != 1:
+    def _join_time(self, running: tuple[RunningMotion, ...], commands: tuple[QueuedCommand, ...]) -> float:
+        if not self.replace or len(running) != 1 or len(commands) != 1:
             return 0.0
-        if not self._planning.generator(orders[0].kind, orders[0].settings).starts_moving:
+        if not self._planning.generator(commands[0].kind, commands[0].settings).starts_moving:
             return 0.0
         join_time = round(self._path_time() + REPLACE_LEAD, 9)  # as messages hold it
         return join_time if join_time < running[0].trajectory.duration else 0.0

@@ -82,12 +82,12 @@ class CommandQueue:
         with self._lock:
             return id_ in self._known
 
-    def hold(self, order: QueuedCommand) -> tuple[QueuedCommand, ...]:
+    def hold(self, command: QueuedCommand) -> tuple[QueuedCommand, ...]:
         """Take a command; returns what is to be planned now: nothing while a chain may go on."""
         with self._lock:
-            self._known.add(order.id)
-            self._held.append(order)
-            if order.settings.blends and len(self._held) < LONGEST_CHAIN:
+            self._known.add(command.id)
+            self._held.append(command)
+            if command.settings.blends and len(self._held) < LONGEST_CHAIN:
                 return ()
             return self.release()
 
@@ -97,10 +97,10 @@ class CommandQueue:
             held, self._held = tuple(self._held), []
             return held
 
-    def given_up(self, orders: Sequence[QueuedCommand]) -> str:
+    def given_up(self, commands: Sequence[QueuedCommand]) -> str:
         """Why commands are void; '' if they are not."""
         with self._lock:
-            if min(order.received for order in orders) < self._failed_at:
+            if min(command.received for command in commands) < self._failed_at:
                 return f'given up with motion {self._failed} before it, which did not reach its target'
             return ''
 
@@ -124,7 +124,7 @@ class CommandQueue:
             return self._failures
 
     def planned(self, motion: RunningMotion, failures: int) -> bool:
-        """Take a motion into the book.
+        """Take a motion into the queue.
 
         Args:
             motion: The plan.

@@ -44,86 +44,89 @@ class MotionChain:
         self._robot, self._planning = robot, planning
 
     def plan(
-        self, orders: tuple[QueuedCommand, ...], q_start: Array
+        self, commands: tuple[QueuedCommand, ...], q_start: Array
     ) -> tuple[PlannedMotion, tuple[float, ...]]:
         """The motion of a chain, and when each of its commands is done with, s of it.
 
         Raises:
             RobotsError: one of the motions is impossible, or all together.
         """
-        if len(orders) == 1:
-            only = orders[0]
+        if len(commands) == 1:
+            only = commands[0]
             motion = self._planning.plan(only.kind, q_start, only.target, only.settings)
             return motion, (motion.duration,)
-        paths = self._paths(orders, q_start)
+        paths = self._paths(commands, q_start)
         plans: list[tuple[Trajectory, tuple[float, ...]]] = []
         # A blend of ways that lead back almost on themselves may leave no speed; then it stops.
         with contextlib.suppress(PlanningError):
             if paths:
-                path, limits = self._blended(orders, paths)
-                trajectory = self._timing(orders).trajectory(path, limits)
+                path, limits = self._blended(commands, paths)
+                trajectory = self._timing(commands).trajectory(path, limits)
                 plans.append((trajectory, _passing_times(trajectory, [part.q[-1] for part in paths[:-1]])))
         try:
-            plans.append(self._with_stops(orders, q_start))
+            plans.append(self._with_stops(commands, q_start))
         except RobotsError:
             if not plans:
                 raise
         trajectory, ends = min(plans, key=lambda plan: plan[0].duration)
-        last = orders[-1]
+        last = commands[-1]
         motion = self._planning.checked(trajectory, last.kind, last.settings)
         return motion, (*ends, trajectory.duration)
 
-    def _paths(self, orders: tuple[QueuedCommand, ...], q_start: Array) -> list[JointPath]:
+    def _paths(self, commands: tuple[QueuedCommand, ...], q_start: Array) -> list[JointPath]:
         """The path of every motion alone; none at all if one of them has none to run through."""
         paths: list[JointPath] = []
-        for order in self._limited(orders):
-            path = self._path(order, paths[-1].q[-1] if paths else q_start)
+        for command in self._limited(commands):
+            path = self._path(command, paths[-1].q[-1] if paths else q_start)
             if path is None:
                 return []
             paths.append(path)
         return paths
 
     def _blended(
-        self, orders: tuple[QueuedCommand, ...], paths: list[JointPath]
+        self, commands: tuple[QueuedCommand, ...], paths: list[JointPath]
     ) -> tuple[JointPath, ToolLimits]:
         """The path with blends, and the limits on it."""
-        zones, measures = zip(*(self._zone(order.settings, order) for order in orders[:-1]), strict=True)
+        zones, measures = zip(
+            *(self._zone(command.settings, command) for command in commands[:-1]), strict=True
+        )
         path, corners = blend_with_corners(paths, zones, measures=measures)
-        sections, tool = [_section(order) for order in orders], orders[-1].settings.tool_pose
+        sections, tool = [_section(command) for command in commands], commands[-1].settings.tool_pose
         return path, chain_limits(self._robot, path, corners, sections, tool)
 
     def _with_stops(
-        self, orders: tuple[QueuedCommand, ...], q_start: Array
+        self, commands: tuple[QueuedCommand, ...], q_start: Array
     ) -> tuple[Trajectory, tuple[float, ...]]:
         """The motions from rest to rest, and when each but the last ends; raises as `plan`."""
         parts: list[Trajectory] = []
         q = q_start
-        for order in self._limited(orders):
-            plan = self._planning.trajectory(order.kind, q, order.target, order.settings)
+        for command in self._limited(commands):
+            plan = self._planning.trajectory(command.kind, q, command.target, command.settings)
             parts.append(plan)
             q = plan.position[-1]
         ends = np.cumsum([part.duration for part in parts[:-1]])
         return one_after_another(parts), tuple(map(float, ends))
 
     @staticmethod
-    def _limited(orders: tuple[QueuedCommand, ...]) -> list[QueuedCommand]:
+    def _limited(commands: tuple[QueuedCommand, ...]) -> list[QueuedCommand]:
         """The motions, all with jerk limits if one of them has."""
-        jerk_limited = _jerk_limited(orders)
+        jerk_limited = _jerk_limited(commands)
         return [
-            replace(order, settings=replace(order.settings, jerk_limited=jerk_limited)) for order in orders
+            replace(command, settings=replace(command.settings, jerk_limited=jerk_limited))
+            for command in commands
         ]
 
-    def _path(self, order: QueuedCommand, q_start: Array) -> JointPath | None:
+    def _path(self, command: QueuedCommand, q_start: Array) -> JointPath | None:
         """The path that a motion alone would take; None if it cannot run through."""
         start = self._robot.axes_data.check_position(q_start, 'q_start')
-        goal = in_base(order.kind, order.target, order.settings)
-        return self._planning.generator(order.kind, order.settings).joint_path(start, goal)
+        goal = in_base(command.kind, command.target, command.settings)
+        return self._planning.generator(command.kind, command.settings).joint_path(start, goal)
 
-    def _zone(self, settings: MotionSettings, order: QueuedCommand) -> tuple[float, Measure]:
+    def _zone(self, settings: MotionSettings, command: QueuedCommand) -> tuple[float, Measure]:
         """Size of the zone behind a motion, and the distance that it is a size of."""
         tip = partial(self._distance, settings.tool_pose)
         joints, tool = (settings.joint_blend_zone, joint_distance), (settings.blend_zone, tip)
-        own, other = (tool, joints) if order.kind.cartesian else (joints, tool)
+        own, other = (tool, joints) if command.kind.cartesian else (joints, tool)
         return own if own[0] > 0.0 else other
 
     def _distance(self, tool: Pose, first: Array, second: Array) -> float:
@@ -131,26 +134,26 @@ class MotionChain:
         frames = (self._robot.direct_kinematics(q) for q in (first, second))
         return float(np.linalg.norm(np.subtract(*(r + T @ tool.r for r, T in frames))))
 
-    def _timing(self, orders: tuple[QueuedCommand, ...]) -> TimeOptimalTiming:
+    def _timing(self, commands: tuple[QueuedCommand, ...]) -> TimeOptimalTiming:
         axes, inside = self._robot.axes_data, 1.0 - LIMIT_MARGIN
         effort = jerk = None
-        if planner_for(LINE, orders[-1].settings).keeps_torque:
+        if planner_for(LINE, commands[-1].settings).keeps_torque:
             effort = axes.effort * inside
-        if _jerk_limited(orders):
-            jerk = axes.jerk * inside * min(order.settings.acceleration_fraction for order in orders)
+        if _jerk_limited(commands):
+            jerk = axes.jerk * inside * min(command.settings.acceleration_fraction for command in commands)
         return TimeOptimalTiming(
             self._robot, axes.velocity * inside, axes.acceleration * inside, effort, jerk=jerk
         )
 
 
-def _jerk_limited(orders: tuple[QueuedCommand, ...]) -> bool:
-    return any(order.settings.jerk_limited for order in orders)
+def _jerk_limited(commands: tuple[QueuedCommand, ...]) -> bool:
+    return any(command.settings.jerk_limited for command in commands)
 
 
-def _section(order: QueuedCommand) -> SectionLimits:
-    settings = order.settings
+def _section(command: QueuedCommand) -> SectionLimits:
+    settings = command.settings
     velocity = acceleration = np.full(2, np.inf)
-    if order.kind.cartesian:
+    if command.kind.cartesian:
         velocity = np.array([settings.cartesian_speed, settings.rotation_speed])
         acceleration = np.array([settings.cartesian_acceleration, settings.rotation_acceleration])
     return SectionLimits(settings.speed_fraction, settings.acceleration_fraction, velocity, acceleration)

@@ -232,8 +232,8 @@ class MotionPlanner:
             self._port.submit(partial(self._commands.plan, commands))
 
     def _send(self, planned: PlannedCommands) -> None:
-        titles = ' + '.join(command.kind.title for command in planned.orders)
-        self._follow(planned.orders[-1].id, planned.motion, titles, planned.join_time)
+        titles = ' + '.join(command.kind.title for command in planned.commands)
+        self._follow(planned.commands[-1].id, planned.motion, titles, planned.join_time)
 
     def _follow(self, id_: str, motion: PlannedMotion, title: str, join_time: float) -> None:
         if len(self.motions) == 1:

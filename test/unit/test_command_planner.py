@@ -32,13 +32,13 @@ class Desk:
     def __init__(self, planning: PathPlanning) -> None:
         self.robot = planning.robot
         self.start = np.array([0.2, -1.2, 1.6, -1.9, -1.4, 0.3])
-        self.book = CommandQueue()
+        self.queue = CommandQueue()
         self.sent: list[PlannedCommands] = []
         self.refused: dict[str, RobotsError] = {}
         self.path_time = 0.0
         self.planner = CommandPlanner(
             planning,
-            self.book,
+            self.queue,
             standing=lambda: self.start,
             path_time=lambda: self.path_time,
             send=self.sent.append,
@@ -50,7 +50,7 @@ class Desk:
 
     def order(self, number: int, target: Target, kind: MotionKind = JOINT, **how: object) -> None:
         order = QueuedCommand(str(number), kind, target, MotionSettings(**how), float(number))  # type: ignore[arg-type]
-        orders = self.book.hold(order)
+        orders = self.queue.hold(order)
         if orders:
             self.planner.plan(orders)
 
@@ -72,7 +72,7 @@ def test_each_motion_starts_where_the_one_before_ends(desk: Desk) -> None:
     np.testing.assert_array_equal(trajectories[0].position[0], desk.start)
     for before, after in pairwise(trajectories):
         np.testing.assert_array_equal(after.position[0], before.position[-1])
-    assert [motion.ids for motion in desk.book.running] == [('1',), ('2',), ('3',)]
+    assert [motion.ids for motion in desk.queue.running] == [('1',), ('2',), ('3',)]
     assert not desk.refused
 
 
@@ -82,8 +82,8 @@ def test_a_chain_is_one_motion_of_its_last_command(desk: Desk) -> None:
     assert not desk.sent
     desk.order(3, desk.pose(0.0, 0.1, 0.0), LINE)
     (planned,) = desk.sent
-    assert [order.id for order in planned.orders] == ['1', '2', '3']
-    (motion,) = desk.book.running
+    assert [order.id for order in planned.commands] == ['1', '2', '3']
+    (motion,) = desk.queue.running
     assert motion.ids == ('1', '2', '3')
     assert motion.id == '3'
     assert 0.0 < motion.ends[0] < motion.ends[1] < motion.ends[2] == motion.trajectory.duration
@@ -95,7 +95,7 @@ def test_a_chain_that_cannot_run_through_is_done_one_by_one(desk: Desk) -> None:
     desk.order(1, desk.start + 0.1, joint_blend_zone=0.05)
     desk.order(2, desk.start + 0.1, joint_blend_zone=0.05)  # goes nowhere: nothing runs through it
     desk.order(3, desk.start + 0.2)
-    assert [tuple(order.id for order in planned.orders) for planned in desk.sent] == [('1',), ('2',), ('3',)]
+    assert [tuple(order.id for order in planned.commands) for planned in desk.sent] == [('1',), ('2',), ('3',)]
     assert not desk.refused
 
 
@@ -103,14 +103,14 @@ def test_what_stands_before_an_impossible_motion_of_a_chain_is_done(desk: Desk) 
     desk.order(1, desk.start + 0.1, joint_blend_zone=0.05)
     desk.order(2, desk.pose(9.0, 0.0, 0.0), LINE, blend_zone=0.01)
     desk.order(3, desk.start)
-    assert [planned.orders[-1].id for planned in desk.sent] == ['1']
+    assert [planned.commands[-1].id for planned in desk.sent] == ['1']
     assert 'reach' in desk.refused['2'].message
     assert 'given up with motion 2 before it' in desk.refused['3'].message
 
 
 def test_what_follows_a_failure_is_refused_and_what_comes_later_starts_anew(desk: Desk) -> None:
     desk.order(1, desk.start + 0.1)
-    desk.book.ended('1', ok=False, at=2.5)
+    desk.queue.ended('1', ok=False, at=2.5)
     desk.order(2, desk.start + 0.2)
     assert 'given up with motion 1' in desk.refused['2'].message
     desk.start = desk.start + 0.03
@@ -127,7 +127,7 @@ def test_a_failure_while_it_plans_makes_it_plan_anew(desk: Desk, planning: PathP
         calls.append(arguments)
         if len(calls) == 1:
             # The robot stops on its way to where this plan starts, before the command was given.
-            desk.book.ended('1', ok=False, at=1.5)
+            desk.queue.ended('1', ok=False, at=1.5)
             desk.start = stood
         return plan(*arguments, **options)  # type: ignore[arg-type]
 
@@ -164,7 +164,7 @@ def test_a_replacing_joint_motion_joins_the_running_one(desk: Desk) -> None:
     )
     for before, after in states:
         np.testing.assert_allclose(after, before, atol=1e-9)  # rounding of polynomials
-    assert [motion.ids for motion in desk.book.running] == [('2',)]
+    assert [motion.ids for motion in desk.queue.running] == [('2',)]
 
 
 @pytest.mark.parametrize('case', ['line', 'almost there', 'two run'])
@@ -178,7 +178,7 @@ def test_what_cannot_replace_waits(desk: Desk, case: str) -> None:
         desk.order(9, Pose(*desk.robot.direct_kinematics(desk.start)), LINE)
     else:
         desk.order(9, desk.start - 0.2)
-    assert desk.sent[-1].orders[0].id == '9'
+    assert desk.sent[-1].commands[0].id == '9'
     assert desk.sent[-1].join_time == 0.0
     np.testing.assert_array_equal(
         desk.sent[-1].motion.trajectory.position[0], desk.sent[-2].motion.trajectory.position[-1]
