@@ -117,3 +117,13 @@ def test_the_make_targets_exist() -> None:
     code = '\n'.join(re.findall(r'```bash\n(.*?)```', README, re.DOTALL) + re.findall(r'`([^`\n]+)`', README))
     named = set(re.findall(r'\bmake ([a-z][a-z-]*)', code))
     assert {'demo', 'test', 'build'} <= named <= targets
+
+
+def test_the_contributors_page_names_files_that_exist() -> None:
+    page = (ROOT / 'docs' / 'contributing.md').read_text()
+    files = {path.as_posix() for path in ROOT.glob('robots_*/**/*.py')} | {
+        path.as_posix() for path in ROOT.glob('test/**/*.py')
+    }
+    for name in names(page):
+        if name.endswith('.py'):
+            assert any(file.endswith(f'/{name}') for file in files), name
