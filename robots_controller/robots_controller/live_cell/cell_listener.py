@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
@@ -19,6 +19,7 @@ from std_srvs.srv import Trigger
 
 from robots_controller.live_cell.cell_monitor import SERVICES, CellMonitor
 from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_core.ros.lean_executor import LeanExecutor
 from robots_core.ros.lockstep.agenda import LockstepError
 from robots_core.ros.lockstep.coordinator import Coordinator
 from robots_core.ros.timed_node import TimedNode
@@ -58,7 +59,8 @@ class Spinning:
 
     def __init__(self, nodes: Sequence[Node], name: str) -> None:
         self._nodes = nodes
-        self._executor = SingleThreadedExecutor()
+        self._executor = LeanExecutor()
+        self._ended = threading.Event()
         for node in nodes:
             self._executor.add_node(node)
         self._thread = threading.Thread(target=self._spin, name=name, daemon=True)
@@ -66,7 +68,8 @@ class Spinning:
 
     def _spin(self) -> None:
         with contextlib.suppress(ExternalShutdownException):
-            self._executor.spin()
+            while not self._ended.is_set():
+                self._executor.spin_once()
 
     def call(self, function: Callable[[], None]) -> None:
         """Call a function in the thread."""
@@ -74,11 +77,13 @@ class Spinning:
 
     def end(self, before: Callable[[], None] = lambda: None) -> None:
         """End the thread, call a function, and destroy the nodes."""
-        self._executor.shutdown()
+        self._ended.set()
+        self._executor.wake()
         self._thread.join()
         before()
         for node in self._nodes:
             node.destroy_node()
+        self._executor.shutdown()
 
 
 @dataclass

@@ -10,13 +10,14 @@ import sys
 from collections.abc import Callable
 
 import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import try_shutdown
 
 from robots_core.errors import RobotsError
 from robots_core.ros.interrupt import interrupt
+from robots_core.ros.lean_executor import LeanExecutor
 from robots_core.ros.middleware import choose_transports
 
 EXIT_BAD_INPUT = 2
@@ -38,13 +39,11 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
     atexit.register(gc.freeze)
     choose_transports()
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-    # MultiThreadedExecutor is several times slower here and EventsExecutor is experimental; what must not
-    # wait has a thread of its own.
-    executor = SingleThreadedExecutor()
     node: Node | None = None
+    executor: Executor | None = None
 
     def wake() -> None:
-        if node is None:
+        if executor is None:
             # Models and compiled code may take long to load, and nothing is there yet that wants closing.
             sys.stdout.flush()
             os._exit(0)
@@ -55,6 +54,7 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
             node = make_node()
             # A logger looks for its caller, the first time through all modules: not while a robot moves.
             inspect.stack()
+            executor = _executor(node)
             executor.add_node(node)
             while not stopping.is_set():
                 executor.spin_once()
@@ -67,6 +67,13 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
             # The page, the bag and the last messages are closed before another signal may end the process.
             if node is not None:
                 node.destroy_node()
-            executor.shutdown()
+            if executor is not None:
+                executor.shutdown()
             try_shutdown()
     return 0
+
+
+def _executor(node: Node) -> Executor:
+    # MultiThreadedExecutor is several times slower here and EventsExecutor is experimental; what must not
+    # wait has a thread of its own.
+    return SingleThreadedExecutor() if getattr(node, 'participant', None) is None else LeanExecutor()
