@@ -48,6 +48,13 @@ class PathSwitching:
         with self._lock:
             return self._next_time
 
+    @property
+    def pending(self) -> bool:
+        """Outputs will be switched on the paths planned so far."""
+        with self._lock:
+            planned = [switches for switches in self._planned.values() if switches is not None]
+            return any(switches.next_progress is not None for switches in planned)
+
     def sent(self, id_: str, command: MotionCommand) -> None:
         """A motion was sent to the planner."""
         with self._lock:

@@ -148,7 +148,7 @@ class LuaProgramNode(RobotNode):
         PathSwitchingMessages(self, self.host.switching, axes.names)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
         self.create_timer(WATCH_PERIOD, self.host.motions.watch)
-        self.create_timer(STATUS_PERIOD, self.host.reporter.report_in_time)
+        self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
         self._io = IoServices(self, self._program.io, self._on_inputs)
         host = self.host
         handlers: dict[str, Handler] = {
@@ -316,6 +316,13 @@ class LuaProgramNode(RobotNode):
 
     def line_reached(self, line: int) -> None:
         """See `ProgramObserver`; the status names it."""
+        if self.participant is not None and self._status_timer.is_canceled():
+            self._status_timer.reset()
+
+    def _report_in_time(self) -> None:
+        self.host.reporter.report_in_time()
+        if self.participant is not None and not self.host.reporter.due:
+            self._status_timer.cancel()  # until the next line: each of its turns takes time from all nodes
 
     def held_changed(self) -> None:
         """See `ProgramObserver`."""

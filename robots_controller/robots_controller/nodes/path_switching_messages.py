@@ -12,7 +12,10 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.cell.path_switching import PathSwitching
 from robots_core.errors import RobotsError
+from robots_core.ros.lockstep.phases import NEVER, Phase
+from robots_core.ros.lockstep.timed_work import LockstepTurn
 from robots_core.ros.messages import serialized_stamp_id
+from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, STREAM
 from robots_core.ros.timed_node import TimedNode
 from robots_planning.nodes.trajectory_messages import trajectory_from_message
@@ -33,10 +36,30 @@ class PathSwitchingMessages:
         self._timer: threading.Timer | None = None
         # A motion that switches nothing is not worth its deserialization.
         node.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND, raw=True)
-        node.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
+        self._turn: LockstepTurn | None = None
+        if node.participant is None:
+            node.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
+        else:
+            # Progress comes in every period; it is looked at only while there is something to switch, after
+            # the controller and before whoever observes the outputs.
+            self._turn = node.participant.create_turn(self._look, phase=Phase.DRIVES)
+            self._progress: PolledSubscription[Float64] = PolledSubscription(
+                node, Float64, 'motion_progress', STREAM
+            )
 
     def _on_trajectory(self, data: bytes) -> None:
         self._switching.planned(serialized_stamp_id(data), partial(self._trajectory, data))
+        if self._turn is not None and self._switching.pending and self._turn.due == NEVER:
+            self._progress.take()  # of the motion before
+            self._turn.ask(self._node.now())
+
+    def _look(self, now: float) -> None:
+        assert self._turn is not None
+        message = self._progress.take()
+        if message is not None:
+            self._switching.progress(now, message.data)
+        if self._switching.pending:
+            self._turn.ask(now)  # this phase is over: in the next period
 
     def _trajectory(self, data: bytes) -> Trajectory | None:
         try:

@@ -13,6 +13,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from rclpy.parameter import Parameter
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory
@@ -74,14 +75,13 @@ class PlanningNode(RobotNode):
         planning.warm_up()
         self.planner = MotionPlanner(planning, self)
         self.planner.configure(self._settings())
-        self.planner.replace_motions(
-            replace=self._replaces(
-                self.parameter(
-                    'new_command',
-                    NEW_COMMAND[0],
-                    'a joint motion commanded while the robot moves: queue it, or replace the running one',
-                    check=self._replaces,
-                )
+        self._progress: Subscription | None = None
+        self._use_new_command(
+            self.parameter(
+                'new_command',
+                NEW_COMMAND[0],
+                'a joint motion commanded while the robot moves: queue it, or replace the running one',
+                check=self._replaces,
             )
         )
         self._inbox = CommandInbox(self)
@@ -132,7 +132,6 @@ class PlanningNode(RobotNode):
             command = partial(self._on_command, kind, readers[kind.target])
             self.create_subscription(message_class(kind.message_type), kind.topic, command, COMMAND)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
-        self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
         self.create_subscription(PoseStamped, 'reference_pose', self._on_reference_pose, STREAM)
         self.create_subscription(Bool, 'trigger', self._on_trigger, COMMAND)
 
@@ -141,6 +140,14 @@ class PlanningNode(RobotNode):
         if value not in NEW_COMMAND:
             raise InvalidInputError(f'unknown new_command {value!r}; valid are {" and ".join(NEW_COMMAND)}')
         return value == 'replace'
+
+    def _use_new_command(self, value: str) -> None:
+        replace = self._replaces(value)
+        self.planner.replace_motions(replace=replace)
+        if replace and self._progress is None:  # only then it matters; it comes often
+            self._progress = self.create_subscription(
+                Float64, 'motion_progress', self._on_progress, STREAM
+            )
 
     # -- messages to the planner ---------------------------------------------------------------------
 
@@ -204,7 +211,7 @@ class PlanningNode(RobotNode):
         self._inbox.deliver()  # what came before
         for parameter in parameters:
             if parameter.name == 'new_command':
-                self.planner.replace_motions(replace=self._replaces(str(parameter.value)))
+                self._use_new_command(str(parameter.value))
             elif parameter.name == 'collision_margin':
                 self.planner.planning.collision_margin = float(parameter.value)
         settings = self._settings()

@@ -34,13 +34,14 @@ class Turn:
 class Agenda:
     """Goes from instant to instant and from phase to phase, past those in which nobody has anything to do.
 
-    What becomes due in a phase that is over waits for the next instant.
+    A phase is over when its turn was given, but planners and programs have turns until none has anything to
+    do. What becomes due in a phase that is over waits for the next instant.
     """
 
     def __init__(self) -> None:
         self.time = START
         """The present instant, ns."""
-        self._phase = Phase.ENVIRONMENT
+        self._next = Phase.ENVIRONMENT
         self._due: dict[str, tuple[int, ...]] = {}
         self._turns = 0
 
@@ -74,13 +75,13 @@ class Agenda:
         # What became due in a phase that was over is done at the next instant at which anything is due.
         after = min((t for due in self._due.values() for t in due if t > self.time), default=NEVER)
         self.time = self.time + 1 if after == NEVER else after
-        self._phase, self._turns = Phase.ENVIRONMENT, 0
+        self._next, self._turns = Phase.ENVIRONMENT, 0
         return self.next_turn()
 
     def _at_this_instant(self) -> Turn | None:
-        for phase in range(min(self._phase, Phase.PLANNING), len(Phase)):
+        for phase in range(self._next, len(Phase)):
             due = tuple(name for name, times in self._due.items() if times[phase] <= self.time)
             if due:
-                self._phase = Phase(phase)
-                return Turn(self.time, self._phase, due)
+                self._next = Phase(min(phase + 1, Phase.PLANNING))
+                return Turn(self.time, Phase(phase), due)
         return None

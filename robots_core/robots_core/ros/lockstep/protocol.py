@@ -20,6 +20,12 @@ an endpoint and its new count."""
 GO: Final = 'lockstep_go'
 """std_msgs/Int64MultiArray below a participant's name: the sequence that it is to answer."""
 
+
+def is_of_protocol(topic: str) -> bool:
+    """The topic is one of the above."""
+    return topic in {PARTICIPANTS, ROSTER, TIME, REPORT} or topic.endswith('/' + GO)
+
+
 RELEASE: Final = -1
 """The phase of the first turn, in which the participants send what they have held back so far."""
 
