@@ -93,6 +93,10 @@ test: build lint  ## Lint, types and all tests
 	@# Whole cells keep time: no more of them at once than a small machine carries.
 	@$(RUN) python -m pytest -n 2 --dist loadfile test/bag test/cell
 
+.PHONY: test-under-load
+test-under-load:  ## The same beside twice as many busy processes as there are cores
+	@.ci/under_load $(MAKE) test
+
 .PHONY: benchmark-controller
 benchmark-controller: build  ## The controller's timing side by side with a bare rclpy timer
 	@$(RUN) python test/benchmark/benchmark_controller.py
