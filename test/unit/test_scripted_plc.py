@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from robots_controller.io.io_image import Channel
+from robots_controller.io.plc_cycle import PlcCycle
 from robots_controller.io.plc_script import parse_plc_script, read_plc_script
 from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_core.errors import InvalidInputError
@@ -103,6 +104,32 @@ def test_rules_that_trigger_each_other_without_end_are_refused():
 """)
     with pytest.raises(InvalidInputError, match='trigger each other without end at 0 s'):
         machine.step(0.0, {})
+
+
+def test_a_cycle_acts_on_every_change_of_an_output_in_order():
+    machine = PlcCycle(
+        parse_plc_script("""rules:
+  - {when: digital_output.1 rises, set: {digital_input.1: 1}}
+  - {when: digital_output.1 falls, set: {analog_input.1: 2.5}}
+  - {when: start, after: 2, set: {digital_input.2: 1}}
+"""),
+        0.0,
+    )
+    assert machine.next_time == 0.0
+    assert machine.step(0.0) == []
+    assert machine.next_time == 2.0
+    for name, value in (('digital_output.7', 1.0), ('digital_output.1', 0.0)):
+        machine.output(name, value)
+    assert machine.next_time == 2.0  # nothing that matters has changed
+    for value in (1.0, 1.0, 0.0):
+        machine.output('digital_output.1', value)
+    assert machine.next_time == 0.0
+    assert [(c.time, c.channel.name, c.value) for c in machine.step(3.0)] == [
+        (2.0, 'digital_input.2', 1.0),
+        (3.0, 'digital_input.1', 1.0),
+        (3.0, 'analog_input.1', 2.5),
+    ]
+    assert machine.step(4.0) == []
 
 
 def test_the_press_makes_a_stroke_for_each_part():

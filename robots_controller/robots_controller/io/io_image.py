@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
@@ -239,6 +239,14 @@ class IoImage:
         images = ', '.join(f'{image[:-1]}.1..{self.size(image)}' for image in IMAGES)
         labels = ', '.join(channel.label for channel in self.channels if channel.label)
         return f'no channel is named {name!r}; channels are {images}' + (f' and {labels}' if labels else '')
+
+
+def image_sizes(channels: Iterable[Channel]) -> dict[str, int]:
+    """Images of the channels, and the highest index in each."""
+    sizes: dict[str, int] = {}
+    for channel in channels:
+        sizes[channel.image] = max(sizes.get(channel.image, 0), channel.index)
+    return sizes
 
 
 def check_count(size: int, name: str) -> None:

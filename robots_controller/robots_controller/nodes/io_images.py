@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
-from robots_controller.io.io_image import Channel
+from robots_controller.io.io_image import Channel, image_sizes
 from robots_core.ros.messages import doubles
 from robots_core.ros.qos import STATE, subscribe_state
 from robots_core.ros.timed_node import TimedNode
 from robots_core.validation import Array
-
-MESSAGES: Final[dict[str, Any]] = {'digital': UInt8MultiArray, 'analog': Float64MultiArray}
 
 
 class InputImages:
@@ -30,9 +28,9 @@ class InputImages:
         self._values: dict[str, Array] = {}
         self._publishers: dict[str, Any] = {}
         self._published: dict[str, bytes] = {}
-        for image, kind, size in _sizes(channels):
+        for image, size in image_sizes(channels).items():
             self._values[image] = np.zeros(size)
-            self._publishers[image] = node.create_publisher(MESSAGES[kind], image, STATE)
+            self._publishers[image] = node.create_publisher(_message(image), image, STATE)
 
     def set(self, channel: Channel, value: float) -> None:
         """Set a value; it is sent with the next `publish`."""
@@ -43,9 +41,9 @@ class InputImages:
         for image, values in self._values.items():
             if self._published.get(image) != values.tobytes():
                 self._published[image] = values.tobytes()
-                digital = image.startswith('digital')
-                data = values.astype('u1').tobytes() if digital else doubles(values)
-                self._publishers[image].publish(MESSAGES['digital' if digital else 'analog'](data=data))
+                message = _message(image)
+                data = values.astype('u1').tobytes() if message is UInt8MultiArray else doubles(values)
+                self._publishers[image].publish(message(data=data))
 
 
 class OutputImages:
@@ -62,9 +60,9 @@ class OutputImages:
         self._on_change = on_change
         self._values: dict[str, Array] = {}
         self._seen: dict[str, float] = {}
-        for image, kind, _ in _sizes(channels):
+        for image in image_sizes(channels):
             self._seen[image] = node.now()
-            subscribe_state(node, MESSAGES[kind], image, partial(self._on_message, image))
+            subscribe_state(node, _message(image), image, partial(self._on_message, image))
 
     def value(self, channel: Channel) -> float | None:
         """Value of an output; None before the first image, and 0 if the image is too short for it."""
@@ -87,10 +85,5 @@ class OutputImages:
         self._on_change()
 
 
-def _sizes(channels: Iterable[Channel]) -> list[tuple[str, str, int]]:
-    """Image, kind and highest index, for each image that has a channel."""
-    sizes: dict[str, tuple[str, int]] = {}
-    for channel in channels:
-        _, size = sizes.get(channel.image, ('', 0))
-        sizes[channel.image] = (channel.kind, max(size, channel.index))
-    return [(image, kind, size) for image, (kind, size) in sizes.items()]
+def _message(image: str) -> Any:
+    return UInt8MultiArray if image.startswith('digital') else Float64MultiArray

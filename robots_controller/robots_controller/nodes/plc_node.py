@@ -8,9 +8,8 @@ from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from robots_controller.io.io_image import Channel
+from robots_controller.io.plc_cycle import PlcCycle
 from robots_controller.io.plc_script import PlcScript, read_plc_script
-from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.nodes.io_images import InputImages, OutputImages
 from robots_core.errors import InvalidInputError
 from robots_core.ros.lockstep.phases import Phase
@@ -40,12 +39,10 @@ class PlcNode(RobotNode):
             'cycle', 0.004, 'of the PLC in simulated time, s', bounds=(1e-4, 10.0), read_only=True
         )
         script = read_plc_script(path) if path else PlcScript(())
-        self._plc = ScriptedPlc(script, self.now())
+        self._plc = PlcCycle(script, self.now())
         self._inputs = InputImages(self, script.inputs)
-        self._wanted = [channel for channel in script.channels if channel.direction == 'output']
-        self._came: list[dict[Channel, float]] = []  # outputs since the last step
         self._timer = self.create_timer(IDLE_PERIOD, self._step, autostart=False)
-        self._outputs = OutputImages(self, self._wanted, self._on_outputs)
+        self._outputs = OutputImages(self, self._plc.outputs, self._on_outputs)
         for channel, value in self._plc.inputs.items():
             self._inputs.set(channel, value)
         self._inputs.publish()
@@ -56,18 +53,17 @@ class PlcNode(RobotNode):
             self._step()
 
     def _on_outputs(self) -> None:
-        heard = {channel: self._outputs.value(channel) for channel in self._wanted}
-        self._came.append({channel: value for channel, value in heard.items() if value is not None})
+        for channel in self._plc.outputs:
+            value = self._outputs.value(channel)
+            if value is not None:
+                self._plc.output(channel.name, value)
         if not self.simulated_time:
             self._step()
 
     def _step(self) -> None:
-        came, self._came = self._came, []
         now = self.now()
         try:
-            changes = self._plc.step(now, {})
-            for outputs in came:
-                changes = changes + self._plc.step(now, outputs)
+            changes = self._plc.step(now)
         except InvalidInputError as error:
             self.get_logger().error(str(error))  # type: ignore[no-untyped-call]
             self.report_health(DiagnosticStatus.ERROR, str(error))

@@ -69,8 +69,8 @@ class CellLog:
         self._settings: MotionSettings | None = None
         self.io: IoImage | None = None
         """The program's inputs and outputs."""
-        self.on_output: Callable[[OutputChange], None] = lambda _: None
-        """Gets the changes of outputs."""
+        self.on_output: Callable[[str, float], None] = lambda *_: None
+        """Gets the name and the value of each output that changes."""
         self.given_up: ProgramError | None = None
         """Why the cell stopped the program, if it did: the program has failed."""
 
@@ -164,7 +164,7 @@ class CellLog:
         event = OutputChanged(self._clock.elapsed, change.kind, change.index, change.value, change.line)
         self._events.append(event)
         self.image(f'{change.kind}_outputs')
-        self.on_output(change)
+        self.on_output(f'{change.kind}_output.{change.index}', change.value)
 
     def input(self, channel: Channel, value: float, size: int) -> None:
         """The PLC, which publishes so many inputs, has set one."""

@@ -12,6 +12,8 @@ from robots_controller.cell.program_host import ProgramHost
 from robots_controller.control.control_loop import STOPPED, ControllerRequest, ControlLoop
 from robots_controller.control.controller import ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles
+from robots_controller.io.io_image import image_sizes
+from robots_controller.io.plc_cycle import PlcCycle
 from robots_controller.program.turn_clock import NANOSECONDS
 from robots_controller.simulation.cell_log import CellLog
 from robots_controller.simulation.cell_parts import CellParts
@@ -24,7 +26,6 @@ from robots_controller.simulation.recording import Recording
 from robots_controller.simulation.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_controller.simulation.simulated_guide import SimulatedGuide
-from robots_controller.simulation.simulated_plc import SimulatedPlc
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
@@ -108,8 +109,9 @@ class SimulatedCell:
         link.on_result = self._motion_ended
         link.on_planned = lambda id_, trajectory: self._host.switching.planned(id_, lambda: trajectory)
         self._program = self._host.program
-        self._plc = SimulatedPlc(parts.plc_script, self._program.io, self.clock.now())
-        self._log.on_output = self._plc.hear
+        self._plc = PlcCycle(parts.plc_script, self.clock.now())
+        self._plc_images = image_sizes(self._plc.inputs)
+        self._log.on_output = self._plc.output
         self._guide = SimulatedGuide(
             parts.references,
             robot,
@@ -154,8 +156,10 @@ class SimulatedCell:
     # -- the run ----------------------------------------------------------------------------------
 
     def _begin(self) -> None:
-        self._plc.begin()
-        self._log.begin(self._program.io, self._parts.io_labels, self._plc.images)
+        io = self._program.io
+        for channel, value in self._plc.inputs.items():
+            io.set_value(io.find(channel.name), value)
+        self._log.begin(io, self._parts.io_labels, self._plc_images)
         self._host.open(self._parts.program, self._parts.points_file or '')
         self._tick()  # the program finds a robot that stands, and its position
         self._running = True
@@ -289,9 +293,13 @@ class SimulatedCell:
             self._on_progress(self.clock.elapsed, self._program.line)
 
     def _step_plc(self, now: float) -> None:
-        for channel, value in self._plc.step(now):
-            self._log.input(channel, value, self._plc.images[channel.image])
-            self._changed = True
+        if self._plc.next_time > now:
+            return
+        for change in self._plc.step(now):
+            channel = change.channel
+            if self._program.io.set_value(channel, change.value):
+                self._log.input(channel, change.value, self._plc_images[channel.image])
+                self._changed = True
 
     def _look_around(self, watch: CollisionWatch, q: Array, q_dot: Array) -> None:
         if self._bag is not None:
