@@ -95,7 +95,7 @@ def test_a_chain_that_cannot_run_through_is_done_one_by_one(desk: Desk) -> None:
     desk.order(1, desk.start + 0.1, joint_blend_zone=0.05)
     desk.order(2, desk.start + 0.1, joint_blend_zone=0.05)  # goes nowhere: nothing runs through it
     desk.order(3, desk.start + 0.2)
-    assert [tuple(order.id for order in planned.commands) for planned in desk.sent] == [('1',), ('2',), ('3',)]
+    assert [[command.id for command in planned.commands] for planned in desk.sent] == [['1'], ['2'], ['3']]
     assert not desk.refused
 
 
