@@ -41,6 +41,7 @@ from robots_core.ros.messages import (
     pose_from_message,
     stamp_id,
 )
+from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.validation import Array, read_only
 from robots_planning.motion_kinds import MOTION_KINDS
 
@@ -77,8 +78,11 @@ class CellMonitor(Node):
             listen = partial(_command, kind.title)
             self._listen(message_class(kind.message_type), kind.topic, listen, VOLATILE)
         self._listen(JointTrajectory, 'joint_trajectory', _planned, VOLATILE)
-        self._listen(Float64, 'motion_progress', _progress, VOLATILE)
         self._listen(DiagnosticStatus, 'motion_result', _result, VOLATILE)
+        # In every period of a lock-step run; the view shows the newest.
+        self._progress: PolledSubscription[Float64] = PolledSubscription(
+            self, Float64, 'motion_progress', QoSProfile(depth=1)
+        )
         self._listen(UInt8MultiArray, 'digital_outputs', partial(self._changes, 'digital'), LATCHED)
         self._listen(Float64MultiArray, 'analog_outputs', partial(self._changes, 'analog'), LATCHED)
 
@@ -87,6 +91,8 @@ class CellMonitor(Node):
         ready = time.time() - ORDERING_TIME
         taken = []
         with self._lock:
+            for message, info in self._progress.take_all():
+                self._push(info, MotionProgress(float(message.data)))
             while self._events and self._events[0][0] <= ready:
                 taken.append(heapq.heappop(self._events)[2])
         return taken
@@ -102,13 +108,15 @@ class CellMonitor(Node):
         self, message_type: Any, topic: str, events: Callable[[Any], Iterable[Event]], qos: QoSProfile
     ) -> None:
         def on_message(message: Any, info: dict[str, int]) -> None:
-            sent = 1e-9 * info['source_timestamp']
             with self._lock:
                 for event in events(message):
-                    heapq.heappush(self._events, (sent, next(self._count), event))
+                    self._push(info, event)
 
         # rclpy hands the message's info to a callback that takes it; its annotation does not say so.
         self.create_subscription(message_type, topic, on_message, qos)  # type: ignore[arg-type]
+
+    def _push(self, info: dict[str, int], event: Event) -> None:
+        heapq.heappush(self._events, (1e-9 * info['source_timestamp'], next(self._count), event))
 
     def _health(self, message: DiagnosticArray) -> Iterable[Event]:
         prefix = self.get_namespace().rstrip('/') + '/'
@@ -170,10 +178,6 @@ def _planned(message: JointTrajectory) -> Iterable[Event]:
     if message.points:
         end = message.points[-1].time_from_start
         yield MotionPlanned(stamp_id(message.header.stamp), end.sec + 1e-9 * end.nanosec)
-
-
-def _progress(message: Float64) -> Iterable[Event]:
-    yield MotionProgress(float(message.data))
 
 
 def _result(message: DiagnosticStatus) -> Iterable[Event]:

@@ -56,6 +56,7 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
             inspect.stack()
             executor = _executor(node)
             executor.add_node(node)
+            gc.freeze()  # what is there now lives as long as the node
             while not stopping.is_set():
                 executor.spin_once()
         except ExternalShutdownException:

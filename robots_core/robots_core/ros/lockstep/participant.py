@@ -29,7 +29,13 @@ from robots_core.ros.lockstep.counted import (
 )
 from robots_core.ros.lockstep.matching import unmatched_publisher, unmatched_subscription
 from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
-from robots_core.ros.lockstep.profiles import ALL, LATCHED, NEWEST
+from robots_core.ros.lockstep.profiles import (
+    ALL,
+    LATCHED,
+    NEWEST,
+    NO_PUBLISHER_EVENTS,
+    NO_SUBSCRIPTION_EVENTS,
+)
 from robots_core.ros.lockstep.protocol import (
     GO,
     PARTICIPANTS,
@@ -114,6 +120,7 @@ class Participant:
     def create_publisher(self, message_type: Any, topic: str, qos: QoSProfile | int, **options: Any) -> Any:
         """As `Node.create_publisher`, reliable; messages are held back until all subscriptions match."""
         qos = reliable(qos, DEPTH)
+        options.setdefault('event_callbacks', NO_PUBLISHER_EVENTS)
         publisher: Any = Node.create_publisher(
             self.node, message_type, topic, qos, publisher_class=CountedPublisher, **options
         )
@@ -133,6 +140,7 @@ class Participant:
         """
         polled = isinstance(options.get('callback_group'), NeverExecuted)
         qos = reliable(qos, POLLED_DEPTH if polled else DEPTH)
+        options.setdefault('event_callbacks', NO_SUBSCRIPTION_EVENTS)
         kind: Kind = 'polled' if polled else 'subscription'
         index = -1 if self._started else len(self._endpoints)
         if not polled:
@@ -385,14 +393,31 @@ class _Uncounted:
         self._node = node
 
     def publisher(self, message_type: Any, topic: str, qos: QoSProfile) -> Any:
-        return Node.create_publisher(self._node, message_type, topic, qos)
+        return Node.create_publisher(
+            self._node, message_type, topic, qos, event_callbacks=NO_PUBLISHER_EVENTS
+        )
 
     def subscription(
         self, message_type: Any, topic: str, callback: Any, qos: QoSProfile, *, raw: bool = True
     ) -> Any:
-        return Node.create_subscription(self._node, message_type, topic, callback, qos, raw=raw)
+        return Node.create_subscription(
+            self._node,
+            message_type,
+            topic,
+            callback,
+            qos,
+            raw=raw,
+            event_callbacks=NO_SUBSCRIPTION_EVENTS,
+        )
 
     def polled(self, message_type: Any, topic: str, qos: QoSProfile) -> Any:
         return Node.create_subscription(
-            self._node, message_type, topic, lambda _: None, qos, callback_group=NeverExecuted(), raw=True
+            self._node,
+            message_type,
+            topic,
+            lambda _: None,
+            qos,
+            callback_group=NeverExecuted(),
+            raw=True,
+            event_callbacks=NO_SUBSCRIPTION_EVENTS,
         )

@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 LATCHED: Final = QoSProfile(
@@ -28,3 +29,7 @@ ALL: Final = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.VOLATILE,
 )
+
+# Every kind of event is one more thing to wait for; by default each endpoint warns of incompatible qualities.
+NO_PUBLISHER_EVENTS: Final = PublisherEventCallbacks(use_default_callbacks=False)
+NO_SUBSCRIPTION_EVENTS: Final = SubscriptionEventCallbacks(use_default_callbacks=False)
