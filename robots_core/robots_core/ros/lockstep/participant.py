@@ -76,11 +76,11 @@ class Participant:
     def __init__(self, node: Node) -> None:
         self.node = node
         self.name: Final[str] = node.get_fully_qualified_name()
-        self._time, self._sequence, self._phase = START, 0, 0
+        self._time, self._sequence = START, 0
         self._answered = 0
         self._number: int | None = None
         self._roster: Roster | None = None
-        self._polled: dict[str, int] = {}  # where the message of TIME counts a topic
+        self._polled: dict[str, int] = {}  # where a topic is counted
         self._polled_counts: tuple[int, ...] = ()
         self._started = False
         self._matched = 0  # version of the roster
@@ -263,23 +263,20 @@ class Participant:
     # -- the coordinator's messages ----------------------------------------------------------------------
 
     def _on_go(self, data: bytes) -> None:
-        (sequence,) = decode(data)
-        deadline = time.monotonic() + PATIENCE
-        self.enter()
-        while self._sequence < sequence:
-            self.wait_for_message(TIME, deadline)
-            self._update()
-        if self._phase == RELEASE:
+        sequence, now, phase, *counts = decode(data)
+        self._inside += 1
+        self._set_time(sequence, now, counts)
+        if phase == RELEASE:
             self._started = True
             for publisher in self._publishers():
                 publisher.release()
         else:
-            self._do_what_is_due()
+            self._do_what_is_due(phase)
         self._answered = sequence
         self.leave()
 
-    def _do_what_is_due(self) -> None:
-        now, phase = self._time, self._phase
+    def _do_what_is_due(self, phase: int) -> None:
+        now = self._time
         works = [work for work in self._works if work.phase == phase and work.due <= now]
         for work in sorted(works, key=lambda work: work.due):
             if work.due <= now:  # not cancelled by one before it
@@ -287,10 +284,14 @@ class Participant:
 
     def _update(self) -> None:
         taken = self._times.handle.take_message(Int64MultiArray, True)  # raw
-        if taken is None:
+        if taken is not None:
+            sequence, now, *counts = decode(taken[0])
+            self._set_time(sequence, now, counts)
+
+    def _set_time(self, sequence: int, now: int, counts: list[int]) -> None:
+        if sequence < self._sequence:  # two topics need not come in the order in which they were sent
             return
-        self._sequence, now, self._phase, *counts = decode(taken[0])
-        self._polled_counts = tuple(counts)
+        self._sequence, self._polled_counts = sequence, tuple(counts)
         if now != self._time:
             self._time = now
             self._set_clock()

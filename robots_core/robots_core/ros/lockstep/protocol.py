@@ -13,12 +13,16 @@ PARTICIPANTS: Final = '/lockstep/participants'
 ROSTER: Final = '/lockstep/roster'
 """std_msgs/String, a `Roster` as JSON; latched by the coordinator."""
 TIME: Final = '/lockstep/time'
-"""std_msgs/Int64MultiArray: sequence, time (ns), phase, messages sent so far on each polled topic."""
+"""std_msgs/Int64MultiArray: sequence, time (ns), messages sent so far on each polled topic.
+
+For those whose turn it is not; sent when time has advanced, and from `OBSERVE` on in each turn: nothing that is
+polled out of turn comes from the drives' phase before that."""
 REPORT: Final = '/lockstep/report'
 """std_msgs/Int64MultiArray: participant, sequence answered, busy, next due time (ns) per phase, then pairs of
 an endpoint and its new count."""
 GO: Final = 'lockstep_go'
-"""std_msgs/Int64MultiArray below a participant's name: the sequence that it is to answer."""
+"""std_msgs/Int64MultiArray below a participant's name: sequence to answer, time (ns), phase, and the messages
+sent so far on each polled topic."""
 
 
 def is_of_protocol(topic: str) -> bool:
@@ -84,7 +88,7 @@ class Roster:
     Attributes:
         version: Grows with each change.
         participants: Endpoints by the participant's name; their order gives their numbers.
-        polled: Topics in the order in which the message of `TIME` counts them; more may follow.
+        polled: Topics in the order in which messages count them; more may follow.
     """
 
     version: int
