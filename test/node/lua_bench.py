@@ -10,7 +10,6 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.msg import Log
 from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, String, UInt8MultiArray
 from std_srvs.srv import Trigger
@@ -19,65 +18,40 @@ from trajectory_msgs.msg import JointTrajectory
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import diagnostic_values, motion_result_message, stamp_id
-from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.qos import COMMAND
+
+from .bench import EVERY_STATE, Bench
 
 ROBOT = 'kuka_kr210_r2700'
 MOVE = 'ptpJointSpaceAngles(0, -90, 45, 0, 45, 0)'
-# A monitor that must not lose a value: what is published faster than it listens is kept for it.
-EVERY_STATE = QoSProfile(depth=100, durability=STATE.durability, reliability=STATE.reliability)
 
 
-class Bench:
+class LuaBench(Bench):
     """The node under test, and a test node that plays planning_node and controller_node."""
 
     def __init__(self, runner: Any, folder: Path, *, planner: bool = True, **parameters: Any) -> None:
-        self.runner = runner
+        super().__init__(runner, 'monitor')
         self.folder = folder
         self.commands: list[tuple[str, Any]] = []
-        self.states: list[str] = []
-        self.status: list[DiagnosticStatus] = []
-        self.digital: list[list[int]] = []
-        self.analog: list[list[float]] = []
-        self.log: list[Log] = []
         self.controller_calls: list[str] = []
         self.on_controller_call: Callable[[str], None] = lambda _: None
-        self.on_command: Callable[[str], None] = self.reached
-        self.tester = runner.create_node('monitor')
-        listen = self.tester.create_subscription
-        listen(String, 'command_state', lambda m: self.states.append(m.data), EVERY_STATE)
-        listen(DiagnosticStatus, 'program_status', self.status.append, EVERY_STATE)
-        listen(UInt8MultiArray, 'digital_outputs', lambda m: self.digital.append(list(m.data)), EVERY_STATE)
-        listen(Float64MultiArray, 'analog_outputs', lambda m: self.analog.append(list(m.data)), EVERY_STATE)
-        listen(Log, '/rosout', self.log.append, EVERY_STATE)
+        self.on_command: Callable[[str], None] = self.answer
+        self.states = self.collect('command_state', String, EVERY_STATE, lambda m: m.data)
+        self.status = self.collect('program_status', DiagnosticStatus, EVERY_STATE)
+        self.digital = self.collect('digital_outputs', UInt8MultiArray, EVERY_STATE, lambda m: list(m.data))
+        self.analog = self.collect('analog_outputs', Float64MultiArray, EVERY_STATE, lambda m: list(m.data))
+        self.log = self.collect('/rosout', Log, EVERY_STATE)
         # As a recorder does: subscribed to the commands without planning them.
-        listen(JointState, 'ptpjoint_joint', lambda _: None, COMMAND)
+        self.collect('ptpjoint_joint', JointState, COMMAND)
         for name in ('pause', 'resume', 'stop'):
-            self.tester.create_service(
+            self.peer.create_service(
                 Trigger, f'controller_node/{name}', lambda _, r, name=name: self._controller(name, r)
             )
         self.planner: Any = None
         if planner:
             self.start_planner()
-        overrides = [Parameter('robot_model', value=ROBOT)]
-        overrides += [Parameter(name, value=value) for name, value in parameters.items()]
-        self.node = runner.add(LuaProgramNode(context=runner.context, parameter_overrides=overrides))
-        self._clients = {
-            name: self.tester.create_client(Trigger, f'lua_program_node/{name}')
-            for name in (
-                'open',
-                'run',
-                'pause',
-                'resume',
-                'step',
-                'stop',
-                'reset',
-                'get_command_state',
-                'get_call_stack',
-            )
-        }
-        for client in self._clients.values():
-            runner.wait_for(client.service_is_ready, what='the services')
-        runner.wait_for(lambda: self.states and self.status, what='the first states')
+        self.node = self.start_node(LuaProgramNode, robot_model=ROBOT, **parameters)
+        self.wait(lambda: self.states and self.status, 'the first states')
 
     def start_planner(self) -> None:
         self.planner = self.runner.create_node('planning_node')
@@ -100,19 +74,14 @@ class Bench:
         response.success = True
         return response
 
-    def reached(self, id_: str) -> None:
-        self.answer(id_)
-
     def answer(self, id_: str, message: str = 'reached', *, ok: bool = True, **details: str) -> None:
         self.results.publish(motion_result_message(MotionResult(id_, ok, message, details), ROBOT))
 
     def command_id(self) -> str:
         return stamp_id(self.commands[-1][1].header.stamp)
 
-    def call(self, name: str) -> Trigger.Response:
-        future = self._clients[name].call_async(Trigger.Request())
-        self.runner.wait_for(future.done, what=f'the answer of ~/{name}')
-        return future.result()
+    def ask(self, name: str) -> Trigger.Response:
+        return self.call(f'lua_program_node/{name}')
 
     def write(self, text: str) -> None:
         path = self.folder / 'test.lua'
@@ -124,7 +93,7 @@ class Bench:
         self.write(text)
         self.status.clear()
         for name in ('open', 'run'):
-            response = self.call(name)
+            response = self.ask(name)
             assert response.success, response.message
 
     def wait_for_state(self, state: str) -> dict[str, str]:
@@ -132,17 +101,17 @@ class Bench:
             values = [diagnostic_values(status) for status in self.status]
             return next((value for value in values if value['state'] == state), None)
 
-        return self.runner.wait_for(found, what=f'state {state}')
+        return self.wait(found, f'state {state}')
 
     def wait_for_command(self) -> None:
-        self.runner.wait_for(lambda: self.commands, what='a motion command')
+        self.wait(lambda: self.commands, 'a motion command')
 
 
 def ignore(_: str) -> None:
     """Answers a command with nothing."""
 
 
-class SettingsBench(Bench):
+class SettingsBench(LuaBench):
     """A planner with parameters, which it notes with every command."""
 
     def start_planner(self) -> None:

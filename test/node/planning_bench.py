@@ -10,7 +10,6 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from rclpy.duration import Duration
-from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -29,59 +28,37 @@ from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, STATE
 from robots_planning import Trajectory
 from robots_planning.nodes.planning_node import PlanningNode
 
+from .bench import Bench
+
 ROBOT = 'bello_bot'
 
 
-class Bench:
+class PlanningBench(Bench):
     """The node under test with everything around it: program, controller, sensor."""
 
     def __init__(self, runner: Any, **parameters: Any) -> None:
-        self.runner = runner
+        super().__init__(runner)
         self.robot = load_robot_model(ROBOT)
         self.names = list(self.robot.axes_data.names)
-        overrides = [Parameter('robot_model', value=ROBOT)]
-        overrides += [Parameter(name, value=value) for name, value in parameters.items()]
-        self.node = runner.add(PlanningNode(context=runner.context, parameter_overrides=overrides))
-        self.peer = peer = runner.create_node('peer')
-        self.trajectories: list[JointTrajectory] = []
-        self.results: list[MotionResult] = []
-        self.finished: list[bool] = []
-        self.liveliness: list[Any] = []
-        peer.create_subscription(JointTrajectory, 'joint_trajectory', self.trajectories.append, COMMAND)
-        peer.create_subscription(
-            DiagnosticStatus,
-            'motion_result',
-            lambda message: self.results.append(motion_result_from_message(message)),
-            COMMAND,
-        )
-        peer.create_subscription(
-            Bool, 'finished', lambda message: self.finished.append(message.data), PLANNER_ALIVE
-        )
-        self.publishers = {
-            topic: peer.create_publisher(kind, topic, qos)
-            for topic, kind, qos in (
-                ('ptpjoint_joint', JointState, COMMAND),
-                ('ptpjoint_cartesian', PoseStamped, COMMAND),
-                ('ptpcartesian', PoseStamped, COMMAND),
-                ('circcartesian', Path, COMMAND),
-                ('splinecartesian', Path, COMMAND),
-                ('trigger', Bool, COMMAND),
-                ('reference_pose', PoseStamped, STATE),
-                ('motion_result', DiagnosticStatus, COMMAND),
-            )
-        }
+        self.trajectories = self.collect('joint_trajectory', JointTrajectory, COMMAND)
+        self.results = self.collect('motion_result', DiagnosticStatus, COMMAND, motion_result_from_message)
+        self.finished = self.collect('finished', Bool, PLANNER_ALIVE, lambda message: message.data)
         self.references: Any = None
+        self.node = self.start_node(PlanningNode, robot_model=ROBOT, **parameters)
+        for topic, kind, qos in (
+            ('ptpjoint_joint', JointState, COMMAND),
+            ('ptpjoint_cartesian', PoseStamped, COMMAND),
+            ('ptpcartesian', PoseStamped, COMMAND),
+            ('circcartesian', Path, COMMAND),
+            ('splinecartesian', Path, COMMAND),
+            ('trigger', Bool, COMMAND),
+            ('reference_pose', PoseStamped, STATE),
+            ('motion_result', DiagnosticStatus, COMMAND),
+        ):
+            self.publisher(topic, kind, qos)
         self.wait(
-            lambda: (
-                all(publisher.get_subscription_count() > 0 for publisher in self.publishers.values())
-                and peer.count_publishers('joint_trajectory')
-                and self.finished
-            ),
-            'the node is connected',
+            lambda: self.peer.count_publishers('joint_trajectory') and self.finished, 'the node is connected'
         )
-
-    def wait(self, condition: Any, what: str) -> None:
-        self.runner.wait_for(condition, what=what)
 
     def stand(self, q: np.ndarray, q_dot: np.ndarray | None = None) -> None:
         """Publish a reference, as the controller does, and wait until the node has received it."""
@@ -110,7 +87,7 @@ class Bench:
             message: Any = joint_state_message(time, self.names, target)
         else:
             message = pose_stamped_message(time, target)
-        self.publishers[topic].publish(message)
+        self.publish(topic, message)
         return stamp_id(time)
 
     def planned(self, count: int = 1) -> Trajectory:
@@ -135,6 +112,6 @@ class Bench:
     def end(self, id_: str, *, ok: bool = True) -> None:
         """End a motion, as the controller does."""
         result = MotionResult(id_, ok, 'reached' if ok else 'stopped')
-        self.publishers['motion_result'].publish(motion_result_message(result, ROBOT))
+        self.publish('motion_result', motion_result_message(result, ROBOT))
         self.wait(lambda: not self.node.planner.knows(id_), 'the node has heard the result')
         self.wait(lambda: id_ in [result.id for result in self.results], 'so has everybody')

@@ -22,25 +22,31 @@ from robots_planning import LinearJoint
 from robots_planning.nodes.trajectory_messages import trajectory_message
 from robots_planning.trajectory import Trajectory
 
-from .lua_bench import MOVE, Bench, ignore
+from .lua_bench import MOVE, LuaBench, ignore
 
 
 def test_program_moves_switches_and_prints(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
+    bench.on_command = ignore  # each motion lasts until its effects were seen
     bench.start(f"""
         print('hello')
         setDigitalOutput(2, 1)
         {MOVE}
+        setDigitalOutput(2, 0)
         ptpCartesianSpace(0.37, -1.78, 1.21, -42.03, 117.47, -35.89)
         setAnalogOutput(1, 0.5)
         ptpJointSpacePosition(1, 0, 1, 0, 90, 0)
-        setDigitalOutput(2, 0)
     """)
+    for number, (state, digital, analog) in enumerate(
+        (('PTPJOINT_JOINT', 1, 0.0), ('PTPCARTESIAN', 0, 0.0), ('PTPJOINT_CARTESIAN', 0, 0.5)), 1
+    ):
+        bench.wait(lambda number=number: len(bench.commands) == number, f'motion {number}')
+        bench.wait(lambda state=state: bench.states[-1] == state, state)
+        bench.wait(lambda value=digital: bench.digital[-1][1] == value, 'the digital output')
+        bench.wait(lambda value=analog: bench.analog[-1][0] == value, 'the analog output')
+        bench.answer(bench.command_id())
     bench.wait_for_state('FINISHED')
-    ros_nodes.wait_for(lambda: len(bench.states) == 7, what='the last command state')
-    assert bench.states == [
-        *('IDLE', 'PTPJOINT_JOINT', 'IDLE', 'PTPCARTESIAN', 'IDLE', 'PTPJOINT_CARTESIAN', 'IDLE')
-    ]
+    bench.wait(lambda: bench.states[-1] == 'IDLE', 'the last command state')
     (topic, joint), (topic_2, line), (topic_3, pose) = bench.commands
     assert (topic, topic_2, topic_3) == ('ptpjoint_joint', 'ptpcartesian', 'ptpjoint_cartesian')
     assert list(joint.name) == ['A1', 'A2', 'A3', 'A4', 'A5', 'A6']
@@ -50,19 +56,14 @@ def test_program_moves_switches_and_prints(ros_nodes: Any, tmp_path: Path):
     assert pose_from_message(line.pose).distance_to(expected) == pytest.approx((0.0, 0.0), abs=1e-12)
     assert line.header.frame_id == pose.header.frame_id == 'base'
     assert len({stamp_id(message.header.stamp) for _, message in bench.commands}) == 3
-    ros_nodes.wait_for(lambda: len(bench.digital) == 3, what='the outputs')
-    assert [outputs[1] for outputs in bench.digital] == [0, 1, 0]
-    assert [outputs[0] for outputs in bench.analog] == [0.0, 0.5]
-
-    def prints() -> list[str]:
-        return [log.msg for log in bench.log if log.name.endswith('lua_program_node.print')]
-
-    ros_nodes.wait_for(prints, what='what the program prints')
-    assert prints() == ['hello']
+    bench.wait(
+        lambda: [log.msg for log in bench.log if log.name.endswith('lua_program_node.print')] == ['hello'],
+        'what the program prints',
+    )
 
 
 def test_status_names_line_source_and_error(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     bench.on_command = lambda id_: bench.answer(
         id_,
         'A2 = 0.2 rad is outside its limits [-2.4, -0.1] rad',
@@ -85,26 +86,26 @@ def test_status_names_line_source_and_error(ros_nodes: Any, tmp_path: Path):
         'motion_file': 'test.lua',
         'motion_line': '2',
     }
-    assert bench.status[-1].level == DiagnosticStatus.ERROR
-    bench.on_command = bench.reached
+    bench.wait(lambda: bench.status[-1].level == DiagnosticStatus.ERROR, 'its level')
+    bench.on_command = bench.answer
     bench.start(MOVE)
     bench.wait_for_state('FINISHED')
-    assert bench.status[-1].level == DiagnosticStatus.OK
+    bench.wait(lambda: bench.status[-1].level == DiagnosticStatus.OK, 'its level')
 
 
 def test_line_of_a_motion_is_told_before_it_moves(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     bench.on_command = ignore
     bench.start(f'wait(0)\nwait(0)\n{MOVE}')
     bench.wait_for_command()
-    ros_nodes.wait_for(lambda: diagnostic_values(bench.status[-1])['line'] == '3', what='line 3')
+    bench.wait(lambda: diagnostic_values(bench.status[-1])['line'] == '3', 'line 3')
     assert diagnostic_values(bench.status[-1])['source'] == MOVE
     bench.answer(bench.command_id())
     bench.wait_for_state('FINISHED')
 
 
 def test_results_of_other_commands_are_ignored(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     bench.on_command = ignore
     bench.start(f'{MOVE}\nsetDigitalOutput(1, 1)')
     bench.wait_for_command()
@@ -115,7 +116,7 @@ def test_results_of_other_commands_are_ignored(ros_nodes: Any, tmp_path: Path):
 
 
 def test_motion_without_planner_is_an_error_although_a_recorder_listens(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path, planner=False, planner_timeout=0.3)
+    bench = LuaBench(ros_nodes, tmp_path, planner=False, planner_timeout=0.3)
     bench.start(MOVE)
     error = bench.wait_for_state('FAILED')['error']
     assert error.startswith('test.lua:1: ptpJointSpaceAngles: no node plans ptpjoint_joint within 0.3 s')
@@ -126,29 +127,29 @@ def test_motion_without_planner_is_an_error_although_a_recorder_listens(ros_node
 
 
 def test_motion_waits_for_a_planner_that_comes_late(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path, planner=False)
+    bench = LuaBench(ros_nodes, tmp_path, planner=False)
     bench.start(MOVE)
-    ros_nodes.wait_for(lambda: 'PTPJOINT_JOINT' in bench.states, what='the command state')
+    bench.wait(lambda: 'PTPJOINT_JOINT' in bench.states, 'the command state')
     bench.start_planner()
     bench.wait_for_state('FINISHED')
 
 
 def test_planner_that_disappears_fails_the_motion_and_stops_the_robot(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     bench.on_command = ignore
     bench.start(MOVE)
     bench.wait_for_command()
     # Destroyed by the thread that spins it.
     bench.on_controller_call = ignore
     destroyed: list[bool] = []
-    once = bench.tester.create_timer(0.001, lambda: destroyed or destroyed.append(_destroy(bench)))
+    once = bench.peer.create_timer(0.001, lambda: destroyed or destroyed.append(_destroy(bench)))
     error = bench.wait_for_state('FAILED')['error']
     once.cancel()
     assert 'planning_node has been gone' in error
-    ros_nodes.wait_for(lambda: 'stop' in bench.controller_calls, what='the stop')
+    bench.wait(lambda: 'stop' in bench.controller_calls, 'the stop')
 
 
-def _destroy(bench: Bench) -> bool:
+def _destroy(bench: LuaBench) -> bool:
     for publisher in list(bench.planner.publishers):
         if publisher.topic_name == '/motion_result':
             bench.planner.destroy_publisher(publisher)
@@ -156,33 +157,33 @@ def _destroy(bench: Bench) -> bool:
 
 
 def test_stop_stops_program_and_robot_until_the_robot_says_so(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     bench.on_command = ignore
     bench.start(MOVE)
     bench.wait_for_command()
-    assert bench.call('stop').success
+    assert bench.ask('stop').success
     bench.wait_for_state('STOPPED')
     # The first stop may come before the controller has the trajectory.
-    ros_nodes.wait_for(lambda: bench.controller_calls.count('stop') >= 2, what='another stop')
-    refused = bench.call('run')
+    bench.wait(lambda: bench.controller_calls.count('stop') >= 2, 'another stop')
+    refused = bench.ask('run')
     assert not refused.success
     assert 'the robot still moves for line 1' in refused.message
-    assert bench.call('get_command_state').message == 'PTPJOINT_JOINT'
+    assert bench.ask('get_command_state').message == 'PTPJOINT_JOINT'
     bench.answer(bench.command_id(), 'stopped', ok=False)
-    ros_nodes.wait_for(lambda: bench.states[-1] == 'IDLE', what='IDLE')
-    bench.on_command = bench.reached
-    assert bench.call('reset').success
+    bench.wait(lambda: bench.states[-1] == 'IDLE', 'IDLE')
+    bench.on_command = bench.answer
+    assert bench.ask('reset').success
     bench.start(MOVE)
     bench.wait_for_state('FINISHED')
 
 
 def test_stop_before_the_motion_was_sent(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path, planner=False)
+    bench = LuaBench(ros_nodes, tmp_path, planner=False)
     bench.start(MOVE)
-    ros_nodes.wait_for(lambda: 'PTPJOINT_JOINT' in bench.states, what='the command state')
-    assert bench.call('stop').success
+    bench.wait(lambda: 'PTPJOINT_JOINT' in bench.states, 'the command state')
+    assert bench.ask('stop').success
     bench.wait_for_state('STOPPED')
-    ros_nodes.wait_for(lambda: bench.states[-1] == 'IDLE', what='IDLE')
+    bench.wait(lambda: bench.states[-1] == 'IDLE', 'IDLE')
     bench.start_planner()
     bench.start('wait(0)')
     bench.wait_for_state('FINISHED')
@@ -190,20 +191,20 @@ def test_stop_before_the_motion_was_sent(ros_nodes: Any, tmp_path: Path):
 
 
 def test_pause_and_resume_hold_program_and_robot(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     bench.on_command = ignore
     bench.start(f'{MOVE}\nsetDigitalOutput(1, 1)')
     bench.wait_for_command()
-    assert bench.call('pause').success
+    assert bench.ask('pause').success
     bench.wait_for_state('PAUSED')
-    ros_nodes.wait_for(lambda: bench.controller_calls == ['pause'], what='the pause')
-    assert not bench.call('pause').success
+    bench.wait(lambda: bench.controller_calls == ['pause'], 'the pause')
+    assert not bench.ask('pause').success
     bench.answer(bench.command_id())
-    ros_nodes.wait_for(lambda: bench.states[-1] == 'IDLE', what='IDLE')
-    assert bench.digital == [[0] * 32]
-    assert bench.call('resume').success
+    bench.wait(lambda: bench.states[-1] == 'IDLE', 'IDLE')
+    assert not any(any(outputs) for outputs in bench.digital)
+    assert bench.ask('resume').success
     bench.wait_for_state('FINISHED')
-    ros_nodes.wait_for(lambda: len(bench.digital) == 2, what='the output')
+    bench.wait(lambda: bench.digital[-1][0] == 1, 'the output')
     assert bench.controller_calls == ['pause', 'resume']
 
 
@@ -216,24 +217,23 @@ def test_inputs_reach_the_program_from_any_publisher(ros_nodes: Any, tmp_path: P
     if latched:
         digital.publish(UInt8MultiArray(data=[0, 1]))
         analog.publish(Float64MultiArray(data=[2.5]))
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     bench.start("""
         while not getDigitalInput(2) or getAnalogInput(1) == 0 do wait(0.001) end
         setAnalogOutput(1, getAnalogInput(1))
     """)
     if not latched:
         for one in (digital, analog):
-            ros_nodes.wait_for(lambda one=one: one.get_subscription_count(), what='a subscriber')
+            bench.wait(lambda one=one: one.get_subscription_count(), 'a subscriber')
         digital.publish(UInt8MultiArray(data=[0, 1]))
         analog.publish(Float64MultiArray(data=[2.5]))
     bench.wait_for_state('FINISHED')
-    ros_nodes.wait_for(lambda: len(bench.analog) == 2, what='the output')
-    assert bench.analog[-1][0] == 2.5
+    bench.wait(lambda: bench.analog and bench.analog[-1][0] == 2.5, 'the output')
 
 
 def test_wrong_inputs_are_refused_and_told(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
-    publisher = bench.tester.create_publisher(UInt8MultiArray, 'digital_inputs', STATE)
+    bench = LuaBench(ros_nodes, tmp_path)
+    publisher = bench.peer.create_publisher(UInt8MultiArray, 'digital_inputs', STATE)
     publisher.publish(UInt8MultiArray(data=[0, 7]))
     ros_nodes.wait_for(
         lambda: [log for log in bench.log if 'digital input 2 is 7; valid are 0 and 1' in log.msg],
@@ -252,37 +252,37 @@ def test_wrong_inputs_are_refused_and_told(ros_nodes: Any, tmp_path: Path):
 def test_program_that_cannot_be_opened_is_told(
     ros_nodes: Any, tmp_path: Path, text: str | None, message: str
 ):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     if text is not None:
         bench.write(text)
-    response = bench.call('open')
+    response = bench.ask('open')
     assert not response.success
     assert response.message.startswith(message)
     ros_nodes.wait_for(
         lambda: diagnostic_values(bench.status[-1])['error'].startswith(message), what='the status'
     )
-    assert not bench.call('run').success
+    assert not bench.ask('run').success
     bench.start('wait(0)')
     bench.wait_for_state('FINISHED')
 
 
 def test_services_without_a_running_program_say_so(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     for name in ('run', 'pause', 'resume', 'stop', 'reset'):
-        response = bench.call(name)
+        response = bench.ask(name)
         assert not response.success
         assert response.message.startswith('no program is')
-    assert bench.call('get_command_state').message == 'IDLE'
+    assert bench.ask('get_command_state').message == 'IDLE'
 
 
 def test_autostart_runs_when_the_robot_can_move(ros_nodes: Any, tmp_path: Path):
     path = tmp_path / 'auto.lua'
     path.write_text(MOVE)
-    bench = Bench(ros_nodes, tmp_path, planner=False, autostart=True, program=str(path))
+    bench = LuaBench(ros_nodes, tmp_path, planner=False, autostart=True, program=str(path))
     assert diagnostic_values(bench.status[-1])['state'] == 'IDLE'
     bench.start_planner()
-    controller = bench.tester.create_publisher(JointTrajectory, 'joint_reference', STREAM)
-    bench.tester.create_timer(0.01, lambda: controller.publish(JointTrajectory()))
+    controller = bench.peer.create_publisher(JointTrajectory, 'joint_reference', STREAM)
+    bench.peer.create_timer(0.01, lambda: controller.publish(JointTrajectory()))
     bench.wait_for_state('FINISHED')
     assert len(bench.commands) == 1
 
@@ -292,43 +292,43 @@ def test_autostart_runs_when_the_robot_can_move(ros_nodes: Any, tmp_path: Path):
 )
 def test_wrong_parameters_are_refused_at_start(ros_nodes: Any, tmp_path: Path, parameters: dict[str, Any]):
     with pytest.raises(InvalidInputError):
-        Bench(ros_nodes, tmp_path, **parameters)
+        LuaBench(ros_nodes, tmp_path, **parameters)
 
 
 def test_program_reads_the_measured_position(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     names = bench.node.robot.axes_data.names
-    publisher = bench.tester.create_publisher(JointState, 'joint_states', STATE)
-    ros_nodes.wait_for(publisher.get_subscription_count, what='a subscriber')
-    bench.tester.create_timer(
+    publisher = bench.peer.create_publisher(JointState, 'joint_states', STATE)
+    bench.wait(publisher.get_subscription_count, 'a subscriber')
+    bench.peer.create_timer(
         0.01, lambda: publisher.publish(JointState(name=list(names), position=np.radians([10.0] + [0.0] * 5)))
     )
     bench.start('for i, q in ipairs(getJointAngles()) do setAnalogOutput(i, q) end')
     bench.wait_for_state('FINISHED')
-    ros_nodes.wait_for(lambda: bench.analog and bench.analog[-1][0] == pytest.approx(10.0), what='the output')
+    bench.wait(lambda: bench.analog and bench.analog[-1][0] == pytest.approx(10.0), 'the output')
 
 
 def test_position_of_a_robot_that_tells_none_is_an_error(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     bench.start('getJointAngles()')
     assert 'no joint_states received: is drive_node running?' in bench.wait_for_state('FAILED')['error']
 
 
 def test_override_is_published(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     overrides: list[float] = []
-    bench.tester.create_subscription(Float64, 'override', lambda m: overrides.append(m.data), STATE)
+    bench.peer.create_subscription(Float64, 'override', lambda m: overrides.append(m.data), STATE)
     bench.start('setOverride(0.25)')
-    ros_nodes.wait_for(lambda: overrides == [0.25], what='the override')
+    bench.wait(lambda: overrides == [0.25], 'the override')
 
 
 def test_outputs_switch_on_the_path(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     bench.on_command = ignore
     trajectories = next(p for p in bench.planner.publishers if p.topic_name == '/joint_trajectory')
-    progress = bench.tester.create_publisher(Float64, 'motion_progress', STATE)
+    progress = bench.peer.create_publisher(Float64, 'motion_progress', STATE)
     for publisher in (trajectories, progress):
-        ros_nodes.wait_for(publisher.get_subscription_count, what='a subscriber')
+        bench.wait(publisher.get_subscription_count, 'a subscriber')
     bench.start("""
         ptpJointSpaceAngles({10, -90, 90, 0, 45, 0}, {on_path = {
           {time_before_end = 1, output = 1, value = 1},
@@ -341,12 +341,12 @@ def test_outputs_switch_on_the_path(ros_nodes: Any, tmp_path: Path):
         rest.time / rest.duration * 4.0, rest.position, 0.0 * rest.velocity, 0.0 * rest.acceleration
     )
     trajectories.publish(trajectory_message(slow, list(bench.node.robot.axes_data.names), stamp))
-    ros_nodes.wait_for(lambda: bench.node.host.switching._planned, what='the planned motion')
+    bench.wait(lambda: bench.node.host.switching._planned, 'the planned motion')
     progress.publish(Float64(data=0.70))
     progress.publish(Float64(data=0.76))
-    ros_nodes.wait_for(lambda: bench.digital[-1][:2] == [1, 0], what='the first output')
+    bench.wait(lambda: bench.digital[-1][:2] == [1, 0], 'the first output')
     bench.answer(bench.command_id())
-    ros_nodes.wait_for(lambda: bench.digital[-1][:2] == [1, 1], what='the second output')
+    bench.wait(lambda: bench.digital[-1][:2] == [1, 1], 'the second output')
     bench.wait_for_state('FINISHED')
 
 

@@ -14,16 +14,16 @@ from robots_core.ros.messages import motion_result_message, stamp_id
 from robots_planning import verify
 from robots_planning.command_queue import LONGEST_CHAIN
 
-from .planning_bench import ROBOT, Bench
+from .planning_bench import ROBOT, PlanningBench
 
 
-def blended(ros_nodes: Any, zone: float = 0.02) -> Bench:
-    bench = Bench(ros_nodes, blend_zone=zone, joint_blend_zone=0.1)
+def blended(ros_nodes: Any, zone: float = 0.02) -> PlanningBench:
+    bench = PlanningBench(ros_nodes, blend_zone=zone, joint_blend_zone=0.1)
     bench.stand(bench.robot.home)
     return bench
 
 
-def steps(bench: Bench, count: int) -> list[np.ndarray]:
+def steps(bench: PlanningBench, count: int) -> list[np.ndarray]:
     """Joint targets on a square of the first and the third axis."""
     corners = [(0.3, 0.0), (0.3, 0.3), (0.0, 0.3), (0.0, 0.0)]
     targets = []
@@ -34,7 +34,7 @@ def steps(bench: Bench, count: int) -> list[np.ndarray]:
     return targets
 
 
-def set_zones(bench: Bench, zone: float) -> None:
+def set_zones(bench: PlanningBench, zone: float) -> None:
     """As a program does, by the node's service."""
     client = bench.peer.create_client(SetParametersAtomically, 'planning_node/set_parameters_atomically')
     bench.wait(client.service_is_ready, 'the parameter service')
@@ -78,7 +78,7 @@ def test_a_chain_that_was_stopped_tells_which_of_its_motions_were_passed(ros_nod
     (motion,) = bench.node.planner.motions
     between = 0.5 * (motion.ends[0] + motion.ends[1]) / motion.trajectory.duration
     stopped = MotionResult(ids[-1], ok=False, message='stopped by ~/stop', details={'progress': str(between)})
-    bench.publishers['motion_result'].publish(motion_result_message(stopped, ROBOT))
+    bench.publish('motion_result', motion_result_message(stopped, ROBOT))
     bench.wait(lambda: len(bench.results) == 3, 'a result for each')
     results = {result.id: (result.ok, result.message) for result in bench.results}
     assert [results[id_] for id_ in ids] == [
@@ -96,7 +96,7 @@ def test_a_blended_command_that_nothing_follows_stops_at_its_target(ros_nodes: A
 
 
 def test_a_command_that_stops_ends_the_chain_before_it(ros_nodes: Any) -> None:
-    bench = Bench(ros_nodes)
+    bench = PlanningBench(ros_nodes)
     bench.stand(bench.robot.home)
     set_zones(bench, 0.05)
     targets = steps(bench, 2)

@@ -10,10 +10,10 @@ from nav_msgs.msg import Path as NavPath
 from rcl_interfaces.msg import SetParametersResult
 
 from robots_controller.cell.program_motions import MOST_SENT
-from robots_core.ros.messages import diagnostic_values, stamp_id
+from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.qos import COMMAND
 
-from .lua_bench import MOVE, Bench, SettingsBench, ignore
+from .lua_bench import MOVE, LuaBench, SettingsBench, ignore
 
 
 def test_settings_come_before_the_motion_and_end_with_the_program(ros_nodes: Any, tmp_path: Path):
@@ -41,7 +41,7 @@ def test_setting_that_the_planner_refuses_fails_the_motion(ros_nodes: Any, tmp_p
 
 
 def test_setting_that_the_planner_has_not_is_named(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     bench.start(f'setBase(1, 0, 0, 0, 0, 0) {MOVE}')
     assert 'planning_node has no base' in bench.wait_for_state('FAILED')['error']
 
@@ -51,14 +51,14 @@ def test_blended_motions_are_sent_at_once_and_the_last_one_is_released(ros_nodes
     bench.on_command = ignore
     line = 'ptpCartesianSpace({1.5, 0, 1.5, 0, 90, 0}, {blend = 0.05})'
     bench.start(f'{line}\n{line}\nwait(0)')
-    ros_nodes.wait_for(lambda: len(bench.commands) == 2, what='both motions')
+    bench.wait(lambda: len(bench.commands) == 2, 'both motions')
     assert [s['blend_zone'] for s in bench.settings] == [0.05, 0.05]
     ros_nodes.wait_for(
         lambda: bench.planner.get_parameter('blend_zone').value == 0.0, what='the end of the chain'
     )
     bench.answer(bench.command_id())
     bench.wait_for_state('FINISHED')
-    ros_nodes.wait_for(lambda: bench.states[-1] == 'IDLE', what='IDLE')
+    bench.wait(lambda: bench.states[-1] == 'IDLE', 'IDLE')
 
 
 def test_many_blended_motions_are_held_back_and_none_is_lost(ros_nodes: Any, tmp_path: Path):
@@ -72,7 +72,7 @@ def test_many_blended_motions_are_held_back_and_none_is_lost(ros_nodes: Any, tmp
         'ptpJointSpaceAngles(0, -90, 45, 0, 45, 0)'
     )
     bench.runner.wait_for(lambda: len(bench.commands) == MOST_SENT, what='as many as are on their way')
-    bench.on_command = bench.reached
+    bench.on_command = bench.answer
     bench.answer(bench.command_id())  # and all before it
     bench.wait_for_state('FINISHED')
     turned = [np.degrees(message.position[0]) for _, message in bench.commands]
@@ -80,18 +80,27 @@ def test_many_blended_motions_are_held_back_and_none_is_lost(ros_nodes: Any, tmp
 
 
 def test_the_status_tells_the_line_of_the_motion_that_was_sent(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     (tmp_path / 'part.lua').write_text(f'wait(0)\n{MOVE}\n')
+    bench.on_command = ignore  # each motion lasts until its line was reported
     bench.start(f'{MOVE}\ncall("part")\n')
+    for number, place in enumerate((('test.lua', '1'), ('part.lua', '2')), 1):
+        bench.wait(lambda number=number: len(bench.commands) == number, f'motion {number}')
+
+        def reported(place: tuple[str, str] = place) -> bool:
+            values = diagnostic_values(bench.status[-1])
+            return (values['motion'], values['motion_file'], values['motion_line']) == (
+                bench.command_id(),
+                *place,
+            )
+
+        bench.wait(reported, f'the place of motion {number}')
+        bench.answer(bench.command_id())
     bench.wait_for_state('FINISHED')
-    told = [diagnostic_values(status) for status in bench.status]
-    places = {item['motion']: (item['motion_file'], item['motion_line']) for item in told if 'motion' in item}
-    ids = [stamp_id(message.header.stamp) for _, message in bench.commands]
-    assert [places[id_] for id_ in ids] == [('test.lua', '1'), ('part.lua', '2')]
 
 
 def test_arcs_and_splines_are_paths(ros_nodes: Any, tmp_path: Path):
-    bench = Bench(ros_nodes, tmp_path)
+    bench = LuaBench(ros_nodes, tmp_path)
     for topic in ('circcartesian', 'splinecartesian'):
         bench.planner.create_subscription(NavPath, topic, lambda m, t=topic: bench._command(t, m), COMMAND)
     bench.start("""
@@ -102,4 +111,4 @@ def test_arcs_and_splines_are_paths(ros_nodes: Any, tmp_path: Path):
     assert (circ, spline) == ('circcartesian', 'splinecartesian')
     assert [len(arc.poses), len(curve.poses)] == [2, 3]
     assert curve.poses[1].pose.position.y == 0.5
-    assert bench.states.count('TRAJECTORY') == 2
+    assert 'TRAJECTORY' in bench.states

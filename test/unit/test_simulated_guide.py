@@ -112,6 +112,22 @@ def test_the_tool_follows_the_sensor(tmp_path: Path, method: str):
     assert not run.velocity[-1].any()
 
 
+@pytest.mark.parametrize('method', ['constrained', 'damped_least_squares', 'analytical'])
+def test_a_jump_of_the_reference_is_followed_inside_the_limits(tmp_path: Path, method: str):
+    r, T = ROBOT_MODEL.direct_kinematics(READY)
+    jump = Pose.from_angles(r + np.array([0.05, 0.1, -0.05]), Pose(r, T).angles() + 0.1)
+    poses = ((k / RATE, '/reference_pose', ros.pose_stamped(stamped(k), jump)) for k in range(int(3 * RATE)))
+    bag = write_bag(tmp_path / 'sensor', poses)
+    run = run_text(tmp_path, f'{MOVE}followReference(4)', references=bag, guided=method)
+    assert run.ok, run.error
+    reached = Pose(*ROBOT_MODEL.direct_kinematics(run.reference[-1, 0]))
+    assert max(reached.distance_to(jump)) < 1e-5
+    axes, q = ROBOT_MODEL.axes_data, run.reference[:, 0]
+    within = 1.0 + 1e-5  # second differences over (4 ms)^2 round to 1e-9 rad/s^2
+    assert (np.abs(np.diff(q, axis=0)) <= axes.velocity * PERIOD * within).all()
+    assert (np.abs(np.diff(q, 2, axis=0)) <= axes.acceleration * PERIOD**2 * within).all()
+
+
 def test_the_tool_is_led_by_twists_alone(tmp_path: Path):
     velocity = np.array([0.0, 0.05, 0.0, 0.0, 0.0, 0.0])
     twists = ((k / RATE, '/reference_twist', twist(stamped(k), velocity)) for k in range(int(2 * RATE)))
@@ -166,6 +182,19 @@ def test_axes_are_jogged(tmp_path: Path):
     # From the first command until 0.1 s after the last; it brakes a little longer than it accelerates.
     assert 1.0 < way[0] / 0.1 < 1.1
     assert 1.0 < way[5] / -0.05 < 1.1
+
+
+def test_a_tool_moves_straight_along_its_own_axis(tmp_path: Path):
+    bag = write_bag(tmp_path / 'jogs', tool_jogs([0.0, 0.0, -0.05, 0.0, 0.0, 0.0], 'tool'))
+    run = run_text(tmp_path, f'{MOVE}jog(3)', references=bag)
+    assert run.ok, run.error
+    r0, T0 = ROBOT_MODEL.direct_kinematics(READY)
+    r, T = ROBOT_MODEL.direct_kinematics(run.reference[-1, 0])
+    way = T0.T @ (r - r0)
+    assert way[2] == pytest.approx(-0.05, abs=0.01)
+    # Braking leaves the line by what the axes need to stop one by one from a slow jog.
+    assert np.abs(way[:2]).max() < 1e-3
+    np.testing.assert_allclose(T, T0, atol=5e-3)
 
 
 @pytest.mark.parametrize('frame', ['base', 'tool'])
