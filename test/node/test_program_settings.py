@@ -89,7 +89,7 @@ def test_the_status_tells_the_line_of_the_motion_that_was_sent(ros_nodes: Any, t
 
         def reported(place: tuple[str, str] = place) -> bool:
             values = diagnostic_values(bench.status[-1])
-            return (values['motion'], values['motion_file'], values['motion_line']) == (
+            return tuple(values.get(name) for name in ('motion', 'motion_file', 'motion_line')) == (
                 bench.command_id(),
                 *place,
             )

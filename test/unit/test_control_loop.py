@@ -1,0 +1,198 @@
+"""ControlLoop: a mailbox that is emptied once per period, results and progress out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from robots_controller.control.control_loop import STOPPED, ControlLoop
+from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
+from robots_controller.control.controller_rates import ControllerRates
+from robots_controller.control.streamed_reference import StreamPoint
+from robots_core.errors import RobotsError
+from robots_core.motion_result import MotionResult
+from robots_core.robot_model.axes_data import AxesData
+from robots_planning.trajectory import Trajectory
+
+PERIOD = 0.004
+AXES = AxesData(
+    names=('A1', 'A2'),
+    lower=np.array([-3.0, -2.0]),
+    upper=np.array([3.0, 2.0]),
+    velocity=np.array([2.0, 1.0]),
+    acceleration=np.array([4.0, 3.0]),
+    jerk=np.array([20.0, 12.0]),
+    effort=np.ones(2),
+)
+START, GOAL = np.zeros(2), np.array([0.4, -0.2])
+
+
+def motion(start: np.ndarray, goal: np.ndarray, duration: float = 1.0) -> Trajectory:
+    """Minimum-jerk motion: one quintic."""
+    zero = np.zeros((2, 2))
+    return Trajectory(np.array([0.0, duration]), np.array([start, goal]), zero, zero)
+
+
+class Rig:
+    """A control loop with drives that follow at once."""
+
+    def __init__(self, progress_every: int = 1) -> None:
+        settings = ControllerSettings(period=PERIOD)
+        rates = ControllerRates(1.0 / PERIOD, settings.feedback_timeout)
+        self.results: list[MotionResult] = []
+        self.progresses: list[float] = []
+        self.refusals: list[str] = []
+        self.loop = ControlLoop(Controller(AXES, settings), rates, self, progress_every=progress_every)
+        self.looks = 0
+        self.q = START
+        self.run(1)
+
+    def result(self, result: MotionResult) -> None:
+        self.results.append(result)
+
+    def progress(self, progress: float) -> None:
+        self.progresses.append(progress)
+
+    def stream_refused(self, error: RobotsError, _now: float) -> None:
+        self.refusals.append(str(error))
+
+    @property
+    def now(self) -> float:
+        return self.loop.cycle * PERIOD
+
+    def run(self, periods: int) -> None:
+        for _ in range(periods):
+            self.looks += self.loop.feedback_due
+            reference = self.loop.step(self.now, self.q if self.loop.feedback_due else None)
+            assert reference is not None
+            self.q = reference[0].copy()
+            self.loop.report()
+
+    def run_until_result(self) -> MotionResult:
+        while not self.results:
+            self.run(1)
+            assert self.loop.cycle < 10_000
+        return self.results.pop(0)
+
+
+@pytest.fixture
+def rig() -> Rig:
+    return Rig()
+
+
+def test_requests_hold_from_the_next_period_on_and_in_their_order(rig: Rig) -> None:
+    rig.loop.request('pause')
+    rig.loop.follow(motion(START, GOAL), '1')
+    assert not rig.loop.controller.paused
+    rig.run(1)
+    assert rig.loop.controller.paused
+    rig.run(100)
+    np.testing.assert_array_equal(rig.q, START)
+    rig.loop.request('resume')
+    assert rig.run_until_result().ok
+    np.testing.assert_allclose(rig.q, GOAL, atol=1e-12)
+
+
+def test_motions_end_in_their_order(rig: Rig) -> None:
+    rig.loop.follow(motion(START, GOAL), '1')
+    rig.loop.follow(motion(GOAL, START), '2')
+    assert [rig.run_until_result().id for _ in range(2)] == ['1', '2']
+    np.testing.assert_allclose(rig.q, START, atol=1e-12)
+
+
+def test_a_trajectory_that_starts_elsewhere_is_refused(rig: Rig) -> None:
+    rig.loop.follow(motion(GOAL, START), '1')
+    rig.run(1)
+    (result,) = rig.results
+    assert (result.id, result.ok) == ('1', False)
+    np.testing.assert_array_equal(rig.q, START)
+
+
+@pytest.mark.parametrize('paused', [False, True])
+def test_a_stop_gives_up_all_motions_and_ends_a_pause(rig: Rig, paused: bool) -> None:  # noqa: FBT001
+    rig.loop.follow(motion(START, GOAL), '1')
+    rig.loop.follow(motion(GOAL, START), '2')
+    rig.run(100)
+    if paused:
+        rig.loop.request('pause')
+        rig.run(100)
+    rig.loop.request('stop')
+    results = [rig.run_until_result() for _ in range(2)]
+    assert {result.id for result in results} == {'1', '2'}
+    assert not any(result.ok for result in results)
+    assert STOPPED in {result.message for result in results}
+    assert not rig.loop.controller.paused
+    rig.run(100)
+    rig.loop.follow(motion(rig.q, GOAL), '3')
+    assert rig.run_until_result().ok
+
+
+def test_a_stop_for_a_reason_leaves_a_pause(rig: Rig) -> None:
+    rig.loop.follow(motion(START, GOAL), '1')
+    rig.run(100)
+    rig.loop.request('pause')
+    rig.loop.stop('somebody came near')
+    assert rig.run_until_result().message == 'somebody came near'
+    assert rig.loop.controller.paused
+
+
+def test_half_the_override_takes_twice_the_time() -> None:
+    durations = []
+    for override in (1.0, 0.5):
+        rig = Rig()
+        rig.loop.set_override(override)
+        rig.run(1000)
+        before = rig.loop.cycle
+        rig.loop.follow(motion(START, GOAL), '1')
+        assert rig.run_until_result().ok
+        durations.append((rig.loop.cycle - before) * PERIOD)
+    # Smoothing and settling are not slower.
+    assert durations[1] - durations[0] == pytest.approx(1.0, abs=0.01)
+
+
+def test_progress_never_falls_and_both_ends_are_reported(rig: Rig) -> None:
+    rig.loop.follow(motion(START, GOAL), '1')
+    rig.run_until_result()
+    begin = rig.progresses.index(0.0)
+    assert rig.progresses[-1] == 1.0
+    assert (np.diff(rig.progresses[begin:]) > 0.0).all()
+
+
+def test_progress_is_reported_as_often_as_it_is_wanted() -> None:
+    rare, often = Rig(progress_every=10), Rig()
+    for rig in (rare, often):
+        rig.loop.follow(motion(START, GOAL), '1')
+        rig.run_until_result()
+        assert {0.0, 1.0} <= set(rig.progresses)
+    assert set(rare.progresses) < set(often.progresses)
+    assert len(rare.progresses) == pytest.approx(len(often.progresses) / 10, abs=3)
+
+
+def test_a_point_that_is_refused_is_reported_and_moves_nothing(rig: Rig) -> None:
+    rig.loop.stream(StreamPoint(np.array([9.0, 0.0]), START, START, rig.now + PERIOD), 's')
+    rig.run(10)
+    assert len(rig.refusals) == 1
+    np.testing.assert_array_equal(rig.q, START)
+
+
+def test_a_stream_is_followed_and_ends_with_a_result(rig: Rig) -> None:
+    velocity = np.array([0.1, 0.0])
+    begin = rig.now
+    for _ in range(100):
+        due = rig.now + PERIOD
+        rig.loop.stream(StreamPoint(velocity * (due - begin), velocity, START, due), 's')
+        rig.run(1)
+    assert rig.loop.controller.state is ControllerState.STREAMING
+    assert rig.q[0] == pytest.approx(0.1 * 100 * PERIOD, abs=0.005)
+    assert rig.run_until_result().id == 's'
+
+
+def test_cycles_of_a_robot_that_stands_may_be_left_out(rig: Rig) -> None:
+    rig.run(100)
+    rig.looks = 0
+    rates = ControllerRates(1.0 / PERIOD, rig.loop.controller.settings.feedback_timeout)
+    rig.loop.pass_over(3 * rates.holding_every)
+    rig.run(rates.holding_every)
+    assert rig.looks == 1
+    rig.loop.follow(motion(START, GOAL), '1')
+    assert rig.run_until_result().ok

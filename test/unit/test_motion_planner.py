@@ -1,0 +1,257 @@
+"""MotionPlanner: commands in; motions, results and `finished` out, by a port made by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from robots_core import Pose, load_robot_model
+from robots_core.errors import PlanningError, RobotsError
+from robots_core.motion_result import MotionResult
+from robots_core.validation import Array
+from robots_planning import LinearJoint, MotionSettings, PathPlanning
+from robots_planning.command_planner import REPLACE_LEAD
+from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE
+from robots_planning.motion_planner import BLEND_PATIENCE, MotionPlanner
+from robots_planning.pathplanning import PlannedMotion
+from robots_planning.trajectory import Trajectory
+
+ROBOT = load_robot_model('ur10e')
+START = np.array([0.2, -1.2, 1.6, -1.9, -1.4, 0.3])
+PLAIN = MotionSettings()
+BLENDED = MotionSettings(blend_zone=0.02)
+
+
+class Cell:
+    """The transport, the controller and the clock around a planner."""
+
+    def __init__(self, planning: PathPlanning) -> None:
+        self.now = 10.0
+        self.q: Array | None = START
+        self.q_dot = np.zeros(6)
+        self.sent: list[tuple[str, PlannedMotion, str, float]] = []
+        self.answers: list[MotionResult] = []
+        self.refusals: list[str] = []
+        self.told: list[bool] = []
+        self.patience: list[float] = []
+        self.planner = MotionPlanner(planning, self)
+
+    # -- port ---------------------------------------------------------------------------------------
+
+    def time(self) -> float:
+        return self.now
+
+    def reference(self) -> tuple[Array, Array] | None:
+        return None if self.q is None else (self.q, self.q_dot)
+
+    def submit(self, work: Callable[[], None]) -> None:
+        work()
+
+    def release_after(self, patience: float) -> None:
+        self.patience.append(patience)
+
+    def send(self, id_: str, motion: PlannedMotion, *, title: str, join_time: float) -> None:
+        self.sent.append((id_, motion, title, join_time))
+
+    def answer(self, result: MotionResult) -> None:
+        self.answers.append(result)
+
+    def refused(self, topic: str, error: RobotsError) -> None:
+        self.refusals.append(f'{topic}: {error}')
+
+    def finished(self, *, done: bool) -> None:
+        self.told.append(done)
+
+    # -- those around it ----------------------------------------------------------------------------
+
+    def move(self, id_: str, offset: float, settings: MotionSettings = PLAIN) -> None:
+        self.planner.command(id_, JOINT, START + offset, settings)
+
+    def line(self, id_: str, dz: float, settings: MotionSettings = PLAIN) -> None:
+        self.planner.command(id_, LINE, above(dz), settings)
+
+    def end(self, id_: str, *, ok: bool = True, **details: str) -> bool:
+        self.now += 1.0
+        return self.planner.result(MotionResult(id_, ok, 'reached' if ok else 'stopped', details), self.now)
+
+    @property
+    def ids(self) -> list[str]:
+        return [id_ for id_, *_ in self.sent]
+
+    def trajectory(self, number: int) -> Trajectory:
+        return self.sent[number][1].trajectory
+
+
+def above(dz: float) -> Pose:
+    start = Pose(*ROBOT.direct_kinematics(START))
+    return Pose(start.r + np.array([0.0, 0.0, dz]), start.T)
+
+
+@pytest.fixture(scope='module')
+def planning() -> PathPlanning:
+    return PathPlanning(ROBOT)
+
+
+@pytest.fixture
+def cell(planning: PathPlanning) -> Cell:
+    return Cell(planning)
+
+
+def test_a_motion_leads_from_where_the_robot_stands_to_its_target(cell: Cell) -> None:
+    cell.move('1', 0.2)
+    assert cell.ids == ['1']
+    assert cell.sent[0][2:] == ('PTPJOINT_JOINT', 0.0)
+    np.testing.assert_array_equal(cell.trajectory(0).position[[0, -1]], [START, START + 0.2])
+    assert cell.planner.moving
+    assert cell.told == [False]
+
+
+def test_each_motion_begins_at_the_end_of_the_one_before(cell: Cell) -> None:
+    cell.move('1', 0.2)
+    cell.planner.command('2', JOINT_TO_POSE, above(0.1), PLAIN)
+    cell.move('3', 0.0)
+    for number in (1, 2):
+        before, after = cell.trajectory(number - 1), cell.trajectory(number)
+        np.testing.assert_array_equal(after.position[0], before.position[-1])
+
+
+def test_finished_follows_the_last_result(cell: Cell) -> None:
+    cell.move('1', 0.2)
+    cell.move('2', 0.0)
+    assert cell.end('1')
+    assert cell.told == [False, False]
+    assert not cell.end('of another')
+    assert cell.end('2')
+    assert cell.told == [False, False, True]
+    assert not cell.planner.moving
+
+
+def test_a_command_that_comes_twice_is_taken_once(cell: Cell) -> None:
+    assert cell.planner.command('1', JOINT, START + 0.1, PLAIN)
+    assert not cell.planner.command('1', JOINT, START + 0.1, PLAIN)
+    assert cell.ids == ['1']
+
+
+@pytest.mark.parametrize('q_dot', [0.0, 0.3])
+def test_without_a_robot_that_stands_nothing_is_planned(cell: Cell, q_dot: float) -> None:
+    if q_dot:
+        cell.q_dot[2] = q_dot
+    else:
+        cell.q = None
+    cell.move('1', 0.2)
+    assert not cell.sent
+    (result,) = cell.answers
+    assert (result.id, result.ok) == ('1', False)
+    assert ('still moving' if q_dot else 'no joint_reference received') in result.message
+    assert cell.refusals == [f'ptpjoint_joint: {result.message}']
+    assert not cell.planner.knows('1')
+
+
+def test_after_a_failure_what_was_commanded_before_its_end_is_void(cell: Cell) -> None:
+    cell.move('1', 0.2)
+    cell.now -= 0.5
+    cell.end('1', ok=False)
+    cell.now -= 0.1  # sent before, came after
+    cell.move('2', 0.0)
+    assert 'given up with motion 1 before it' in cell.answers[-1].message
+    cell.now += 1.0
+    cell.q = START + 0.1
+    cell.move('3', 0.0)
+    assert cell.ids == ['1', '3']
+    np.testing.assert_array_equal(cell.trajectory(1).position[0], START + 0.1)
+    assert True not in cell.told
+
+
+def test_blended_motions_become_one_when_none_follows(cell: Cell) -> None:
+    cell.line('1', 0.1, BLENDED)
+    cell.planner.command('2', LINE, above(0.1) @ Pose(np.array([0.0, 0.1, 0.0]), np.eye(3)), BLENDED)
+    assert not cell.sent
+    assert cell.patience == [BLEND_PATIENCE, BLEND_PATIENCE]
+    cell.planner.release()
+    ((id_, _, title, _),) = cell.sent
+    assert id_ == '2'
+    assert title == 'PTPCARTESIAN + PTPCARTESIAN'
+    cell.end('2')
+    assert [(result.id, result.ok) for result in cell.answers] == [('1', True)]
+
+
+def test_a_motion_that_does_not_blend_or_settings_that_do_not_end_a_chain(cell: Cell) -> None:
+    cell.line('1', 0.05, BLENDED)
+    cell.line('2', 0.1)
+    assert cell.ids == ['2']
+    cell.end('2')
+    cell.line('3', 0.0, BLENDED)
+    cell.planner.configure(BLENDED)
+    assert cell.ids == ['2']
+    cell.planner.configure(PLAIN)
+    assert cell.ids == ['2', '3']
+
+
+@pytest.mark.parametrize(('progress', 'passed'), [(0.01, False), (0.99, True)])
+def test_of_a_chain_that_fails_what_was_passed_has_reached_its_target(
+    cell: Cell,
+    progress: float,
+    passed: bool,  # noqa: FBT001
+) -> None:
+    cell.line('1', 0.1, BLENDED)
+    cell.planner.command('2', LINE, above(0.1) @ Pose(np.array([0.0, 0.1, 0.0]), np.eye(3)), PLAIN)
+    cell.end('2', ok=False, progress=str(progress))
+    assert [(result.id, result.ok) for result in cell.answers] == [('1', passed)]
+
+
+def test_a_replacing_motion_joins_the_running_one_where_that_will_be(cell: Cell) -> None:
+    cell.planner.replace_motions(replace=True)
+    cell.move('1', 0.4, replace(PLAIN, acceleration_fraction=0.1))
+    running = cell.trajectory(0)
+    cell.now += 0.1
+    cell.planner.progress(0.25)
+    cell.now += 0.05
+    cell.move('2', -0.1)
+    join_time = cell.sent[1][3]
+    assert join_time == pytest.approx(0.25 * running.duration + 0.05 + REPLACE_LEAD, abs=1e-9)
+    joined = cell.trajectory(1)
+    for mine, state in zip(joined.sample(joined.time[0]), running.sample(join_time), strict=True):
+        np.testing.assert_allclose(mine, state, atol=1e-9)
+    np.testing.assert_allclose(joined.position[-1], START - 0.1, atol=1e-9)
+    cell.end('1')
+    assert cell.planner.moving  # it was the one in its place that runs
+
+
+def test_a_motion_that_is_nearly_over_is_followed_not_replaced(cell: Cell) -> None:
+    cell.planner.replace_motions(replace=True)
+    cell.move('1', 0.4)
+    cell.planner.progress(0.999)
+    cell.move('2', -0.1)
+    assert cell.sent[1][3] == 0.0
+    np.testing.assert_array_equal(cell.trajectory(1).position[0], START + 0.4)
+
+
+def test_a_trigger_moves_on_its_rising_edge_to_the_reference_pose(cell: Cell) -> None:
+    cell.planner.trigger('1', level=True)
+    assert 'without a valid reference_pose' in cell.answers[-1].message
+    cell.planner.reference_pose = above(0.1)
+    for id_, level in (('2', True), ('3', False), ('4', True), ('5', True)):
+        cell.planner.trigger(id_, level=level)
+    assert cell.ids == ['4']
+    reached = Pose(*ROBOT.direct_kinematics(cell.trajectory(0).position[-1]))
+    assert max(reached.distance_to(above(0.1))) < 1e-8
+
+
+def test_a_given_trajectory_is_sent_if_the_robot_stands(cell: Cell) -> None:
+    cell.planner.send_given('1', lambda q: LinearJoint(ROBOT).generate(q, q + 0.1))
+    assert cell.ids == ['1']
+    with pytest.raises(PlanningError, match='still moving'):
+        cell.planner.send_given('2', lambda q: LinearJoint(ROBOT).generate(q, q + 0.1))
+    cell.end('1')
+    assert cell.told[-1]
+
+
+def test_motions_of_a_controller_that_is_gone_are_forgotten(cell: Cell) -> None:
+    cell.move('1', 0.2)
+    cell.planner.forget()
+    assert not cell.planner.moving
+    cell.move('2', 0.1)
+    np.testing.assert_array_equal(cell.trajectory(1).position[0], START)
