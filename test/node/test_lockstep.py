@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Range
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -241,3 +244,15 @@ def test_without_a_coordinator_nodes_follow_the_clock(ros_nodes: Any) -> None:
         ros_nodes.wait_for(told, what='the time')
     ros_nodes.wait_for(lambda: stamps and stamps[-1] == START + 49 * PERIOD, what='the last reference')
     assert sorted(set(stamps)) == stamps
+
+
+def test_the_example_of_the_documentation_publishes(ros_nodes: Any) -> None:
+    page = (Path(__file__).parents[2] / 'docs' / 'lockstep.md').read_text()
+    (code,) = re.findall(r'```python\n(.*?)```', page, re.DOTALL)
+    names: dict[str, Any] = {}
+    exec(compile(code, 'lockstep.md', 'exec'), names)  # noqa: S102  # our own page
+    distances: list[float] = []
+    peer = ros_nodes.create_node('peer')
+    peer.create_subscription(Range, 'distance', lambda message: distances.append(message.range), 10)
+    ros_nodes.add(names['Distance'](context=ros_nodes.context))
+    ros_nodes.wait_for(lambda: distances == [0.5] * len(distances) and distances, what='a distance')
