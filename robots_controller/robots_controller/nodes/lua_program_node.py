@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-import time
+import threading
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import partial
@@ -113,6 +113,7 @@ class LuaProgramNode(RobotNode):
             self, JointState, 'joint_states', SENSOR
         )
         self._measured: Array | None = None
+        self._waiting = threading.Condition()  # notified by the clock alone
         self._planner = PlannerClient(self, axes.names)
         self._controller = {
             name: self.create_client(Trigger, f'controller_node/{name}')
@@ -249,7 +250,8 @@ class LuaProgramNode(RobotNode):
 
     def joint_position(self) -> Array:
         """See `RobotPort`; waits for the first feedback."""
-        end = time.monotonic() + FEEDBACK_TIMEOUT
+        clock = self.host.clock
+        end = clock.now() + FEEDBACK_TIMEOUT
         while True:
             message = self._feedback.take()
             if message is not None:
@@ -258,9 +260,10 @@ class LuaProgramNode(RobotNode):
                 )
             if self._measured is not None:
                 return self._measured
-            if time.monotonic() > end or self._program.stopping:
+            if clock.now() > end or self._program.stopping:
                 raise ProgramError('no joint_states received: is drive_node running?')
-            time.sleep(FEEDBACK_PERIOD)
+            with self._waiting:
+                clock.wait(self._waiting, clock.now() + FEEDBACK_PERIOD)
 
     def guide(self, state: RobotCommandState) -> None:
         """See `RobotPort`; those who guide follow `command_state`."""
@@ -314,7 +317,7 @@ class LuaProgramNode(RobotNode):
         if self._debug_server is not None:
             self._debug_server.on_print(text, line)
 
-    def line_reached(self, line: int) -> None:
+    def line_reached(self, _line: int) -> None:
         """See `ProgramObserver`; the status names it."""
         if self.participant is not None and self._status_timer.is_canceled():
             self._status_timer.reset()

@@ -75,7 +75,9 @@ class LeanExecutor(Executor):
         ready = {kind: self._wait_set.get_ready_entities(kind) for kind in _KINDS}
         for waitable in self._waitables:
             if waitable.is_ready(self._wait_set):
-                self._tasks.append((Task(waitable.execute, (waitable.take_data(),), executor=self), None, None))
+                self._tasks.append(
+                    (Task(waitable.execute, (waitable.take_data(),), executor=self), None, None)
+                )
         for kind, pointers in ready.items():
             entities, call = self._entities[kind], self._calls[kind]
             for pointer in pointers:
@@ -117,7 +119,9 @@ class LeanExecutor(Executor):
             found['service'] += node.services
             waitables += node.waitables
         self._entities = {kind: self._hold(entities) for kind, entities in found.items()}
-        self._waitables = [one for one in waitables if one.callback_group.can_execute(one) and self._keep(one)]
+        self._waitables = [
+            one for one in waitables if one.callback_group.can_execute(one) and self._keep(one)
+        ]
         self._keep(self._guard.handle)
         self._keep(self.context.handle)
         counts = [len(self._entities[kind]) for kind in ('subscription', 'guard_condition', 'timer')]

@@ -145,9 +145,7 @@ class PlanningNode(RobotNode):
         replace = self._replaces(value)
         self.planner.replace_motions(replace=replace)
         if replace and self._progress is None:  # only then it matters; it comes often
-            self._progress = self.create_subscription(
-                Float64, 'motion_progress', self._on_progress, STREAM
-            )
+            self._progress = self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
 
     # -- messages to the planner ---------------------------------------------------------------------
 
