@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
@@ -27,47 +27,32 @@ from robots_core.robot_model.shapes import Sphere
 from robots_core.ros.messages import diagnostic_values, doubles, motion_result_message
 from robots_core.ros.qos import COMMAND, STATE
 
+from .bench import Bench
+
 ROBOT = 'kuka_kr210_r2700'
 
 
-class Bench:
+class CollisionBench(Bench):
     """The node under test between drives, planner, controller and a sensor of obstacles."""
 
     def __init__(self, runner: Any, **parameters: Any) -> None:
-        self.runner = runner
+        super().__init__(runner, 'controller_node')
         self.robot = load_robot_model(ROBOT)
-        overrides = [Parameter('robot_model', value=ROBOT)]
-        overrides += [Parameter(name, value=value) for name, value in parameters.items()]
-        self.peer = peer = runner.create_node('controller_node')
-        self.node = runner.add(CollisionNode(context=runner.context, parameter_overrides=overrides))
-        self.distances: list[float] = []
-        self.statuses: list[DiagnosticStatus] = []
-        self.health: list[DiagnosticStatus] = []
+        self.distances = self.collect('min_distance', Float64, STATE, lambda message: message.data)
+        self.statuses = self.collect('collision_status', DiagnosticStatus, STATE)
         self.stops = 0
-        peer.create_subscription(
-            Float64, 'min_distance', lambda message: self.distances.append(message.data), STATE
-        )
-        peer.create_subscription(DiagnosticStatus, 'collision_status', self.statuses.append, STATE)
-        peer.create_subscription(
-            DiagnosticArray, '/diagnostics', lambda message: self.health.extend(message.status), COMMAND
-        )
-        peer.create_service(Trigger, '~/stop', self.on_stop)
-        self.publishers = {
-            topic: peer.create_publisher(kind, topic, qos)
-            for topic, kind, qos in (
-                ('joint_states', JointState, STATE),
-                ('joint_trajectory', JointTrajectory, COMMAND),
-                ('motion_progress', Float64, STATE),
-                ('motion_result', DiagnosticStatus, COMMAND),
-                ('collision_objects', MarkerArray, STATE),
-            )
-        }
+        self.peer.create_service(Trigger, '~/stop', self.on_stop)
+        self.node = self.start_node(CollisionNode, robot_model=ROBOT, **parameters)
+        for topic, kind, qos in (
+            ('joint_states', JointState, STATE),
+            ('joint_trajectory', JointTrajectory, COMMAND),
+            ('motion_progress', Float64, STATE),
+            ('motion_result', DiagnosticStatus, COMMAND),
+            ('collision_objects', MarkerArray, STATE),
+        ):
+            self.publisher(topic, kind, qos)
         self.wait(
-            lambda: (
-                all(publisher.get_subscription_count() > 0 for publisher in self.publishers.values())
-                and self.node._stop.service_is_ready()
-                and peer.count_publishers('min_distance')
-            ),
+            lambda: self.node._stop.service_is_ready() and self.peer.count_publishers('min_distance'),
             'the node is connected',
         )
 
@@ -76,9 +61,6 @@ class Bench:
         response.success = True
         return response
 
-    def wait(self, condition: Any, what: str) -> None:
-        self.runner.wait_for(condition, what=what)
-
     def stand(self, q: np.ndarray, q_dot: np.ndarray | None = None) -> None:
         """Publish feedback, and wait for the answer."""
         count = len(self.statuses)
@@ -86,7 +68,7 @@ class Bench:
         message = JointState(name=['gripper', *reversed(names)], position=[0.0, *map(float, reversed(q))])
         if q_dot is not None:
             message.velocity = [0.0, *map(float, reversed(q_dot))]
-        self.publishers['joint_states'].publish(message)
+        self.publish('joint_states', message)
         self.wait(lambda: len(self.statuses) > count, 'a status')
 
     def move(self, start: np.ndarray, end: np.ndarray, duration: float, stamp: int) -> None:
@@ -98,11 +80,11 @@ class Bench:
             point = JointTrajectoryPoint(positions=doubles(q), velocities=zero, accelerations=zero)
             point.time_from_start.sec = int(time)
             message.points.append(point)
-        self.publishers['joint_trajectory'].publish(message)
+        self.publish('joint_trajectory', message)
         self.wait(lambda: f'{stamp}.000000000' in self.node._motions, 'the motion is known')
 
     def place(self, *objects: SceneObject) -> None:
-        self.publishers['collision_objects'].publish(markers(Scene(objects), Time()))
+        self.publish('collision_objects', markers(Scene(objects), Time()))
         names = {item.name for item in objects}
         self.wait(
             lambda: names <= {item.name for item in self.node._detection.scene.objects}, 'objects are known'
@@ -110,8 +92,8 @@ class Bench:
 
 
 @pytest.fixture
-def bench(ros_nodes: Any) -> Bench:
-    return Bench(ros_nodes)
+def bench(ros_nodes: Any) -> CollisionBench:
+    return CollisionBench(ros_nodes)
 
 
 def ball(robot: Any, q: np.ndarray, *, radius: float = 0.1) -> SceneObject:
@@ -125,7 +107,7 @@ def turned(robot: Any, angle: float) -> np.ndarray:
     return q
 
 
-def test_distance_and_status_follow_joint_states(bench: Bench):
+def test_distance_and_status_follow_joint_states(bench: CollisionBench):
     home = bench.robot.home
     expected = CollisionDetection(bench.robot).distance(home)
     assert expected is not None
@@ -141,7 +123,7 @@ def test_distance_and_status_follow_joint_states(bench: Bench):
     assert np.linalg.norm(first - second) == pytest.approx(expected.distance, abs=1e-5)  # six digits
 
 
-def test_an_object_that_comes_is_named_with_what_it_touches(bench: Bench):
+def test_an_object_that_comes_is_named_with_what_it_touches(bench: CollisionBench):
     home = bench.robot.home
     bench.place(ball(bench.robot, home))
     bench.stand(home)
@@ -152,13 +134,13 @@ def test_an_object_that_comes_is_named_with_what_it_touches(bench: Bench):
     bench.wait(lambda: bench.distances[-1] == 0.0, 'distance 0')
     # Nobody moves: there is nothing to stop.
     assert bench.stops == 0
-    bench.publishers['collision_objects'].publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
+    bench.publish('collision_objects', MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
     bench.wait(lambda: not bench.node._detection.scene.objects, 'the ball is gone')
     bench.stand(home)
     assert bench.statuses[-1].level == DiagnosticStatus.OK
 
 
-def test_a_path_into_an_object_is_stopped_when_it_is_near(bench: Bench):
+def test_a_path_into_an_object_is_stopped_when_it_is_near(bench: CollisionBench):
     home, there = bench.robot.home, turned(bench.robot, 1.2)
     bench.stand(home)
     bench.place(ball(bench.robot, turned(bench.robot, 1.0)))
@@ -170,21 +152,21 @@ def test_a_path_into_an_object_is_stopped_when_it_is_near(bench: Bench):
     assert 'ball' in diagnostic_values(bench.statuses[-1])['ahead']
     assert bench.stops == 0  # still far ahead
     near = danger.time - bench.node._lookahead + 0.1
-    bench.publishers['motion_progress'].publish(Float64(data=near / 10.0))
+    bench.publish('motion_progress', Float64(data=near / 10.0))
     bench.wait(lambda: bench.stops == 1, 'the controller is stopped')
-    bench.wait(lambda: any('stopped the controller' in item.message for item in bench.health), 'health')
-    bench.publishers['motion_progress'].publish(Float64(data=(near + 0.05) / 10.0))
+    bench.until_health(DiagnosticStatus.ERROR, 'stopped the controller')
+    bench.publish('motion_progress', Float64(data=(near + 0.05) / 10.0))
     result = MotionResult('5.000000000', ok=False, message='stopped')
-    bench.publishers['motion_result'].publish(motion_result_message(result, ROBOT))
+    bench.publish('motion_result', motion_result_message(result, ROBOT))
     bench.wait(lambda: not bench.node._motions, 'the motion has ended')
     assert bench.stops == 1  # asked once
 
 
-def test_an_object_that_comes_into_the_path_stops_the_motion(bench: Bench):
+def test_an_object_that_comes_into_the_path_stops_the_motion(bench: CollisionBench):
     home = bench.robot.home
     bench.stand(home)
     bench.move(home, turned(bench.robot, 1.2), 2.0, 5)
-    bench.publishers['motion_progress'].publish(Float64(data=0.3))
+    bench.publish('motion_progress', Float64(data=0.3))
     bench.wait(lambda: bench.node._progress == 0.3, 'progress is known')
     assert bench.stops == 0
     # Behind the robot it does not matter.
@@ -194,7 +176,7 @@ def test_an_object_that_comes_into_the_path_stops_the_motion(bench: Bench):
     bench.wait(lambda: bench.stops == 1, 'the controller is stopped')
 
 
-def test_a_robot_that_leaves_its_path_is_stopped(bench: Bench):
+def test_a_robot_that_leaves_its_path_is_stopped(bench: CollisionBench):
     home = bench.robot.home
     bench.place(ball(bench.robot, turned(bench.robot, 1.0)))
     bench.stand(home)
@@ -204,7 +186,7 @@ def test_a_robot_that_leaves_its_path_is_stopped(bench: Bench):
     bench.wait(lambda: bench.stops == 1, 'the controller is stopped')
 
 
-def test_a_robot_that_is_jogged_is_stopped_while_it_can_brake(bench: Bench):
+def test_a_robot_that_is_jogged_is_stopped_while_it_can_brake(bench: CollisionBench):
     bench.place(ball(bench.robot, turned(bench.robot, 1.0)))
     jogging = np.array([0.3, 0.0, 0.0, 0.0, 0.0, 0.0])
     bench.stand(turned(bench.robot, 0.3), jogging)
@@ -218,32 +200,32 @@ def test_a_robot_that_is_jogged_is_stopped_while_it_can_brake(bench: Bench):
     assert bench.stops == 0  # far away, leaving, or at rest
     bench.stand(near, jogging)
     bench.wait(lambda: bench.stops == 1, 'the controller is stopped')
-    bench.wait(lambda: any('stopped the controller' in item.message for item in bench.health), 'health')
+    bench.until_health(DiagnosticStatus.ERROR, 'stopped the controller')
     bench.health.clear()
     bench.stand(near, -jogging)
     bench.wait(lambda: any(item.level == DiagnosticStatus.OK for item in bench.health), 'all is well again')
 
 
-def test_bad_objects_are_refused_and_change_nothing(bench: Bench):
+def test_bad_objects_are_refused_and_change_nothing(bench: CollisionBench):
     bench.place(ball(bench.robot, bench.robot.home))
     bad = Marker(ns='arrow', type=Marker.ARROW)
     bad.pose.orientation.w = 1.0
-    bench.publishers['collision_objects'].publish(MarkerArray(markers=[bad]))
-    bench.wait(lambda: any("'arrow'" in item.message for item in bench.health), 'a warning')
+    bench.publish('collision_objects', MarkerArray(markers=[bad]))
+    bench.until_health(DiagnosticStatus.WARN, "'arrow'")
     assert [item.name for item in bench.node._detection.scene.objects] == ['ball']
 
 
-def test_bad_feedback_is_told(bench: Bench):
+def test_bad_feedback_is_told(bench: CollisionBench):
     names = list(bench.robot.axes_data.names)
-    bench.publishers['joint_states'].publish(JointState(name=names, position=[math.nan] * len(names)))
-    bench.wait(lambda: any('nan' in item.message for item in bench.health), 'a warning')
+    bench.publish('joint_states', JointState(name=names, position=[math.nan] * len(names)))
+    bench.until_health(DiagnosticStatus.WARN, 'nan')
     assert not bench.statuses
 
 
 def test_the_scene_file_is_read_and_its_mistakes_stop_the_start(ros_nodes: Any, tmp_path: Path):
     path = tmp_path / 'cell.yaml'
     path.write_text('objects:\n  - {name: floor, box: {size: [1, 1, 0.1]}, pose: {position: [3, 0, 0]}}\n')
-    bench = Bench(ros_nodes, scene=str(path), collision_engine='coal')
+    bench = CollisionBench(ros_nodes, scene=str(path), collision_engine='coal')
     assert [item.name for item in bench.node._detection.scene.objects] == ['floor']
     path.write_text('objects:\n  - {name: floor, box: {size: [1, 1]}}\n')
     overrides = [Parameter('robot_model', value=ROBOT), Parameter('scene', value=str(path))]

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
@@ -17,36 +17,28 @@ from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.direct_kinematics_node import DirectKinematicsNode
 from robots_core.ros.messages import doubles, pose_from_message
-from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.qos import STATE
+
+from .bench import Bench
 
 ROBOT = 'kuka_kr210_r2700'
 TOOL = [0.1, 0.0, 0.3, 0.0, 0.7071067811865476, 0.0, 0.7071067811865476]
 
 
-class Bench:
+class KinematicsBench(Bench):
     """A node under test, fed and listened to by another."""
 
     def __init__(self, runner: Any, *, qos: QoSProfile = STATE, **parameters: Any) -> None:
-        self.runner = runner
-        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
-        overrides.append(Parameter('robot_model', value=ROBOT))
-        self.node = runner.add(DirectKinematicsNode(context=runner.context, parameter_overrides=overrides))
+        super().__init__(runner)
+        self.node = self.start_node(DirectKinematicsNode, robot_model=ROBOT, **parameters)
         self.robot = load_robot_model(ROBOT)
-        self.poses: list[PoseStamped] = []
-        self.health: list[DiagnosticStatus] = []
-        tester = runner.create_node()
-        self.clock = tester.get_clock()
-        tester.create_subscription(PoseStamped, 'tcp_pose', self.poses.append, STATE)
-        tester.create_subscription(
-            DiagnosticArray, '/diagnostics', lambda message: self.health.extend(message.status), COMMAND
-        )
-        self.publisher = tester.create_publisher(JointState, 'joint_states', qos)
-        runner.wait_for(lambda: self.publisher.get_subscription_count() == 1, what='the node listens')
+        self.poses = self.collect('tcp_pose', PoseStamped, STATE)
+        self.states = self.publisher('joint_states', JointState, qos)
 
     def send(self, q: np.ndarray, names: tuple[str, ...] | None = None) -> JointState:
         message = JointState(name=list(names or self.robot.axes_data.names), position=doubles(q))
-        message.header.stamp = self.clock.now().to_msg()
-        self.publisher.publish(message)
+        message.header.stamp = self.peer.get_clock().now().to_msg()
+        self.states.publish(message)
         return message
 
     def pose_of(self, sent: JointState) -> Pose:
@@ -55,7 +47,7 @@ class Bench:
         def answer() -> PoseStamped | None:
             return next((pose for pose in self.poses if pose.header.stamp == sent.header.stamp), None)
 
-        found = self.runner.wait_for(answer, what='the pose')
+        found = self.wait(answer, 'the pose')
         assert found.header.frame_id == 'base'
         return pose_from_message(found.pose)
 
@@ -66,19 +58,20 @@ def _assert_same(first: Pose, second: Pose) -> None:
 
 
 def test_pose_of_newest_joint_states_is_published(ros_nodes: Any):
-    bench = Bench(ros_nodes)
+    bench = KinematicsBench(ros_nodes)
     q = bench.robot.home + 0.1
     _assert_same(bench.pose_of(bench.send(q)), Pose(*bench.robot.direct_kinematics(q)))
 
 
 def test_a_driver_that_sends_best_effort_is_heard(ros_nodes: Any):
-    bench = Bench(ros_nodes, qos=qos_profile_sensor_data)
+    bench = KinematicsBench(ros_nodes, qos=qos_profile_sensor_data)
     q = bench.robot.home + 0.1
-    _assert_same(bench.pose_of(bench.send(q)), Pose(*bench.robot.direct_kinematics(q)))
+    bench.wait(lambda: bench.send(q) and bench.poses, 'a pose')  # one of those that arrive
+    _assert_same(pose_from_message(bench.poses[-1].pose), Pose(*bench.robot.direct_kinematics(q)))
 
 
 def test_joints_are_matched_by_name(ros_nodes: Any):
-    bench = Bench(ros_nodes)
+    bench = KinematicsBench(ros_nodes)
     q = bench.robot.home + 0.1
     names = ('gripper', *reversed(bench.robot.axes_data.names))
     sent = bench.send(np.array([0.04, *q[::-1]]), names)
@@ -86,16 +79,15 @@ def test_joints_are_matched_by_name(ros_nodes: Any):
 
 
 def test_tool_is_a_parameter_that_can_change(ros_nodes: Any):
-    bench = Bench(ros_nodes)
-    results = bench.node.set_parameters([Parameter('tool', value=TOOL)])
-    assert results[0].successful
+    bench = KinematicsBench(ros_nodes)
+    bench.set_parameters(bench.node, tool=TOOL)
     expected = DirectKinematics(bench.robot, tool=Pose.from_quaternion(TOOL[:3], TOOL[3:]))
     _assert_same(bench.pose_of(bench.send(bench.robot.home)), expected.forward(bench.robot.home))
 
 
 @pytest.mark.parametrize('bad', [[0.0, 0.0, 0.0], [0.0] * 7, [float('nan'), *TOOL[1:]]])
 def test_tool_that_is_none_is_refused_and_the_old_one_stays(ros_nodes: Any, bad: list[float]):
-    bench = Bench(ros_nodes, tool=TOOL)
+    bench = KinematicsBench(ros_nodes, tool=TOOL)
     (result,) = bench.node.set_parameters([Parameter('tool', value=bad)])
     assert not result.successful
     assert 'tool' in result.reason
@@ -117,26 +109,23 @@ def test_bad_parameter_at_start_ends_the_node(ros_context: Any, name: str, value
 
 
 def test_bad_joint_states_are_reported_and_survived(ros_nodes: Any):
-    bench = Bench(ros_nodes)
+    bench = KinematicsBench(ros_nodes)
     bench.send(np.zeros(2), ('A1', 'A2'))
-    ros_nodes.wait_for(
-        lambda: any('lacks joint A3' in s.message and s.level == DiagnosticStatus.WARN for s in bench.health),
-        what='a warning that names the joint',
-    )
+    bench.until_health(DiagnosticStatus.WARN, 'lacks joint A3')
     assert not bench.poses
     bench.pose_of(bench.send(bench.robot.home))
-    ros_nodes.wait_for(lambda: bench.health[-1].level == DiagnosticStatus.OK, what='well again')
+    bench.wait(lambda: bench.health[-1].level == DiagnosticStatus.OK, 'well again')
 
 
 def test_rate_is_limited(ros_nodes: Any):
     rate = 20.0
-    bench = Bench(ros_nodes, rate=rate)
-    start = bench.clock.now().nanoseconds
+    bench = KinematicsBench(ros_nodes, rate=rate)
+    start = bench.peer.get_clock().now().nanoseconds
     # Some hundred samples; the last one must be answered too, late samples are not lost.
     for offset in np.linspace(0.0, 0.1, 300):
         last = bench.send(bench.robot.home + offset)
         ros_nodes.wait_for(lambda: True)
     bench.pose_of(last)
-    seconds = (bench.clock.now().nanoseconds - start) * 1e-9
+    seconds = (bench.peer.get_clock().now().nanoseconds - start) * 1e-9
     # One tick may lie at each end of the interval.
     assert len(bench.poses) <= seconds * rate + 2

@@ -6,9 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile
+from diagnostic_msgs.msg import DiagnosticStatus
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -19,52 +17,42 @@ from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import doubles, stamp_id
-from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.qos import STATE
+
+from .bench import Bench
 
 NAME = 'kuka_kr210_r2700'
 ROBOT = load_robot_model(NAME)
 NAMES = list(ROBOT.axes_data.names)
 HOME = np.array(ROBOT.home)
-MANY = QoSProfile(depth=1000)
 
 
-class Bench:
+class DriveBench(Bench):
     """A drive node, and somebody in the controller's place."""
 
-    def __init__(self, nodes: Any, **parameters: Any) -> None:
-        self.nodes = nodes
-        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
+    def __init__(self, runner: Any, **parameters: Any) -> None:
+        super().__init__(runner)
+        self.states = self.collect('joint_states', JointState)
         # One process runs the test too, which no thread may push aside.
-        overrides += [Parameter('robot_model', value=NAME), Parameter('realtime_priority', value=0)]
-        node = nodes.create_node()
-        self.states: list[JointState] = []
-        self.health: list[DiagnosticStatus] = []
-        node.create_subscription(JointState, 'joint_states', self.states.append, MANY)
-        node.create_subscription(
-            DiagnosticArray, '/diagnostics', lambda message: self.health.extend(message.status), COMMAND
-        )
-        self.publisher = node.create_publisher(JointTrajectory, 'joint_reference', STATE)
-        self.drive = nodes.add(DriveNode(context=nodes.context, parameter_overrides=overrides))
-        nodes.wait_for(lambda: self.states and self.publisher.get_subscription_count(), what='joint_states')
+        self.drive = self.start_node(DriveNode, robot_model=NAME, realtime_priority=0, **parameters)
+        self.publisher('joint_reference', JointTrajectory, STATE)
+        self.wait(lambda: self.states, 'joint_states')
 
     def refer(self, q: np.ndarray, q_dot: np.ndarray | None = None, names: list[str] | None = None) -> None:
         point = JointTrajectoryPoint(positions=doubles(q))
         if q_dot is not None:
             point.velocities = doubles(q_dot)
-        self.publisher.publish(JointTrajectory(joint_names=names or NAMES, points=[point]))
+        self.publish('joint_reference', JointTrajectory(joint_names=names or NAMES, points=[point]))
 
     def set(self, **values: Any) -> None:
-        results = self.drive.set_parameters([Parameter(name, value=value) for name, value in values.items()])
-        for result in results:
-            if not result.successful:
-                raise InvalidInputError(result.reason)
+        self.set_parameters(self.drive, **values)
 
     def until_at(self, q: np.ndarray, tolerance: float = 1e-6) -> JointState:
         def there() -> bool:
             state = self.states[-1]
             return len(state.name) == q.size and np.abs(np.array(state.position) - q).max() <= tolerance
 
-        self.nodes.wait_for(there, what=f'the robot at {q}')
+        self.wait(there, f'the robot at {q}')
         return self.states[-1]
 
     def next_states(self, count: int) -> list[JointState]:
@@ -75,13 +63,13 @@ class Bench:
             newer = [state for state in self.states if float(stamp_id(state.header.stamp)) >= now]
             return newer[1 : 1 + count]
 
-        self.nodes.wait_for(lambda: len(sent()) == count, what=f'{count} states')
+        self.wait(lambda: len(sent()) == count, f'{count} states')
         return sent()
 
 
 @pytest.mark.parametrize('level', DRIVE_LEVELS)
 def test_every_level_comes_to_its_reference(ros_nodes: Any, level: str):
-    bench = Bench(ros_nodes, level=level)
+    bench = DriveBench(ros_nodes, level=level)
     target = HOME + 0.01
     bench.refer(target[::-1], names=NAMES[::-1])
     state = bench.until_at(target)
@@ -96,7 +84,7 @@ def test_every_level_comes_to_its_reference(ros_nodes: Any, level: str):
 
 
 def test_the_payload_is_felt(ros_nodes: Any):
-    bench = Bench(ros_nodes, level='rigid_body', payload=[100.0, 0.0, 0.0, 0.3])
+    bench = DriveBench(ros_nodes, level='rigid_body', payload=[100.0, 0.0, 0.0, 0.3])
     load = Payload(100.0, np.array([0.0, 0.0, 0.3]))
     expected = NumericalDynamics(ROBOT, payload=load).bias_torques(HOME, np.zeros(6))
     np.testing.assert_allclose(bench.states[-1].effort, expected, rtol=1e-6, atol=1e-6)
@@ -104,7 +92,7 @@ def test_the_payload_is_felt(ros_nodes: Any):
 
 
 def test_a_late_reference_is_extrapolated_for_a_while_and_then_held(ros_nodes: Any):
-    bench = Bench(ros_nodes, level='ideal')
+    bench = DriveBench(ros_nodes, level='ideal')
     speed = np.full(6, 0.1)
     bench.refer(HOME, speed)
     # Five periods of 4 ms at 0.1 rad/s.
@@ -115,7 +103,7 @@ def test_a_late_reference_is_extrapolated_for_a_while_and_then_held(ros_nodes: A
 
 
 def test_a_stopped_drive_stays_where_it_is(ros_nodes: Any):
-    bench = Bench(ros_nodes, level='ideal')
+    bench = DriveBench(ros_nodes, level='ideal')
     bench.set(fault_stopped=[NAMES[2]])
     bench.next_states(2)
     bench.refer(HOME + 0.1)
@@ -127,7 +115,7 @@ def test_a_stopped_drive_stays_where_it_is(ros_nodes: Any):
 
 
 def test_a_frozen_encoder_reports_what_it_saw_last(ros_nodes: Any):
-    bench = Bench(ros_nodes, level='ideal')
+    bench = DriveBench(ros_nodes, level='ideal')
     bench.set(fault_frozen=[NAMES[0], NAMES[4]])
     bench.next_states(2)
     bench.refer(HOME + 0.1)
@@ -137,7 +125,7 @@ def test_a_frozen_encoder_reports_what_it_saw_last(ros_nodes: Any):
 
 
 def test_a_lost_joint_is_missing_in_joint_states(ros_nodes: Any):
-    bench = Bench(ros_nodes, level='rigid_body')
+    bench = DriveBench(ros_nodes, level='rigid_body')
     bench.set(fault_lost=[NAMES[1]])
     for state in bench.next_states(3):
         assert list(state.name) == NAMES[:1] + NAMES[2:]
@@ -147,7 +135,7 @@ def test_a_lost_joint_is_missing_in_joint_states(ros_nodes: Any):
 
 
 def test_noise_is_reported(ros_nodes: Any):
-    bench = Bench(ros_nodes, level='ideal')
+    bench = DriveBench(ros_nodes, level='ideal')
     bench.set(fault_noise=0.01)
     spread = np.std([np.array(state.position) - HOME for state in bench.next_states(100)])
     assert spread == pytest.approx(0.01, rel=0.2)  # 600 samples: 3 % of standard deviation
@@ -162,7 +150,7 @@ def test_noise_is_reported(ros_nodes: Any):
     ],
 )
 def test_bad_faults_are_refused(ros_nodes: Any, values: dict[str, Any], reason: str):
-    bench = Bench(ros_nodes)
+    bench = DriveBench(ros_nodes)
     with pytest.raises(InvalidInputError, match=reason):
         bench.set(**values)
 
@@ -177,16 +165,14 @@ def test_bad_faults_are_refused(ros_nodes: Any, values: dict[str, Any], reason: 
 )
 def test_bad_parameters_end_the_start(ros_nodes: Any, parameters: dict[str, Any], reason: str):
     with pytest.raises(InvalidInputError, match=reason):
-        Bench(ros_nodes, **parameters)
+        DriveBench(ros_nodes, **parameters)
 
 
 @pytest.mark.parametrize('bad', [np.append(HOME[:5], np.nan), HOME + 100.0, HOME[:5]])
 def test_a_bad_reference_is_refused_and_the_drives_stay(ros_nodes: Any, bad: np.ndarray):
-    bench = Bench(ros_nodes, level='ideal')
+    bench = DriveBench(ros_nodes, level='ideal')
     bench.refer(bad)
-    ros_nodes.wait_for(
-        lambda: any('joint_reference' in status.message for status in bench.health), what='a warning'
-    )
+    bench.until_health(DiagnosticStatus.WARN, 'joint_reference')
     np.testing.assert_array_equal(bench.next_states(1)[0].position, HOME)
     bench.refer(HOME + 0.01)
     bench.until_at(HOME + 0.01)

@@ -6,10 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import Transform, Twist, Vector3, WrenchStamped
-from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, Header
 from trajectory_msgs.msg import (
@@ -27,7 +25,9 @@ from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.dynamics_node import DynamicsNode
 from robots_core.ros.messages import doubles
-from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.qos import STATE
+
+from .bench import Bench
 
 NAME = 'kuka_kr210_r2700'
 ROBOT = load_robot_model(NAME)
@@ -36,21 +36,13 @@ Q = np.array(ROBOT.home) + 0.1
 SPEED = np.array([0.1, -0.2, 0.3, 0.4, -0.5, 0.6])
 PUSH = np.array([0.5, 0.4, -0.3, 0.2, 0.1, 0.6])
 STILL = np.zeros(6)
-MANY = QoSProfile(depth=100)
 
 
-class Bench:
+class DynamicsBench(Bench):
     """The node under test, fed and listened to by another."""
 
-    def __init__(self, nodes: Any, **parameters: Any) -> None:
-        self.nodes = nodes
-        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
-        overrides += [Parameter('rate', value=200.0)]
-        if 'robot_model' not in parameters:
-            overrides.append(Parameter('robot_model', value=NAME))
-        tester = nodes.create_node()
-        self.clock = tester.get_clock()
-        self.heard: dict[str, list[Any]] = {}
+    def __init__(self, runner: Any, **parameters: Any) -> None:
+        super().__init__(runner)
         for topic, kind in (
             ('joint_torques', JointState),
             ('bias_torques', JointState),
@@ -58,19 +50,8 @@ class Bench:
             ('tcp_wrench', WrenchStamped),
             ('base_wrench', WrenchStamped),
         ):
-            tester.create_subscription(kind, topic, self.heard.setdefault(topic, []).append, MANY)
-        self.health: list[DiagnosticStatus] = []
-        tester.create_subscription(
-            DiagnosticArray, '/diagnostics', lambda message: self.health.extend(message.status), COMMAND
-        )
-        self.states = tester.create_publisher(JointState, 'joint_states', STATE)
-        self.references = tester.create_publisher(JointTrajectory, 'joint_reference', STATE)
-        self.base = tester.create_publisher(MultiDOFJointTrajectory, 'base_motion', STATE)
-        self.node = nodes.add(DynamicsNode(context=nodes.context, parameter_overrides=overrides))
-        nodes.wait_for(
-            lambda: self.states.get_subscription_count() + self.references.get_subscription_count() == 1,
-            what='the node listens',
-        )
+            self.collect(topic, kind)
+        self.node = self.start_node(DynamicsNode, **{'robot_model': NAME, 'rate': 200.0, **parameters})
 
     def send(
         self, q: np.ndarray, q_dot: np.ndarray = STILL, tau: np.ndarray | None = None, at: float = 0.0
@@ -80,7 +61,7 @@ class Bench:
         if tau is not None:
             state.effort = doubles(tau[::-1])
         state.header.stamp.sec, state.header.stamp.nanosec = 100 + int(at), round(1e9 * (at % 1.0))
-        self.states.publish(state)
+        self.publish('joint_states', state, STATE)
         return state.header.stamp
 
     def move_base(self, base: BaseMotion) -> None:
@@ -92,17 +73,11 @@ class Bench:
         )
         o = point.transforms[0].rotation
         o.x, o.y, o.z, o.w = Pose(np.zeros(3), base.T).quaternion().tolist()
-        self.base.publish(MultiDOFJointTrajectory(joint_names=['base'], points=[point]))
+        self.publish('base_motion', MultiDOFJointTrajectory(joint_names=['base'], points=[point]), STATE)
 
     def answer(self, topic: str, stamp: Any) -> Any:
-        return self.nodes.wait_for(
-            lambda: next((m for m in self.heard[topic] if m.header.stamp == stamp), None), what=topic
-        )
-
-    def until_health(self, level: bytes, text: str) -> DiagnosticStatus:
-        return self.nodes.wait_for(
-            lambda: next((s for s in self.health if s.level == level and text in s.message), None),
-            what=f'health {text!r}',
+        return self.wait(
+            lambda: next((m for m in self.collected(topic) if m.header.stamp == stamp), None), topic
         )
 
 
@@ -126,25 +101,25 @@ def close(mine: Any, expected: np.ndarray) -> None:
 
 
 def test_torques_and_mass_matrix_of_joint_states(ros_nodes: Any):
-    bench = Bench(ros_nodes)
+    bench = DynamicsBench(ros_nodes)
     stamp = bench.send(Q, SPEED)
     tau, M, tau_aux = NumericalDynamics(ROBOT).rigid_dynamics(Q, SPEED, STILL)
     message = bench.answer('joint_torques', stamp)
     assert list(message.name) == NAMES
     close(message.effort, tau)
     close(bench.answer('bias_torques', stamp).effort, tau_aux)
-    (matrix,) = ros_nodes.wait_for(lambda: bench.heard['mass_matrix'], what='mass_matrix')
+    (matrix,) = bench.wait(lambda: bench.collected('mass_matrix'), 'mass_matrix')
     rows, columns = matrix.layout.dim
     assert (rows.label, rows.size, rows.stride) == ('torque', 6, 36)
     assert (columns.label, columns.size, columns.stride) == ('acceleration', 6, 6)
     close(np.reshape(matrix.data, (rows.size, columns.size)), M)
     pushed = -NumericalDynamics(ROBOT).base_wrench(Q, SPEED, STILL)
     close(wrench_of(bench.answer('base_wrench', stamp)), pushed)
-    assert not bench.heard['tcp_wrench']
+    assert not bench.collected('tcp_wrench')
 
 
 def test_accelerations_are_told_from_velocities(ros_nodes: Any):
-    bench = Bench(ros_nodes, filter_time=0.0)
+    bench = DynamicsBench(ros_nodes, filter_time=0.0)
     bench.answer('joint_torques', bench.send(Q, SPEED, at=0.0))
     stamp = bench.send(Q, SPEED + 0.01 * PUSH, at=0.01)
     expected = NumericalDynamics(ROBOT).torques(Q, SPEED + 0.01 * PUSH, PUSH)
@@ -153,32 +128,30 @@ def test_accelerations_are_told_from_velocities(ros_nodes: Any):
 
 
 def test_references_bring_their_accelerations(ros_nodes: Any):
-    bench = Bench(ros_nodes, source='joint_reference')
+    bench = DynamicsBench(ros_nodes, source='joint_reference')
     point = JointTrajectoryPoint(positions=doubles(Q), velocities=doubles(SPEED), accelerations=doubles(PUSH))
     message = JointTrajectory(joint_names=NAMES, points=[point])
     message.header.stamp.sec = 7
-    bench.references.publish(message)
+    bench.publish('joint_reference', message, STATE)
     expected = NumericalDynamics(ROBOT).torques(Q, SPEED, PUSH)
     close(bench.answer('joint_torques', message.header.stamp).effort, expected)
 
 
 def test_payload_and_base_are_parameters(ros_nodes: Any):
-    bench = Bench(ros_nodes, payload=[50.0, 0.1, 0.0, 0.2])
+    bench = DynamicsBench(ros_nodes, payload=[50.0, 0.1, 0.0, 0.2])
     base = BaseMotion.ceiling()
-    results = bench.node.set_parameters(
-        [
-            Parameter('payload', value=[80.0, 0.0, 0.0, 0.2, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0]),
-            Parameter('base_orientation', value=[1.0, 0.0, 0.0, 0.0]),
-        ]
+    bench.set_parameters(
+        bench.node,
+        payload=[80.0, 0.0, 0.0, 0.2, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0],
+        base_orientation=[1.0, 0.0, 0.0, 0.0],
     )
-    assert all(result.successful for result in results), results
     load = Payload(80.0, np.array([0.0, 0.0, 0.2]), np.eye(3))
     expected = NumericalDynamics(ROBOT, payload=load, base=base).torques(Q, SPEED, STILL)
     close(bench.answer('joint_torques', bench.send(Q, SPEED)).effort, expected)
 
 
 def test_a_moving_base_comes_on_a_topic(ros_nodes: Any):
-    bench = Bench(ros_nodes)
+    bench = DynamicsBench(ros_nodes)
     base = BaseMotion(BaseMotion.wall().T, [0.5, 1.0, -2.0], [0.3, -0.2, 0.4], [1.0, 2.0, -1.5])
     dynamics = NumericalDynamics(ROBOT, base=base)
     torques, wrench = dynamics.torques(Q, SPEED, STILL), dynamics.base_wrench(Q, SPEED, STILL)
@@ -195,7 +168,7 @@ def test_a_moving_base_comes_on_a_topic(ros_nodes: Any):
 
 
 def test_the_arm_pushes_a_base_that_nothing_holds(ros_nodes: Any):
-    bench = Bench(ros_nodes, robot_model='debris_arm?gravity=0,0,0', free_floating=True)
+    bench = DynamicsBench(ros_nodes, robot_model='debris_arm?gravity=0,0,0', free_floating=True)
     robot = load_robot_model('debris_arm?gravity=0,0,0')
     q, q_dot, still = np.array(robot.home), np.array([0.2, -0.1, 0.3]), np.zeros(3)
     stamp = bench.send(q, q_dot)
@@ -216,13 +189,13 @@ def test_the_arm_pushes_a_base_that_nothing_holds(ros_nodes: Any):
     ],
 )
 def test_bad_motions_of_the_base_are_named(ros_nodes: Any, change: dict[str, Any], reason: str):
-    bench = Bench(ros_nodes)
-    bench.base.publish(MultiDOFJointTrajectory(**change))
+    bench = DynamicsBench(ros_nodes)
+    bench.publish('base_motion', MultiDOFJointTrajectory(**change), STATE)
     bench.until_health(DiagnosticStatus.WARN, reason)
 
 
 def test_the_wrench_at_the_tool_is_told_from_the_drives(ros_nodes: Any):
-    bench = Bench(ros_nodes)
+    bench = DynamicsBench(ros_nodes)
     wrench = np.array([100.0, -50.0, 200.0, 10.0, 5.0, -20.0])
     tau = NumericalDynamics(ROBOT).bias_torques(Q, STILL) - ROBOT.jacobian(Q).T @ wrench
     stamp = bench.send(Q, STILL, tau)
@@ -230,7 +203,7 @@ def test_the_wrench_at_the_tool_is_told_from_the_drives(ros_nodes: Any):
 
 
 def test_a_torque_past_its_limit_is_told_and_so_is_its_end(ros_nodes: Any):
-    bench = Bench(ros_nodes)
+    bench = DynamicsBench(ros_nodes)
     tau = np.zeros(6)
     tau[3] = 1.5 * ROBOT.axes_data.effort[3]
     bench.send(Q, STILL, tau)
@@ -252,10 +225,10 @@ def test_a_torque_past_its_limit_is_told_and_so_is_its_end(ros_nodes: Any):
     ],
 )
 def test_bad_joint_states_are_named(ros_nodes: Any, change: dict[str, Any], reason: str):
-    bench = Bench(ros_nodes)
-    bench.states.publish(JointState(**({'name': NAMES, 'position': [0.0] * 6} | change)))
+    bench = DynamicsBench(ros_nodes)
+    bench.publish('joint_states', JointState(**({'name': NAMES, 'position': [0.0] * 6} | change)), STATE)
     bench.until_health(DiagnosticStatus.WARN, reason)
-    assert not bench.heard['joint_torques']
+    assert not bench.collected('joint_torques')
     close(
         bench.answer('joint_torques', bench.send(Q)).effort, NumericalDynamics(ROBOT).torques(Q, STILL, STILL)
     )
@@ -271,4 +244,4 @@ def test_bad_joint_states_are_named(ros_nodes: Any, change: dict[str, Any], reas
 )
 def test_bad_parameters_end_the_start(ros_nodes: Any, parameters: dict[str, Any], reason: str):
     with pytest.raises(InvalidInputError, match=reason):
-        Bench(ros_nodes, **parameters)
+        DynamicsBench(ros_nodes, **parameters)

@@ -27,6 +27,7 @@ NAME = 'kuka_kr500_r2830'
 ROBOT = load_robot_model(NAME)
 START = np.array([0.0, -1.3, 1.8, 0.0, 0.9, 0.0])
 POSE = Pose(*ROBOT.direct_kinematics(START))
+PATIENT = 20.0  # s, with drives that a busy machine delays
 SEND_PERIOD = 0.02  # s
 STANDING = 50  # references without velocity
 
@@ -39,7 +40,7 @@ class GuidedRobot(Bench):
         self.references = self.collect('joint_reference', JointTrajectory, read=lambda m: m.points[0])
         self.stream = self.collect('joint_trajectory', JointTrajectory)
         self.start_node(DriveNode, robot_model=NAME, initial_position=START.tolist())
-        self.start_node(ControllerNode, robot_model=NAME)
+        self.start_node(ControllerNode, robot_model=NAME, feedback_timeout=PATIENT)
         self.ik = self.start_node(InverseKinematicsNode, robot_model=NAME, method=method)
         self.poses = self.publisher('reference_pose', PoseStamped)
         self.twists = self.publisher('reference_twist', TwistStamped)

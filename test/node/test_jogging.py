@@ -41,8 +41,10 @@ class JoggedRobot(Bench):
         self.points = self.collect('joint_trajectory', JointTrajectory, read=lambda m: m.points[0])
         self.results = self.collect('motion_result', DiagnosticStatus, COMMAND, motion_result_from_message)
         self.start_node(DriveNode, robot_model=NAME)
-        # The test's own threads may hold up the stream of a planner that shares their interpreter.
-        self.start_node(ControllerNode, robot_model=NAME, realtime_priority=0, stream_timeout=0.5)
+        # The test's own threads may hold up drives and planner, which share their interpreter.
+        self.start_node(
+            ControllerNode, robot_model=NAME, realtime_priority=0, feedback_timeout=20.0, stream_timeout=0.5
+        )
         # Within one participant, the middleware does not assert the planner's liveliness.
         self.start_node(PlanningNode, runner=planner_runner, robot_model=NAME)
         self._timer: Any = None

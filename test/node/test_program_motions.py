@@ -25,6 +25,7 @@ from robots_planning.nodes.planning_node import PlanningNode
 from .bench import EVERY_STATE, Bench
 
 ROBOT = 'kuka_kr210_r2700'
+PATIENT = 20.0  # s, with drives that a busy machine delays
 MOVE = 'ptpJointSpaceAngles(20, -80, 80, 0, 60, 0)\n'
 TARGET = [20, -80, 80, 0, 60, 0]
 # The motion takes minutes until an input lets it go fast: no machine comes too late for what happens on it.
@@ -43,8 +44,8 @@ class Cell(Bench):
         self.outputs = self.collect(
             'digital_outputs', UInt8MultiArray, EVERY_STATE, lambda message: list(message.data)
         )
-        for kind in (DriveNode, ControllerNode):
-            self.start_node(kind, robot_model=ROBOT)
+        self.start_node(DriveNode, robot_model=ROBOT)
+        self.start_node(ControllerNode, robot_model=ROBOT, feedback_timeout=PATIENT)
         self.program = self.start_node(LuaProgramNode, robot_model=ROBOT)
         # Signs of life do not come from a planner that shares its middleware with the controller.
         planner = self.start_node(PlanningNode, runner=planner_runner, robot_model=ROBOT)
