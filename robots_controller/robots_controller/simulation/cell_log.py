@@ -10,7 +10,6 @@ from robots_controller.io.io_image import Channel, IoImage
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_state import RunState
 from robots_controller.simulation import ros_messages as ros
-from robots_controller.simulation.collision_watch import Clearness
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.events import (
     CommandStateChanged,
@@ -26,6 +25,7 @@ from robots_controller.simulation.motion_records import MotionRecords
 from robots_controller.simulation.recording import Recording
 from robots_controller.simulation.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
+from robots_core.blocks.collision.collision_guard import CollisionStatus
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_planning.motion_settings import MotionSettings, settings_as_text
@@ -254,11 +254,11 @@ class CellLog:
         if self._bag is not None:
             self._bag.progress(self._clock.nanoseconds, progress)
 
-    def clearness(self, seen: Clearness) -> None:
+    def collision_status(self, seen: CollisionStatus) -> None:
         """Write how close the robot is to something."""
         if self._bag is not None:
-            level = ros.ERROR if seen.near else ros.OK
-            status = ros.diagnostic_status('collision', seen.words, self._robot, level, seen.values)
+            level = {'ok': ros.OK, 'warning': ros.WARN, 'error': ros.ERROR}[seen.level]
+            status = ros.diagnostic_status('collision', seen.text, self._robot, level, seen.values)
             self._write(
                 'min_distance', 'std_msgs/msg/Float64', ros.message('std_msgs/msg/Float64', seen.distance)
             )

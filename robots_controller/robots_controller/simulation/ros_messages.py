@@ -16,7 +16,7 @@ from robots_planning.trajectory import Trajectory
 
 NANOSECONDS: Final = 1_000_000_000
 BASE_FRAME: Final = 'base'
-OK, ERROR = 0, 2  # levels of diagnostic_msgs/DiagnosticStatus
+OK, WARN, ERROR = 0, 1, 2  # levels of diagnostic_msgs/DiagnosticStatus
 STRING_ARRAY: Final = 9  # type of rcl_interfaces/ParameterValue
 INFO: Final = 20  # level of rcl_interfaces/Log
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from robots_controller.cell.program_host import ProgramHost
-from robots_controller.control.control_loop import STOPPED, ControllerRequest, ControlLoop
+from robots_controller.control.control_loop import ControllerRequest, ControlLoop
 from robots_controller.control.controller import ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles
 from robots_controller.io.io_image import image_sizes
@@ -17,7 +17,6 @@ from robots_controller.io.plc_cycle import PlcCycle
 from robots_controller.program.turn_clock import NANOSECONDS
 from robots_controller.simulation.cell_log import CellLog
 from robots_controller.simulation.cell_parts import CellParts
-from robots_controller.simulation.collision_watch import WATCH_RATE, CollisionWatch
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.deadlock_detection import DeadlockDetection
 from robots_controller.simulation.in_process_planner import InProcessPlanner, Mail
@@ -27,10 +26,13 @@ from robots_controller.simulation.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_controller.simulation.simulated_guide import SimulatedGuide
 from robots_controller.simulation.simulation_run import SimulationRun
+from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGuard
+from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.validation import Array, read_only
 from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.trajectory import Trajectory
 
 WATCH_PERIOD = 0.1  # s between looks at motions that nothing would end
 
@@ -107,7 +109,7 @@ class SimulatedCell:
             io_labels=parts.io_labels,
         )
         link.on_result = self._motion_ended
-        link.on_planned = lambda id_, trajectory: self._host.switching.planned(id_, lambda: trajectory)
+        link.on_planned = self._motion_planned
         self._program = self._host.program
         self._plc = PlcCycle(parts.plc_script, self.clock.now())
         self._plc_images = image_sizes(self._plc.inputs)
@@ -120,10 +122,10 @@ class SimulatedCell:
             on_message=self._log.guided,
             on_point=self._log.streamed,
         )
-        self._watch = None
+        self._guard = None
         if parts.scene and parts.planning.collision is not None:
-            self._watch = CollisionWatch(parts.planning.collision, axes)
-        self._look_every = cycles(1.0 / period, WATCH_RATE)
+            self._guard = CollisionGuard(parts.planning.collision, self._stop_before_collision)
+        self._look_every = cycles(1.0 / period, LOOK_RATE)
         self._watch_every = cycles(1.0 / period, 1.0 / WATCH_PERIOD)
         self._cycle = -1
         self._progress = 1.0
@@ -280,8 +282,8 @@ class SimulatedCell:
         self._recording.add(self.clock.nanoseconds, reference, q, q_dot, self._drives.torque)
         if self._bag is not None:
             self._bag.write_samples_in_time()
-        if self._watch is not None and cycle % self._look_every == 0:
-            self._look_around(self._watch, q, q_dot)
+        if self._guard is not None and cycle % self._look_every == 0:
+            self._log.collision_status(self._guard.look(q, q_dot))
         cost.switch('other')
         self._deliver()
         self._step_plc(now)
@@ -301,17 +303,25 @@ class SimulatedCell:
                 self._log.input(channel, change.value, self._plc_images[channel.image])
                 self._changed = True
 
-    def _look_around(self, watch: CollisionWatch, q: Array, q_dot: Array) -> None:
-        if self._bag is not None:
-            self._log.clearness(watch.look(q))
-        if self._controller.state is ControllerState.STREAMING and watch.ahead(q, q_dot):
-            self._control.stop(STOPPED)
+    def _stop_before_collision(self, reason: str) -> bool:  # noqa: ARG002  # as ~/stop, which takes none
+        self._control.request('stop')
+        return True
 
     def _note_start(self) -> None:
         if self._planner.motions:
             self._records.started(self._planner.motions[0].id, self.clock.elapsed)
 
+    def _motion_planned(self, id_: str, trajectory: Trajectory) -> None:
+        self._host.switching.planned(id_, lambda: trajectory)
+        if self._guard is not None:
+            path = JointPath(
+                trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration
+            )
+            self._guard.planned(id_, path)
+
     def _motion_ended(self, result: MotionResult) -> None:
+        if self._guard is not None:
+            self._guard.ended(result.id)
         self._records.ended(result, self.clock.elapsed)
         self._host.motions.result(result)
         self._changed = True
@@ -375,6 +385,8 @@ class SimulatedCell:
             self._log.progress(progress)
         now = self.clock.now()
         self._mail.append(lambda: self._host.switching.progress(now, progress))
+        if self._guard is not None:
+            self._guard.progress(progress)
 
     def stream_refused(self, error: RobotsError, now: float) -> None:
         """See `ControlPort`; those who were stopped go on sending, as in a live cell."""
