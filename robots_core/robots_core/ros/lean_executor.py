@@ -20,7 +20,7 @@ class LeanExecutor(Executor):
     """Calls callbacks in the thread that spins; they are plain functions, those of waitables are coroutines.
 
     rclpy's `SingleThreadedExecutor` looks through all entities of its nodes and builds a wait set in every
-    round. This one does so when entities were created or destroyed; one that was destroyed is kept until then.
+    round. This one does so when entities were created or destroyed; a destroyed one is kept until then.
 
     `shutdown` is called by the thread that spins, or after it has ended.
     """
@@ -110,7 +110,7 @@ class LeanExecutor(Executor):
         """Hold all entities, in a wait set of their number."""
         self._held.close()
         found: dict[str, list[Any]] = {kind: [] for kind in _KINDS}
-        waitables = []
+        waitables: list[Any] = []
         for node in self.get_nodes():
             found['timer'] += node.timers
             found['subscription'] += node.subscriptions

@@ -15,8 +15,8 @@ ROSTER: Final = '/lockstep/roster'
 TIME: Final = '/lockstep/time'
 """std_msgs/Int64MultiArray: sequence, time (ns), messages sent so far on each polled topic.
 
-For those whose turn it is not; sent when time has advanced, and from `OBSERVE` on in each turn: nothing that is
-polled out of turn comes from the drives' phase before that."""
+For those whose turn it is not. It is sent when time has advanced, and in each turn from `OBSERVE` on: before,
+there is nothing to poll that is newer."""
 REPORT: Final = '/lockstep/report'
 """std_msgs/Int64MultiArray: participant, sequence answered, busy, next due time (ns) per phase, then pairs of
 an endpoint and its new count."""
