@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 from robots_core.ros.qos import COMMAND
+from robots_core.ros.timed_node import TimedNode
 from robots_planning.nodes.command_inbox import CommandInbox
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ SENT_ON = ('second', 'first', 'third', 'first', 'first', 'second')
 
 
 def test_commands_that_wait_on_several_topics_are_taken_as_they_were_sent(ros_context: Context) -> None:
-    node, sender = Node('taker', context=ros_context), Node('sender', context=ros_context)
+    node, sender = TimedNode('taker', context=ros_context), TimedNode('sender', context=ros_context)
     inbox = CommandInbox(node)
     arrived: list[int] = []
     taken: list[int] = []

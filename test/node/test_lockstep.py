@@ -189,7 +189,7 @@ def test_time_stands_still_while_messages_and_services_are_under_way(ros_nodes: 
 
 def test_a_participant_that_was_killed_is_named(ros_nodes: Any) -> None:
     errors: list[LockstepError] = []
-    run = coordinator(ros_nodes, *NODES, on_error=errors.append, patience=1.0)
+    run = coordinator(ros_nodes, *NODES, on_error=errors.append, patience=8.0)
     with processes() as (_, drives):
         ros_nodes.wait_for(lambda: run.started and run.instants > 10, PATIENCE, 'a run')
         drives.kill()
