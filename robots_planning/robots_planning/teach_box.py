@@ -25,7 +25,20 @@ JOG_AXES: tuple[JogAxes, ...] = ('base', 'tool', 'world')
 JOG_FRAMES: Mapping[str, JogAxes] = MappingProxyType(
     {'': 'base', 'base': 'base', 'tool': 'tool', 'tool0': 'tool', 'world': 'world'}
 )
-"""Axes to jog a tool in, by the frame of a jog message."""
+
+
+def jog_axes(frame: str) -> JogAxes:
+    """Axes to jog a tool in, by the frame of a jog message.
+
+    Raises:
+        InvalidInputError: an unknown frame.
+    """
+    if frame not in JOG_FRAMES:
+        raise InvalidInputError(
+            f'frame {frame!r} is unknown; tools are jogged in {", ".join(filter(None, JOG_FRAMES))}'
+        )
+    return JOG_FRAMES[frame]
+
 
 # Of the tool's speed limits: the rest is for how a Jacobian changes in a period, and for returning.
 SPEED_RESERVE = 0.1

@@ -15,7 +15,7 @@ from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector
 from robots_planning.robot_command_state import RobotCommandState
-from robots_planning.teach_box import JOG_FRAMES, JogAxes
+from robots_planning.teach_box import JogAxes, jog_axes
 
 NANOSECONDS: Final = 1_000_000_000
 GUIDES: Final[Mapping[RobotCommandState, tuple[str, ...]]] = {
@@ -132,7 +132,7 @@ def _value(topic: str, message: Any, joints: Sequence[str]) -> tuple[Pose | Arra
             return _velocities(message, joints), 'base'
     v, w = message.twist.linear, message.twist.angular
     twist = finite_vector([v.x, v.y, v.z, w.x, w.y, w.z], 6, 'twist')
-    return twist, _frame(message.header.frame_id) if topic == '/teach_twist' else 'base'
+    return twist, jog_axes(message.header.frame_id) if topic == '/teach_twist' else 'base'
 
 
 def _velocities(message: Any, joints: Sequence[str]) -> Array:
@@ -144,11 +144,3 @@ def _velocities(message: Any, joints: Sequence[str]) -> Array:
         )
     columns = [list(message.name).index(name) for name in joints]
     return finite_vector(np.asarray(message.velocity)[columns], len(joints), 'velocity')
-
-
-def _frame(frame: str) -> JogAxes:
-    if frame not in JOG_FRAMES:
-        raise InvalidInputError(
-            f'frame {frame!r} is unknown; tools are jogged in {", ".join(filter(None, JOG_FRAMES))}'
-        )
-    return JOG_FRAMES[frame]

@@ -118,6 +118,7 @@ class SimulatedCell:
             parts.references,
             robot,
             self._control,
+            self._planner,
             method=parts.guided,
             on_message=self._log.guided,
             on_point=self._log.streamed,
@@ -399,7 +400,7 @@ class SimulatedCell:
 
     def guide(self, state: RobotCommandState) -> None:
         """See `RobotPort`."""
-        self._guide.hand_over(state, self.clock.stamp, self._planner.settings.tool_pose)
+        self._guide.hand_over(state, self.clock.stamp)
 
     def request(self, request: ControllerRequest) -> None:
         """See `ControllerPort`."""

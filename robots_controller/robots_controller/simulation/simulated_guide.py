@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
-from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final
 
@@ -19,127 +19,27 @@ from robots_controller.simulation.guide_recording import (
     GuideRecording,
     GuidingMessage,
 )
-from robots_core.blocks.following.following_methods import LARGEST_DEVIATION, RATE
-from robots_core.errors import PlanningError
+from robots_core.blocks.following.following_methods import RATE
+from robots_core.blocks.following.realtime_movement import RealtimeStep
+from robots_core.blocks.following.sensor_guidance import SensorGuidance
+from robots_core.errors import PlanningError, RobotsError
+from robots_core.periodic_schedule import PeriodicSchedule
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.realtime_movement import MovementState, RealtimeMovement
+from robots_planning.jogging import Jogging
+from robots_planning.motion_planner import MotionPlanner
 from robots_planning.robot_command_state import RobotCommandState
-from robots_planning.teach_box import JOG_DEVIATION, JOG_RATE, TeachBox
+from robots_planning.teach_box import JOG_RATE, TeachStep
 
-ROUNDING: Final = 1e-9  # s
+SENSOR_PERIOD: Final = round(NANOSECONDS / RATE)  # ns
+JOG_PERIOD: Final = round(NANOSECONDS / JOG_RATE)  # ns
 NOBODY: Final[Mapping[RobotCommandState, str]] = MappingProxyType(
     {
         RobotCommandState.TRAJECTORY: 'a simulation has no sensor; --references names a recording of one',
         RobotCommandState.TEACH: 'a simulation has nobody who jogs; --references names a recording of one',
     }
 )
-
-
-class _Follower(ABC):
-    """Makes joint references of what guides the robot.
-
-    Args:
-        rate: References per second, Hz.
-    """
-
-    def __init__(self, rate: float) -> None:
-        self.period = 1.0 / rate
-        self.wanted = False
-        self.streaming = False
-        self._next = 0.0  # s, when the next step of a stream is due
-
-    @abstractmethod
-    def put(self, message: GuidingMessage, valid: float, reference: Array) -> None:
-        """Take a message that was valid at a time, s."""
-
-    @abstractmethod
-    def step(self, now: float, reference: Array) -> Array | None:
-        """The next reference (3, n), or None for a robot that nobody moves."""
-
-    def states(self, now: float, reference: Array) -> Iterator[tuple[Array, float]]:
-        """The references (3, n) that are made until now, and when each is due, s."""
-        due = self._next if self.streaming else now
-        while (self.wanted or self.streaming) and due <= now + ROUNDING:
-            state = self.step(due, reference)
-            due += self.period
-            if state is not None:
-                yield state, due
-        self._next = due
-
-    def let_go(self) -> None:
-        """The robot is taken back: it shall stop."""
-        self.wanted = False
-
-
-class _SensorFollower(_Follower):
-    """As inverse_kinematics_node."""
-
-    def __init__(self, robot: BaseRobotModel, method: str) -> None:
-        super().__init__(RATE)
-        self._movement = RealtimeMovement(robot, self.period, robot.home, method=method)
-        self._q = robot.home
-
-    def put(self, message: GuidingMessage, valid: float, reference: Array) -> None:  # noqa: ARG002
-        if not self.wanted:
-            return
-        if isinstance(message.value, Pose):
-            self._movement.put(message.value, valid)
-        else:
-            self._movement.put_twist(message.value, valid)
-
-    def step(self, now: float, reference: Array) -> Array | None:
-        away = np.abs(reference[0] - self._q).max() > LARGEST_DEVIATION
-        if away or not self.streaming:
-            self._movement.place(reference[0], reference[1] if self.streaming else None)
-        step = self._movement.step(now)
-        self._q = step.q
-        self.streaming = step.state is not MovementState.IDLE
-        return np.array([step.q, step.q_dot, step.q_ddot]) if self.streaming else None
-
-    def let_go(self) -> None:
-        super().let_go()
-        self._movement.let_go()
-
-
-class _JogFollower(_Follower):
-    """As planning_node."""
-
-    def __init__(self, robot: BaseRobotModel) -> None:
-        super().__init__(JOG_RATE)
-        self._robot = robot
-        self._box = TeachBox(robot, self.period, robot.home)
-        self._tool = Pose.identity()
-
-    def use_tool(self, tool: Pose) -> None:
-        """Jog this tool centre point, which is a pose in tool0."""
-        if self._tool.distance_to(tool) != (0.0, 0.0):
-            self._tool = tool
-            self._box = TeachBox(self._robot, self.period, self._robot.home, tool=tool)
-
-    def put(self, message: GuidingMessage, valid: float, reference: Array) -> None:
-        command = message.value
-        assert isinstance(command, np.ndarray)
-        if not self.streaming:
-            if not (self.wanted and command.any()):
-                return
-            self._box.place(reference[0])
-            self.streaming = True
-        if message.topic == 'teach_joints':
-            self._box.jog_axes(command, valid)
-        else:
-            self._box.jog_tool(command, valid, message.frame)
-
-    def step(self, now: float, reference: Array) -> Array | None:
-        if not self.streaming:
-            return None
-        if np.abs(reference[0] - self._box.q).max() > JOG_DEVIATION:
-            self.streaming = False  # the controller does not follow: it was stopped
-            return None
-        step = self._box.step(now)
-        self.streaming = step.jogging or not step.standing or bool(step.q_ddot.any())
-        return np.array([step.q, step.q_dot, step.q_ddot])
 
 
 class SimulatedGuide:
@@ -149,6 +49,7 @@ class SimulatedGuide:
         recording: What guides the robot; None for nothing.
         robot: The robot.
         control: Follows the references.
+        planner: Of the robot's motions.
         method: Inverse kinematics that follows poses, one of `METHODS`.
         on_message: A message has come; with its type.
         on_point: A point goes to the controller, and there is this time between two, s; returns its id.
@@ -162,36 +63,47 @@ class SimulatedGuide:
         recording: GuideRecording | None,
         robot: BaseRobotModel,
         control: ControlLoop,
+        planner: MotionPlanner,
         *,
         method: str,
         on_message: Callable[[GuidingMessage, str], None],
         on_point: Callable[[StreamPoint, float], str],
     ) -> None:
-        self._recording, self._control = recording, control
+        self._recording, self._control, self._planner = recording, control, planner
         self._on_message, self._on_point = on_message, on_point
         self._messages = deque(() if recording is None else recording.messages)
         self._start: int | None = None  # ns
+        self._state = RobotCommandState.IDLE
+        self._sensor_times, self._jog_times = PeriodicSchedule(SENSOR_PERIOD), PeriodicSchedule(JOG_PERIOD)
+        self._heard = False  # since the last step of the sensor's stream
         if recording is not None:
-            self._sensor, self._jog = _SensorFollower(robot, method), _JogFollower(robot)
+            self._sensor = SensorGuidance(
+                robot, 1.0 / RATE, reference=self._reference, refused=lambda *_: None, method=method
+            )
+            self._jogging = Jogging(
+                robot,
+                standing=planner.standing,
+                busy=lambda: planner.moving,
+                reference=lambda: control.controller.reference[0],  # type: ignore[index]
+            )
 
     @property
     def next_time(self) -> float:
         """When something happens next, s: now while a stream moves the robot; infinite for never."""
         if self._start is None:
             return math.inf
-        if self._sensor.streaming or self._jog.streaming:
+        if self._heard or self._sensor.streaming or self._jogging.active:
             return 0.0
         if not self._messages:
             return math.inf
         return (self._start + self._messages[0].time) / NANOSECONDS
 
-    def hand_over(self, state: RobotCommandState, nanoseconds: int, tool: Pose) -> None:
+    def hand_over(self, state: RobotCommandState, nanoseconds: int) -> None:
         """The program hands the robot over, or takes it back.
 
         Args:
             state: TRAJECTORY or TEACH; IDLE.
             nanoseconds: On the simulated clock.
-            tool: Pose of the program's tool in tool0, which a person jogs.
 
         Raises:
             RobotsError: nothing is recorded that guides the robot in this state.
@@ -202,34 +114,62 @@ class SimulatedGuide:
             self._recording.check(state)
             if self._start is None:
                 self._start = nanoseconds
-        elif self._recording is None:
-            return
-        if state is RobotCommandState.TRAJECTORY:
-            self._sensor.wanted = True
-        elif state is RobotCommandState.TEACH:
-            self._jog.use_tool(tool)
-            self._jog.wanted = True
-        else:
-            self._sensor.let_go()
-            self._jog.let_go()
+        self._state = state
+        if self._recording is not None:
+            self._sensor.hand_over(handed_over=state is RobotCommandState.TRAJECTORY)
+            self._jogging.use_tool(self._planner.settings.tool_pose)
 
     def step(self, nanoseconds: int) -> None:
         """Take what has come until now and send the controller what to follow; ns on the simulated clock."""
-        reference = self._control.controller.reference
-        if self._start is None or reference is None:
+        if self._start is None or self._control.controller.reference is None:
             return
-        self._take_messages(self._start, nanoseconds, reference)
-        now = nanoseconds / NANOSECONDS
-        for follower in (self._sensor, self._jog):
-            for state, due in follower.states(now, reference):
-                point = StreamPoint(state[0], state[1], state[2], due)
-                id_ = self._on_point(point, follower.period)
-                self._control.stream(point, id_)
+        self._take_messages(self._start, nanoseconds)
+        for time in self._sensor_times.due(nanoseconds):
+            self._heard = False
+            self._send(self._sensor.step(time / NANOSECONDS), time, SENSOR_PERIOD)
+        if self._jogging.active:
+            for time in self._jog_times.due(nanoseconds):
+                step = self._jogging.step(time / NANOSECONDS)
+                if step is None:
+                    self._jogging.end()
+                    break
+                self._send(step, time, JOG_PERIOD)
 
-    def _take_messages(self, start: int, nanoseconds: int, reference: Array) -> None:
+    def _reference(self) -> Array | None:
+        return self._control.controller.reference
+
+    def _take_messages(self, start: int, nanoseconds: int) -> None:
         assert self._recording is not None
         while self._messages and start + self._messages[0].time <= nanoseconds:
             message = self._messages.popleft()
-            follower = self._jog if message.topic in GUIDES[RobotCommandState.TEACH] else self._sensor
-            follower.put(message, (start + message.valid) / NANOSECONDS, reference)
+            self._take(message, start + message.valid, nanoseconds)
             self._on_message(message, self._recording.types[message.topic])
+
+    def _take(self, message: GuidingMessage, valid: int, now: int) -> None:
+        if message.topic in GUIDES[RobotCommandState.TEACH]:
+            # Nobody of a recording jogs but while the program lets them.
+            if self._state is RobotCommandState.TEACH:
+                self._jog(message, (now - valid) / NANOSECONDS, now)
+            return
+        self._heard = True
+        if isinstance(message.value, Pose):
+            self._sensor.put(message.value, valid / NANOSECONDS)
+        else:
+            self._sensor.put_twist(message.value, valid / NANOSECONDS)
+
+    def _jog(self, message: GuidingMessage, age: float, now: int) -> None:
+        active, command = self._jogging.active, message.value
+        assert isinstance(command, np.ndarray)
+        with contextlib.suppress(RobotsError):  # whoever jogs goes on, as in a live cell
+            if message.topic == 'teach_joints':
+                self._jogging.jog_axes(command, age, now / NANOSECONDS)
+            else:
+                self._jogging.jog_tool(command, message.frame, age, now / NANOSECONDS)
+        if self._jogging.active and not active:
+            self._jog_times.begin(now + 1)
+
+    def _send(self, step: RealtimeStep | TeachStep | None, time: int, period: int) -> None:
+        if step is not None:
+            due = (time + period) / NANOSECONDS
+            point = StreamPoint(step.q, step.q_dot, step.q_ddot, due)
+            self._control.stream(point, self._on_point(point, period / NANOSECONDS))

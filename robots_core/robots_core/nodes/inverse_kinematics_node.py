@@ -16,8 +16,8 @@ from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.following.following_methods import LARGEST_DEVIATION, METHODS, RATE
-from robots_core.blocks.following.pose_following import FollowedStep, pose_following
-from robots_core.blocks.following.reference_following import ReferenceFollowing
+from robots_core.blocks.following.realtime_movement import RealtimeStep
+from robots_core.blocks.following.sensor_guidance import SensorGuidance
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
 from robots_core.ros.lockstep.phases import Phase
@@ -31,8 +31,6 @@ from robots_core.validation import Array
 
 REPORT_PERIOD = 0.1  # s
 REFUSAL_SHOWN = 1.0  # s
-# Which reference the controller follows is looked at this often; each look costs as much as half a step.
-CONTROLLER_RATE = 25.0  # Hz
 SWITCH_INTERVAL = 1e-4  # s, as the controller's
 # Stamps from the near future come from clocks that differ a little.
 FUTURE = 0.05  # s
@@ -73,7 +71,7 @@ class InverseKinematicsNode(RobotNode):
             check=pose_from_parameter,
             read_only=True,
         )
-        self._largest_deviation = self.parameter(
+        largest_deviation = self.parameter(
             'largest_deviation',
             LARGEST_DEVIATION,
             "largest distance of the controller's reference to the one sent, rad",
@@ -87,20 +85,24 @@ class InverseKinematicsNode(RobotNode):
             read_only=True,
         )
         self._method, self._dt = method, 1.0 / rate
-        self._following = pose_following(method, self.robot, self._dt, pose_from_parameter(tool))
-        self._reference = ReferenceFollowing(self._following, timeout=timeout)
+        self._timeout = timeout
+        self._guidance = SensorGuidance(
+            self.robot,
+            self._dt,
+            reference=self._controller_reference,
+            refused=self._refuse_input,
+            tool=pose_from_parameter(tool),
+            method=method,
+            timeout=timeout,
+            largest_deviation=largest_deviation,
+        )
         self._names = list(self.robot.axes_data.names)
-        self._state: Array | None = None
         self._controller_state: Array | None = None
-        self._streaming = False
         self._command_state: str | None = None
         self._oldest = math.inf
-        self._step_result: FollowedStep | None = None
+        self._last: RealtimeStep | None = None
         self._durations: deque[float] = deque(maxlen=round(10.0 * rate))
         self._refusal, self._refusal_time = '', -math.inf
-        self._ended = ''
-        self._cycle = 0
-        self._controller_every = max(1, round(rate / CONTROLLER_RATE))
 
         self._poses: PolledSubscription[PoseStamped] = PolledSubscription(
             self, PoseStamped, 'reference_pose', STREAM
@@ -125,56 +127,27 @@ class InverseKinematicsNode(RobotNode):
     # -- the loop's thread ---------------------------------------------------------------------------
 
     def _step(self, now: float) -> None:
-        self._cycle += 1
+        self._guidance.hand_over(handed_over=self._command_state in (None, 'TRAJECTORY'))
         self._take_references(now)
-        if self._cycle % self._controller_every == 0:
-            self._take_controller_state()
-        wanted = self._command_state in (None, 'TRAJECTORY') and self._reference.fresh(now)
-        if wanted and not self._streaming and self._controller_state is not None:
-            self._take_controller_state()
-            self._state = self._controller_state
-            self._reference.place()
-            self._streaming, self._ended = True, ''
-        if not self._streaming or self._state is None:
-            return
         start = time.thread_time()
-        q, q_dot = self._state[0], self._state[1]
-        state = self._follow(now, q, q_dot) if wanted else None
-        if state is None:
-            state = self._following.brake(q, q_dot)
-            self._streaming = bool(q_dot.any())
-            if not self._streaming and not wanted:
-                self._ended = (
-                    f'no reference for {self._reference.timeout:g} s, the robot stands'
-                    if self._command_state in (None, 'TRAJECTORY')
-                    else ''
-                )
-        self._state = state
-        self._stream.publish(state, now)
-        self._durations.append(time.thread_time() - start)
-
-    def _follow(self, now: float, q: Array, q_dot: Array) -> Array | None:
-        """State (3, n) at the end of the period; None if there is nothing to follow."""
-        try:
-            step = self._reference.follow(now, q, q_dot)
-        except RobotsError as error:
-            self._refuse_input('reference_pose', error)
-            return None
-        self._step_result = step
-        return step.state
+        step = self._guidance.step(now)
+        if step is not None:
+            self._last = step
+            self._stream.publish(np.array([step.q, step.q_dot, step.q_ddot]), now)
+            self._durations.append(time.thread_time() - start)
 
     def _take_references(self, now: float) -> None:
         message = self._poses.take()
         if message is not None:
             try:
-                self._reference.put(pose_from_message(message.pose), self._valid_at(message, now))
+                self._guidance.put(pose_from_message(message.pose), self._valid_at(message, now))
             except RobotsError as error:
                 self._refuse_input('reference_pose', error)
         twist_message = self._twists.take()
         if twist_message is not None:
             v, w = twist_message.twist.linear, twist_message.twist.angular
             try:
-                self._reference.put_twist([v.x, v.y, v.z, w.x, w.y, w.z], self._valid_at(twist_message, now))
+                self._guidance.put_twist([v.x, v.y, v.z, w.x, w.y, w.z], self._valid_at(twist_message, now))
             except RobotsError as error:
                 self._refuse_input('reference_twist', error)
 
@@ -188,41 +161,33 @@ class InverseKinematicsNode(RobotNode):
         if not stamp.sec and not stamp.nanosec:
             return now
         age: float = (self.get_clock().now().nanoseconds - nanoseconds(stamp)) / NANOSECONDS
-        if not -FUTURE <= age <= self._reference.timeout:
-            if not -self._reference.timeout <= age - self._oldest <= self._reference.timeout:
+        if not -FUTURE <= age <= self._timeout:
+            if not -self._timeout <= age - self._oldest <= self._timeout:
                 self._oldest = age
             self._oldest = min(self._oldest, age)
             age -= self._oldest
         return now - age
 
-    def _take_controller_state(self) -> None:
+    def _controller_reference(self) -> Array | None:
+        """The newest valid `joint_reference`, (2, n)."""
         message = self._controller.take()
-        if message is None:
-            return
-        try:
-            state = self._controller_reference(message)
-        except RobotsError as error:
-            self._refuse_input('joint_reference', error)
-            return
-        self._controller_state = state
-        if not self._streaming or self._state is None:
-            return
-        if np.abs(state[0] - self._state[0]).max() > self._largest_deviation:
-            self._state = state
-            self._reference.place()
-            self._refuse_input('joint_reference', InvalidInputError('the controller does not follow'))
+        if message is not None:
+            try:
+                self._controller_state = self._joint_state(message)
+            except RobotsError as error:
+                self._refuse_input('joint_reference', error)
+        return self._controller_state
 
-    def _controller_reference(self, message: JointTrajectory) -> Array:
+    def _joint_state(self, message: JointTrajectory) -> Array:
         if len(message.points) != 1:
             raise InvalidInputError(f'{len(message.points)} points came, a reference is one point')
         point = message.points[0]
-        rows = (point.positions, point.velocities)
-        position, velocity = (
-            joint_values(message.joint_names, row, self._names, 'joint_reference') for row in rows
-        )
-        axes = self.robot.axes_data
-        position = np.clip(axes.check_position(position, 'joint_reference'), axes.lower, axes.upper)
-        return np.array([position, velocity, np.zeros_like(position)])
+        rows = [
+            joint_values(message.joint_names, row, self._names, 'joint_reference')
+            for row in (point.positions, point.velocities)
+        ]
+        self.robot.axes_data.check_position(rows[0], 'joint_reference')
+        return np.array(rows)
 
     def _refuse_input(self, topic: str, error: RobotsError) -> None:
         self._refusal, self._refusal_time = f'{topic}: {error}', self.now()
@@ -237,7 +202,7 @@ class InverseKinematicsNode(RobotNode):
 
     def _report(self) -> None:
         values: dict[str, Any] = {'method': self._method, 'missed_deadlines': self._loop.missed}
-        step = self._step_result
+        step = self._last
         if step is not None:
             values |= {
                 'position_error': f'{step.position_error:.3g}',
@@ -250,10 +215,10 @@ class InverseKinematicsNode(RobotNode):
             values['computation_p99_ms'] = f'{1e3 * float(np.percentile(durations, 99.0)):.3f}'
         if self.now() - self._refusal_time < REFUSAL_SHOWN:
             self.report_health(DiagnosticStatus.WARN, self._refusal, **values)
-        elif self._streaming:
+        elif self._guidance.streaming:
             self.ready('following', **values)
-        elif self._ended:
-            self.report_health(DiagnosticStatus.WARN, self._ended, **values)
+        elif self._guidance.ended:
+            self.report_health(DiagnosticStatus.WARN, self._guidance.ended, **values)
         else:
             self.ready('waiting for reference_pose', **values)
 

@@ -43,7 +43,7 @@ from robots_planning.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, checked
 from robots_planning.nodes.command_inbox import CommandInbox
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory, waypoints_trajectory
-from robots_planning.nodes.jogging import Jogging
+from robots_planning.nodes.jog_stream import JogStream
 from robots_planning.nodes.settings_publisher import SettingsPublisher
 from robots_planning.nodes.trajectory_messages import BASE_FRAME, trajectory_message
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
@@ -99,13 +99,13 @@ class PlanningNode(RobotNode):
         self.finished(done=False)
         self._subscribe()
         SettingsPublisher(self, self._settings, self.robot_name)
-        self._jogging = Jogging(
+        self._jogging = JogStream(
             self,
             standing=self.planner.standing,
             position=lambda message: self._reference_state(message)[0],
             busy=lambda: self.planner.moving,
         )
-        self._jogging.use_tool(self.planner.settings.tool_pose)
+        self._jogging.jogging.use_tool(self.planner.settings.tool_pose)
         self.add_post_set_parameters_callback(self._on_settings)
         self._action: FollowJointTrajectory | None = None
         with contextlib.suppress(ImportError):  # control_msgs is no part of the common interfaces
@@ -213,7 +213,7 @@ class PlanningNode(RobotNode):
             elif parameter.name == 'collision_margin':
                 self.planner.planning.collision_margin = float(parameter.value)
         settings = self._settings()
-        self._jogging.use_tool(settings.tool_pose)
+        self._jogging.jogging.use_tool(settings.tool_pose)
         self.planner.configure(settings)
 
     def _release(self) -> None:

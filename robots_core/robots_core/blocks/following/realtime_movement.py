@@ -1,0 +1,180 @@
+"""RealtimeMovement: sensor-guided motion along a stream of reference poses, checked for feasibility."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robots_core.blocks.following.following_methods import METHODS
+from robots_core.blocks.following.pose_following import pose_following
+from robots_core.blocks.following.reference_following import ReferenceFollowing
+from robots_core.errors import UnreachablePoseError
+from robots_core.pose import Pose
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array, finite_vector, positive, read_only
+
+
+class MovementState(StrEnum):
+    """What the movement does."""
+
+    IDLE = 'IDLE'
+    """No reference came yet, or the robot stands since the last one went stale."""
+    FOLLOWING = 'FOLLOWING'
+    STALE = 'STALE'
+    """No fresh reference: the robot brakes to a stop."""
+
+
+@dataclass(frozen=True, eq=False)
+class RealtimeStep:
+    """Motion of one period.
+
+    Attributes:
+        q: Joint positions at its end, (n,), rad (m), read-only.
+        q_dot: Joint velocities at its end, (n,), rad/s.
+        q_ddot: Joint accelerations during it, (n,), rad/s^2.
+        state: What the movement does.
+        feasible: The reference is followed inside the tolerances, and no limit had to be broken.
+        position_error: Distance to the reference at its end, m.
+        orientation_error: Angle to the reference at its end, rad.
+        slack: By how much a limit had to be broken, relative to it.
+        limits: Why a reference cannot be followed: limits as 'A2 velocity upper', or what the method says.
+        error: The method finds no solution for the reference: the robot brakes.
+    """
+
+    q: Array
+    q_dot: Array
+    q_ddot: Array
+    state: MovementState
+    feasible: bool = True
+    position_error: float = 0.0
+    orientation_error: float = 0.0
+    slack: float = 0.0
+    limits: tuple[str, ...] = ()
+    error: UnreachablePoseError | None = None
+
+    @property
+    def reason(self) -> str:
+        """Why the reference is not feasible, in a line; empty if it is."""
+        if self.feasible:
+            return ''
+        return (
+            f'the reference is {self.position_error * 1e3:.3g} mm and {self.orientation_error:.3g} rad away'
+            + (f', a limit is passed by {100.0 * self.slack:.3g} %' if self.slack > 0.0 else '')
+            + (f'; limited by {", ".join(self.limits)}' if self.limits else '')
+        )
+
+
+class RealtimeMovement:
+    """Follows a reference that comes at any rate, by one of the inverse kinematics.
+
+    Poses are extrapolated between samples and a little beyond, twists alone lead the tool on
+    (`ReferenceFollowing`), inside all limits (`PoseFollowing`), and whatever is asked for, the robot can
+    always be braked. Without a fresh sample it is.
+
+    An instance keeps scratch memory and the state of the motion: use one per thread.
+
+    Args:
+        robot: The robot.
+        dt: Period, s.
+        q: Where it stands, (n,), rad (m).
+        tool: Pose of the tool centre point in tool0, which follows the reference.
+        method: 'constrained' (all limits, torques too), 'damped_least_squares' or 'analytical'.
+        timeout: Without a sample for this long the reference is stale, s.
+        tolerances: A reference that is further away (m, rad) than this is not feasible.
+
+    Raises:
+        InvalidInputError: an option out of its range.
+        JointLimitError: `q` is outside the limits.
+        NoAnalyticInverseKinematicsError: 'analytical' of a robot without a closed form.
+    """
+
+    def __init__(
+        self,
+        robot: BaseRobotModel,
+        dt: float,
+        q: ArrayLike,
+        *,
+        tool: Pose | None = None,
+        method: str = METHODS[0],
+        timeout: float = 0.2,
+        tolerances: tuple[float, float] = (1e-3, 5e-3),
+    ) -> None:
+        self.robot = robot
+        self._tolerances = (
+            positive(tolerances[0], 'position tolerance', 'm'),
+            positive(tolerances[1], 'orientation tolerance', 'rad'),
+        )
+        self._following = pose_following(
+            method, robot, positive(dt, 'dt', 's'), Pose.identity() if tool is None else tool
+        )
+        self._reference = ReferenceFollowing(self._following, timeout=timeout)
+        self.place(q)
+
+    def place(self, q: ArrayLike, q_dot: ArrayLike | None = None) -> None:
+        """Start again from a state of the robot, (n,) each, rad (m) and rad/s; at rest by default."""
+        axes = self.robot.axes_data
+        start = np.clip(axes.check_position(q, 'q'), axes.lower, axes.upper)
+        still = np.zeros_like(start)
+        moving = still if q_dot is None else finite_vector(q_dot, axes.num_axes, 'q_dot')
+        self._state = np.array([start, moving, still])
+        self._movement = MovementState.STALE if moving.any() else MovementState.IDLE
+        self._reference.place()
+
+    def put(self, pose: Pose, time: float) -> None:
+        """Take a reference pose of the tool in the base frame that was valid at a time, s."""
+        self._reference.put(pose, time)
+
+    def put_twist(self, twist: ArrayLike, time: float) -> None:
+        """Take how the reference moves, (6,): m/s, rad/s, base frame.
+
+        Poses without it are differentiated; without poses the tool follows it from where it is (servoing).
+
+        Raises:
+            InvalidInputError: not six finite numbers.
+        """
+        self._reference.put_twist(twist, time)
+
+    def let_go(self) -> None:
+        """Forget the reference: the robot brakes to a stop, until another one comes."""
+        self._reference.forget()
+
+    def fresh(self, now: float) -> bool:
+        """A sample came within the timeout; now in s."""
+        return self._reference.fresh(now)
+
+    def step(self, now: float) -> RealtimeStep:
+        """Motion of the next period; now in s, on the clock of the poses."""
+        q, q_dot = self._state[0], self._state[1]
+        if not self._reference.fresh(now):
+            return self._brake()
+        self._movement = MovementState.FOLLOWING
+        try:
+            step = self._reference.follow(now, q, q_dot)
+        except UnreachablePoseError as error:
+            braked = self._following.brake(q, q_dot)
+            assert self._reference.target is not None
+            errors = self._following.pose(braked[0]).distance_to(self._reference.target)
+            return replace(self._result(braked, False, errors, 0.0, (error.message,)), error=error)
+        errors = (step.position_error, step.orientation_error)
+        near = errors[0] <= self._tolerances[0] and errors[1] <= self._tolerances[1]
+        return self._result(step.state, near and step.slack <= 0.0, errors, step.slack, step.limits)
+
+    def _brake(self) -> RealtimeStep:
+        moving = bool(self._state[1].any())
+        self._movement = MovementState.STALE if moving else MovementState.IDLE
+        return self._result(self._following.brake(self._state[0], self._state[1]), True, (0.0, 0.0), 0.0, ())
+
+    def _result(
+        self,
+        state: Array,
+        feasible: bool,  # noqa: FBT001  # of a private method
+        errors: tuple[float, float],
+        slack: float,
+        limits: tuple[str, ...],
+    ) -> RealtimeStep:
+        self._state = np.array(state)
+        q, q_dot, q_ddot = (read_only(row) for row in state)
+        return RealtimeStep(q, q_dot, q_ddot, self._movement, feasible, *errors, slack, limits)

@@ -1,0 +1,150 @@
+"""JogStream: the messages of `Jogging` in planning_node."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import TwistStamped
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_core.errors import RobotsError
+from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.loop import Loop
+from robots_core.ros.messages import NANOSECONDS, joint_values, nanoseconds
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import STREAM
+from robots_core.ros.reference_stream import ReferenceStream
+from robots_core.ros.robot_node import RobotNode
+from robots_core.validation import Array
+from robots_planning.jogging import Jogging
+from robots_planning.teach_box import JOG_RATE, jog_axes
+
+
+class JogStream:
+    """Takes `teach_twist` and `teach_joints`, and streams one-point `joint_trajectory` while somebody jogs.
+
+    Args:
+        node: Owner.
+        standing: Where the robot's reference stands, (n,); raises a PlanningError if it does not.
+        position: Joint positions (n,) of a `joint_reference`.
+        busy: A motion is planned or runs: no jogging.
+
+    Parameters (of the node):
+        teach_speed: Part of the velocity limits to use, in (0, 1].
+        teach_tool_speed: Highest speed of the tool, m/s.
+        teach_timeout: Age of a command at which the robot stops, s.
+    """
+
+    def __init__(
+        self,
+        node: RobotNode,
+        *,
+        standing: Callable[[], Array],
+        position: Callable[[JointTrajectory], Array],
+        busy: Callable[[], bool],
+    ) -> None:
+        self._node, self._position = node, position
+        speed = node.parameter(
+            'teach_speed', 0.1, 'part of the velocity limits to jog with', bounds=(0.001, 1.0), read_only=True
+        )
+        tool_speed = node.parameter(
+            'teach_tool_speed',
+            0.25,
+            'highest speed of a jogged tool, m/s',
+            bounds=(0.001, 2.0),
+            read_only=True,
+        )
+        timeout = node.parameter(
+            'teach_timeout',
+            0.1,
+            'a jog command older than this is stale, s',
+            bounds=(0.02, 1.0),
+            read_only=True,
+        )
+        self._names = list(node.robot.axes_data.names)
+        self._references: PolledSubscription[JointTrajectory] = PolledSubscription(
+            node, JointTrajectory, 'joint_reference', STREAM
+        )
+        self.jogging = Jogging(
+            node.robot,
+            standing=standing,
+            busy=busy,
+            reference=self._reference,
+            speed_fraction=speed,
+            tool_speed=tool_speed,
+            timeout=timeout,
+        )
+        self._loop: Loop | None = None
+        self._limits: tuple[str, ...] = ()
+        self._stream: ReferenceStream | None = None
+        node.create_subscription(TwistStamped, 'teach_twist', self._on_twist, STREAM)
+        node.create_subscription(JointState, 'teach_joints', self._on_joints, STREAM)
+
+    # -- the executor's thread -----------------------------------------------------------------------
+
+    def _on_twist(self, message: TwistStamped) -> None:
+        v, w = message.twist.linear, message.twist.angular
+        try:
+            axes = jog_axes(message.header.frame_id)
+            twist = [v.x, v.y, v.z, w.x, w.y, w.z]
+            self._jog(message, partial(self.jogging.jog_tool, twist, axes))
+        except RobotsError as error:
+            self._node.refuse('teach_twist', error, stream=True)
+
+    def _on_joints(self, message: JointState) -> None:
+        try:
+            velocity = joint_values(message.name, message.velocity, self._names, 'teach_joints')
+            self._jog(message, partial(self.jogging.jog_axes, velocity))
+        except RobotsError as error:
+            self._node.refuse('teach_joints', error, stream=True)
+
+    def _jog(self, message: Any, jog: Callable[[float, float], None]) -> None:
+        """Give a command, with its age by the stamp and the time in s; a first one starts the loop."""
+        sent = nanoseconds(message.header.stamp)
+        age = (self._node.get_clock().now().nanoseconds - sent) / NANOSECONDS if sent else 0.0
+        active = self.jogging.active
+        jog(age, self._node.now())
+        if active or not self.jogging.active:
+            return
+        if self._stream is None:
+            self._stream = ReferenceStream(
+                self._node, 'joint_trajectory', self._names, time_from_start=1.0 / JOG_RATE, qos=STREAM
+            )
+        self._loop = self._node.start_loop(
+            self._step, period=1.0 / JOG_RATE, name='jogging', phase=Phase.GUIDANCE
+        )
+
+    # -- the loop's thread ---------------------------------------------------------------------------
+
+    def _step(self, now: float) -> None:
+        step = self.jogging.step(now)
+        if self.jogging.limits != self._limits:
+            self._limits = self.jogging.limits
+            self._report()
+        if step is None:
+            self.stop()
+            self.jogging.end()
+        else:
+            assert self._stream is not None
+            self._stream.publish(np.array([step.q, step.q_dot, step.q_ddot]), now)
+
+    def _reference(self) -> Array | None:
+        message = self._references.take()
+        return None if message is None else self._position(message)
+
+    def _report(self) -> None:
+        if self._limits:
+            text = f'jogging is limited by {", ".join(self._limits)}'
+            self._node.report_health(DiagnosticStatus.WARN, text)
+        else:
+            self._node.ready()
+
+    def stop(self) -> None:
+        """End the loop."""
+        if self._loop is not None:
+            self._loop.stop()
