@@ -68,27 +68,26 @@ def bag(tmp_path: Path) -> Path:
 @pytest.mark.parametrize('rate', [1.0, 2.0])
 def test_messages_come_in_their_order_and_time_and_the_state_first(ros_nodes: Any, bag: Path, rate: float):
     heard = Listener(ros_nodes, '/press/level')
-    process = replay(bag, '--rate', rate, '--remap', '/level:=/press/level', '--wait', 20)
-    output, errors = process.communicate(timeout=40.0)
+    process = replay(bag, '--rate', rate, '--remap', '/level:=/press/level', '--wait', 60)
+    output, errors = process.communicate(timeout=120.0)
     assert process.returncode == 0, errors
     assert output == f'{COUNT} messages in {(COUNT - 1) * PERIOD / rate:.1f} s\n'
     ros_nodes.wait_for(lambda: len(heard.level) == COUNT, what='all messages')
     assert [value for _, value in heard.level] == [float(k) for k in range(COUNT)]
     assert [mode for _, mode in heard.mode] == ['auto']
     assert heard.mode[0][0] < heard.level[0][0]
+    # Due from the beginning, when the state was sent: never early; how late depends on the machine.
     for k, (sent, _) in enumerate(heard.level):
-        # Due from the beginning, which is not before the first message was sent: never early by more than
-        # that one was late; how late depends on the machine.
-        assert sent - heard.level[0][0] >= PERIOD * k / rate - 0.05
+        assert sent - heard.mode[0][0] >= PERIOD * k / rate
 
 
 def test_an_interrupt_ends_it(ros_nodes: Any, tmp_path: Path):
     heard = Listener(ros_nodes)
     path = write_bag(tmp_path / 'long', [(10.0 * k, '/level', number(0.0)) for k in range(100)])
-    process = replay(path, '--wait', 20)
+    process = replay(path, '--wait', 60)
     ros_nodes.wait_for(lambda: heard.level, what='the first message')
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=20.0)
+    _, errors = process.communicate(timeout=120.0)
     assert process.returncode == 130
     assert 'Traceback' not in errors
 
@@ -109,7 +108,7 @@ def test_what_does_not_fit_is_told(bag: Path, options: list[str], message: str):
 def test_a_mistake_is_told_in_one_line(ros_domain: int, tmp_path: Path):
     del ros_domain
     process = replay(tmp_path / 'no')
-    _, errors = process.communicate(timeout=40.0)
+    _, errors = process.communicate(timeout=120.0)
     assert process.returncode == 2
     assert errors.startswith('error: ')
     assert 'does not exist; a bag is a folder' in errors
@@ -119,6 +118,6 @@ def test_a_mistake_is_told_in_one_line(ros_domain: int, tmp_path: Path):
 def test_topics_that_nobody_hears_are_told(ros_domain: int, bag: Path):
     del ros_domain
     process = replay(bag, '--wait', 0.1, '--rate', 100)
-    output, _ = process.communicate(timeout=40.0)
+    output, _ = process.communicate(timeout=120.0)
     assert process.returncode == 0
     assert output.startswith('nobody listens to /mode, /level\n')
