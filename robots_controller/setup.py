@@ -34,7 +34,7 @@ setup(
             'study = robots_controller.study.cli:main',
             'report = robots_controller.report.cli:main',
             'simulate = robots_controller.simulation.command_line:main',
-            'replay_bag = robots_controller.nodes.replay_bag:main',
+            'replay_bag = robots_controller.nodes.bags.replay_bag:main',
             'controller_node = robots_controller.nodes.controller_node:main',
             'lua_program_node = robots_controller.nodes.lua_program_node:main',
         ],

@@ -12,8 +12,8 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_controller.nodes.bag_player import BagPlayer
-from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.nodes.bags.bag_player import BagPlayer
+from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.recording.bag_replay import replay_plan
 from robots_controller.testing import BAG_TYPES, assert_bag_matches, write_bag

@@ -13,8 +13,8 @@ import yaml
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_srvs.srv import Trigger
 
-from robots_controller.nodes.bag_player import BagPlayer
-from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.nodes.bags.bag_player import BagPlayer
+from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_replay import replay_plan
 from robots_controller.testing import BAG_TYPES, assert_bag_matches, write_bag

@@ -79,7 +79,7 @@ def test_a_sensor_guides_a_live_robot_as_a_simulated_one(
     )
     cell = start_cell('--program', str(program), '--guided', 'constrained', '--once')
     cell.until('hands over')
-    command = [sys.executable, '-P', '-m', 'robots_controller.nodes.replay_bag', str(sensor)]
+    command = [sys.executable, '-P', '-m', 'robots_controller.nodes.bags.replay_bag', str(sensor)]
     subprocess.run(command, check=True, capture_output=True, timeout=60.0)
     assert cell.wait() == 0, cell.text
 

@@ -14,7 +14,7 @@ from rclpy.qos import QoSProfile
 from rosbags.rosbag2 import Reader
 from std_msgs.msg import Float64, String
 
-from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.recording.bag_file import read_bag
 from robots_core.errors import RobotsError
 from robots_core.ros.qos import STATE
@@ -24,7 +24,7 @@ import sys
 from pathlib import Path
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
-from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.nodes.bags.bag_recorder import BagRecorder
 rclpy.init()
 executor = SingleThreadedExecutor()
 executor.add_node(BagRecorder(Path(sys.argv[1]), namespace='/'))

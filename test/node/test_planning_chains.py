@@ -12,7 +12,7 @@ from robots_core import Pose
 from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import motion_result_message, stamp_id
 from robots_planning import verify
-from robots_planning.command_queue import LONGEST_CHAIN
+from robots_planning.commands.command_queue import LONGEST_CHAIN
 
 from .planning_bench import ROBOT, PlanningBench
 

@@ -12,7 +12,7 @@ import pytest
 from rclpy.qos import QoSProfile
 from std_msgs.msg import Float64, String
 
-from robots_controller.nodes.replay_bag import replay_bag
+from robots_controller.nodes.bags.replay_bag import replay_bag
 from robots_controller.testing import BAG_TYPES, write_bag
 from robots_core.errors import RobotsError
 from robots_core.ros.qos import STATE
@@ -54,7 +54,7 @@ class Listener:
 
 
 def replay(*options: object) -> subprocess.Popen[str]:
-    command = [sys.executable, '-P', '-m', 'robots_controller.nodes.replay_bag', *map(str, options)]
+    command = [sys.executable, '-P', '-m', 'robots_controller.nodes.bags.replay_bag', *map(str, options)]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 

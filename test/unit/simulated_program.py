@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from robots_controller.simulate import simulate
-from robots_controller.simulation.events import (
+from robots_controller.simulation.record.events import (
     OutputChanged,
 )
 from robots_controller.simulation.simulation_run import SimulationRun

@@ -10,8 +10,8 @@ import pytest
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError, RobotsError
 from robots_planning import MotionSettings, PathPlanning
-from robots_planning.command_planner import REPLACE_LEAD, CommandPlanner, PlannedCommands
-from robots_planning.command_queue import CommandQueue, QueuedCommand
+from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanner, PlannedCommands
+from robots_planning.commands.command_queue import CommandQueue, QueuedCommand
 from robots_planning.motion_kinds import JOINT, LINE, MotionKind
 from robots_planning.trajectory_generators.base import Target
 

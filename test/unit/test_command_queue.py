@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots_planning import MotionSettings, Trajectory
-from robots_planning.command_queue import LONGEST_CHAIN, CommandQueue, QueuedCommand, RunningMotion
+from robots_planning.commands.command_queue import LONGEST_CHAIN, CommandQueue, QueuedCommand, RunningMotion
 from robots_planning.motion_kinds import JOINT
 
 STOPS, BLENDS = MotionSettings(), MotionSettings(blend_zone=0.01)

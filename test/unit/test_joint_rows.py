@@ -12,7 +12,7 @@ from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_reading import seconds
 from robots_controller.recording.joint_rows import joint_rows
 from robots_controller.recording.message_rows import MessageRows
-from robots_controller.simulation import ros_messages as ros
+from robots_controller.simulation.record import ros_messages as ros
 from robots_controller.testing import write_bag
 from robots_core import load_robot_model
 from robots_core.errors import RobotsError

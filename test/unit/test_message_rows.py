@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots_controller.recording.message_rows import MessageRows, marks
-from robots_controller.simulation import ros_messages as ros
+from robots_controller.simulation.record import ros_messages as ros
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 

@@ -13,9 +13,9 @@ from robots_core.errors import PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.validation import Array
 from robots_planning import LinearJoint, MotionSettings, PathPlanning
-from robots_planning.command_planner import REPLACE_LEAD
+from robots_planning.commands.command_planner import REPLACE_LEAD
+from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE
-from robots_planning.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.pathplanning import PlannedMotion
 from robots_planning.trajectory import Trajectory
 

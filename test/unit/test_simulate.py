@@ -9,7 +9,7 @@ import pytest
 
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.simulate import simulate
-from robots_controller.simulation.events import (
+from robots_controller.simulation.record.events import (
     CommandStateChanged,
     InputChanged,
     LineReached,

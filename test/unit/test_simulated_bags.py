@@ -14,7 +14,7 @@ import pytest
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.report.motion_report import motion_report
 from robots_controller.simulate import simulate
-from robots_controller.simulation.events import (
+from robots_controller.simulation.record.events import (
     CommandStateChanged,
 )
 from robots_controller.simulation.simulation_run import SimulationRun

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from robots_controller.recording.bag_file import read_bag
-from robots_controller.simulation import ros_messages as ros
-from robots_controller.simulation.events import CommandStateChanged
+from robots_controller.simulation.record import ros_messages as ros
+from robots_controller.simulation.record.events import CommandStateChanged
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_controller.testing import BAG_START, write_bag
 from robots_core import Pose, load_robot_model

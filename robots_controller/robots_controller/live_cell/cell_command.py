@@ -36,7 +36,7 @@ from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, cell_graph
 from robots_controller.live_cell.cell_listener import CellListener, listen
 from robots_controller.live_cell.cell_view import CellView
 from robots_controller.live_cell.node_processes import NodeProcesses
-from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.recording.motion_record import MOTION_TOPICS
 from robots_controller.report.motion_report import motion_report
 from robots_core.blocks.following.following_methods import METHODS

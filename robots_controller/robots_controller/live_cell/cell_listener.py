@@ -18,7 +18,7 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from robots_controller.live_cell.cell_monitor import SERVICES, CellMonitor
-from robots_controller.nodes.bag_recorder import BagRecorder
+from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_core.ros.lean_executor import LeanExecutor
 from robots_core.ros.lockstep.agenda import LockstepError
 from robots_core.ros.lockstep.coordinator import Coordinator

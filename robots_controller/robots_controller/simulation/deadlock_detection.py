@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from robots_controller.simulation.recording import Recording
+from robots_controller.simulation.record.recording import Recording
 
 # A robot that stands for this long in the middle of a motion, with nothing left that could change that.
 STUCK_TIME: Final = 10.0  # s

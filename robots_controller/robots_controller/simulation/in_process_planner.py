@@ -12,15 +12,15 @@ import numpy as np
 from robots_controller.cell.ports import Configured
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.program.motion_command import MotionCommand
-from robots_controller.simulation.cell_log import CellLog
 from robots_controller.simulation.cost import Cost
-from robots_controller.simulation.motion_records import MotionRecords
+from robots_controller.simulation.record.cell_log import CellLog
+from robots_controller.simulation.record.motion_records import MotionRecords
 from robots_controller.simulation.simulated_clock import SimulatedClock
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.motion_planner import MotionPlanner
+from robots_planning.commands.motion_planner import MotionPlanner
 from robots_planning.motion_settings import CHECKS, MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory

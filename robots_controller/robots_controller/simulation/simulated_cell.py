@@ -15,14 +15,14 @@ from robots_controller.control.controller_rates import ControllerRates, cycles
 from robots_controller.io.io_image import image_sizes
 from robots_controller.io.plc_cycle import PlcCycle
 from robots_controller.program.turn_clock import NANOSECONDS
-from robots_controller.simulation.cell_log import CellLog
 from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.deadlock_detection import DeadlockDetection
 from robots_controller.simulation.in_process_planner import InProcessPlanner, Mail
-from robots_controller.simulation.motion_records import MotionRecords
-from robots_controller.simulation.recording import Recording
-from robots_controller.simulation.simulated_bag import SimulatedBag
+from robots_controller.simulation.record.cell_log import CellLog
+from robots_controller.simulation.record.motion_records import MotionRecords
+from robots_controller.simulation.record.recording import Recording
+from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_controller.simulation.simulated_guide import SimulatedGuide
 from robots_controller.simulation.simulation_run import SimulationRun

@@ -27,8 +27,8 @@ from robots_core.periodic_schedule import PeriodicSchedule
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_planning.commands.motion_planner import MotionPlanner
 from robots_planning.jogging import Jogging
-from robots_planning.motion_planner import MotionPlanner
 from robots_planning.robot_command_state import RobotCommandState
 from robots_planning.teach_box import JOG_RATE, TeachStep
 

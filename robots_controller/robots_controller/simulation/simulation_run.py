@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from robots_controller.program.motion_command import MotionCommand
-from robots_controller.simulation.events import Event, ProgramStateChanged, TextPrinted
+from robots_controller.simulation.record.events import Event, ProgramStateChanged, TextPrinted
 from robots_core.errors import ProgramError
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings

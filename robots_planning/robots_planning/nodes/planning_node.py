@@ -38,8 +38,8 @@ from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
+from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
-from robots_planning.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, checked
 from robots_planning.nodes.command_inbox import CommandInbox
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory, waypoints_trajectory

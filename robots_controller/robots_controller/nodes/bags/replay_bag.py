@@ -12,7 +12,7 @@ import rclpy
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import try_shutdown
 
-from robots_controller.nodes.bag_player import BagPlayer
+from robots_controller.nodes.bags.bag_player import BagPlayer
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_replay import replay_plan
 from robots_core.errors import RobotsError

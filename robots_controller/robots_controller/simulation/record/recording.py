@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots_controller.program.turn_clock import NANOSECONDS
-from robots_controller.simulation.events import Event
+from robots_controller.simulation.record.events import Event
 from robots_core.validation import Array, read_only
 
 INITIAL_SIZE: Final = 4096  # samples; 16 s at 250 Hz

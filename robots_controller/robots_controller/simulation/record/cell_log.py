@@ -9,9 +9,10 @@ from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.io.io_image import Channel, IoImage
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_state import RunState
-from robots_controller.simulation import ros_messages as ros
 from robots_controller.simulation.cost import Cost
-from robots_controller.simulation.events import (
+from robots_controller.simulation.guide_recording import GuidingMessage
+from robots_controller.simulation.record import ros_messages as ros
+from robots_controller.simulation.record.events import (
     CommandStateChanged,
     InputChanged,
     LineReached,
@@ -20,10 +21,9 @@ from robots_controller.simulation.events import (
     ProgramStateChanged,
     TextPrinted,
 )
-from robots_controller.simulation.guide_recording import GuidingMessage
-from robots_controller.simulation.motion_records import MotionRecords
-from robots_controller.simulation.recording import Recording
-from robots_controller.simulation.simulated_bag import SimulatedBag
+from robots_controller.simulation.record.motion_records import MotionRecords
+from robots_controller.simulation.record.recording import Recording
+from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_core.blocks.collision.collision_guard import CollisionStatus
 from robots_core.errors import ProgramError, RobotsError

@@ -12,7 +12,7 @@ from robots_core.errors import PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.command_queue import QueuedCommand
+from robots_planning.commands.command_queue import QueuedCommand
 from robots_planning.motion_kinds import LINE
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base

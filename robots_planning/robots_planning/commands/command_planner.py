@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.validation import Array
-from robots_planning.command_queue import CommandQueue, QueuedCommand, RunningMotion
-from robots_planning.motion_chain import MotionChain
+from robots_planning.commands.command_queue import CommandQueue, QueuedCommand, RunningMotion
+from robots_planning.commands.motion_chain import MotionChain
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 
 # A motion that takes the place of the running one does so this much later, which planning and messages take.

@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.crash_safe_writer import CrashSafeWriter
 from robots_controller.recording.message_rows import MessageRows, marks
-from robots_controller.simulation import ros_messages as ros
-from robots_controller.simulation.recording import Recording
+from robots_controller.simulation.record import ros_messages as ros
+from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.simulated_clock import START
 from robots_core.errors import RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel

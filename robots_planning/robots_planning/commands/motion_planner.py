@@ -10,13 +10,13 @@ from robots_core.errors import PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.command_planner import CommandPlanner, PlannedCommands
-from robots_planning.command_queue import CommandQueue, QueuedCommand, RunningMotion
+from robots_planning.commands.command_planner import CommandPlanner, PlannedCommands
+from robots_planning.commands.command_queue import CommandQueue, QueuedCommand, RunningMotion
+from robots_planning.commands.standing_robot import check_standing
 from robots_planning.motion_kinds import LINE, MotionKind
 from robots_planning.motion_results import PASSED
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
-from robots_planning.standing_robot import check_standing
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import Target
 

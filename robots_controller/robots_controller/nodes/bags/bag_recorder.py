@@ -15,7 +15,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosbags.interfaces import Connection, Qos
 from rosbags.typesys import Stores, get_typestore
 
-from robots_controller.nodes.lockstep_times import LockstepTimes, Sent
+from robots_controller.nodes.bags.lockstep_times import LockstepTimes, Sent
 from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.crash_safe_writer import CrashSafeWriter
 from robots_core.ros.lockstep.protocol import is_of_protocol

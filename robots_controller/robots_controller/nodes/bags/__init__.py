@@ -1,0 +1,1 @@
+"""Nodes that record bags and play them."""
