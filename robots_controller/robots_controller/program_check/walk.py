@@ -104,7 +104,9 @@ def _walk(walk: _Walk) -> list[ProgramProblem]:
     """Problems of one walk, in the order in which they were met."""
     parts = cell_parts(walk.program, robot=walk.robot, drive='ideal', scene=walk.scene)
     planning = LenientPlanning.of(parts.planning)
-    parts = replace(parts, planning=planning, plc_script=walk.combination.script(_script(walk.io)), io='')
+    plc_script = walk.combination.script(_script(walk.io))
+    # Planning reports what collides; no guard stops the robot before it.
+    parts = replace(parts, planning=planning, plc_script=plc_script, io='', scene='')
     cell = WalkedCell(parts, longest=walk.longest)
     run = cell.run()
     found: dict[ProgramProblem, None] = {}
