@@ -176,16 +176,16 @@ class Coordinator:
         now = self._agenda.time
         sent = [self._traffic.sent(topic) for topic in self._roster.polled]
         advanced = now != self._time_told
+        if advanced:  # before whatever is sent at this instant
+            self._time_told = now
+            self.instants += 1
+            self._clock.publish(_CLOCK.pack(_LITTLE_ENDIAN, *divmod(now, NANOSECONDS)))
         if advanced or phase > Phase.DRIVES:
             self._times.publish(encode([self._sequence, now, *sent]))
         go = encode([self._sequence, now, phase, *sent])
         self._outstanding.update(names)
         for name in names:
             self._gos[name].publish(go)
-        if advanced:
-            self._time_told = now
-            self.instants += 1
-            self._clock.publish(_CLOCK.pack(_LITTLE_ENDIAN, *divmod(now, NANOSECONDS)))
 
     def _on_report(self, data: bytes) -> None:
         number, answered, busy, *numbers = decode(data)

@@ -26,8 +26,8 @@ sent so far on each polled topic."""
 
 
 def is_of_protocol(topic: str) -> bool:
-    """The topic is one of the above."""
-    return topic in {PARTICIPANTS, ROSTER, TIME, REPORT} or topic.endswith('/' + GO)
+    """The topic is one of the above, or the clock."""
+    return topic in {PARTICIPANTS, ROSTER, TIME, REPORT, '/clock'} or topic.endswith('/' + GO)
 
 
 RELEASE: Final = -1
