@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,7 @@ class Cell:
         self.asked: list[tuple[dict[str, object], Configured]] = []
         self.answers = True  # to a configuration, at once
         self.sent: list[str] = []
-        self.present: dict[Collection[int], str] = {(1,): 'controller_node'}
+        self.present: dict[bytes, str] = {(1,): 'controller_node'}
         self.requests: list[str] = []
         self.ended: list[tuple[str, MotionCommand, str]] = []
         self.motions = ProgramMotions(
@@ -70,7 +70,7 @@ class Cell:
     def command(self, id_: str, _command: MotionCommand) -> None:
         assert id_ == self.sent[-1]
 
-    def followers(self) -> Mapping[Collection[int], str]:
+    def followers(self) -> Mapping[bytes, str]:
         return self.present
 
     def request(self, request: str) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from robots_controller.control.control_loop import ControllerRequest
@@ -43,7 +43,7 @@ class PlannerPort(Protocol):
     def command(self, id_: str, command: MotionCommand) -> None:
         """Send a motion."""
 
-    def followers(self) -> Mapping[Collection[int], str]:
+    def followers(self) -> Mapping[bytes, str]:
         """Those who can end a motion: an identity each, and the name of its node."""
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from functools import partial
 from typing import Final
 
@@ -58,7 +58,7 @@ class ProgramMotions:
         self._configuring: MotionCommand | None = None  # whose settings are on their way
         self._flush = False
         self._since = 0.0  # when the command came, or when all its followers were last present
-        self._followers: dict[Collection[int], str] = {}
+        self._followers: dict[bytes, str] = {}
         self._stopping = False
 
     def send(self, command: MotionCommand) -> None:

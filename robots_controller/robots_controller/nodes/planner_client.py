@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, Final
 
@@ -103,7 +103,7 @@ class PlannerClient:
             message = pose_stamped_message(stamp, command.pose)
         self._publishers[command.kind].publish(message)
 
-    def followers(self) -> Mapping[Collection[int], str]:
+    def followers(self) -> Mapping[bytes, str]:
         """See `PlannerPort`; by endpoint: a node that was started anew has none of the motions."""
         endpoints = self._node.get_publishers_info_by_topic('motion_result')
         return {bytes(endpoint.endpoint_gid): endpoint.node_name for endpoint in endpoints}

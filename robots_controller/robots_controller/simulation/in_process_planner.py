@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -98,7 +98,7 @@ class InProcessPlanner:
             lambda: self._do('planning', lambda: self._command(id_, command, _target(command), settings))
         )
 
-    def followers(self) -> Mapping[Collection[int], str]:
+    def followers(self) -> Mapping[bytes, str]:
         """This process: see `PlannerPort`."""
         return {b'': 'simulation'}
 
