@@ -21,6 +21,7 @@ from robots_controller.simulation.deadlock_detection import DeadlockDetection
 from robots_controller.simulation.in_process_planner import InProcessPlanner, Mail
 from robots_controller.simulation.record.cell_log import CellLog
 from robots_controller.simulation.record.motion_records import MotionRecords
+from robots_controller.simulation.record.recorded_run import simulation_run
 from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
@@ -338,30 +339,16 @@ class SimulatedCell:
         self.cost.end()
 
     def _result(self) -> SimulationRun:
-        parts, recording = self._parts, self._recording
-        position, velocity, torque = recording.states
         error = self._log.given_up or self._program.error
-        return SimulationRun(
-            program=Path(parts.program),
-            robot=parts.robot_name,
-            drive=parts.drive,
-            scene=parts.scene,
-            io=parts.io,
-            period=parts.period,
-            axes=parts.robot.axes_data.names,
-            time=recording.time,
-            reference=recording.references,
-            position=position,
-            velocity=velocity,
-            torque=torque,
-            motions=self._records.all,
-            events=tuple(recording.events),
+        return simulation_run(
+            self._parts,
+            self._recording,
+            self._records,
             state='FAILED' if error is not None else self._program.run_state.value,
             error=error,
             interrupted=self._interrupted and error is None,
             bag=None if self._bag is None else self._bag.path,
-            cost=self.cost.seconds,
-            processor_time=self.cost.processor,
+            cost=self.cost,
         )
 
     # -- ports of the control loop ----------------------------------------------------------------

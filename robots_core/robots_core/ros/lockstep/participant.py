@@ -52,6 +52,7 @@ from robots_core.ros.lockstep.protocol import (
 )
 from robots_core.ros.lockstep.timed_work import LockstepLoop, LockstepTimer, LockstepTurn, TimedWork
 from robots_core.ros.lockstep.traffic import CLOSED
+from robots_core.ros.lockstep.uncounted_endpoints import UncountedEndpoints
 
 MATCHING_PERIOD: Final = 0.02  # s of the wall clock between looks, until all endpoints are matched
 POLL: Final = 2e-5  # s
@@ -94,7 +95,7 @@ class Participant:
         self._lock = threading.RLock()
         self._replies: list[Callable[[], None]] = []
         self._set_clock()
-        create = _Uncounted(node)
+        create = UncountedEndpoints(node)
         self._participants = create.publisher(String, PARTICIPANTS, LATCHED)
         self._reports = create.publisher(Int64MultiArray, REPORT, ALL)
         self._times = create.polled(Int64MultiArray, TIME, NEWEST)
@@ -385,40 +386,3 @@ class Participant:
 
     def _publishers(self) -> list[CountedPublisher]:
         return [one for one in self._entities if isinstance(one, CountedPublisher)]
-
-
-class _Uncounted:
-    """Creates what the protocol itself needs."""
-
-    def __init__(self, node: Node) -> None:
-        self._node = node
-
-    def publisher(self, message_type: Any, topic: str, qos: QoSProfile) -> Any:
-        return Node.create_publisher(
-            self._node, message_type, topic, qos, event_callbacks=NO_PUBLISHER_EVENTS
-        )
-
-    def subscription(
-        self, message_type: Any, topic: str, callback: Any, qos: QoSProfile, *, raw: bool = True
-    ) -> Any:
-        return Node.create_subscription(
-            self._node,
-            message_type,
-            topic,
-            callback,
-            qos,
-            raw=raw,
-            event_callbacks=NO_SUBSCRIPTION_EVENTS,
-        )
-
-    def polled(self, message_type: Any, topic: str, qos: QoSProfile) -> Any:
-        return Node.create_subscription(
-            self._node,
-            message_type,
-            topic,
-            lambda _: None,
-            qos,
-            callback_group=NeverExecuted(),
-            raw=True,
-            event_callbacks=NO_SUBSCRIPTION_EVENTS,
-        )
