@@ -52,9 +52,9 @@ def circle(time: float) -> Any:
 
 def guided_path(bag: Path) -> Array:
     """Where the references lead the tool while the sensor guides it, (k, 3) m."""
-    found = read_bag(bag).deserialized(['/command_state', '/joint_reference'])
-    begin = next(stamp for stamp, state in found['/command_state'] if state.data == 'TRAJECTORY')
-    end = next(stamp for stamp, state in found['/command_state'] if stamp > begin and state.data == 'IDLE')
+    found = read_bag(bag).deserialized(['/guide', '/joint_reference'])
+    begin = next(stamp for stamp, guide in found['/guide'] if guide.data == 'SENSOR')
+    end = next(stamp for stamp, guide in found['/guide'] if stamp > begin and guide.data == 'NONE')
     references = [m.points[0].positions for stamp, m in found['/joint_reference'] if begin < stamp < end]
     return np.array([ROBOT.direct_kinematics(np.array(q))[0] for q in references])
 

@@ -7,16 +7,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from robots_core.blocks.following.guide import Guide
 from robots_planning import RobotCommandState
 
 from .lua_host import DEADLINE, LuaHost, wait_until
 
-MODES = [('followReference', RobotCommandState.TRAJECTORY), ('jog', RobotCommandState.TEACH)]
+MODES = [
+    ('followReference', RobotCommandState.TRAJECTORY, Guide.SENSOR),
+    ('jog', RobotCommandState.TEACH, Guide.PERSON),
+]
 
 
-@pytest.mark.parametrize(('function', 'mode'), MODES)
-def test_an_input_or_the_time_ends_it(tmp_path: Path, function: str, mode: RobotCommandState):
-    host = LuaHost(tmp_path, joint_position=lambda: np.zeros(6))
+@pytest.mark.parametrize(('function', 'state', 'guide'), MODES)
+def test_an_input_or_the_time_ends_it(tmp_path: Path, function: str, state: RobotCommandState, guide: Guide):
+    guides: list[Guide] = []
+    host = LuaHost(tmp_path, joint_position=lambda: np.zeros(6), guide=guides.append)
     host.start(f"""
         print(tostring({function}(0.01)))
         print('now')
@@ -24,21 +29,57 @@ def test_an_input_or_the_time_ends_it(tmp_path: Path, function: str, mode: Robot
         print(tostring({function}(1000, 2, false)))""")
     for _ in range(2):
         host.wait_for_print()
-    wait_until(lambda: host.program.command_state is mode)
+    wait_until(lambda: host.program.command_state is state)
     host.program.digital_inputs = [0, 1]
     host.wait_for_print()
     host.program.digital_inputs = [0, 0]
     assert host.program.join(DEADLINE)
     assert host.printed == ['false', 'now', 'true', 'true']
     assert host.program.command_state is RobotCommandState.IDLE
+    assert guides == 3 * [guide, Guide.NONE]
 
 
-@pytest.mark.parametrize(('function', 'mode'), MODES)
-def test_the_host_hears_who_guides_the_robot(tmp_path: Path, function: str, mode: RobotCommandState):
-    told: list[RobotCommandState] = []
-    host = LuaHost(tmp_path, joint_position=lambda: np.zeros(6), guide=told.append)
-    assert host.run(f'{function}(0.001)') is None
-    assert told == [mode, RobotCommandState.IDLE]
+HANDLED = """
+    onDigitalInput(1, true, function() {handler} end)
+    print(followReference(1000, 2))"""
+
+
+def handled(tmp_path: Path, handler: str) -> tuple[list[str], list[str]]:
+    """What the cell is asked for, and what is printed, if an input changes while a sensor guides."""
+    asked: list[str] = []
+    host = LuaHost(
+        tmp_path,
+        joint_position=lambda: np.zeros(6),
+        guide=lambda guide: asked.append(guide.value),
+        command=lambda command: (asked.append(command.function), host.program.finish_motion()),
+    )
+    host.start(HANDLED.format(handler=handler))
+    wait_until(lambda: asked == ['SENSOR'])
+    host.program.digital_inputs = [1]
+    host.wait_for_print()
+    host.program.digital_inputs = [1, 1]
+    assert host.program.join(DEADLINE)
+    return asked, host.printed
+
+
+def test_a_handler_that_moves_the_robot_takes_it_back_meanwhile(tmp_path: Path):
+    asked, printed = handled(tmp_path, "ptpJointSpaceAngles(0, 0, 0, 0, 0, 0) print('moved')")
+    assert asked == ['SENSOR', 'NONE', 'ptpJointSpaceAngles', 'SENSOR', 'NONE']
+    assert printed == ['moved', 'true']
+
+
+def test_a_handler_that_aborts_ends_the_guidance(tmp_path: Path):
+    asked, printed = handled(tmp_path, "print('aborts') return 'abort'")
+    assert asked == ['SENSOR', 'NONE']
+    assert printed == ['aborts', 'true']
+
+
+def test_an_arc_does_not_hand_the_robot_over(tmp_path: Path):
+    guides: list[Guide] = []
+    host = LuaHost(tmp_path, guide=guides.append)
+    assert host.run('circCartesianSpace({1, 0, 1, 0, 90, 0}, {1, 0.5, 1, 0, 90, 0})') is None
+    assert host.commands[0].kind.state is RobotCommandState.TRAJECTORY
+    assert guides == []
 
 
 def test_the_program_goes_on_when_the_robot_stands(tmp_path: Path):
@@ -54,7 +95,7 @@ def test_a_robot_that_nobody_lets_go_of_is_an_error(tmp_path: Path, monkeypatch:
     looks = iter(np.linspace(0.0, 50.0, 1000))
     host = LuaHost(tmp_path, joint_position=lambda: np.full(6, next(looks)))
     error = host.fails('\njog(0.001)')
-    assert 'the robot still moves 0.3 s after the end of TEACH: who guides it?' in str(error)
+    assert 'still moves 0.3 s after the end of TEACH; something else than the program' in str(error)
     assert error.line == 2
 
 

@@ -233,14 +233,26 @@ def test_a_bag_has_what_guided_the_robot_and_guides_it_again(tmp_path: Path):
 
 
 def test_a_recorded_cell_guides_from_where_it_handed_its_robot_over(tmp_path: Path):
-    early = [(0.0, '/command_state', ros.text('IDLE')), *sensor(1.0)]
-    later = [(0.5, '/command_state', ros.text('TRAJECTORY'))]
+    early = [(0.0, '/guide', ros.text('NONE')), *sensor(1.0)]
+    later = [(0.5, '/guide', ros.text('SENSOR'))]
     bag = write_bag(tmp_path / 'cell', early + later)
     run = run_text(tmp_path, f'{MOVE}followReference(2)', references=bag)
     time, r = tool_path(run)
     wanted = np.array([circle(0.5 + t).r for t in time])
     caught_up = (time > 0.3) & (time < 0.45)
     assert np.linalg.norm((r - wanted)[caught_up], axis=1).max() < 5e-3
+
+
+def test_a_recorded_arc_is_no_guidance(tmp_path: Path):
+    start = Pose(*ROBOT_MODEL.direct_kinematics(READY))
+    poses = ([*(start.r + way), *np.degrees(start.angles())] for way in ([-0.05, 0.05, 0.0], [0.0, 0.1, 0.0]))
+    arc = f'circCartesianSpace({", ".join(f"{{{str(list(map(float, pose)))[1:-1]}}}" for pose in poses)})'
+    text = f'{MOVE}{arc}\n{MOVE}followReference(3)'
+    runs = []
+    for name, references in (('a', write_bag(tmp_path / 'sensor', sensor())), ('b', tmp_path / 'a' / 'bag')):
+        (tmp_path / name).mkdir()
+        runs.append(run_text(tmp_path, text, references=references, bag=tmp_path / name / 'bag'))
+    assert runs[0].reference[:, 0] == pytest.approx(runs[1].reference[:, 0], abs=1e-3)
 
 
 def test_a_guided_robot_stops_before_it_collides(tmp_path: Path):

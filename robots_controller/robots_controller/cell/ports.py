@@ -8,6 +8,7 @@ from typing import Any, Protocol
 from robots_controller.control.control_loop import ControllerRequest
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_state import RunState
+from robots_core.blocks.following.guide import Guide
 from robots_core.errors import PlanningError, ProgramError, RobotsError
 from robots_core.validation import Array
 from robots_planning.robot_command_state import RobotCommandState
@@ -67,11 +68,11 @@ class RobotPort(Protocol):
             RobotsError: no feedback.
         """
 
-    def guide(self, state: RobotCommandState) -> None:
-        """Hand the robot over to a sensor (TRAJECTORY) or a person (TEACH), or take it back (IDLE).
+    def guide(self, guide: Guide) -> None:
+        """Hand the robot over to a sensor or a person, or take it back (NONE).
 
         Raises:
-            RobotsError: nothing can guide the robot in this state.
+            RobotsError: the cell has no such guide.
         """
 
 

@@ -15,11 +15,12 @@ from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE,
 from robots_controller.program.clock import Clock
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
+from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.robot_command_state import STATE_OF_GUIDE, RobotCommandState
 
 
 class ProgramHost:
@@ -225,10 +226,10 @@ class ProgramHost:
         """See `CellPort`."""
         self.motions.stop()
 
-    def guide(self, state: RobotCommandState) -> None:
+    def guide(self, guide: Guide) -> None:
         """See `CellPort`."""
-        self._robot_port.guide(state)
-        self._observer.command_state(state)
+        self._robot_port.guide(guide)
+        self._observer.command_state(STATE_OF_GUIDE[guide])
 
     def hold(self, *, held: bool) -> None:
         """See `CellPort`."""

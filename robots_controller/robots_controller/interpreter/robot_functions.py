@@ -18,17 +18,17 @@ from robots_controller.interpreter.lua_functions import (
 )
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, Result, Waiting
 from robots_controller.program.cell_port import CellPort
-from robots_controller.program.guided_motion import guided
+from robots_controller.program.guided_motion import GuidedMotion
 from robots_controller.program.motion_command import Kind, MotionCommand, OutputChange
 from robots_controller.program.motion_target import MotionTarget, RobotView
 from robots_controller.program.output_pulses import OutputPulses
 from robots_controller.program.program_state import ProgramState
 from robots_controller.program.taught_points import TaughtPoint, read_points, write_points
+from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, read_only
 from robots_planning.motion_kinds import KIND_OF_FUNCTION
-from robots_planning.robot_command_state import RobotCommandState
 
 _COMPARE: Final[Mapping[str, Callable[[float, float], bool]]] = {
     '<': operator.lt,
@@ -73,6 +73,7 @@ class RobotFunctions:
         self._settings: dict[str, object] = {}
         self.pulses = OutputPulses(state, lambda index, value: self._set_output('digital', index, value))
         self._interrupted: list[MotionCommand] = []
+        self._guidance = GuidedMotion(state, view.position, cell.guide)
         sizes = state.io
         self._sizes = Sizes(
             state.num_axes, sizes.size('digital_inputs'), sizes.size('analog_inputs'), view.prismatic
@@ -103,8 +104,8 @@ class RobotFunctions:
             'call': self._call,
             'teach': self._teach,
             'getTaughtPoint': self._get_taught_point,
-            'followReference': self._guided(RobotCommandState.TRAJECTORY),
-            'jog': self._guided(RobotCommandState.TEACH),
+            'followReference': self._guided(Guide.SENSOR),
+            'jog': self._guided(Guide.PERSON),
             'wait': self._wait,
         }
 
@@ -200,6 +201,7 @@ class RobotFunctions:
         )
         if self.state.interrupts.serving is not None and self.state.braked:
             self._interrupted += self._abort_motions()
+        yield from self._guidance.interrupt()
         self._raise_failure(None)
         self._send(command)
         self.target.set(q, pose)
@@ -253,6 +255,7 @@ class RobotFunctions:
         if not abort:
             for command in interrupted:  # the handler moved the robot: from where it stands now
                 self._send(command)
+        self._guidance.handled(abort=abort)
         self.state.set_braked(braked=False)
 
     def _abort_motions(self) -> list[MotionCommand]:
@@ -337,7 +340,7 @@ class RobotFunctions:
             yield from self.state.waiting(lambda: compare(self._input('analog', arguments), value), timeout)
         )
 
-    def _guided(self, mode: RobotCommandState) -> Callable[[Arguments], Waiting]:
+    def _guided(self, guide: Guide) -> Callable[[Arguments], Waiting]:
         def serve(arguments: Arguments) -> Waiting:
             duration, index, value = arguments.values
             yield from self._standstill()
@@ -346,9 +349,7 @@ class RobotFunctions:
             def ended() -> bool:
                 return index is not None and self._input('digital', inputs) == wanted
 
-            result = yield from guided(
-                self.state, mode, ended, duration, self.view.position, hand_over=self.cell.guide
-            )
+            result = yield from self._guidance.run(guide, ended, duration)
             self.target.forget()
             return result
 

@@ -101,8 +101,8 @@ def cell_graph(
         io: Script of a PLC that is played (see `plc_script`); none without one.
         io_map: Map of inputs and outputs to topics of a PLC (see `io_map`); none without one.
         scene: Scene that the robot keeps clear of (see `read_scene`); with one, the robot is watched too.
-        guided: Inverse kinematics that follows `reference_pose` in command state TRAJECTORY, one of
-            `METHODS`; none by default.
+        guided: Inverse kinematics that follows `reference_pose` in `followReference`, one of `METHODS`;
+            none by default.
         debug_port: Port on this machine where editors debug the program; 0 for none.
         lockstep: All nodes take part in a lock-step run.
 

@@ -30,6 +30,7 @@ from robots_controller.nodes.planner_client import PlannerClient
 from robots_controller.nodes.program_clock import ProgramClock
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
+from robots_core.blocks.following.guide import Guide
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.ros.messages import (
     diagnostic_status,
@@ -106,6 +107,7 @@ class LuaProgramNode(RobotNode):
         )
         axes = self.robot.axes_data
         self._command_state_publisher = self.create_publisher(String, 'command_state', STATE)
+        self._guide_publisher = self.create_publisher(String, 'guide', STATE)
         self._override_publisher = self.create_publisher(Float64, 'override', STATE)
         self._status_publisher = self.create_publisher(DiagnosticStatus, 'program_status', STATE)
         self._print_logger = self.get_logger().get_child('print')  # type: ignore[no-untyped-call]
@@ -166,6 +168,7 @@ class LuaProgramNode(RobotNode):
         for name, handler in handlers.items():
             self.create_service(Trigger, f'~/{name}', partial(self._serve, name, handler))
         self.command_state(self._program.command_state)
+        self.guide(Guide.NONE)
         host.reporter.report()
         self._debug_server = DebugAdapterServer(self._program, port=port) if port else None
         if self._debug_server is not None:
@@ -265,8 +268,9 @@ class LuaProgramNode(RobotNode):
             with self._waiting:
                 clock.wait(self._waiting, clock.now() + FEEDBACK_PERIOD)
 
-    def guide(self, state: RobotCommandState) -> None:
-        """See `RobotPort`; those who guide follow `command_state`."""
+    def guide(self, guide: Guide) -> None:
+        """See `RobotPort`."""
+        self._guide_publisher.publish(String(data=guide.value))
 
     def request(self, request: ControllerRequest) -> None:
         """See `ControllerPort`."""

@@ -6,10 +6,10 @@ from typing import Protocol
 
 from robots_controller.program.clock import Clock, WallClock
 from robots_controller.program.motion_command import MotionCommand, OutputChange
+from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.robot_command_state import RobotCommandState
 
 
 class CellPort(Protocol):
@@ -49,11 +49,11 @@ class CellPort(Protocol):
     def abort(self) -> None:
         """End all commanded motions where the robot is; each still gets its `finish_motion`."""
 
-    def guide(self, state: RobotCommandState) -> None:
-        """Let a sensor (TRAJECTORY) or a person (TEACH) guide the robot, or nobody any longer (IDLE).
+    def guide(self, guide: Guide) -> None:
+        """Let a sensor or a person guide the robot, or end that (NONE).
 
         Raises:
-            RobotsError: nothing can guide the robot in this state; the call in the program fails.
+            RobotsError: the cell has no such guide; the call in the program fails.
         """
 
     def hold(self, *, held: bool) -> None:
@@ -109,7 +109,7 @@ class DetachedCell:
     def abort(self) -> None:
         """No effect."""
 
-    def guide(self, state: RobotCommandState) -> None:
+    def guide(self, guide: Guide) -> None:
         """No effect."""
 
     def hold(self, *, held: bool) -> None:

@@ -1,4 +1,4 @@
-"""Motion that others guide while a program waits: sensors in state TRAJECTORY, a person in state TEACH."""
+"""GuidedMotion: motion that a sensor or a person guides while a program waits."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from collections.abc import Callable, Generator
 import numpy as np
 
 from robots_controller.program.program_state import ProgramState
+from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError
 from robots_core.validation import Array
-from robots_planning.robot_command_state import RobotCommandState
+from robots_planning.robot_command_state import STATE_OF_GUIDE
 
 # The robot stands when nothing has changed in so many looks; a stream of references has ended by then too.
 LOOKS = 3
@@ -18,48 +19,82 @@ STILL = 1e-5  # rad (m); what drives settle on
 LONGEST_BRAKING = 10.0  # s
 
 
-def guided(
-    state: ProgramState,
-    mode: RobotCommandState,
-    ended: Callable[[], bool],
-    duration: float,
-    position: Callable[[], Array],
-    *,
-    hand_over: Callable[[RobotCommandState], None],
-) -> Generator[None, None, bool]:
-    """Hand the robot over, and take it back when it stands.
+class GuidedMotion:
+    """Hands the robot over, and takes it back.
+
+    A motion of an input's handler takes the robot back too, until the handler has ended.
 
     Args:
         state: Of the program.
-        mode: TRAJECTORY or TEACH.
-        ended: The program shall go on.
-        duration: Longest time of it, s; braking comes after that.
         position: Measured joint positions, (n,).
-        hand_over: Hands the robot over (the mode) and takes it back (IDLE).
-
-    Returns:
-        True if it ended before `duration`.
-
-    Raises:
-        RobotsError: nothing can guide the robot.
-        ProgramError: the robot still moves long after it was taken back.
-        ProgramStopped: the program shall stop.
+        hand_over: Sets what guides the robot.
     """
-    state.set_command_state(mode)
-    try:
-        hand_over(mode)
-        early = yield from state.waiting(ended, duration)
-    finally:
-        state.set_command_state(RobotCommandState.IDLE)
-        hand_over(RobotCommandState.IDLE)
-    last, still, looks = position(), 0, 0
-    while still < LOOKS:
-        yield from state.waiting(lambda: False, LOOK_PERIOD)
-        now = position()
-        still = still + 1 if float(np.abs(now - last).max()) <= STILL else 0
-        last, looks = now, looks + 1
-        if looks * LOOK_PERIOD > LONGEST_BRAKING:
-            raise ProgramError(
-                f'the robot still moves {LONGEST_BRAKING:g} s after the end of {mode}: who guides it?'
-            )
-    return early
+
+    def __init__(
+        self, state: ProgramState, position: Callable[[], Array], hand_over: Callable[[Guide], None]
+    ) -> None:
+        self._state, self._position, self._hand_over = state, position, hand_over
+        self._wanted = self._guide = Guide.NONE
+
+    def run(self, guide: Guide, ended: Callable[[], bool], duration: float) -> Generator[None, None, bool]:
+        """Hand the robot over until the program shall go on, and wait until it stands again.
+
+        Args:
+            guide: SENSOR or PERSON.
+            ended: The program shall go on.
+            duration: Longest time of it, s; braking comes after that.
+
+        Returns:
+            True if it ended before `duration`.
+
+        Raises:
+            RobotsError: nothing can guide the robot.
+            ProgramError: the robot still moves long after it was taken back.
+            ProgramStopped: the program shall stop.
+        """
+        self._wanted = guide
+        try:
+            self._set(guide)
+            early = yield from self._state.waiting(lambda: self._wanted is Guide.NONE or ended(), duration)
+        finally:
+            self._wanted = Guide.NONE
+            self._set(Guide.NONE)
+        yield from self._standstill(guide)
+        return early
+
+    def interrupt(self) -> Generator[None, None, None]:
+        """Take the robot back for a motion of an input's handler.
+
+        Raises:
+            ProgramError: the robot still moves long after that.
+            ProgramStopped: the program shall stop.
+        """
+        guide = self._guide
+        if guide is not Guide.NONE:
+            self._set(Guide.NONE)
+            yield from self._standstill(guide)
+
+    def handled(self, *, abort: bool) -> None:
+        """The handler of an input has ended: guidance goes on, or ends."""
+        if abort:
+            self._wanted = Guide.NONE
+        elif self._wanted is not self._guide:
+            self._set(self._wanted)
+
+    def _set(self, guide: Guide) -> None:
+        self._guide = guide
+        self._state.set_command_state(STATE_OF_GUIDE[guide])
+        self._hand_over(guide)
+
+    def _standstill(self, guide: Guide) -> Generator[None, None, None]:
+        last, still, looks = self._position(), 0, 0
+        while still < LOOKS:
+            yield from self._state.waiting(lambda: False, LOOK_PERIOD)
+            now = self._position()
+            still = still + 1 if float(np.abs(now - last).max()) <= STILL else 0
+            last, looks = now, looks + 1
+            if looks * LOOK_PERIOD > LONGEST_BRAKING:
+                raise ProgramError(
+                    f'the robot still moves {LONGEST_BRAKING:g} s after the end of '
+                    f'{STATE_OF_GUIDE[guide]}; something else than the program moves it'
+                )

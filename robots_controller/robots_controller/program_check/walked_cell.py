@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robots_controller.simulation.simulated_cell import SimulatedCell
-from robots_planning.robot_command_state import RobotCommandState
+from robots_core.blocks.following.guide import Guide
 
 
 class WalkedCell(SimulatedCell):
@@ -12,5 +12,5 @@ class WalkedCell(SimulatedCell):
     Where a sensor or a person would lead the robot is unknown.
     """
 
-    def guide(self, state: RobotCommandState) -> None:
+    def guide(self, guide: Guide) -> None:
         """See `RobotPort`."""

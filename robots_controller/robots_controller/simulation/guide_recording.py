@@ -11,18 +11,18 @@ import numpy as np
 
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.recording.bag_reading import seconds
+from robots_core.blocks.following.guide import Guide
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector
-from robots_planning.robot_command_state import RobotCommandState
 from robots_planning.teach_box import JogAxes, jog_axes
 
 NANOSECONDS: Final = 1_000_000_000
-GUIDES: Final[Mapping[RobotCommandState, tuple[str, ...]]] = {
-    RobotCommandState.TRAJECTORY: ('reference_pose', 'reference_twist'),
-    RobotCommandState.TEACH: ('teach_twist', 'teach_joints'),
+GUIDES: Final[Mapping[Guide, tuple[str, ...]]] = {
+    Guide.SENSOR: ('reference_pose', 'reference_twist'),
+    Guide.PERSON: ('teach_twist', 'teach_joints'),
 }
-"""Topics that guide a robot, by its command state; a twist beside poses says how they move."""
+"""Topics that guide a robot, by what guides it; a twist beside poses says how they move."""
 # A stamp that is farther from when its message was sent is of another clock.
 SAME_CLOCK: Final = 1.0  # s
 
@@ -62,13 +62,13 @@ class GuideRecording:
     messages: tuple[GuidingMessage, ...] = field(repr=False)
     types: Mapping[str, str]
 
-    def check(self, state: RobotCommandState) -> None:
-        """Check that it can guide a robot in a command state.
+    def check(self, guide: Guide) -> None:
+        """Check that it holds something of this guide.
 
         Raises:
             RobotsError: it holds nothing for it.
         """
-        needed = GUIDES[state]
+        needed = GUIDES[guide]
         if not self.types.keys() & set(needed):
             raise RobotsError(
                 f'{self.path} holds no {" or ".join(needed)}, only {", ".join(sorted(self.types))}'
@@ -78,7 +78,7 @@ class GuideRecording:
 def read_guide_recording(path: Path | str, joints: Sequence[str]) -> GuideRecording:
     """Read what guided a robot, from a recording of a sensor or of a whole cell.
 
-    It begins where the recorded cell handed its robot over for the first time (its `command_state` says so),
+    It begins where the recorded cell handed its robot over for the first time (its topic `guide`),
     or with the first message that guides.
 
     Args:
@@ -89,9 +89,9 @@ def read_guide_recording(path: Path | str, joints: Sequence[str]) -> GuideRecord
         RobotsError: not a readable bag, or a message in it that is not valid.
     """
     bag = read_bag(path)
-    topics = [f'/{topic}' for state in GUIDES for topic in GUIDES[state]]
-    found = bag.deserialized([*topics, '/command_state'])
-    start = _start(bag, [stamp for topic in topics for stamp, _ in found[topic]], found['/command_state'])
+    topics = [f'/{topic}' for guide in GUIDES for topic in GUIDES[guide]]
+    found = bag.deserialized([*topics, '/guide'])
+    start = _start(bag, [stamp for topic in topics for stamp, _ in found[topic]], found['/guide'])
     values = {topic: enumerate(found[topic], 1) for topic in topics}
     messages = []
     for topic, stamp, data in bag.messages:
@@ -111,11 +111,11 @@ def read_guide_recording(path: Path | str, joints: Sequence[str]) -> GuideRecord
     return GuideRecording(bag.path, tuple(messages), types)
 
 
-def _start(bag: Bag, stamps: Sequence[int], states: Sequence[tuple[int, Any]]) -> int:
-    handed_over = [stamp for stamp, state in states if state.data in {*GUIDES}]
+def _start(bag: Bag, stamps: Sequence[int], guides: Sequence[tuple[int, Any]]) -> int:
+    handed_over = [stamp for stamp, guide in guides if guide.data in {*GUIDES}]
     first = handed_over[0] if handed_over else min(stamps, default=None)
     if first is None or max(stamps, default=first - 1) < first:
-        topics = ', '.join(topic for state in GUIDES for topic in GUIDES[state])
+        topics = ', '.join(topic for guide in GUIDES for topic in GUIDES[guide])
         raise RobotsError(
             f'{bag.path} holds nothing that guides a robot: needed is one of {topics}; it holds '
             f'{", ".join(sorted(bag.topics)) or "nothing"}'

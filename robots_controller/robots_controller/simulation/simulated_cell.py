@@ -29,10 +29,10 @@ from robots_controller.simulation.simulated_guide import SimulatedGuide
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGuard
 from robots_core.blocks.collision.joint_path import JointPath
+from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.validation import Array, read_only
-from robots_planning.robot_command_state import RobotCommandState
 from robots_planning.trajectory import Trajectory
 
 WATCH_PERIOD = 0.1  # s between looks at motions that nothing would end
@@ -385,9 +385,10 @@ class SimulatedCell:
         """See `RobotPort`."""
         return read_only(self._drives.position)
 
-    def guide(self, state: RobotCommandState) -> None:
+    def guide(self, guide: Guide) -> None:
         """See `RobotPort`."""
-        self._guide.hand_over(state, self.clock.stamp)
+        self._guide.hand_over(guide, self.clock.stamp)
+        self._log.guide(guide)
 
     def request(self, request: ControllerRequest) -> None:
         """See `ControllerPort`."""

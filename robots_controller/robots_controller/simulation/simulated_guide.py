@@ -20,6 +20,7 @@ from robots_controller.simulation.guide_recording import (
     GuidingMessage,
 )
 from robots_core.blocks.following.following_methods import RATE
+from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.following.realtime_movement import RealtimeStep
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
 from robots_core.errors import PlanningError, RobotsError
@@ -29,15 +30,14 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.commands.motion_planner import MotionPlanner
 from robots_planning.jogging import Jogging
-from robots_planning.robot_command_state import RobotCommandState
 from robots_planning.teach_box import JOG_RATE, TeachStep
 
 SENSOR_PERIOD: Final = round(NANOSECONDS / RATE)  # ns
 JOG_PERIOD: Final = round(NANOSECONDS / JOG_RATE)  # ns
-NOBODY: Final[Mapping[RobotCommandState, str]] = MappingProxyType(
+NOBODY: Final[Mapping[Guide, str]] = MappingProxyType(
     {
-        RobotCommandState.TRAJECTORY: 'a simulation has no sensor; --references names a recording of one',
-        RobotCommandState.TEACH: 'a simulation has nobody who jogs; --references names a recording of one',
+        Guide.SENSOR: 'a simulation has no sensor; --references names a recording of one',
+        Guide.PERSON: 'a simulation has nobody who jogs; --references names a recording of one',
     }
 )
 
@@ -73,7 +73,7 @@ class SimulatedGuide:
         self._on_message, self._on_point = on_message, on_point
         self._messages = deque(() if recording is None else recording.messages)
         self._start: int | None = None  # ns
-        self._state = RobotCommandState.IDLE
+        self._guide = Guide.NONE
         self._sensor_times, self._jog_times = PeriodicSchedule(SENSOR_PERIOD), PeriodicSchedule(JOG_PERIOD)
         self._heard = False  # since the last step of the sensor's stream
         if recording is not None:
@@ -98,25 +98,25 @@ class SimulatedGuide:
             return math.inf
         return (self._start + self._messages[0].time) / NANOSECONDS
 
-    def hand_over(self, state: RobotCommandState, nanoseconds: int) -> None:
+    def hand_over(self, guide: Guide, nanoseconds: int) -> None:
         """The program hands the robot over, or takes it back.
 
         Args:
-            state: TRAJECTORY or TEACH; IDLE.
+            guide: SENSOR or PERSON; NONE.
             nanoseconds: On the simulated clock.
 
         Raises:
-            RobotsError: nothing is recorded that guides the robot in this state.
+            RobotsError: nothing of it is recorded.
         """
-        if state is not RobotCommandState.IDLE:
+        if guide is not Guide.NONE:
             if self._recording is None:
-                raise PlanningError(NOBODY[state])
-            self._recording.check(state)
+                raise PlanningError(NOBODY[guide])
+            self._recording.check(guide)
             if self._start is None:
                 self._start = nanoseconds
-        self._state = state
+        self._guide = guide
         if self._recording is not None:
-            self._sensor.hand_over(handed_over=state is RobotCommandState.TRAJECTORY)
+            self._sensor.hand_over(handed_over=guide is Guide.SENSOR)
             self._jogging.use_tool(self._planner.settings.tool_pose)
 
     def step(self, nanoseconds: int) -> None:
@@ -146,9 +146,9 @@ class SimulatedGuide:
             self._on_message(message, self._recording.types[message.topic])
 
     def _take(self, message: GuidingMessage, valid: int, now: int) -> None:
-        if message.topic in GUIDES[RobotCommandState.TEACH]:
+        if message.topic in GUIDES[Guide.PERSON]:
             # Nobody of a recording jogs but while the program lets them.
-            if self._state is RobotCommandState.TEACH:
+            if self._guide is Guide.PERSON:
                 self._jog(message, (now - valid) / NANOSECONDS, now)
             return
         self._heard = True

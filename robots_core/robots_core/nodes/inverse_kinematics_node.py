@@ -16,6 +16,7 @@ from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.following.following_methods import LARGEST_DEVIATION, METHODS, RATE
+from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.following.realtime_movement import RealtimeStep
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
 from robots_core.errors import InvalidInputError, RobotsError
@@ -42,7 +43,7 @@ class InverseKinematicsNode(RobotNode):
     For sensor-guided motion: references may come at any rate and may jump; the robot follows inside its
     limits. Their stamps tell when they were valid. `reference_twist` beside fresh poses says how they move;
     alone it is followed itself (servoing). When neither comes for `timeout` the robot brakes to a stop. Where
-    a `command_state` is published, only in state TRAJECTORY.
+    `guide` is published, only while it is SENSOR.
 
     Parameters:
         method: constrained (all limits, torques too), damped_least_squares or analytical.
@@ -98,7 +99,7 @@ class InverseKinematicsNode(RobotNode):
         )
         self._names = list(self.robot.axes_data.names)
         self._controller_state: Array | None = None
-        self._command_state: str | None = None
+        self._guide: str | None = None
         self._oldest = math.inf
         self._last: RealtimeStep | None = None
         self._durations: deque[float] = deque(maxlen=round(10.0 * rate))
@@ -113,7 +114,7 @@ class InverseKinematicsNode(RobotNode):
         self._controller: PolledSubscription[JointTrajectory] = PolledSubscription(
             self, JointTrajectory, 'joint_reference', STREAM
         )
-        subscribe_state(self, String, 'command_state', self._on_command_state)
+        subscribe_state(self, String, 'guide', self._on_guide)
         self._stream = ReferenceStream(
             self, 'joint_trajectory', self._names, time_from_start=self._dt, qos=STREAM
         )
@@ -127,7 +128,7 @@ class InverseKinematicsNode(RobotNode):
     # -- the loop's thread ---------------------------------------------------------------------------
 
     def _step(self, now: float) -> None:
-        self._guidance.hand_over(handed_over=self._command_state in (None, 'TRAJECTORY'))
+        self._guidance.hand_over(handed_over=self._guide in (None, Guide.SENSOR))
         self._take_references(now)
         start = time.thread_time()
         step = self._guidance.step(now)
@@ -197,8 +198,8 @@ class InverseKinematicsNode(RobotNode):
 
     # -- the executor's thread -----------------------------------------------------------------------
 
-    def _on_command_state(self, message: String) -> None:
-        self._command_state = message.data
+    def _on_guide(self, message: String) -> None:
+        self._guide = message.data
 
     def _report(self) -> None:
         values: dict[str, Any] = {'method': self._method, 'missed_deadlines': self._loop.missed}

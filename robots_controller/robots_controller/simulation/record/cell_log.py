@@ -26,6 +26,7 @@ from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_core.blocks.collision.collision_guard import CollisionStatus
+from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_planning.motion_settings import MotionSettings, settings_as_text
@@ -95,6 +96,7 @@ class CellLog:
         for image in ('digital_outputs', 'analog_outputs'):
             self.image(image)
         self.command_state(RobotCommandState.IDLE)
+        self.guide(Guide.NONE)
         self.finished(done=False)
         for image, size in inputs.items():
             self.image(image, size=size)
@@ -135,6 +137,11 @@ class CellLog:
         self._events.append(CommandStateChanged(self._clock.elapsed, state.value))
         if self._bag is not None:
             self._write('command_state', 'std_msgs/msg/String', ros.text(state.value))
+
+    def guide(self, guide: Guide) -> None:
+        """What guides the robot."""
+        if self._bag is not None:
+            self._write('guide', 'std_msgs/msg/String', ros.text(guide.value))
 
     def motion_sent(self, id_: str, command: MotionCommand, file: str) -> None:
         """See `ProgramObserver`."""

@@ -37,6 +37,7 @@ LATCHED: Final = frozenset(
         'digital_outputs',
         'finished',
         'forced_inputs',
+        'guide',
         'joint_reference',
         'joint_states',
         'lua_program_node/analog_inputs',
