@@ -27,6 +27,7 @@ setup(
         'console_scripts': [
             'cell = robots_controller.live_cell.cell_command:main',
             'io_bridge_node = robots_controller.nodes.io_bridge_node:main',
+            'guide_player_node = robots_controller.nodes.guide_player_node:main',
             'plc_node = robots_controller.nodes.plc_node:main',
             'check_bag = robots_controller.recording.check_bag:main',
             'check_program = robots_controller.program_check.check_program:main',

@@ -1,96 +1,133 @@
-"""A recorded sensor guides a robot: over real topics in a live cell, and in a simulated one."""
+"""A recorded sensor or person guides a robot: nodes in lock-step and the simulation do the same."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
 
-from robots_controller.recording.bag_file import read_bag
+from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.simulate import simulate
 from robots_controller.testing import BAG_START, BAG_TYPES, write_bag
 from robots_core import load_robot_model
-from robots_core.validation import Array
 
 from .cell_process import CellProcess
 
 T = BAG_TYPES.types
 ROBOT = load_robot_model('kuka_kr210_r2700')
-PROGRAM = """-- Robot: kuka_kr210_r2700
-ptpJointSpaceAngles(0, -90, 90, 0, 90, 0)
-print('hands over')
-followReference(30, 1)
-ptpJointSpaceAngles(0, -90, 90, 0, 90, 0)
-"""
 READY = np.radians([0.0, -90.0, 90.0, 0.0, 90.0, 0.0])
-RATE, TURN, RADIUS = 50.0, 6.0, 0.05  # Hz, s, m
-REST = 3.0  # s before the circle, in which all who listen have found the replay on a busy machine
-# At up to 0.1 m/s: on a busy machine poses may come late by as much as the 0.2 s after which a reference is
-# stale, and the robot leaves the circle for the straight way to where it should be then.
-APART = 0.02  # m
+MOVE = 'ptpJointSpaceAngles(0, -90, 90, 0, 90, 0)\n'
+HEADER = f'-- Robot: {ROBOT.name}\n'
+# Between the controller's periods of 4 ms, and beside them.
+PERIOD, DELAY = 0.0213, 0.0047  # s between messages, s on their way
+TURN, RADIUS = 1.5, 0.03  # s, m
+Messages = list[tuple[float, str, Any]]
 
 
-def circle(time: float) -> Any:
-    """A message of where the sensor wants the tool, from rest to rest."""
-    r, matrix = ROBOT.direct_kinematics(READY)
-    part = np.clip((time - REST) / TURN, 0.0, 1.0)
-    angle = 2.0 * np.pi * part - np.sin(2.0 * np.pi * part)
-    point = r + RADIUS * np.array([0.0, np.sin(angle), 1.0 - np.cos(angle)])
-    assert np.allclose(matrix, np.diag([-1.0, 1.0, -1.0]))
+def header(time: float, frame: str) -> Any:
     stamp = T['builtin_interfaces/msg/Time'](*divmod(BAG_START + round(1e9 * time), 1_000_000_000))
-    pose = T['geometry_msgs/msg/Pose'](
-        T['geometry_msgs/msg/Point'](*point), T['geometry_msgs/msg/Quaternion'](0.0, 1.0, 0.0, 0.0)
-    )
-    return T['geometry_msgs/msg/PoseStamped'](T['std_msgs/msg/Header'](stamp, 'base'), pose)
+    return T['std_msgs/msg/Header'](stamp, frame)
 
 
-def guided_path(bag: Path) -> Array:
-    """Where the references lead the tool while the sensor guides it, (k, 3) m."""
-    found = read_bag(bag).deserialized(['/guide', '/joint_reference'])
-    begin = next(stamp for stamp, guide in found['/guide'] if guide.data == 'SENSOR')
-    end = next(stamp for stamp, guide in found['/guide'] if stamp > begin and guide.data == 'NONE')
-    references = [m.points[0].positions for stamp, m in found['/joint_reference'] if begin < stamp < end]
-    return np.array([ROBOT.direct_kinematics(np.array(q))[0] for q in references])
+def vectors(*rows: Any) -> Iterator[Any]:
+    return (T['geometry_msgs/msg/Vector3'](*map(float, row)) for row in rows)
 
 
-def states(bag: Path) -> list[str]:
-    found = read_bag(bag).deserialized(['/command_state'])['/command_state']
-    return [message.data for _, message in found]
+def times(duration: float) -> list[float]:
+    return np.arange(0.0, duration, PERIOD).tolist()
 
 
-@pytest.mark.timeout(240)
-def test_a_sensor_guides_a_live_robot_as_a_simulated_one(
-    start_cell: Callable[..., CellProcess], tmp_path: Path
+def circle() -> Messages:
+    """A sensor that leads the tool around a circle, from rest to rest."""
+    r, _ = ROBOT.direct_kinematics(READY)
+    rows: Messages = []
+    for time in times(TURN):
+        part = time / TURN
+        angle = 2.0 * np.pi * part - np.sin(2.0 * np.pi * part)
+        point = T['geometry_msgs/msg/Point'](
+            *(r + RADIUS * np.array([0.0, np.sin(angle), 1.0 - np.cos(angle)]))
+        )
+        pose = T['geometry_msgs/msg/Pose'](point, T['geometry_msgs/msg/Quaternion'](0.0, 1.0, 0.0, 0.0))
+        message = T['geometry_msgs/msg/PoseStamped'](header(time, 'base'), pose)
+        rows.append((time + DELAY, '/reference_pose', message))
+    return rows
+
+
+def twists(topic: str, frame: str) -> Messages:
+    """A person or a sensor that moves the tool."""
+    twist = T['geometry_msgs/msg/Twist'](*vectors([0.0, 0.05, -0.02], [0.0, 0.0, 0.1]))
+    return [
+        (time + DELAY, topic, T['geometry_msgs/msg/TwistStamped'](header(time, frame), twist))
+        for time in times(0.6)
+    ]
+
+
+def axes() -> Messages:
+    """A person who jogs two axes."""
+    velocity = np.array([0.1, 0.0, 0.0, 0.0, 0.0, -0.05])
+    state, names = T['sensor_msgs/msg/JointState'], list(ROBOT.axes_data.names)
+    none = np.zeros(0)
+    return [
+        (time, '/teach_joints', state(header(time, ''), names, none, velocity, none)) for time in times(0.6)
+    ]
+
+
+GUIDED = {
+    'poses': (circle(), f'followReference({TURN + 0.5})'),
+    'twists': (twists('/reference_twist', 'base'), 'followReference(1)'),
+    'tool': (twists('/teach_twist', 'tool'), 'jog(1)'),
+    # Taken back while it is guided: what comes then moves nothing.
+    'axes': (axes(), 'jog(0.3)'),
+}
+
+
+@pytest.mark.parametrize('guide', GUIDED)
+def test_references_are_those_of_the_simulation(
+    start_cell: Callable[..., CellProcess], tmp_path: Path, guide: str
 ) -> None:
+    messages, call = GUIDED[guide]
+    sensor = write_bag(tmp_path / 'sensor', messages)
     program = tmp_path / 'guided.lua'
-    program.write_text(PROGRAM)
-    end = REST + TURN + 1.5
-    times = np.arange(0.0, end, 1.0 / RATE).tolist()
-    layout = T['std_msgs/msg/MultiArrayLayout']([], 0)
-    done = (end, '/digital_inputs', T['std_msgs/msg/UInt8MultiArray'](layout, np.array([1], np.uint8)))
-    sensor = write_bag(
-        tmp_path / 'sensor', [*((time, '/reference_pose', circle(time)) for time in times), done]
-    )
-    cell = start_cell('--program', str(program), '--guided', 'constrained', '--once')
-    cell.until('hands over')
-    command = [sys.executable, '-P', '-m', 'robots_controller.nodes.bags.replay_bag', str(sensor)]
-    subprocess.run(command, check=True, capture_output=True, timeout=60.0)
+    program.write_text(f'{HEADER}{MOVE}{call}\n{MOVE}')
+    cell = start_cell('--program', str(program), '--references', str(sensor), '--once', '--lockstep')
     assert cell.wait() == 0, cell.text
-
     bag = tmp_path / 'simulated'
-    run = simulate(program, robot=ROBOT.name, references=cell.bag, bag=bag)
+    run = simulate(program, robot=ROBOT.name, references=sensor, bag=bag)
     assert run.ok, run.error
-    assert states(cell.bag) == states(bag)
-    live, simulated = guided_path(cell.bag), guided_path(bag)
-    for path in (live, simulated):
-        np.testing.assert_allclose(np.ptp(path, axis=0), [0.0, 2.0 * RADIUS, 2.0 * RADIUS], atol=APART)
-    for one, other in ((live, simulated), (simulated, live)):
-        assert cKDTree(one).query(other)[0].max() < APART
-    # At the end both stand where the sensor rests.
-    np.testing.assert_allclose(live[-1], simulated[-1], atol=1e-6)
+    there, here = read_bag(cell.bag), read_bag(bag)
+    for topic in ('/motion_result', '/command_state', '/guide'):
+        assert texts(there, topic) == texts(here, topic)
+    assert any(len(m.points) == 1 for _, m in here.deserialized(['/joint_trajectory'])['/joint_trajectory'])
+    for topic in (messages[0][1], '/joint_trajectory', '/joint_reference'):
+        nodes, simulation = rows(there, topic), rows(here, topic)
+        # The nodes hold the robot for some periods more.
+        stamps = [stamp for stamp in nodes if stamp in simulation]
+        assert [*simulation] == stamps
+        np.testing.assert_array_equal([nodes[s] for s in stamps], [simulation[s] for s in stamps], topic)
+
+
+def texts(bag: Bag, topic: str) -> list[str]:
+    found = bag.deserialized([topic])[topic]
+    return [getattr(message, 'data', None) or message.message for _, message in found]
+
+
+def rows(bag: Bag, topic: str) -> dict[int, Any]:
+    """Numbers of all messages of a topic, by their stamps in ns."""
+    return {
+        message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec: numbers(message)
+        for _, message in bag.deserialized([topic])[topic]
+    }
+
+
+def numbers(message: Any) -> Any:
+    if hasattr(message, 'points'):
+        point = message.points[-1]
+        return [*point.positions, *point.velocities, *point.accelerations]
+    if hasattr(message, 'velocity'):
+        return list(message.velocity)
+    if hasattr(message, 'pose'):
+        return [message.pose.position.x, message.pose.position.y, message.pose.position.z]
+    return [message.twist.linear.x, message.twist.linear.y, message.twist.linear.z]

@@ -61,6 +61,16 @@ class Bench:
         self.peer.create_subscription(kind, topic, receive, qos)
         return found
 
+    def collect_sent(self, topic: str, kind: type, qos: QoSProfile = MANY) -> list[tuple[float, Any]]:
+        """Collect the `data` of a topic's messages from now on, each with the time of sending, s."""
+        found: list[tuple[float, Any]] = []
+
+        def receive(message: Any, info: Any) -> None:
+            found.append((1e-9 * info['source_timestamp'], message.data))
+
+        self.peer.create_subscription(kind, topic, receive, qos)
+        return found
+
     def collected(self, topic: str) -> list[Any]:
         """What was collected of a topic."""
         return self._collected[topic]

@@ -9,13 +9,21 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from rclpy.qos import QoSProfile
+from rclpy.parameter import Parameter
 from std_msgs.msg import Float64, String
 
+from robots_controller.nodes.bags.bag_player import BagPlayer
 from robots_controller.nodes.bags.replay_bag import replay_bag
+from robots_controller.recording.bag_file import read_bag
+from robots_controller.recording.bag_replay import replay_plan
 from robots_controller.testing import BAG_TYPES, write_bag
 from robots_core.errors import RobotsError
-from robots_core.ros.qos import STATE
+from robots_core.ros.lockstep.coordinator import Coordinator
+from robots_core.ros.lockstep.phases import START
+from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.timed_node import TimedNode
+
+from .bench import Bench
 
 T = BAG_TYPES.types
 
@@ -28,29 +36,17 @@ def text(value: str) -> Any:
     return T['std_msgs/msg/String'](value)
 
 
-EVERY = QoSProfile(depth=1000)
 COUNT, PERIOD = 40, 0.02  # s
+END_DEADLINE = 240.0  # s
 
 
-class Listener:
-    """What arrives, with the time of sending in s."""
+class Listener(Bench):
+    """Subscribed to what is replayed; each value with the time of sending in s."""
 
     def __init__(self, runner: Any, level: str = '/level') -> None:
-        self.level: list[tuple[float, float]] = []
-        self.mode: list[tuple[float, str]] = []
-        node = runner.create_node('listener')
-        node.create_subscription(
-            Float64,
-            level,
-            lambda m, info: self.level.append((1e-9 * info['source_timestamp'], m.data)),
-            EVERY,
-        )
-        node.create_subscription(
-            String,
-            '/mode',
-            lambda m, info: self.mode.append((1e-9 * info['source_timestamp'], m.data)),
-            STATE,
-        )
+        super().__init__(runner, 'listener')
+        self.level = self.collect_sent(level, Float64)
+        self.mode = self.collect_sent('/mode', String, STATE)
 
 
 def replay(*options: object) -> subprocess.Popen[str]:
@@ -67,29 +63,49 @@ def bag(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize('rate', [1.0, 2.0])
 def test_messages_come_in_their_order_and_time_and_the_state_first(ros_nodes: Any, bag: Path, rate: float):
-    heard = Listener(ros_nodes, '/press/level')
+    listener = Listener(ros_nodes, '/press/level')
     process = replay(bag, '--rate', rate, '--remap', '/level:=/press/level', '--wait', 60)
-    output, errors = process.communicate(timeout=120.0)
+    output, errors = process.communicate(timeout=END_DEADLINE)
     assert process.returncode == 0, errors
     assert output == f'{COUNT} messages in {(COUNT - 1) * PERIOD / rate:.1f} s\n'
-    ros_nodes.wait_for(lambda: len(heard.level) == COUNT, what='all messages')
-    assert [value for _, value in heard.level] == [float(k) for k in range(COUNT)]
-    assert [mode for _, mode in heard.mode] == ['auto']
-    assert heard.mode[0][0] < heard.level[0][0]
+    listener.wait(lambda: len(listener.level) == COUNT, 'all messages')
+    assert [value for _, value in listener.level] == [float(k) for k in range(COUNT)]
+    assert [mode for _, mode in listener.mode] == ['auto']
+    assert listener.mode[0][0] < listener.level[0][0]
     # Due from the beginning, when the state was sent: never early; how late depends on the machine.
-    for k, (sent, _) in enumerate(heard.level):
-        assert sent - heard.mode[0][0] >= PERIOD * k / rate
+    for k, (sent, _) in enumerate(listener.level):
+        assert sent - listener.mode[0][0] >= PERIOD * k / rate
 
 
 def test_an_interrupt_ends_it(ros_nodes: Any, tmp_path: Path):
-    heard = Listener(ros_nodes)
-    path = write_bag(tmp_path / 'long', [(10.0 * k, '/level', number(0.0)) for k in range(100)])
+    listener = Listener(ros_nodes)
+    path = write_bag(tmp_path / 'long', [(1000.0 * k, '/level', number(0.0)) for k in range(2)])
     process = replay(path, '--wait', 60)
-    ros_nodes.wait_for(lambda: heard.level, what='the first message')
+    listener.wait(lambda: listener.level, 'the first message')
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=120.0)
+    _, errors = process.communicate(timeout=END_DEADLINE)
     assert process.returncode == 130
     assert 'Traceback' not in errors
+
+
+def test_in_lockstep_each_message_comes_at_its_simulated_time(ros_nodes: Any, bag: Path):
+    lockstep = {'context': ros_nodes.context, 'parameter_overrides': [Parameter('lockstep', value=True)]}
+    listener = TimedNode('listener', **lockstep)
+    came: list[tuple[int, float]] = []
+    modes: list[str] = []
+    listener.create_subscription(
+        Float64, '/level', lambda m: came.append((listener.participant.time, m.data)), COMMAND
+    )
+    listener.create_subscription(String, '/mode', lambda m: modes.append(m.data), STATE)
+    player = BagPlayer(replay_plan(read_bag(bag)), wait=0.0, **lockstep)
+    node = ros_nodes.create_node('coordinator')
+    ros_nodes.call(lambda: Coordinator(node, ['/listener', '/bag_player']))
+    for one in (listener, player):
+        ros_nodes.add(one)
+    ros_nodes.wait_for(lambda: len(came) == COUNT, what='all messages')
+    assert came == [(START + round(1e9 * PERIOD * k), float(k)) for k in range(COUNT)]
+    assert set(modes) == {'auto'}
+    assert player.complete
 
 
 @pytest.mark.parametrize(
@@ -100,24 +116,24 @@ def test_an_interrupt_ends_it(ros_nodes: Any, tmp_path: Path):
         (['--remap', '/level'], "'/level' is no remap; remaps are like"),
     ],
 )
-def test_what_does_not_fit_is_told(bag: Path, options: list[str], message: str):
+def test_options_that_do_not_fit_the_bag_are_refused(bag: Path, options: list[str], message: str):
     with pytest.raises(RobotsError, match=message):
         replay_bag([str(bag), *options])
 
 
-def test_a_mistake_is_told_in_one_line(ros_domain: int, tmp_path: Path):
+def test_a_missing_bag_is_reported_in_one_line(ros_domain: int, tmp_path: Path):
     del ros_domain
     process = replay(tmp_path / 'no')
-    _, errors = process.communicate(timeout=120.0)
+    _, errors = process.communicate(timeout=END_DEADLINE)
     assert process.returncode == 2
     assert errors.startswith('error: ')
     assert 'does not exist; a bag is a folder' in errors
     assert errors.count('\n') == 1
 
 
-def test_topics_that_nobody_hears_are_told(ros_domain: int, bag: Path):
+def test_topics_without_a_subscriber_are_named(ros_domain: int, bag: Path):
     del ros_domain
     process = replay(bag, '--wait', 0.1, '--rate', 100)
-    output, _ = process.communicate(timeout=120.0)
+    output, _ = process.communicate(timeout=END_DEADLINE)
     assert process.returncode == 0
-    assert output.startswith('nobody listens to /mode, /level\n')
+    assert output.startswith('no subscribers to /mode, /level\n')

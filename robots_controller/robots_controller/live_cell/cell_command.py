@@ -73,6 +73,7 @@ class CellOptions:
     io_map: str
     scene: str
     guided: str
+    references: str
     debug_port: int
     describe: bool
     lockstep: bool
@@ -107,6 +108,9 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
     parser.add_argument(
         '--guided', default='', choices=METHODS, help='follow reference_pose by this inverse kinematics'
     )
+    parser.add_argument(
+        '--references', default='', metavar='BAG', help='recording of what guides or jogs the robot'
+    )
     parser.add_argument('--debug-port', type=int, default=0, help='port for editors; 0 for none')
     parser.add_argument(
         '--lockstep',
@@ -133,7 +137,8 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         io=str(Path(options.io).resolve()) if options.io else '',
         io_map=str(Path(options.io_map).resolve()) if options.io_map else '',
         scene=str(Path(options.scene).resolve()) if options.scene else '',
-        guided=options.guided,
+        guided=options.guided or (METHODS[0] if options.references else ''),
+        references=str(Path(options.references).resolve()) if options.references else '',
         debug_port=options.debug_port,
         describe=options.describe,
         lockstep=options.lockstep,
@@ -166,6 +171,7 @@ def run_cell(options: CellOptions, console: Console) -> int:
         io_map=options.io_map,
         scene=options.scene,
         guided=options.guided,
+        references=options.references,
         debug_port=options.debug_port,
         lockstep=options.lockstep,
     )

@@ -84,6 +84,7 @@ def cell_graph(
     io_map: str = '',
     scene: str = '',
     guided: str = '',
+    references: str = '',
     debug_port: int = 0,
     lockstep: bool = False,
 ) -> tuple[NodeDescription, ...]:
@@ -103,6 +104,7 @@ def cell_graph(
         scene: Scene that the robot keeps clear of (see `read_scene`); with one, the robot is watched too.
         guided: Inverse kinematics that follows `reference_pose` in `followReference`, one of `METHODS`;
             none by default.
+        references: Recording of what guides or jogs the robot (see `read_guide_recording`); none by default.
         debug_port: Port on this machine where editors debug the program; 0 for none.
         lockstep: All nodes take part in a lock-step run.
 
@@ -139,6 +141,7 @@ def cell_graph(
         node('robots_core', 'direct_kinematics_node'),
         node('robots_core', 'visualizer_node', port=port, scene=scene),
         *([node('robots_core', 'inverse_kinematics_node', method=guided)] if guided else []),
+        *([node('robots_controller', 'guide_player_node', references=references)] if references else []),
         *([node('robots_core', 'collision_node', scene=scene)] if scene else []),
         *([node('robots_controller', 'plc_node', script=io, **plc_cycle)] if io else []),
         *([node('robots_controller', 'io_bridge_node', io_map=io_map)] if io_map else []),

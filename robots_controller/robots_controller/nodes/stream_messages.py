@@ -44,4 +44,5 @@ def stream_point_from_message(
     if sent := nanoseconds(message.header.stamp):
         ahead += sent - ros_time
     position, velocity, acceleration = rows
-    return StreamPoint(position, velocity, acceleration, now + ahead / NANOSECONDS)
+    due = (round(now * NANOSECONDS) + ahead) / NANOSECONDS
+    return StreamPoint(position, velocity, acceleration, due)

@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from robots_controller.cell.guide_recording import GuideRecording, read_guide_recording
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.plc_script import PlcScript
-from robots_controller.simulation.guide_recording import GuideRecording, read_guide_recording
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.drives.drive_level import drive_train

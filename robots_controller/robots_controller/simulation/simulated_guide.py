@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections import deque
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
+from robots_controller.cell.guide_recording import GUIDES, NANOSECONDS, GuideRecording, GuidingMessage
+from robots_controller.cell.guide_replay import GuideReplay
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.streamed_reference import StreamPoint
-from robots_controller.simulation.guide_recording import (
-    GUIDES,
-    NANOSECONDS,
-    GuideRecording,
-    GuidingMessage,
-)
 from robots_core.blocks.following.following_methods import RATE
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.following.realtime_movement import RealtimeStep
@@ -71,9 +66,7 @@ class SimulatedGuide:
     ) -> None:
         self._recording, self._control, self._planner = recording, control, planner
         self._on_message, self._on_point = on_message, on_point
-        self._messages = deque(() if recording is None else recording.messages)
-        self._start: int | None = None  # ns
-        self._guide = Guide.NONE
+        self._replay = None if recording is None else GuideReplay(recording)
         self._sensor_times, self._jog_times = PeriodicSchedule(SENSOR_PERIOD), PeriodicSchedule(JOG_PERIOD)
         self._heard = False  # since the last step of the sensor's stream
         if recording is not None:
@@ -90,13 +83,11 @@ class SimulatedGuide:
     @property
     def next_time(self) -> float:
         """When something happens next, s: now while a stream moves the robot; infinite for never."""
-        if self._start is None:
+        if self._replay is None or self._replay.start is None:
             return math.inf
         if self._heard or self._sensor.streaming or self._jogging.active:
             return 0.0
-        if not self._messages:
-            return math.inf
-        return (self._start + self._messages[0].time) / NANOSECONDS
+        return self._replay.next_time / NANOSECONDS
 
     def hand_over(self, guide: Guide, nanoseconds: int) -> None:
         """The program hands the robot over, or takes it back.
@@ -108,22 +99,21 @@ class SimulatedGuide:
         Raises:
             RobotsError: nothing of it is recorded.
         """
-        if guide is not Guide.NONE:
-            if self._recording is None:
+        if self._replay is None:
+            if guide is not Guide.NONE:
                 raise PlanningError(NOBODY[guide])
-            self._recording.check(guide)
-            if self._start is None:
-                self._start = nanoseconds
-        self._guide = guide
-        if self._recording is not None:
-            self._sensor.hand_over(handed_over=guide is Guide.SENSOR)
-            self._jogging.use_tool(self._planner.settings.tool_pose)
+            return
+        self._replay.hand_over(guide, nanoseconds)
+        self._sensor.hand_over(handed_over=guide is Guide.SENSOR)
+        self._jogging.use_tool(self._planner.settings.tool_pose)
+        self._take_messages(self._replay, nanoseconds)
 
     def step(self, nanoseconds: int) -> None:
         """Take what has come until now and send the controller what to follow; ns on the simulated clock."""
-        if self._start is None or self._control.controller.reference is None:
+        replay = self._replay
+        if replay is None or replay.start is None or self._control.controller.reference is None:
             return
-        self._take_messages(self._start, nanoseconds)
+        self._take_messages(replay, nanoseconds)
         for time in self._sensor_times.due(nanoseconds):
             self._heard = False
             self._send(self._sensor.step(time / NANOSECONDS), time, SENSOR_PERIOD)
@@ -138,18 +128,16 @@ class SimulatedGuide:
     def _reference(self) -> Array | None:
         return self._control.controller.reference
 
-    def _take_messages(self, start: int, nanoseconds: int) -> None:
-        assert self._recording is not None
-        while self._messages and start + self._messages[0].time <= nanoseconds:
-            message = self._messages.popleft()
-            self._take(message, start + message.valid, nanoseconds)
-            self._on_message(message, self._recording.types[message.topic])
+    def _take_messages(self, replay: GuideReplay, nanoseconds: int) -> None:
+        for time, message in replay.due(nanoseconds):
+            assert self._recording is not None
+            assert replay.start is not None
+            self._take(message, replay.start + message.valid, time)
+            self._on_message(message.stamped(replay.start), self._recording.types[message.topic])
 
     def _take(self, message: GuidingMessage, valid: int, now: int) -> None:
         if message.topic in GUIDES[Guide.PERSON]:
-            # Nobody of a recording jogs but while the program lets them.
-            if self._guide is Guide.PERSON:
-                self._jog(message, (now - valid) / NANOSECONDS, now)
+            self._jog(message, (now - valid) / NANOSECONDS, now)
             return
         self._heard = True
         if isinstance(message.value, Pose):
@@ -160,7 +148,7 @@ class SimulatedGuide:
     def _jog(self, message: GuidingMessage, age: float, now: int) -> None:
         active, command = self._jogging.active, message.value
         assert isinstance(command, np.ndarray)
-        with contextlib.suppress(RobotsError):  # whoever jogs goes on, as in a live cell
+        with contextlib.suppress(RobotsError):  # jogging goes on, as in a live cell
             if message.topic == 'teach_joints':
                 self._jogging.jog_axes(command, age, now / NANOSECONDS)
             else:

@@ -138,14 +138,12 @@ class InverseKinematicsNode(RobotNode):
             self._durations.append(time.thread_time() - start)
 
     def _take_references(self, now: float) -> None:
-        message = self._poses.take()
-        if message is not None:
+        for message, _ in self._poses.take_all():
             try:
                 self._guidance.put(pose_from_message(message.pose), self._valid_at(message, now))
             except RobotsError as error:
                 self._refuse_input('reference_pose', error)
-        twist_message = self._twists.take()
-        if twist_message is not None:
+        for twist_message, _ in self._twists.take_all():
             v, w = twist_message.twist.linear, twist_message.twist.angular
             try:
                 self._guidance.put_twist([v.x, v.y, v.z, w.x, w.y, w.z], self._valid_at(twist_message, now))
@@ -161,13 +159,16 @@ class InverseKinematicsNode(RobotNode):
         stamp = message.header.stamp
         if not stamp.sec and not stamp.nanosec:
             return now
-        age: float = (self.get_clock().now().nanoseconds - nanoseconds(stamp)) / NANOSECONDS
+        nanoseconds_old = self.get_clock().now().nanoseconds - nanoseconds(stamp)
+        age: float = nanoseconds_old / NANOSECONDS
         if not -FUTURE <= age <= self._timeout:
             if not -self._timeout <= age - self._oldest <= self._timeout:
                 self._oldest = age
             self._oldest = min(self._oldest, age)
-            age -= self._oldest
-        return now - age
+            return now - (age - self._oldest)
+        return (
+            round(now * NANOSECONDS) - nanoseconds_old
+        ) / NANOSECONDS  # in simulated time the stamp itself
 
     def _controller_reference(self) -> Array | None:
         """The newest valid `joint_reference`, (2, n)."""

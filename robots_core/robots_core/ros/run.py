@@ -24,7 +24,7 @@ EXIT_BAD_INPUT = 2
 
 
 def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
-    """Run a node until it is interrupted.
+    """Run a node until it is interrupted or has shut its context down.
 
     A mistake of the user (a `RobotsError`) is told in one line, without traceback.
 
@@ -57,7 +57,7 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
             executor = _executor(node)
             executor.add_node(node)
             gc.freeze()  # what is there now lives as long as the node
-            while not stopping.is_set():
+            while node.context.ok() and not stopping.is_set():
                 executor.spin_once()
         except ExternalShutdownException:
             return 0

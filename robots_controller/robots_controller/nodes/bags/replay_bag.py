@@ -3,29 +3,23 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-import rclpy
-from rclpy.signals import SignalHandlerOptions
-from rclpy.utilities import try_shutdown
-
+from robots_controller.cell_arguments import EXIT_BAD_INPUT, EXIT_INTERRUPTED
 from robots_controller.nodes.bags.bag_player import BagPlayer
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_replay import replay_plan
 from robots_core.errors import RobotsError
-from robots_core.ros.interrupt import interrupt
-from robots_core.ros.middleware import choose_transports
-
-EXIT_OK, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 2, 130
+from robots_core.ros.run import run
 
 
 def main() -> None:
     """Run from the command line."""
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    choose_transports()
     try:
         code = replay_bag(sys.argv[1:])
     except RobotsError as error:
@@ -35,7 +29,7 @@ def main() -> None:
 
 
 def replay_bag(arguments: Sequence[str]) -> int:
-    """Publish the bag of a command line.
+    """Publish the bag of a command line; its time is the node's: `--ros-args -p use_sim_time:=true`.
 
     Returns:
         Exit code: 0, or 130 after Ctrl-C.
@@ -55,7 +49,9 @@ def replay_bag(arguments: Sequence[str]) -> int:
         '--remap', nargs='+', default=(), metavar='FROM:=TO', help='publish topics under other names'
     )
     parser.add_argument('--wait', type=float, default=1.0, help='longest wait for subscribers, s')
-    options = parser.parse_args(arguments)
+    # rclpy would take FROM:=TO for its own.
+    ours = [*itertools.takewhile(lambda word: word != '--ros-args', arguments)]
+    options = parser.parse_args(ours)
     bag = read_bag(options.bag)
     if bag.problem:
         print(f'{bag.path} is incomplete: {bag.problem}', file=sys.stderr)
@@ -66,20 +62,14 @@ def replay_bag(arguments: Sequence[str]) -> int:
         topics=options.topics,
         remaps=dict(_remap(text) for text in options.remap),
     )
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    player: BagPlayer | None = None
-    try:
-        player = BagPlayer(plan)
-        with interrupt(lambda: None) as stop:
-            if unheard := player.wait_for_subscribers(options.wait, stop):
-                print(f'nobody listens to {", ".join(unheard)}')
-            print(f'{len(plan.timeline)} messages in {plan.duration:.1f} s', flush=True)
-            count = player.play(stop)
-    finally:
-        if player is not None:
-            player.destroy_node()  # type: ignore[no-untyped-call]
-        try_shutdown()
-    return EXIT_OK if count == len(plan.timeline) else EXIT_INTERRUPTED
+    players: list[BagPlayer] = []
+
+    def make_player() -> BagPlayer:
+        players.append(BagPlayer(plan, wait=options.wait))
+        return players[0]
+
+    code = run(make_player, list(arguments[len(ours) :]))
+    return code or (0 if players[0].complete else EXIT_INTERRUPTED)
 
 
 def _remap(text: str) -> tuple[str, str]:

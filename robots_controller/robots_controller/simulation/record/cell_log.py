@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
+from robots_controller.cell.guide_recording import GuidingMessage
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.io.io_image import Channel, IoImage
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_state import RunState
 from robots_controller.simulation.cost import Cost
-from robots_controller.simulation.guide_recording import GuidingMessage
 from robots_controller.simulation.record import ros_messages as ros
 from robots_controller.simulation.record.events import (
     CommandStateChanged,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -23,6 +24,8 @@ GUIDES: Final[Mapping[Guide, tuple[str, ...]]] = {
     Guide.PERSON: ('teach_twist', 'teach_joints'),
 }
 """Topics that guide a robot, by what guides it; a twist beside poses says how they move."""
+# CDR: an encapsulation, whose second byte is 1 for little-endian numbers, and then the header's stamp.
+STAMP_OFFSET: Final = 4
 # A stamp that is farther from when its message was sent is of another clock.
 SAME_CLOCK: Final = 1.0  # s
 
@@ -46,6 +49,13 @@ class GuidingMessage:
     data: bytes = field(repr=False)
     value: Pose | Array
     frame: JogAxes = 'base'
+
+    def stamped(self, start: int) -> GuidingMessage:
+        """The message with the stamp of a replay that begins at `start`, ns."""
+        data = bytearray(self.data)
+        words = struct.Struct('<iI' if data[1] & 1 else '>iI')
+        words.pack_into(data, STAMP_OFFSET, *divmod(start + self.valid, NANOSECONDS))
+        return replace(self, data=bytes(data))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,80 @@
+"""guide_player_node: plays what guided or jogged a robot, when a program hands its robot over."""
+
+from __future__ import annotations
+
+import math
+import sys
+from typing import Any
+
+from std_msgs.msg import String
+
+from robots_controller.cell.guide_recording import GuideRecording, read_guide_recording
+from robots_controller.cell.guide_replay import GuideReplay
+from robots_core.blocks.following.guide import Guide
+from robots_core.errors import RobotsError
+from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.message_class import message_class
+from robots_core.ros.qos import COMMAND, subscribe_state
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.run import run
+
+
+class GuidePlayerNode(RobotNode):
+    """Publishes a recording's guiding messages from the first SENSOR or PERSON of `guide` on.
+
+    Their stamps are on the node's clock.
+
+    Parameters:
+        references: Bag of what guides the robot (see `read_guide_recording`); nothing is played without one.
+    """
+
+    phase = Phase.ENVIRONMENT
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('guide_player_node', **options)
+        path = self.parameter('references', '', 'bag of what guides or jogs the robot', read_only=True)
+        if path:
+            self._open(read_guide_recording(path, self.robot.axes_data.names))
+        else:
+            self.ready('ready; parameter references is empty, nothing is played')
+
+    def _open(self, recording: GuideRecording) -> None:
+        self._replay = GuideReplay(recording)
+        self._message_publishers = {
+            topic: self.create_publisher(message_class(type_name), topic, COMMAND)
+            for topic, type_name in recording.types.items()
+        }
+        self._timer = self.create_timer(1.0, self._play, autostart=False)
+        subscribe_state(self, String, 'guide', self._on_guide)
+        self.ready(messages=len(recording.messages))
+
+    def _on_guide(self, message: String) -> None:
+        try:
+            self._replay.hand_over(Guide(message.data), self._nanoseconds())
+        except (ValueError, RobotsError) as error:
+            self.refuse('guide', RobotsError(str(error)))
+        self._play()
+
+    def _nanoseconds(self) -> int:
+        return int(self.get_clock().now().nanoseconds)
+
+    def _play(self) -> None:
+        now = self._nanoseconds()
+        for _, message in self._replay.due(now):
+            assert self._replay.start is not None
+            self._message_publishers[message.topic].publish(message.stamped(self._replay.start).data)
+        following = self._replay.next_time
+        if following == math.inf:
+            self._timer.cancel()
+        else:
+            self._timer.timer_period_ns = int(following) - now
+            self._timer.reset()
+
+
+def main() -> None:
+    """Start the node."""
+    sys.exit(run(GuidePlayerNode))
+
+
+if __name__ == '__main__':
+    main()
