@@ -270,6 +270,49 @@ def test_a_program_without_end_is_ended(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
+    ('text', 'line'),
+    [
+        ('while true do end', 1),
+        ('wait(0.1)\nlocal n = 0\nwhile true do\n  n = n + 1 end', 4),
+        ('wait(0.1)\ncoroutine.wrap(function()\nwhile true do end end)()', 3),
+        ('wait(0.1)\nwhile true do\npcall(function() while true do end end) end', 3),
+    ],
+)
+def test_a_program_that_computes_without_end_is_ended_at_its_line(tmp_path: Path, text: str, line: int):
+    run = run_text(tmp_path, text, longest=5.0)
+    assert str(run.error) == f'program.lua:{line}: it has not ended after 5 s'
+    assert run.time[-1] == pytest.approx(5.0, abs=2 * PERIOD)
+
+
+def test_a_program_that_computes_while_nothing_can_change_is_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr('robots_controller.simulation.deadlock_detection.BUSY_TIME', 2.0)
+    run = run_text(tmp_path, 'local hit = false\nwhile not hit do end')
+    assert str(run.error) == 'program.lua:2: it computes for ever: nothing is left that could change'
+    assert run.time[-1] == pytest.approx(2.0, abs=3 * PERIOD)
+
+
+def test_a_handler_changes_what_the_program_waits_for_busily(tmp_path: Path):
+    io = tmp_path / 'plc.yaml'
+    io.write_text('rules: [{when: start, after: 1.5, set: {digital_input.1: 1}}]')
+    text = """
+        local hit = false
+        onDigitalInput(1, true, function() hit = true end)
+        while not hit do end
+        setDigitalOutput(1, 1)"""
+    runs = [run_text(tmp_path, text, io=io) for _ in range(2)]
+    assert runs[0].ok, runs[0].error
+    assert outputs(runs[0]) == [(pytest.approx(1.5, abs=2 * PERIOD), 1.0)]
+    assert runs[0].events == runs[1].events
+
+
+def test_short_computations_take_no_time(tmp_path: Path):
+    text = 'for i = 1, 1000 do wait(0.01) for j = 1, 500 do local x = j end end'
+    assert run_text(tmp_path, text).duration == pytest.approx(10.0, abs=2 * PERIOD)
+
+
+@pytest.mark.parametrize(
     ('options', 'reason'),
     [
         ({'robot': 'nobody'}, 'unknown robot'),

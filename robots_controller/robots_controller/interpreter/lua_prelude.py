@@ -10,9 +10,9 @@ from robots_controller.interpreter.lua_snapshot import SNAPSHOT
 from robots_controller.interpreter.lua_texts import TEXTS
 
 _STOPPING: Final = rb"""
-local text, name, host, count, period, pattern_steps, table_steps, max_arguments, patterns_text = ...
-local robot_functions = {select(10, ...)}
-local serve, again, abandon, next_values, ask, at_line, attention, held, handled = host()
+local text, name, host, count, period, spell, pattern_steps, table_steps, max_arguments, patterns_text = ...
+local robot_functions = {select(11, ...)}
+local serve, again, abandon, next_values, ask, computed, at_line, attention, held, handled = host()
 
 local error, getmetatable, ipairs, load, next, pairs = error, getmetatable, ipairs, load, next, pairs
 local pcall, xpcall, rawget, rawlen, select = pcall, xpcall, rawget, rawlen, select
@@ -33,7 +33,8 @@ local last = clock()
 local STOP_BIT, ATTEND_BIT, TRACE_BIT, DEPTH_BIT = 1, 2, 4, 8
 local tracing, wants_depth = false, false
 local traced = setmetatable({}, {__mode = 'k'})
-local attend, sources, hook
+local attend, sources, hook, program_place
+local instructions = 0
 
 -- Lines are told while somebody debugs: each costs a call of Python.
 local function trace(code)
@@ -83,6 +84,12 @@ function hook(event, line)
     local chunk = sources[getinfo(2, 'S').source]
     if chunk then obey(at_line(chunk, line, wants_depth and depth() or 0)) end
     -- Instructions of the hook count too: a loop in step with them would never see a count of its own.
+  elseif event == 'count' then
+    instructions = instructions + count
+    if instructions >= spell then
+      instructions = 0
+      obey(computed(program_place()))
+    end
   end
   local now = clock()
   if now - last >= period or now < last then
@@ -113,7 +120,7 @@ local source = '=' .. name
 local last_chunk, last_line = name, 0
 sources = {[source] = name}
 
-local function program_place()
+function program_place()
   local level = 2
   while true do
     local info = getinfo(level, 'Sl')

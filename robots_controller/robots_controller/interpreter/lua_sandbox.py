@@ -19,6 +19,7 @@ the call comes back to Lua, which looks around for the debugger or runs the hand
 from __future__ import annotations
 
 import itertools
+import math
 import struct
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass
@@ -107,6 +108,9 @@ class SandboxHost(Protocol):
     def poll(self) -> Attention:
         """Asked every few milliseconds of computing."""
 
+    def computed(self, chunk: str, line: int) -> Attention:
+        """The program has computed for a spell since the last time, and is at a line."""
+
     def at_line(self, chunk: str, line: int, depth: int) -> Attention:
         """The program begins a line; asked while it is traced."""
 
@@ -147,6 +151,7 @@ class LuaSandbox:
         functions: Names of the robot functions.
         host: Serves their calls.
         memory: Highest use of memory, bytes.
+        spell: Instructions between two calls of `computed`.
     """
 
     def __init__(
@@ -156,11 +161,12 @@ class LuaSandbox:
         functions: tuple[str, ...],
         host: SandboxHost,
         memory: int = DEFAULT_MEMORY,
+        spell: float = math.inf,
     ) -> None:
         self._source = source
         self._functions = functions
         self._host = host
-        self._memory = memory
+        self._memory, self._spell = memory, spell
         self._values: tuple[int | float, ...] = ()
         self._waiting: dict[int, Waiting] = {}
         self._tokens = itertools.count(1)
@@ -181,6 +187,7 @@ class LuaSandbox:
             self._abandon,
             self._next_values,
             self._ask,
+            self._computed,
             self._at_line,
             self._attention,
             self._held,
@@ -193,6 +200,7 @@ class LuaSandbox:
             lambda: callbacks,
             HOOK_INSTRUCTIONS,
             POLL_PERIOD,
+            self._spell,
             MAX_PATTERN_STEPS,
             MAX_TABLE_STEPS,
             MAX_ARGUMENTS,
@@ -285,6 +293,12 @@ class LuaSandbox:
     def _ask(self) -> int:
         try:
             return int(self._host.poll())
+        except BaseException as error:  # noqa: BLE001  # told apart there
+            return self._stop(error)
+
+    def _computed(self, chunk: bytes, line: int) -> int:
+        try:
+            return int(self._host.computed(chunk.decode(), line))
         except BaseException as error:  # noqa: BLE001  # told apart there
             return self._stop(error)
 

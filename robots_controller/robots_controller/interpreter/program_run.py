@@ -72,7 +72,9 @@ class ProgramRun:
         Returns:
             Why it failed, if so, and whether it was stopped.
         """
-        sandbox = LuaSandbox(self._source, functions=tuple(LUA_FUNCTIONS), host=self)
+        sandbox = LuaSandbox(
+            self._source, functions=tuple(LUA_FUNCTIONS), host=self, spell=self._state.clock.spell
+        )
         try:
             failure = sandbox.run()
         except Exception as problem:  # noqa: BLE001  # the thread's end must be told in any case
@@ -112,6 +114,14 @@ class ProgramRun:
             if self._debugger.wants_depth:
                 attention |= Attention.DEPTH
         return attention
+
+    def computed(self, chunk: str, line: int) -> Attention:
+        """Let time pass for a program that computes without ever waiting."""
+        clock = self._state.clock
+        if clock.computes():
+            self._set_line(chunk, line)
+            clock.pass_period()
+        return self.poll()
 
     def at_line(self, chunk: str, line: int, depth: int) -> Attention:
         """Hold before a line that has a breakpoint or ends a step."""

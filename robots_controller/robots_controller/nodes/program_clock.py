@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import threading
-from typing import Final
 
 from rclpy.clock import JumpThreshold
 from rclpy.duration import Duration
 
+from robots_controller.program.clock import LONGEST_WAIT, WallClock
 from robots_core.ros.timed_node import TimedNode
 
-# Python refuses to wait for centuries; a wait may end early, so a long one is a few of these.
-LONGEST_WAIT: Final = 3600.0  # s
 
-
-class ProgramClock:
+class ProgramClock(WallClock):
     """See `Clock`. In simulated time a wait looks at the clock whenever that is set.
 
     Args:
@@ -50,12 +47,3 @@ class ProgramClock:
         if condition is not None:
             with condition:
                 condition.notify_all()
-
-    def program_started(self) -> None:
-        """Nothing: time passes by itself."""
-
-    def program_ended(self) -> None:
-        """Nothing: time passes by itself."""
-
-    def called(self) -> None:
-        """Nothing: time passes by itself."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
-from typing import Protocol
+from typing import Final, Protocol
 
 # Python refuses to wait for centuries; a wait may end early, so a long one is a few of these.
 LONGEST_WAIT = 3600.0  # s
@@ -16,6 +17,10 @@ class Clock(Protocol):
     Everything a program waits for (time, the end of a motion, the end of a pause) goes through `wait`,
     so a simulated clock knows when the program stands still and until when.
     """
+
+    @property
+    def spell(self) -> float:
+        """Instructions of a computing program after which it calls `computes`; infinite for never."""
 
     def now(self) -> float:
         """Time in seconds, from any start, never running backwards."""
@@ -37,9 +42,17 @@ class Clock(Protocol):
     def called(self) -> None:
         """The program calls a robot function; on a clock that stands while it computes, time may pass."""
 
+    def computes(self) -> bool:
+        """The program has computed for a spell; true where time has stood since it did so last."""
+
+    def pass_period(self) -> None:
+        """Let a period pass for a program that does not wait."""
+
 
 class WallClock:
     """The machine's monotonic time."""
+
+    spell: Final = math.inf
 
     def now(self) -> float:
         """Seconds of `time.monotonic`."""
@@ -59,4 +72,11 @@ class WallClock:
         """Nothing: time passes by itself."""
 
     def called(self) -> None:
+        """Nothing: time passes by itself."""
+
+    def computes(self) -> bool:
+        """Never: time passes by itself."""
+        return False
+
+    def pass_period(self) -> None:
         """Nothing: time passes by itself."""

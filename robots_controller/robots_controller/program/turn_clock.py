@@ -10,6 +10,8 @@ from typing import Final
 NANOSECONDS: Final = 1_000_000_000
 # A program that reads an input in a loop without waiting would let no time pass for the input to change.
 CALLS_PER_PERIOD: Final = 200
+# Counted, not timed, so that each run is the same; in a live cell they take less than a millisecond.
+INSTRUCTIONS_PER_PERIOD: Final = 50_000
 CALLS_PERIOD: Final = 0.004  # s
 
 
@@ -24,6 +26,8 @@ class TurnClock:
         period: Time that passes for a program that calls functions again and again without waiting, s.
     """
 
+    spell: Final[float] = INSTRUCTIONS_PER_PERIOD
+
     def __init__(self, stamp: Callable[[], int], period: float = CALLS_PERIOD) -> None:
         self._stamp = stamp
         self.deadline = math.inf
@@ -36,7 +40,9 @@ class TurnClock:
         self._ended = False
         self._cell_turn = threading.Semaphore(0)
         self._calls = 0
-        self._calls_at = -1
+        self._calls_at = self._computed_at = -1
+        self.busy = False
+        """The program that waits lets time pass alone, and could go on."""
 
     @property
     def waiting(self) -> bool:
@@ -79,10 +85,21 @@ class TurnClock:
             self._calls, self._calls_at = 0, self._stamp()
         self._calls += 1
         if self._calls > CALLS_PER_PERIOD:
-            end = self.now() + self._period
-            with self._condition:
-                while self.now() < end and not self._ended:
-                    self.wait(self._condition, end)
+            self.pass_period()
+
+    def computes(self) -> bool:
+        """See `Clock`."""
+        before, self._computed_at = self._computed_at, self._stamp()
+        return before == self._computed_at
+
+    def pass_period(self) -> None:
+        """See `Clock`."""
+        end = self.now() + self._period
+        self.busy = True
+        with self._condition:
+            while self.now() < end and not self._ended:
+                self.wait(self._condition, end)
+        self.busy = False
 
     def program_ended(self) -> None:
         """The program will not wait any more."""

@@ -247,9 +247,10 @@ class SimulatedCell:
         now = self.clock.elapsed
         reason = self._deadlocks.reason(
             now,
-            expected=min(wait, self._next_event()) < math.inf,
+            expected=min(math.inf if self.clock.busy else wait, self._next_event()) < math.inf,
             at_rest=self._stands() and not self._records.any_open,
             waiting=self.clock.waiting,
+            busy=self.clock.busy,
         )
         if reason:
             self._give_up(reason)
