@@ -1,3 +1,4 @@
+from .limit_use import LimitUse as LimitUse
 from .motion_settings import MotionSettings as MotionSettings
 from .pathplanning import PathPlanning as PathPlanning
 from .pathplanning import PlannedMotion as PlannedMotion
@@ -17,6 +18,5 @@ from .trajectory_generators.linear_cartesian_limited import LinearCartesianLimit
 from .trajectory_generators.linear_joint import LinearJoint as LinearJoint
 from .trajectory_generators.linear_joint_axes import LinearJointAxes as LinearJointAxes
 from .trajectory_generators.spline_cartesian import SplineCartesian as SplineCartesian
-from .verification import LimitUse as LimitUse
 from .verification import VerificationReport as VerificationReport
 from .verification import verify as verify

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE, MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.planner_choice import planner_for
+from robots_planning.tool_speeds import ToolSection
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import Target, ToolGeometry, TrajectoryGenerator
 from robots_planning.verification import VerificationReport, verify
@@ -151,6 +153,7 @@ class PathPlanning:
         settings: MotionSettings | None = None,
         *,
         geometry: ToolGeometry | None = None,
+        tools: Sequence[ToolSection] = (),
         start_motion: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> PlannedMotion:
         """A trajectory that has passed verification and the check for collisions; arguments as for `verify`.
@@ -166,6 +169,7 @@ class PathPlanning:
             self.robot,
             **(geometry or {}),
             tool=settings.tool_pose,
+            tools=tools,
             torque=torque,
             start_motion=start_motion,
         )

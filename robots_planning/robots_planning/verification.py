@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -12,7 +13,9 @@ from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
+from robots_planning.limit_use import LimitUse
 from robots_planning.paths.path_deviation import SampledPath, line_deviation, path_deviation
+from robots_planning.tool_speeds import ToolSection, tool_speeds
 from robots_planning.trajectory import Trajectory
 
 SAMPLE_PERIOD = 1e-3  # s
@@ -24,36 +27,6 @@ LINE_TOLERANCE = 1e-5  # m and rad
 # Of position (rad, m), and of the velocity and acceleration limits, from one interval to the next: rounding
 # of the polynomials' coefficients, which is multiplied by up to the inverse of an interval and its square.
 JUMP_TOLERANCE = (1e-9, 1e-6, 1e-4)
-
-
-@dataclass(frozen=True)
-class LimitUse:
-    """The worst use of one kind of limit.
-
-    Attributes:
-        quantity: 'position', 'velocity', 'acceleration', 'jerk' or 'torque'.
-        ratio: Value over limit; for position 1 at a bound, 0 in the middle of the range.
-        joint: Where.
-        time: When, s.
-        value: SI.
-        limit: The bound, SI.
-        unit: Of both.
-    """
-
-    quantity: str
-    ratio: float
-    joint: str
-    time: float
-    value: float
-    limit: float
-    unit: str
-
-    def describe(self) -> str:
-        """One line for a person."""
-        return (
-            f'{self.joint} {self.quantity} {self.value:.6g} {self.unit} at {self.time:.3f} s passes its '
-            f'limit {self.limit:.6g} {self.unit} ({100.0 * self.ratio:.2f} %)'
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,6 +144,7 @@ def verify(
     line: tuple[Pose, Pose] | None = None,
     path: SampledPath | None = None,
     tool: Pose | None = None,
+    tools: Sequence[ToolSection] = (),
     torque: bool = True,
     start_motion: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> VerificationReport:
@@ -187,6 +161,7 @@ def verify(
         line: First and last pose of a straight tool line with rotation about one axis to stay on.
         path: Any other path of the tool to stay on.
         tool: Pose of what follows line or path in tool0; tool0 itself by default.
+        tools: Limits of the tool on the parts of the trajectory, in order.
         torque: Compute torques too.
         start_motion: Velocity and acceleration, (n,) each, of the motion that it goes on from; it starts at
             rest without.
@@ -243,11 +218,12 @@ def verify(
     }
     if torque:
         ratios['torque'] = _torques(trajectory, robot)
+    uses = {quantity: _worst(quantity, robot, values) for quantity, values in ratios.items()}
     deviation, turned = _deviation(trajectory, robot, line, path, tool)
     jumps, jump_time = _jumps(trajectory, robot)
     return VerificationReport(
         duration=trajectory.duration,
-        uses={quantity: _worst(quantity, robot, values) for quantity, values in ratios.items()},
+        uses=uses | tool_speeds(trajectory, robot, tools),
         axis_use={quantity: read_only(values.ratio.max(axis=0)) for quantity, values in ratios.items()},
         outside=float(np.maximum(axes.lower - all_q, all_q - axes.upper).max()),
         start_motion=0.0 if moving and start_motion is None else _motion(trajectory, robot, 0, start_motion),

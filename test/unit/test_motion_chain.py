@@ -108,6 +108,48 @@ def test_a_zone_is_one_of_the_tools_tip(robot: BaseRobotModel, chain: MotionChai
     assert np.min(away, axis=0)[outside].max() < 1e-5  # the line's own tolerance
 
 
+@pytest.mark.parametrize('long', [0, 1])
+def test_every_motion_of_a_chain_keeps_its_speed_for_its_own_tool(
+    robot: BaseRobotModel, chain: MotionChain, start: np.ndarray, long: int
+) -> None:
+    """A long tool that turns about the flange: the speed of the flange says nothing about its tip."""
+    tools = [(0.0, 0.0, 0.4 if number == long else 0.0, 0.0, 0.0, 0.0, 1.0) for number in range(2)]
+    flange = Pose(*robot.direct_kinematics(start))
+    frames = [Pose(np.array(tool[:3]), np.eye(3)) for tool in tools]
+    turned = flange @ Pose.from_angles([0.05, 0.0, 0.0], np.radians([0.0, 60.0, 0.0]))
+    back = flange @ Pose.from_angles([0.1, 0.0, 0.0], np.zeros(3))
+    wanted = {'cartesian_speed': 0.1, 'cartesian_acceleration': 1.0, 'rotation_speed': 3.0}
+    orders = (
+        order(0, LINE, turned @ frames[0], tool=tools[0], blend_zone=ZONE, **wanted),
+        order(1, LINE, back @ frames[1], tool=tools[1], **wanted),
+    )
+    motion, ends = chain.plan(orders, start)
+    t = np.linspace(0.0, motion.duration, 4000)
+    q = motion.trajectory.sample(t)[0]
+    for tool, part in zip(frames, (t < ends[0], t > ends[0]), strict=True):
+        r = np.array([r + T @ tool.r for r, T in map(robot.direct_kinematics, q[part])])
+        # The tolerance of verification.
+        assert np.linalg.norm(np.diff(r, axis=0), axis=1).max() / t[1] <= 0.1 * (1.0 + 1e-3)
+    assert motion.report.uses['speed'].ratio == pytest.approx(1.0, abs=1e-2)
+
+
+def test_a_chain_that_goes_back_passes_each_target_once_and_in_turn(
+    robot: BaseRobotModel, chain: MotionChain, start: np.ndarray
+) -> None:
+    pose = Pose(*robot.direct_kinematics(start))
+    there = Pose(pose.r + np.array([0.2, 0.0, 0.0]), pose.T)
+    aside = Pose(pose.r + np.array([0.2, 0.1, 0.0]), pose.T)
+    # The last motion stands at the first target; the first motion only passes it.
+    targets = [there, aside, pose, there]
+    orders = tuple(
+        order(k, LINE, target, blend_zone=ZONE if k < 3 else 0.0) for k, target in enumerate(targets)
+    )
+    motion, ends = chain.plan(orders, start)
+    assert 0.1 * motion.duration < ends[0] < ends[1] < ends[2] < 0.9 * motion.duration
+    passed = tool_positions(robot, motion.trajectory.sample(np.array(ends))[0])
+    assert np.linalg.norm(passed - [target.r for target in targets], axis=1).max() <= ZONE
+
+
 def test_joint_motions_and_lines_blend_with_each_other(
     robot: BaseRobotModel, chain: MotionChain, start: np.ndarray
 ) -> None:

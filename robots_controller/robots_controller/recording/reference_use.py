@@ -8,8 +8,8 @@ import numpy as np
 
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_planning.limit_use import LimitUse
 from robots_planning.trajectory import Trajectory
-from robots_planning.verification import LimitUse
 
 QUANTITIES: Final = ('position', 'velocity', 'acceleration', 'torque')
 UNITS: Final = {'position': '', 'velocity': '/s', 'acceleration': '/s^2'}

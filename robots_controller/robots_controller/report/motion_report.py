@@ -29,7 +29,7 @@ from robots_core.pose import Pose
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.verification import LimitUse
+from robots_planning.limit_use import LimitUse
 
 POSITION_TOLERANCE = 1e-4  # m
 ORIENTATION_TOLERANCE = math.radians(0.01)  # rad

@@ -21,10 +21,9 @@ from robots_planning.paths.joint_path import JointPath
 from robots_planning.planner_choice import planner_for
 from robots_planning.timing.chain_limits import SectionLimits, chain_limits
 from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits
+from robots_planning.tool_speeds import ToolSection
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
-
-PASSING_STEP = 1e-3  # s, between the places that are compared to find when a target is passed
 
 
 class MotionChain:
@@ -60,9 +59,9 @@ class MotionChain:
         # A blend of ways that lead back almost on themselves may leave no speed; then it stops.
         with contextlib.suppress(PlanningError):
             if paths:
-                path, limits = self._blended(commands, paths)
-                trajectory = self._timing(commands).trajectory(path, limits)
-                plans.append((trajectory, _passing_times(trajectory, [part.q[-1] for part in paths[:-1]])))
+                path, corners, limits = self._blended(commands, paths)
+                timed = self._timing(commands).timed(path, limits)
+                plans.append((timed.trajectory, tuple(timed.times_of(corners).tolist())))
         try:
             plans.append(self._with_stops(commands, q_start))
         except RobotsError:
@@ -70,8 +69,9 @@ class MotionChain:
                 raise
         trajectory, ends = min(plans, key=lambda plan: plan[0].duration)
         last = commands[-1]
-        motion = self._planning.checked(trajectory, last.kind, last.settings)
-        return motion, (*ends, trajectory.duration)
+        ends = (*ends, trajectory.duration)
+        tools = [_tool_section(command, end) for command, end in zip(commands, ends, strict=True)]
+        return self._planning.checked(trajectory, last.kind, last.settings, tools=tools), ends
 
     def _paths(self, commands: tuple[QueuedCommand, ...], q_start: Array) -> list[JointPath]:
         """The path of every motion alone; none at all if one of them has none to run through."""
@@ -85,14 +85,14 @@ class MotionChain:
 
     def _blended(
         self, commands: tuple[QueuedCommand, ...], paths: list[JointPath]
-    ) -> tuple[JointPath, ToolLimits]:
-        """The path with blends, and the limits on it."""
+    ) -> tuple[JointPath, Array, ToolLimits]:
+        """The path with blends, s at its corners, and the limits on it."""
         zones, measures = zip(
             *(self._zone(command.settings, command) for command in commands[:-1]), strict=True
         )
         path, corners = blend_with_corners(paths, zones, measures=measures)
-        sections, tool = [_section(command) for command in commands], commands[-1].settings.tool_pose
-        return path, chain_limits(self._robot, path, corners, sections, tool)
+        sections = [_section(command) for command in commands]
+        return path, corners, chain_limits(self._robot, path, corners, sections)
 
     def _with_stops(
         self, commands: tuple[QueuedCommand, ...], q_start: Array
@@ -156,15 +156,11 @@ def _section(command: QueuedCommand) -> SectionLimits:
     if command.kind.cartesian:
         velocity = np.array([settings.cartesian_speed, settings.rotation_speed])
         acceleration = np.array([settings.cartesian_acceleration, settings.rotation_acceleration])
-    return SectionLimits(settings.speed_fraction, settings.acceleration_fraction, velocity, acceleration)
+    return SectionLimits(
+        settings.speed_fraction, settings.acceleration_fraction, velocity, acceleration, settings.tool_pose.r
+    )
 
 
-def _passing_times(trajectory: Trajectory, targets: list[Array]) -> tuple[float, ...]:
-    """When a trajectory is nearest to each of the targets that it passes in turn, s."""
-    t = np.arange(0.0, trajectory.duration, PASSING_STEP)
-    q = trajectory.sample(t)[0]
-    times, first = [], 0
-    for target in targets:
-        first += int(np.abs(q[first:] - target).max(axis=1).argmin())
-        times.append(float(t[first]))
-    return tuple(times)
+def _tool_section(command: QueuedCommand, end: float) -> ToolSection:
+    velocity = _section(command).tool_velocity
+    return ToolSection(end, command.settings.tool_pose.r, float(velocity[0]), float(velocity[1]))

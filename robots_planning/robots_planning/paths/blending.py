@@ -86,8 +86,9 @@ def blend_with_corners(
     s = s / total
     s[-1] = 1.0
     begins, ends = (np.array(starts[:-1] + np.multiply(weights, part)) / total for part in (first, last))
-    seams = np.concatenate([ends[:-1], begins[1:]])
-    return JointPath(s, q, q_s * total, q_ss * total**2, np.sort(seams)), starts[1:-1] / total
+    corners = starts[1:-1] / total
+    seams = np.sort(np.concatenate([ends[:-1], begins[1:], corners]))  # so that a corner's time is exact
+    return JointPath(s, q, q_s * total, q_ss * total**2, seams), corners
 
 
 def _length(path: JointPath) -> float:

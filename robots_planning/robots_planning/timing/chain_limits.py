@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.paths.joint_path import JointPath
@@ -26,12 +25,14 @@ class SectionLimits:
         acceleration_fraction: Of the axes' acceleration limits.
         tool_velocity: Of the tool, (2,), m/s and rad/s; infinite for a joint motion.
         tool_acceleration: (2,), m/s^2 and rad/s^2, along and across its path each.
+        tool: Position of the tool centre point in tool0, (3,) m, whose limits these are.
     """
 
     speed_fraction: float
     acceleration_fraction: float
     tool_velocity: Array
     tool_acceleration: Array
+    tool: Array
 
 
 def chain_limits(
@@ -39,7 +40,6 @@ def chain_limits(
     path: JointPath,
     corners: Array,
     sections: Sequence[SectionLimits],
-    tool: Pose,
 ) -> ToolLimits:
     """Limits along a chain's path, for quantities that are divided by the local limit: all bounds are 1.
 
@@ -48,7 +48,6 @@ def chain_limits(
         path: The blended path.
         corners: Values of s at which one motion ends and the next begins, (k - 1,) for k sections.
         sections: Limits of each motion.
-        tool: Tool centre point in tool0.
     """
     axes = robot.axes_data
     n = robot.num_axes
@@ -61,11 +60,12 @@ def chain_limits(
     )
     tool_velocity = np.array([section.tool_velocity for section in sections])
     tool_acceleration = np.array([section.tool_acceleration for section in sections])
+    tools = np.array([section.tool for section in sections])
 
     def derivatives(s: Array) -> tuple[Array, Array]:
         section = np.searchsorted(corners, s, side='right')
         q, q_s, q_ss = path.evaluate(s)
-        x_s, x_ss = tool_derivatives(robot, tool, q, q_s, q_ss)
+        x_s, x_ss = tool_derivatives(robot, tools[section], q, q_s, q_ss)
         still = np.zeros((len(s), n + 2))
         rate, along, across = _travel(x_s, x_ss)
         first = [np.abs(q_s) / velocity[section], rate / tool_velocity[section]]
@@ -85,16 +85,20 @@ def chain_limits(
 
 
 def tool_derivatives(
-    robot: BaseRobotModel, tool: Pose, q: Array, q_s: Array, q_ss: Array
+    robot: BaseRobotModel, tools: Array, q: Array, q_s: Array, q_ss: Array
 ) -> tuple[Array, Array]:
-    """First and second derivative of the tool's pose over s, (m, 6) each: linear, angular; base frame."""
+    """First and second derivative of the tool's pose over s, (m, 6) each: linear, angular; base frame.
+
+    The tool centre point has a position in tool0 of its own at each s, `tools` (m, 3).
+    """
     first, second = np.empty((len(q), 6)), np.empty((len(q), 6))
     for row, (position, rate, change) in enumerate(zip(q, q_s, q_ss, strict=True)):
         J = robot.jacobian(position)
         first[row] = J @ rate
         second[row] = J @ change + robot.jacobian_der(position, rate) @ rate
-    if tool.r.any():
-        arm = np.array([robot.direct_kinematics(position)[1] @ tool.r for position in q])
+    if tools.any():
+        frames = (robot.direct_kinematics(position)[1] for position in q)
+        arm = np.array([T @ tool for T, tool in zip(frames, tools, strict=True)])
         turning, rising = first[:, 3:], second[:, 3:]
         swing = np.cross(turning, arm)
         first[:, :3] += swing

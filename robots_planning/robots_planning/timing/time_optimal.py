@@ -63,6 +63,23 @@ class ToolLimits:
     acceleration: Array
 
 
+@dataclass(frozen=True, eq=False)
+class TimedPath:
+    """A trajectory along a path.
+
+    Attributes:
+        trajectory: The trajectory.
+        s: Path coordinate at each of its points, (m,), from 0 to 1.
+    """
+
+    trajectory: Trajectory
+    s: Array
+
+    def times_of(self, s: Array) -> Array:
+        """Times, s, at which the path coordinate has the values `s` (k,); exact at seams of the path."""
+        return np.asarray(np.interp(s, self.s, self.trajectory.time))
+
+
 class TimeOptimalTiming:
     """From joint paths to the fastest trajectories, by dynamic programming over path and speed.
 
@@ -100,9 +117,7 @@ class TimeOptimalTiming:
         self._ramp = ramp
         self._dynamics = None if effort is None else _dynamics_of(robot)
 
-    def trajectory(
-        self, path: JointPath, tool: ToolLimits | None = None, longest: float = np.inf
-    ) -> Trajectory:
+    def timed(self, path: JointPath, tool: ToolLimits | None = None, longest: float = np.inf) -> TimedPath:
         """The fastest trajectory from rest to rest along a path.
 
         With jerk limits, the fastest of several, each smoothed by another window.
@@ -123,14 +138,20 @@ class TimeOptimalTiming:
             jump = float((2.0 * self._acceleration / self._jerk).max())
             ramps = [part * jump for part in JERK_RAMPS]
         plans = [plan for ramp in ramps for plan in self._plans(path, tool, ramp, longest)]
-        fastest = min(plans, key=lambda plan: plan.duration, default=None)
-        if fastest is None or fastest.duration > longest:
+        fastest = min(plans, key=lambda plan: plan.trajectory.duration, default=None)
+        if fastest is None or fastest.trajectory.duration > longest:
             raise TooSlowError
         return fastest
 
+    def trajectory(
+        self, path: JointPath, tool: ToolLimits | None = None, longest: float = np.inf
+    ) -> Trajectory:
+        """The trajectory of `timed` alone; arguments and errors as there."""
+        return self.timed(path, tool, longest).trajectory
+
     def _plans(
         self, path: JointPath, tool: ToolLimits | None, shortest: float, longest: float
-    ) -> list[Trajectory]:
+    ) -> list[TimedPath]:
         """Trajectories inside the limits whose ramps of acceleration last `shortest` (s) or more.
 
         Planning stops once they are sure to take more than `longest`, s: lowering limits only makes them
@@ -142,12 +163,12 @@ class TimeOptimalTiming:
         s = even.grid
         limits = self._limits(s, *even.evaluate(s), tool)
         scale = np.full(len(s), 1.0 - RESERVE)
-        plans: list[Trajectory] = []
+        plans: list[TimedPath] = []
         for number in range(ROUNDS):
             law = self._law(s, limits, scale, even, shortest)
             if law.duration * (1.0 - DISCRETISATION) > longest:
                 return plans
-            trajectory = self._sampled(even, law, np.abs(limits[0][:, :, 0]).max(axis=1))
+            trajectory, places = self._sampled(even, law, np.abs(limits[0][:, :, 0]).max(axis=1))
             times, use, jerk = self._use(trajectory, law, tool, limits[0])
             worst = float(use.max())
             if number == 0 and worst > COARSE:
@@ -156,16 +177,16 @@ class TimeOptimalTiming:
                 scale = np.full(len(s), 1.0 - RESERVE)
                 continue
             if self._jerk is not None:
-                plans.append(self._slowed(trajectory, law, worst))
+                plans.append(TimedPath(self._slowed(trajectory, law, worst), places))
                 # Jerk is a jump of acceleration over its ramp: it falls with the acceleration limits.
                 use = np.maximum(use, jerk)
             excess = float(use.max())
             if excess <= 1.0 + EXCESS:
-                return [*plans, slower(trajectory, excess)]
+                return [*plans, TimedPath(slower(trajectory, excess), places)]
             scale = scale / local_excess(law, times, use)
             if float(scale.min()) < LOWEST_SCALE:
                 break
-        return [*plans, self._slowed(trajectory, law, worst)]
+        return [*plans, TimedPath(self._slowed(trajectory, law, worst), places)]
 
     def _slowed(self, trajectory: Trajectory, law: SwitchedTimeLaw, worst: float) -> Trajectory:
         """The motion slowed down uniformly until it keeps the limits; `worst` is the largest use of one."""
@@ -234,7 +255,10 @@ class TimeOptimalTiming:
             )
         return SwitchedTimeLaw(s, u, difference, self._ramp, shortest)
 
-    def _sampled(self, path: ReparametrisedPath, law: SwitchedTimeLaw, weight: Array) -> Trajectory:
+    def _sampled(
+        self, path: ReparametrisedPath, law: SwitchedTimeLaw, weight: Array
+    ) -> tuple[Trajectory, Array]:
+        """The trajectory, and the path's own coordinate at its points."""
         times = law.sample_times(LONGEST_STEP, weight)
         if len(path.seams):
             times = with_times(times, law.times_of(path.seams))
@@ -244,7 +268,8 @@ class TimeOptimalTiming:
         s_dot[[0, -1]] = s_ddot[[0, -1]] = 0.0
         q, q_s, q_ss = path.evaluate(s)
         q[[0, -1]] = path.ends  # without rounding: the next motion starts exactly there
-        return Trajectory(t, q, q_s * s_dot[:, None], q_ss * (s_dot**2)[:, None] + q_s * s_ddot[:, None])
+        q_ddot = q_ss * (s_dot**2)[:, None] + q_s * s_ddot[:, None]
+        return Trajectory(t, q, q_s * s_dot[:, None], q_ddot), path.s_of(s)[0]
 
     def _use(
         self,
