@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, PAPER_FUNCTIONS, in_degrees
+from robots_core import load_robot_model
 from robots_core.errors import JointLimitError, PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, KIND_OF_FUNCTION, LINE, MotionKind
@@ -84,6 +85,28 @@ def test_poses_are_metres_and_degrees_of_the_convention(
     np.testing.assert_array_equal(command.pose.r, expected.r)
     np.testing.assert_array_equal(command.pose.T, expected.T)
     assert host.program.reference_cartesian_position is command.pose
+
+
+def test_a_joint_motion_has_a_reference_pose_of_its_tool_and_base(tmp_path: Path):
+    robot = load_robot_model('kuka_kr210_r2700')
+    host = LuaHost(tmp_path, direct_kinematics=lambda q: Pose(*robot.direct_kinematics(q)))
+    text = """
+        ptpCartesianSpace(1, 0, 1, 0, 90, 0)
+        setTool(0, 0, 0.3, 0, 0, 0) setBase(1, 0, 0, 0, 0, 90)
+        ptpJointSpaceAngles(10, -90, 90, 0, 45, 0)"""
+    assert host.run(text) is None
+    reference = host.program.reference_cartesian_position
+    assert reference is not None
+    r, T = robot.direct_kinematics(np.radians([10.0, -90.0, 90.0, 0.0, 45.0, 0.0]))
+    seen = Pose(r + T @ [0.0, 0.0, 0.3] - [1.0, 0.0, 0.0], T)
+    base = Pose.from_angles([0.0, 0.0, 0.0], np.radians([0.0, 0.0, 90.0]))
+    assert max(reference.distance_to(base.inverse() @ seen)) < 1e-12
+
+
+def test_a_cell_without_kinematics_has_no_reference_pose_of_a_joint_motion(tmp_path: Path):
+    host = LuaHost(tmp_path)
+    assert host.run('ptpCartesianSpace(1, 0, 1, 0, 90, 0) ptpJointSpaceAngles(0, 0, 0, 0, 0, 0)') is None
+    assert host.program.reference_cartesian_position is None
 
 
 def test_outputs_change_and_are_told_once(tmp_path: Path):

@@ -215,7 +215,7 @@ class RobotFunctions:
 
     def _send(self, command: MotionCommand) -> None:
         try:
-            self.state.command_motion(command)
+            self.state.command_motion(command, self._reference_pose(command))
             try:
                 self.cell.command(command)
             except BaseException:
@@ -223,6 +223,14 @@ class RobotFunctions:
                 raise
         except RobotsError as error:
             raise self._failure(command, error, command) from error
+
+    def _reference_pose(self, command: MotionCommand) -> Pose | None:
+        if command.q is None:
+            return command.pose
+        try:
+            return self.target.seen(self.view.flange(command.q))
+        except RobotsError:  # a cell without kinematics; the motion itself needs none
+            return None
 
     def _standstill(self, command: MotionCommand | None = None) -> Generator[None, None, None]:
         motions = self.state.motions

@@ -271,12 +271,12 @@ class ProgramState:
 
     @property
     def reference_pose(self) -> Pose | None:
-        """The last commanded target of tool0 in the base frame; None before the first."""
+        """Where the last commanded motion leads the tool, seen from the base; None for unknown."""
         with self.condition:
             return self._reference_pose
 
-    def command_motion(self, command: MotionCommand) -> None:
-        """Set a motion and its command state.
+    def command_motion(self, command: MotionCommand, reference_pose: Pose | None = None) -> None:
+        """Set a motion, its command state, and where it leads the tool.
 
         Raises:
             ProgramError: an earlier motion has not finished, and does not blend into this one.
@@ -286,8 +286,7 @@ class ProgramState:
                 raise ProgramError(f'the motion of line {self._motions[-1].line} has not finished')
             self._motions.append(command)
             self._command_state = command.kind.state
-            if command.pose is not None:
-                self._reference_pose = command.pose
+            self._reference_pose = reference_pose
 
     def finish_motion(self, error: RobotsError | None = None, command: MotionCommand | None = None) -> None:
         """End a motion: the program goes on, or is told the error; IDLE again after the last one.

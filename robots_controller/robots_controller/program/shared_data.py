@@ -73,7 +73,10 @@ class SharedData:
 
     @property
     def reference_cartesian_position(self) -> Pose | None:
-        """The last commanded pose of the tool seen from the base; None before the first."""
+        """Where the last commanded motion leads the tool, seen from the base.
+
+        None before the first, and after a joint motion in a cell that has no kinematics.
+        """
         return self._state.reference_pose
 
     @property
