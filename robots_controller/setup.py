@@ -25,7 +25,7 @@ setup(
     license='Apache-2.0',
     entry_points={
         'console_scripts': [
-            'cell = robots_controller.live_cell.cell_command:main',
+            'cell = robots_controller.live_cell.command_line:main',
             'io_bridge_node = robots_controller.nodes.io_bridge_node:main',
             'guide_player_node = robots_controller.nodes.guide_player_node:main',
             'plc_node = robots_controller.nodes.plc_node:main',

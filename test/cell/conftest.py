@@ -12,6 +12,7 @@ from .cell_process import CellProcess
 from .lockstep_runs import LockstepRuns
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Let the tests of a file run in one process, and those of a run that several compare."""
     for item in items:

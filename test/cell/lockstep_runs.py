@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import fcntl
+import io
 import json
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-from .cell_process import CellProcess
+from rich.console import Console
+
+from robots_controller.live_cell.cell_command import parse_options, run_cell
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'
+WIDTH = 120
 # Text of a program and what stands in its place, so that things are done once, nearer, or sooner.
 SHORTENED = {
     'palletizing.lua': {
@@ -80,14 +84,11 @@ class LockstepRuns:
 
 
 def _run(folder: Path, program: str, drive: str) -> tuple[str, int, str, str]:
-    path = _copy(folder / 'programs' / program)
+    path, out, text = _copy(folder / 'programs' / program), folder / 'out', io.StringIO()
     options = ('--program', str(path), '--drive', drive, '--once', '--lockstep', '--port', '0')
-    cell = CellProcess(*options, out=folder / 'out')
-    try:
-        code = cell.wait()
-    finally:
-        cell.close()
-    return str(path), code, cell.text, str(cell.bag)
+    # In this process: the server that the nodes are forked from is started once for all runs.
+    code = run_cell(parse_options([*options, '--record', str(out)]), Console(file=text, width=WIDTH))
+    return str(path), code, text.getvalue(), str(next(out.glob('*/bag')))
 
 
 def _copy(path: Path) -> Path:

@@ -303,7 +303,7 @@ class _Cell:
         if self._ended:
             return False
         for node in self._processes.dead():
-            self._console.print(f'[bold red]{node.name} {node.reason}[/]\n{escape(node.last_words)}')
+            self._console.print(f'[bold red]{node.name} {node.reason}[/]\n{escape(node.last_lines)}')
             self._ended = True
         if self._listener.problem:
             self._console.print(f'[bold red]{escape(self._listener.problem)}[/]')
@@ -363,6 +363,3 @@ def _run_folder(root: Path, options: CellOptions) -> Path:
     folder.mkdir(parents=True)
     return folder
 
-
-if __name__ == '__main__':
-    main()

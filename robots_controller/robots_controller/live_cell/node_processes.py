@@ -2,42 +2,86 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import select
 import signal
-import subprocess
+import sys
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from importlib.metadata import EntryPoint, distribution
+from multiprocessing.context import ForkServerProcess
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
+from setproctitle import setproctitle
+
+from robots_controller.live_cell import fork_server
 from robots_controller.live_cell.cell_graph import NodeDescription
+from robots_core.ros.loading import end_at_once_while_loading
 
 # How long a process may take after each signal before the next, harder one, s.
-STOP_SIGNALS = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0), (signal.SIGKILL, 2.0))
-LAST_LINES = 8
+STOP_SIGNALS: Final = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0), (signal.SIGKILL, 2.0))
+LAST_LINES: Final = 8
 
 
-@dataclass(frozen=True)
-class DeadNode:
-    """A node that ended by itself.
+class NodeProcess:
+    """The process of one node, forked from a server in which the modules of all nodes are loaded.
 
-    Attributes:
-        name: The node.
-        reason: Exit code or signal.
-        last_words: The end of its output.
+    It leads a session of its own, so that Ctrl-C in the terminal reaches the cell alone and the cell decides
+    the order in which things end.
+
+    Args:
+        node: The node.
+        namespace: Its ROS namespace.
+        log: Its output goes to this file.
     """
 
-    name: str
-    reason: str
-    last_words: str
+    def __init__(self, node: NodeDescription, *, namespace: str, log: Path) -> None:
+        self.name: Final = node.name
+        self._log = log
+        arguments = [str(node.executable_path()), '--ros-args', '-r', f'__ns:={namespace}']
+        for name, value in node.parameters.items():
+            arguments += ['-p', f'{name}:={_yaml(value)}']
+        self._process: ForkServerProcess = fork_server.CONTEXT.Process(
+            target=_run, args=(_entry_point(node), arguments, log, dict(os.environ)), name=node.name
+        )
+        self._process.start()
+        assert self._process.pid is not None
+        self.pid: Final[int] = self._process.pid
+        # The server may die before its children: what is left of them is known to the kernel alone.
+        with contextlib.suppress(ProcessLookupError):
+            self._pidfd = os.pidfd_open(self.pid)
+
+    @property
+    def running(self) -> bool:
+        """Whether it has not ended."""
+        return not self.wait(0.0)
+
+    @property
+    def reason(self) -> str:
+        """How it ended."""
+        self._process.join()
+        code = self._process.exitcode or 0
+        return f'killed by {signal.Signals(-code).name}' if code < 0 else f'ended with exit code {code}'
+
+    @property
+    def last_lines(self) -> str:
+        """The end of its output."""
+        return '\n'.join(self._log.read_text(errors='replace').splitlines()[-LAST_LINES:])
+
+    def send_signal(self, number: int) -> None:
+        """Send a signal; one that has ended ignores it."""
+        with contextlib.suppress(ProcessLookupError):
+            signal.pidfd_send_signal(self._pidfd, number)
+
+    def wait(self, timeout: float) -> bool:
+        """Wait at most `timeout` (s) for its end; returns whether it has ended."""
+        return bool(select.select([self._pidfd], [], [], timeout)[0])
 
 
 class NodeProcesses:
     """Runs each node of a graph as its own process.
-
-    Each process is the leader of its own session, so that Ctrl-C in the terminal reaches the cell alone
-    and the cell decides the order in which things end.
 
     Args:
         graph: The nodes.
@@ -49,7 +93,7 @@ class NodeProcesses:
         self._graph = tuple(graph)
         self._namespace = namespace
         self._log_folder = log_folder
-        self._processes: dict[str, subprocess.Popen[bytes]] = {}
+        self._processes: dict[str, NodeProcess] = {}
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -62,60 +106,52 @@ class NodeProcesses:
         Raises:
             RobotsError: a node's executable is not installed; then none is started.
         """
-        commands = {node.name: self._command(node) for node in self._graph}
+        for node in self._graph:
+            node.executable_path()
+        fork_server.start()
         self._log_folder.mkdir(parents=True, exist_ok=True)
-        for name, command in commands.items():
-            with self._log(name).open('wb') as log:
-                self._processes[name] = subprocess.Popen(  # noqa: S603  # our own executables
-                    command,
-                    stdin=subprocess.DEVNULL,
-                    stdout=log,
-                    stderr=subprocess.STDOUT,
-                    start_new_session=True,
-                    env={**os.environ, 'PYTHONUNBUFFERED': '1'},
-                )
-
-    def _command(self, node: NodeDescription) -> list[str]:
-        command = [str(node.executable_path()), '--ros-args', '-r', f'__ns:={self._namespace}']
-        for name, value in node.parameters.items():
-            command += ['-p', f'{name}:={_yaml(value)}']
-        return command
-
-    def _log(self, name: str) -> Path:
-        return self._log_folder / f'{name}.log'
+        for node in self._graph:
+            log = self._log_folder / f'{node.name}.log'
+            self._processes[node.name] = NodeProcess(node, namespace=self._namespace, log=log)
 
     def pid(self, name: str) -> int:
         """Process id of a node; -1 if it is none of these."""
         process = self._processes.get(name)
         return -1 if process is None else process.pid
 
-    def dead(self) -> tuple[DeadNode, ...]:
+    def dead(self) -> tuple[NodeProcess, ...]:
         """Nodes that have ended by themselves."""
-        return tuple(
-            DeadNode(name, _reason(process.returncode), self.last_words(name))
-            for name, process in self._processes.items()
-            if process.poll() is not None
-        )
-
-    def last_words(self, name: str) -> str:
-        """The last lines of a node's output."""
-        lines = self._log(name).read_text(errors='replace').splitlines()
-        return '\n'.join(lines[-LAST_LINES:])
+        return tuple(process for process in self._processes.values() if not process.running)
 
     def stop(self) -> None:
         """End all processes: interrupt, then terminate, then kill those that are left."""
         for number, patience in STOP_SIGNALS:
-            running = [process for process in self._processes.values() if process.poll() is None]
-            if not running:
-                return
+            running = [process for process in self._processes.values() if process.running]
             for process in running:
                 process.send_signal(number)
             deadline = time.monotonic() + patience
             for process in running:
-                try:
-                    process.wait(max(0.0, deadline - time.monotonic()))
-                except subprocess.TimeoutExpired:
-                    continue
+                process.wait(max(0.0, deadline - time.monotonic()))
+
+
+def _entry_point(node: NodeDescription) -> EntryPoint:
+    scripts = distribution(node.package).entry_points.select(group='console_scripts')
+    return scripts[node.executable]
+
+
+def _run(entry_point: EntryPoint, arguments: list[str], log: Path, environment: Mapping[str, str]) -> None:
+    """Run a node in the process that was forked for it, as its executable does."""
+    os.setsid()
+    with log.open('wb') as output:
+        for stream in (sys.stdout, sys.stderr):
+            os.dup2(output.fileno(), stream.fileno())
+    sys.stdout.reconfigure(line_buffering=True)
+    os.environ.clear()
+    os.environ.update(environment)
+    sys.argv = arguments
+    setproctitle(' '.join(arguments))
+    end_at_once_while_loading()
+    sys.exit(entry_point.load()())
 
 
 def _yaml(value: Any) -> str:
@@ -128,8 +164,3 @@ def _yaml(value: Any) -> str:
         return repr(value)
     return str(value)
 
-
-def _reason(returncode: int) -> str:
-    if returncode < 0:
-        return f'killed by {signal.Signals(-returncode).name}'
-    return f'ended with exit code {returncode}'
