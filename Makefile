@@ -91,7 +91,7 @@ test: build lint  ## Lint, types and all tests
 	@# Nodes wait for each other most of the time.
 	@$(RUN) python -m pytest -n 2 --dist worksteal test/node
 	@# Whole cells: no more of them at once than a small machine carries.
-	@$(RUN) python -m pytest -n 2 --dist loadgroup test/bag test/cell
+	@$(RUN) python -m pytest -n 2 --dist worksteal test/bag test/cell
 
 .PHONY: test-under-load
 test-under-load:  ## The same beside twice as many busy processes as there are cores

@@ -81,15 +81,16 @@ class CellProcess:
                 self.process.kill()
 
     def node_pids(self) -> dict[str, int]:
-        """Process ids of the running nodes, children of the cell."""
-        pids = {}
+        """Process ids of the running nodes, forked from the server that the cell has started."""
+        parents, pids = {}, {}
         for stat in Path('/proc').glob('[0-9]*/stat'):
             try:
-                fields = stat.read_text().rsplit(')', 1)[1].split()
-                words = (stat.parent / 'cmdline').read_bytes().split(b'\0')
+                state, parent = stat.read_text().rsplit(')', 1)[1].split()[:2]
+                title = (stat.parent / 'cmdline').read_bytes().replace(b'\0', b' ').decode().split(' ')[0]
             except (FileNotFoundError, ProcessLookupError):
                 continue
-            if int(fields[1]) == self.process.pid and fields[0] != 'Z':
-                name = next((Path(w.decode()).name for w in words if w.endswith(b'_node')), '')
-                pids[name] = int(stat.parent.name)
-        return pids
+            pid = int(stat.parent.name)
+            parents[pid] = int(parent)
+            if state != 'Z' and title.endswith('_node'):
+                pids[pid] = Path(title).name
+        return {name: pid for pid, name in pids.items() if parents.get(parents[pid]) == self.process.pid}

@@ -12,14 +12,6 @@ from .cell_process import CellProcess
 from .lockstep_runs import LockstepRuns
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Let the tests of a file run in one process, and those of a run that several compare."""
-    for item in items:
-        case = item.callspec.params.get('runs') if hasattr(item, 'callspec') else None
-        item.add_marker(pytest.mark.xdist_group('-'.join(case) if case else item.path.name))
-
-
 @pytest.fixture(scope='session')
 def lockstep_runs(session_ros_domain: int, tmp_path_factory: pytest.TempPathFactory) -> LockstepRuns:
     """Programs that the nodes have run in lock-step."""

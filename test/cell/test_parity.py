@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,23 +35,24 @@ class Runs:
     simulated: Bag
 
 
-@pytest.fixture(scope='module', params=CASES, ids='-'.join)
-def runs(
-    request: pytest.FixtureRequest, lockstep_runs: LockstepRuns, tmp_path_factory: pytest.TempPathFactory
-) -> Runs:
-    """A program, run in both cells."""
-    name, drive = request.param
+@pytest.mark.parametrize(('name', 'drive'), CASES)
+def test_both_cells_do_the_same(name: str, drive: str, lockstep_runs: LockstepRuns, tmp_path: Path) -> None:
     lockstep = lockstep_runs.run(name, drive)
     header = read_program_header(lockstep.program)
-    bag = tmp_path_factory.mktemp('simulated') / 'bag'
+    bag = tmp_path / 'bag'
     run = simulate(
         lockstep.program, robot=header.robot, drive=drive, scene=header.scene, io=header.io, bag=bag
     )
     assert lockstep.returncode == (0 if run.ok else 1), lockstep.text
-    return Runs(lockstep, run, read_bag(lockstep.bag), read_bag(bag))
+    runs = Runs(lockstep, run, read_bag(lockstep.bag), read_bag(bag))
+    check_references_and_feedback_to_the_last_bit(runs)
+    check_results_states_and_lines(runs)
+    for image in IMAGES:
+        check_changes(runs, image)
+    check_end(runs)
 
 
-def test_references_and_feedback_are_the_same_to_the_last_bit(runs: Runs) -> None:
+def check_references_and_feedback_to_the_last_bit(runs: Runs) -> None:
     run, found = runs.simulation, runs.recorded.deserialized(['/joint_reference', '/joint_states'])
     references = {_stamp(m): _rows(m.points[0]) for _, m in found['/joint_reference']}
     states = {_stamp(m): np.array([m.position, m.velocity]) for _, m in found['/joint_states']}
@@ -61,7 +63,7 @@ def test_references_and_feedback_are_the_same_to_the_last_bit(runs: Runs) -> Non
     np.testing.assert_array_equal(measured, np.stack([run.position, run.velocity], axis=1))
 
 
-def test_results_states_and_lines_come_at_the_same_times(runs: Runs) -> None:
+def check_results_states_and_lines(runs: Runs) -> None:
     end = FIRST + float(runs.simulation.time[-1])
     for topic, read in (
         ('/motion_result', lambda m: (m.message, _value(m, 'id'), _value(m, 'duration'))),
@@ -72,8 +74,7 @@ def test_results_states_and_lines_come_at_the_same_times(runs: Runs) -> None:
         assert there == here, topic
 
 
-@pytest.mark.parametrize('image', IMAGES)
-def test_inputs_and_outputs_change_at_the_same_times(runs: Runs, image: str) -> None:
+def check_changes(runs: Runs, image: str) -> None:
     there, here = (
         [(round(1e-6 * stamp), channel, value) for stamp, channel, value in _changes(bag, image)]
         for bag in (runs.recorded, runs.simulated)
@@ -81,7 +82,7 @@ def test_inputs_and_outputs_change_at_the_same_times(runs: Runs, image: str) -> 
     assert there == here
 
 
-def test_the_program_ends_alike(runs: Runs) -> None:
+def check_end(runs: Runs) -> None:
     there, here = (
         [
             (_value(m, 'state'), _value(m, 'error'), _value(m, 'line'))

@@ -362,4 +362,3 @@ def _run_folder(root: Path, options: CellOptions) -> Path:
         folder = root / f'{program}_{robot}_{stamp}_{number}'
     folder.mkdir(parents=True)
     return folder
-

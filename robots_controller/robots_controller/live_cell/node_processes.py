@@ -142,14 +142,14 @@ def _entry_point(node: NodeDescription) -> EntryPoint:
 def _run(entry_point: EntryPoint, arguments: list[str], log: Path, environment: Mapping[str, str]) -> None:
     """Run a node in the process that was forked for it, as its executable does."""
     os.setsid()
+    setproctitle(' '.join(arguments))  # while the environment is where the process began with it
     with log.open('wb') as output:
         for stream in (sys.stdout, sys.stderr):
             os.dup2(output.fileno(), stream.fileno())
-    sys.stdout.reconfigure(line_buffering=True)
+    sys.stdout = os.fdopen(sys.stdout.fileno(), 'w', buffering=1)
     os.environ.clear()
     os.environ.update(environment)
     sys.argv = arguments
-    setproctitle(' '.join(arguments))
     end_at_once_while_loading()
     sys.exit(entry_point.load()())
 
@@ -163,4 +163,3 @@ def _yaml(value: Any) -> str:
     if isinstance(value, float):
         return repr(value)
     return str(value)
-
