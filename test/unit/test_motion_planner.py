@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -53,7 +53,11 @@ class Cell:
     def release_after(self, patience: float) -> None:
         self.patience.append(patience)
 
-    def send(self, id_: str, motion: PlannedMotion, *, title: str, join_time: float) -> None:
+    def send(
+        self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
+    ) -> None:
+        assert tuple(ends)[-1] == id_
+        assert tuple(ends.values())[-1] == motion.duration
         self.sent.append((id_, motion, title, join_time))
 
     def answer(self, result: MotionResult) -> None:

@@ -17,9 +17,9 @@ from robots_planning.trajectory import Trajectory
 LENGTH, DURATION = 2.0, 4.0  # m and s of each motion
 
 
-def direct_kinematics(q: Array) -> Pose:
+def direct_kinematics(q: Array) -> tuple[Array, Array]:
     """A robot of one axis, along x."""
-    return Pose(np.array([q[0], 0.0, 0.0]), np.eye(3))
+    return np.array([q[0], 0.0, 0.0]), np.eye(3)
 
 
 def command(end: float, *distances: float) -> MotionCommand:
@@ -29,7 +29,7 @@ def command(end: float, *distances: float) -> MotionCommand:
         for index, distance in enumerate(distances, 1)
     )
     return MotionCommand(
-        LINE, 7, 'ptpCartesianSpace', pose=direct_kinematics(np.array([end])), switches=switches
+        LINE, 7, 'ptpCartesianSpace', pose=Pose(np.array([end, 0.0, 0.0]), np.eye(3)), switches=switches
     )
 
 
@@ -51,7 +51,7 @@ class Bench:
 
     def plan(self, id_: str, *distances: float, start: float = 0.0) -> None:
         self.switching.sent(id_, command(start + LENGTH, *distances))
-        self.switching.planned(id_, lambda: line(start, start + LENGTH))
+        self.switching.planned(id_, {id_: DURATION}, lambda: line(start, start + LENGTH))
 
 
 @pytest.fixture
@@ -98,7 +98,7 @@ def test_progress_is_that_of_the_oldest_motion(bench: Bench) -> None:
 def test_a_chain_switches_by_its_own_plan(bench: Bench) -> None:
     bench.switching.sent('1', command(1.0, 0.5))
     bench.switching.sent('2', command(LENGTH, 0.5))  # 1.5 m from the start
-    bench.switching.planned('2', lambda: line(0.0, LENGTH))
+    bench.switching.planned('2', {'1': 0.5 * DURATION, '2': DURATION}, lambda: line(0.0, LENGTH))
     bench.switching.progress(1.0, 0.3)
     assert bench.indices == [1]
     bench.switching.progress(2.0, 0.7)
@@ -128,8 +128,8 @@ def test_plans_are_looked_at_only_where_outputs_are_switched(bench: Bench) -> No
         raise AssertionError
 
     bench.switching.sent('1', command(LENGTH))
-    bench.switching.planned('1', plan)
-    bench.switching.planned('of another', plan)
+    bench.switching.planned('1', {'1': DURATION}, plan)
+    bench.switching.planned('of another', {'of another': DURATION}, plan)
     bench.switching.progress(1.0, 0.5)
     bench.switching.finish('1', ok=True)
     assert not bench.switched

@@ -168,6 +168,32 @@ def test_outputs_switch_on_the_path(tmp_path: Path):
     assert np.linalg.norm(end - r) == pytest.approx(0.1, abs=0.5 * (PERIOD + 0.012))
 
 
+def test_a_place_on_a_chain_is_that_of_its_motion_where_the_robot_comes_back(tmp_path: Path):
+    run = run_text(
+        tmp_path,
+        """ptpJointSpaceAngles(0, -90, 90, 0, 90, 0)
+        local function go(x, z, output)
+          linearRelative(x, 0, z, 0, 0, 0,
+            {blend = 0.02, on_path = {distance_before_end = 0.1, output = output, value = true}})
+        end
+        go(0, -0.4, 1) go(0.2, 0, 2) go(-0.2, 0, 3) go(0, 0.2, 4)
+        linearRelative(0, 0, 0.1, 0, 0, 0)""",
+    )
+    assert run.ok
+    motions, robot = run.motions[1:], load_robot_model(ROBOT)
+    assert all(len(motion.chain) == 5 for motion in motions)
+    start = np.array(robot.direct_kinematics(np.radians([0, -90, 90, 0, 90, 0]))[0])
+    corners = start + np.cumsum([[0, 0, -0.4], [0.2, 0, 0], [-0.2, 0, 0], [0, 0, 0.2]], axis=0)
+    for (time, _), motion, corner in zip(outputs(run), motions, corners, strict=False):
+        # Within its own motion, the smoothing's lag behind its plan.
+        after = time - motion.started
+        assert motion.start_on_plan < after < motion.end_on_plan
+        position = run.position[np.searchsorted(run.time, time)]
+        distance = np.linalg.norm(corner - robot.direct_kinematics(position)[0])
+        # As above; and the blend is shorter than the corner, by less than its zone.
+        assert distance == pytest.approx(0.1, abs=0.5 * (PERIOD + 0.012) + 0.02)
+
+
 # -- inputs and interrupts --------------------------------------------------------------------------------
 
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Final
 
 from robots_controller.program.motion_command import MotionCommand, OutputChange, PathSwitch
 from robots_controller.program.path_switches import PathSwitches, switches_on_path
-from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 
@@ -20,20 +19,22 @@ FARTHEST_PREDICTION: Final = 0.08  # s
 class PathSwitching:
     """The switches of all motions on their way; safe from any thread.
 
-    The planned motion comes with the command's id, or with the last one's of a blended chain; it gives the
-    place of the tool at each progress. Where progress is reported in each period of the controller, outputs
+    The planned motion comes with the commands in it and their ends; it gives the place of the tool at each
+    progress. Where progress is reported in each period of the controller, outputs
     switch in the period in which their place is reached. Where it is reported less often, progress is
     extrapolated in between with the speed that it had (see `next_time`): at constant speed outputs switch
     within some milliseconds, while the robot accelerates or brakes within acceleration * (0.04 s)^2 / 2 of
     their place, 2 mm at 2 m/s^2.
 
     Args:
-        direct_kinematics: Pose of tool0 for joint positions.
+        direct_kinematics: Position (3,) and orientation (3, 3) of tool0 for joint positions.
         switch: Switches an output; from any thread.
     """
 
     def __init__(
-        self, direct_kinematics: Callable[[Array], Pose], switch: Callable[[OutputChange], None]
+        self,
+        direct_kinematics: Callable[[Array], tuple[Array, Array]],
+        switch: Callable[[OutputChange], None],
     ) -> None:
         self._direct_kinematics, self._switch = direct_kinematics, switch
         self._lock = threading.RLock()
@@ -61,19 +62,26 @@ class PathSwitching:
             self._sent[id_] = command
             self._lines |= dict.fromkeys(command.switches, command.line)
 
-    def planned(self, id_: str, trajectory: Callable[[], Trajectory | None]) -> None:
-        """A motion, or the chain up to it, was planned.
+    def awaits(self, id_: str) -> bool:
+        """A motion was sent and has no plan yet."""
+        with self._lock:
+            return id_ in self._sent
+
+    def planned(
+        self, id_: str, ends: Mapping[str, float], trajectory: Callable[[], Trajectory | None]
+    ) -> None:
+        """A motion, or a chain of them, was planned.
 
         Args:
-            id_: The command, or the last of a chain.
+            id_: The motion's id: that of its last command.
+            ends: When each of its commands ends, s of the plan, by id and in order.
             trajectory: Gives the plan, None if it is not valid; called only where outputs are switched.
         """
         with self._lock:
-            if id_ not in self._sent:
+            chain = [(end, self._sent.pop(one)) for one, end in ends.items() if one in self._sent]
+            if not chain:
                 return
-            ids = list(self._sent)
-            chain = [self._sent.pop(one) for one in ids[: ids.index(id_) + 1]]
-            plan = trajectory() if any(command.switches for command in chain) else None
+            plan = trajectory() if any(command.switches for _, command in chain) else None
             switches = None
             if plan is not None:
                 switches = switches_on_path(chain, plan, self._direct_kinematics)

@@ -74,7 +74,7 @@ class ProgramHost:
             prismatic=robot.axes_data.prismatic,
         )
         self.reporter = ProgramReporter(self.program, clock, observer.status)
-        self.switching = PathSwitching(self.direct_kinematics, self.program.switch_output)
+        self.switching = PathSwitching(robot.direct_kinematics, self.program.switch_output)
         self.motions = ProgramMotions(
             planner,
             controller,

@@ -6,6 +6,7 @@ import math
 import threading
 from functools import partial
 
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory
@@ -14,7 +15,7 @@ from robots_controller.cell.path_switching import PathSwitching
 from robots_core.errors import RobotsError
 from robots_core.ros.lockstep.phases import NEVER, Phase
 from robots_core.ros.lockstep.timed_work import LockstepTurn
-from robots_core.ros.messages import serialized_stamp_id
+from robots_core.ros.messages import diagnostic_values, serialized_stamp_id
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, STREAM
 from robots_core.ros.timed_node import TimedNode
@@ -23,7 +24,7 @@ from robots_planning.trajectory import Trajectory
 
 
 class PathSwitchingMessages:
-    """Subscribes `joint_trajectory` and `motion_progress`.
+    """Subscribes `joint_trajectory`, `motion_plan` and `motion_progress`.
 
     Args:
         node: The node.
@@ -34,6 +35,9 @@ class PathSwitchingMessages:
     def __init__(self, node: TimedNode, switching: PathSwitching, joint_names: tuple[str, ...]) -> None:
         self._node, self._switching, self._joint_names = node, switching, joint_names
         self._timer: threading.Timer | None = None
+        self._trajectories: dict[str, bytes] = {}  # whose `motion_plan` has not come yet
+        self._ends: dict[str, dict[str, float]] = {}  # of a motion whose trajectory has not come yet
+        node.create_subscription(DiagnosticStatus, 'motion_plan', self._on_plan, COMMAND)
         # A motion that switches nothing is not worth its deserialization.
         node.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND, raw=True)
         self._turn: LockstepTurn | None = None
@@ -48,7 +52,24 @@ class PathSwitchingMessages:
             )
 
     def _on_trajectory(self, data: bytes) -> None:
-        self._switching.planned(serialized_stamp_id(data), partial(self._trajectory, data))
+        id_ = serialized_stamp_id(data)
+        if self._switching.awaits(id_):  # not a stream
+            self._trajectories[id_] = data
+            self._put(id_)
+
+    def _on_plan(self, message: DiagnosticStatus) -> None:
+        ends = diagnostic_values(message)
+        id_ = ends.pop('id')
+        if self._switching.awaits(id_):
+            self._ends[id_] = {one: float(end) for one, end in ends.items()}
+            self._put(id_)
+
+    def _put(self, id_: str) -> None:
+        """Hand a motion on when both of its messages have come."""
+        if id_ not in self._trajectories or id_ not in self._ends:
+            return
+        data, ends = self._trajectories.pop(id_), self._ends.pop(id_)
+        self._switching.planned(id_, ends, partial(self._trajectory, data))
         if self._turn is not None and self._switching.pending and self._turn.due == NEVER:
             self._progress.take()  # of the motion before
             self._turn.ask(self._node.now())

@@ -3,44 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 
 from robots_controller.program.motion_command import MotionCommand, PathSwitch
-from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 
-# Points of the planned motion at which the tool is looked at: 1 mm apart on 0.4 m.
-POINTS: Final = 400
+STEP: Final = 2e-3  # s, between the places of the tool from which the length of its way is computed
+MOST_STEPS: Final = 2000  # of a motion; a longer one has longer steps
+FINE: Final = 32  # parts of two steps, where a place is looked for
 
 
 class PathSwitches:
     """The switches on a path, each due at a progress of its planned time.
 
-    The places are exact to the spacing of the given points: between two of them the tool's way is taken for
-    straight. A place that lies before its motion is the motion's start.
-
     Args:
-        motions: The motions that the path consists of, in their order: what each switches, and where the tool
-            is at its end, (3,), m; the last one ends with the path.
-        time: (m,) of the planned path, s.
-        r: (m, 3) positions of the tool, m.
+        places: When each is due, s of the path's planned time.
+        duration: Of the path, s.
     """
 
-    def __init__(self, motions: Sequence[tuple[Sequence[PathSwitch], Array]], time: Array, r: Array) -> None:
-        way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(r, axis=0), axis=1))])
-        self._waiting: list[tuple[float, PathSwitch]] = []
-        start = 0
-        for number, (switches, target) in enumerate(motions, 1):
-            # A blended motion passes its target by: it ends where it comes closest.
-            near = start + int(np.argmin(np.linalg.norm(r[start:] - target, axis=1)))
-            end = time.size - 1 if number == len(motions) else near
-            self._waiting += [(_progress(switch, time, way, start, end), switch) for switch in switches]
-            start = end
-        self._waiting.sort(key=lambda item: item[0])
-        self._duration = float(time[-1])
+    def __init__(self, places: Sequence[tuple[float, PathSwitch]], duration: float) -> None:
+        self._duration = duration
+        self._waiting = sorted(
+            ((at / duration if duration > 0.0 else 1.0, switch) for at, switch in places),
+            key=lambda item: item[0],
+        )
         self._last: tuple[float, float] | None = None
 
     @property
@@ -74,50 +63,91 @@ class PathSwitches:
 
 
 def switches_on_path(
-    chain: Sequence[MotionCommand], trajectory: Trajectory, direct_kinematics: Callable[[Array], Pose]
+    chain: Sequence[tuple[float, MotionCommand]],
+    trajectory: Trajectory,
+    direct_kinematics: Callable[[Array], tuple[Array, Array]],
 ) -> PathSwitches:
     """The switches of motions that were planned as one.
 
+    A place is one on the way of the motion's own tool between the motion's start and end. One that lies
+    before the motion is its start, one behind it its end.
+
     Args:
-        chain: The motions in their order.
+        chain: The motions in order, each with its end, s of the plan.
         trajectory: Their plan.
-        direct_kinematics: Pose of tool0 for joint positions.
+        direct_kinematics: Position (3,) and orientation (3, 3) of tool0 for joint positions.
     """
-    times = np.linspace(trajectory.time[0], trajectory.time[-1], POINTS)
-    tool = _frame(chain[-1], 'tool')
-    r = np.array([(direct_kinematics(trajectory.sample(t)[0]) @ tool).r for t in times])
-    targets = [_target(command, direct_kinematics) for command in chain]
-    switches = [command.switches for command in chain]
-    return PathSwitches(list(zip(switches, targets, strict=True)), times, r)
+    places: list[tuple[float, PathSwitch]] = []
+    start = 0.0
+    for end, command in chain:
+        way = None
+        for switch in command.switches:
+            if switch.anchor == 'time_after_start':
+                at = start + switch.at
+            elif switch.anchor == 'time_before_end':
+                at = end - switch.at
+            else:
+                way = way or ToolWay(trajectory, direct_kinematics, _tool(command), start, end)
+                after_start = switch.anchor == 'distance_after_start'
+                at = way.time(switch.at if after_start else way.length - switch.at)
+            places.append((min(max(at, start), end), switch))
+        start = end
+    return PathSwitches(places, trajectory.duration)
 
 
-def _target(command: MotionCommand, direct_kinematics: Callable[[Array], Pose]) -> Array:
-    if command.q is not None:
-        return (direct_kinematics(command.q) @ _frame(command, 'tool')).r
-    assert command.pose is not None
-    return (_frame(command, 'base') @ command.pose).r
+class ToolWay:
+    """The way of a tool on a part of a trajectory.
+
+    Args:
+        trajectory: The trajectory.
+        direct_kinematics: Position (3,) and orientation (3, 3) of tool0 for joint positions.
+        tool: Position of the tool centre point in tool0, (3,) m.
+        start: Where the part begins, s.
+        end: Where it ends, s.
+    """
+
+    def __init__(
+        self,
+        trajectory: Trajectory,
+        direct_kinematics: Callable[[Array], tuple[Array, Array]],
+        tool: Array,
+        start: float,
+        end: float,
+    ) -> None:
+        self._trajectory, self._direct_kinematics, self._tool = trajectory, direct_kinematics, tool
+        pairs = int(np.clip(np.ceil((end - start) / STEP), 2, MOST_STEPS)) // 2
+        times = np.linspace(start, end, 2 * pairs + 1)
+        r = self._positions(times)
+        parts = np.linalg.norm(np.diff(r, axis=0), axis=1)
+        chords, wholes = parts[::2] + parts[1::2], np.linalg.norm(r[2::2] - r[:-2:2], axis=1)
+        self._times = times[::2]
+        # Chords of half the length are short of the arc by a quarter (Richardson's extrapolation).
+        self._way = np.append(0.0, np.cumsum(chords + (chords - wholes) / 3.0))
+
+    @property
+    def length(self) -> float:
+        """M."""
+        return float(self._way[-1])
+
+    def time(self, distance: float) -> float:
+        """When the tool has first gone this far, m; the start or the end where it lies outside."""
+        if distance <= 0.0:
+            return float(self._times[0])
+        if distance >= self.length:
+            return float(self._times[-1])
+        index = int(np.searchsorted(self._way, distance)) - 1
+        times = np.linspace(self._times[index], self._times[index + 1], FINE + 1)
+        parts = np.linalg.norm(np.diff(self._positions(times), axis=0), axis=1)
+        way = np.append(0.0, np.cumsum(parts))
+        wanted = (distance - self._way[index]) / (self._way[index + 1] - self._way[index]) * way[-1]
+        last = int(np.searchsorted(way, wanted))
+        return float(np.interp(wanted, way[last - 1 : last + 1], times[last - 1 : last + 1]))
+
+    def _positions(self, times: Array) -> Array:
+        q = self._trajectory.sample(times)[0]
+        return np.array([r + T @ self._tool for r, T in map(self._direct_kinematics, q)])
 
 
-def _frame(command: MotionCommand, name: Literal['tool', 'base']) -> Pose:
-    values: Any = command.settings.get(name)
-    return Pose.identity() if values is None else Pose.from_quaternion(values[:3], values[3:])
-
-
-def _progress(switch: PathSwitch, time: Array, way: Array, start: int, end: int) -> float:
-    first, last = float(time[start]), float(time[end])
-    if switch.anchor == 'time_after_start':
-        at = first + switch.at
-    elif switch.anchor == 'time_before_end':
-        at = last - switch.at
-    elif switch.anchor == 'distance_after_start':
-        # Where the tool stands the way has steps of zero: the first moment at a place counts.
-        at = float(np.interp(way[start] + switch.at, *_moving(way, time)))
-    else:
-        at = float(np.interp(way[end] - switch.at, *_moving(way, time))) if switch.at > 0.0 else last
-    at = min(max(at, first), last)
-    return at / float(time[-1]) if time[-1] > 0.0 else 1.0
-
-
-def _moving(way: Array, time: Array) -> tuple[Array, Array]:
-    moving = np.concatenate([[True], np.diff(way) > 0.0])
-    return way[moving], time[moving]
+def _tool(command: MotionCommand) -> Array:
+    values: Any = command.settings.get('tool')
+    return np.array([0.0, 0.0, 0.0] if values is None else values[:3])

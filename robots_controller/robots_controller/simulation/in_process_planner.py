@@ -61,8 +61,8 @@ class InProcessPlanner:
         self._last_id = 0
         self.on_result: Callable[[MotionResult], None] = lambda _: None
         """Gets the results that the planner sends."""
-        self.on_planned: Callable[[str, Trajectory], None] = lambda *_: None
-        """Gets each plan with its id."""
+        self.on_planned: Callable[[str, Mapping[str, float], Trajectory], None] = lambda *_: None
+        """Gets each plan with its id and the ends of its commands."""
 
     # -- the program's end ----------------------------------------------------------------------------
 
@@ -120,13 +120,21 @@ class InProcessPlanner:
     def release_after(self, patience: float) -> None:
         """Never: a program says when nothing follows."""
 
-    def send(self, id_: str, motion: PlannedMotion, *, title: str, join_time: float) -> None:  # noqa: ARG002
+    def send(
+        self,
+        id_: str,
+        motion: PlannedMotion,
+        ends: Mapping[str, float],
+        *,
+        title: str,  # noqa: ARG002
+        join_time: float,
+    ) -> None:
         """See `MotionPlannerPort`."""
-        trajectory, running = motion.trajectory, self.planner.motions[-1]
-        self._records.planned(running.ids, running.ends, motion)
-        self._log.planned(id_, trajectory)
+        trajectory = motion.trajectory
+        self._records.planned(ends, motion)
+        self._log.planned(id_, ends, trajectory)
         self._control.follow(_as_in_message(trajectory), id_, join_time=join_time)
-        self._mail.append(lambda: self.on_planned(id_, trajectory))
+        self._mail.append(lambda: self.on_planned(id_, ends, trajectory))
 
     def answer(self, result: MotionResult) -> None:
         """See `MotionPlannerPort`."""

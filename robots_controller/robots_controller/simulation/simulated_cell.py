@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -314,8 +314,8 @@ class SimulatedCell:
         if self._planner.motions:
             self._records.started(self._planner.motions[0].id, self.clock.elapsed)
 
-    def _motion_planned(self, id_: str, trajectory: Trajectory) -> None:
-        self._host.switching.planned(id_, lambda: trajectory)
+    def _motion_planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory) -> None:
+        self._host.switching.planned(id_, ends, lambda: trajectory)
         if self._guard is not None:
             path = JointPath(
                 trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration

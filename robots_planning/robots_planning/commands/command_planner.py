@@ -22,11 +22,13 @@ class PlannedCommands:
     Attributes:
         commands: Its commands.
         motion: The plan.
+        ends: When each of the commands ends, s of the plan.
         join_time: Path time of the running motion at which this one takes its place, s; 0: after its end.
     """
 
     commands: tuple[QueuedCommand, ...]
     motion: PlannedMotion
+    ends: tuple[float, ...]
     join_time: float = 0.0
 
 
@@ -87,11 +89,11 @@ class CommandPlanner:
                 raise PlanningError(reason)
             running = self._queue.running
             join_time = self._join_time(running, commands)
-            ends: tuple[float, ...] = (0.0,)
             if join_time > 0.0:
                 q, q_dot, q_ddot = running[-1].trajectory.sample(join_time)
                 only = commands[0]
                 motion = self._planning.plan_moving(only.kind, (q, q_dot, q_ddot), only.target, only.settings)
+                ends: tuple[float, ...] = (motion.duration,)
             else:
                 q = running[-1].trajectory.position[-1] if running else self._standing()
                 motion, ends = self._chain.plan(commands, q)
@@ -100,7 +102,7 @@ class CommandPlanner:
                 break
         if join_time > 0.0:
             self._queue.replaced(running[-1])
-        self._send(PlannedCommands(commands, motion, join_time))
+        self._send(PlannedCommands(commands, motion, ends, join_time))
 
     def _join_time(self, running: tuple[RunningMotion, ...], commands: tuple[QueuedCommand, ...]) -> float:
         if not self.replace or len(running) != 1 or len(commands) != 1:

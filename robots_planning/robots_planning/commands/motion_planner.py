@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Final, Protocol
 
@@ -44,12 +44,15 @@ class MotionPlannerPort(Protocol):
     def release_after(self, patience: float) -> None:
         """Call `release` after this time, s, counted from the last call of this."""
 
-    def send(self, id_: str, motion: PlannedMotion, *, title: str, join_time: float) -> None:
+    def send(
+        self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
+    ) -> None:
         """Send a motion to the controller.
 
         Args:
             id_: Of its last command.
             motion: The plan.
+            ends: When each of its commands ends, s of the plan, by id and in order.
             title: Its kinds, for a person.
             join_time: Path time of the running motion at which it takes over, s; 0: after its end.
         """
@@ -173,7 +176,7 @@ class MotionPlanner:
         motion = self.planning.checked(trajectory(self.standing()))
         running = RunningMotion((id_,), motion.trajectory, (motion.duration,))
         self._queue.planned(running, self._queue.failures)
-        self._follow(id_, motion, 'a given trajectory', 0.0)
+        self._follow(motion, {id_: motion.duration}, 'a given trajectory', 0.0)
 
     # -- the controller -------------------------------------------------------------------------------
 
@@ -233,13 +236,15 @@ class MotionPlanner:
 
     def _send(self, planned: PlannedCommands) -> None:
         titles = ' + '.join(command.kind.title for command in planned.commands)
-        self._follow(planned.commands[-1].id, planned.motion, titles, planned.join_time)
+        ids = (command.id for command in planned.commands)
+        ends = dict(zip(ids, planned.ends, strict=True))
+        self._follow(planned.motion, ends, titles, planned.join_time)
 
-    def _follow(self, id_: str, motion: PlannedMotion, title: str, join_time: float) -> None:
+    def _follow(self, motion: PlannedMotion, ends: Mapping[str, float], title: str, join_time: float) -> None:
         if len(self.motions) == 1:
             self._progress = (0.0, self._port.time())
         self._port.finished(done=False)
-        self._port.send(id_, motion, title=title, join_time=join_time)
+        self._port.send(tuple(ends)[-1], motion, ends, title=title, join_time=join_time)
 
     def _refuse(self, command: QueuedCommand, error: RobotsError) -> None:
         self._queue.refused(command.id)

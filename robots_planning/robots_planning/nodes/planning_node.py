@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import Any
@@ -26,6 +26,7 @@ from robots_core.pose import Pose
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     NANOSECONDS,
+    diagnostic_status,
     id_stamp,
     joint_values,
     motion_result_from_message,
@@ -94,6 +95,7 @@ class PlanningNode(RobotNode):
             self, JointTrajectory, 'joint_reference', STREAM
         )
         self._trajectory_publisher = self.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
+        self._plan_publisher = self.create_publisher(DiagnosticStatus, 'motion_plan', COMMAND)
         self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
         self._finished_publisher = self.create_publisher(Bool, 'finished', PLANNER_ALIVE)
         self.finished(done=False)
@@ -254,9 +256,15 @@ class PlanningNode(RobotNode):
         self._patience.timer_period_ns = int(1e9 * patience)
         self._patience.reset()
 
-    def send(self, id_: str, motion: PlannedMotion, *, title: str, join_time: float) -> None:
+    def send(
+        self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
+    ) -> None:
         """See `MotionPlannerPort`."""
         self._controllers = self._reference_publishers()
+        values: dict[str, Any] = {'id': id_, **ends}
+        self._plan_publisher.publish(
+            diagnostic_status('motion plan', '', hardware_id=self.robot_name, **values)
+        )
         self._trajectory_publisher.publish(
             trajectory_message(motion.trajectory, self._names, id_stamp(id_), join_time=join_time)
         )

@@ -220,9 +220,11 @@ class CellLog:
         self._last_command = stamp - START
         self._write(command.kind.topic, command.kind.message_type, message, stamp - START)
 
-    def planned(self, id_: str, trajectory: Trajectory) -> None:
-        """A plan goes to the controller."""
+    def planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory) -> None:
+        """A plan goes to the controller; its commands end at these times of it, s."""
         if self._bag is not None:
+            plan = ros.diagnostic_status('motion plan', '', self._robot, ros.OK, {'id': id_, **ends})
+            self._write('motion_plan', STATUS_TYPE, plan)
             message = ros.planned_trajectory(int(id_.replace('.', '')), self._joints, trajectory)
             self._write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', message)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -50,11 +50,12 @@ class MotionRecords:
         self.commanded(id_, command, '', now)
         self.ended(MotionResult.refused(id_, error), now)
 
-    def planned(self, ids: Sequence[str], ends: Sequence[float], plan: PlannedMotion) -> None:
-        """A chain of commands was planned; each ends at a time of the plan, s."""
-        all_ends = (*ends[:-1], plan.trajectory.duration)
-        for id_, start, end in zip(ids, (0.0, *all_ends[:-1]), all_ends, strict=True):
-            self._change(id_, plan=plan, chain=tuple(ids), start_on_plan=start, end_on_plan=end)
+    def planned(self, ends: Mapping[str, float], plan: PlannedMotion) -> None:
+        """A chain of commands was planned; each ends at a time of the plan, s, in order."""
+        start = 0.0
+        for id_, end in ends.items():
+            self._change(id_, plan=plan, chain=tuple(ends), start_on_plan=start, end_on_plan=end)
+            start = end
 
     def started(self, id_: str, now: float) -> None:
         """The controller follows the plan that ends with this command."""
