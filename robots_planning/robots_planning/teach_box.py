@@ -47,6 +47,10 @@ SPEED_RESERVE = 0.1
 RETURN_GAIN = 5.0
 LEASH = (0.002, 0.01)  # m, rad
 RAMP_TIME = 0.25  # s, in which a jogged tool gains its highest speed
+# Of the axes' accelerations, for changes of the tool's speed; the rest is for returning to its line. Where
+# they allow less than the least part of a change, near singularities, the tool leaves its line sooner than it
+# goes on without end.
+FOLLOWED, LEAST_FOLLOWED = 0.9, 0.2
 OUT_OF_REACH = 'out of reach'  # of a tool: no axis is at a limit, but the arm is stretched or singular
 STANDSTILL = 1e-12  # rad/s (m/s)
 JOG_RATE = 125.0  # Hz, of a robot that follows a teach box
@@ -85,10 +89,10 @@ class TeachBox:
     """Follows jog commands inside reduced limits; stops when they end or a limit comes.
 
     A command is a velocity that holds until the next one, and no longer than the timeout (dead-man): without
-    a fresh command the axes brake to a stop. Axes are jogged each on its own, the tool along and about axes
-    of the base, the tool or the world by `ConstrainedInverseKinematics`. At a position limit the axis stops,
-    and with it a tool that cannot go on; the step names the limit. State and limits are always such that
-    braking ends before the position limits (see `viability`).
+    a fresh command the axes brake to a stop, a tool along its line. Axes are jogged each on its own, the tool
+    along and about axes of the base, the tool or the world by `ConstrainedInverseKinematics`. At a position
+    limit the axis stops, and with it a tool that cannot go on; the step names the limit. State and limits are
+    always such that braking ends before the position limits (see `viability`).
 
     An instance keeps scratch memory and the state of the motion: use one per thread.
 
@@ -145,7 +149,8 @@ class TeachBox:
         self._command: Array = np.zeros(axes.num_axes)
         self._frame: JogAxes | None = None
         self._time = -np.inf
-        self._twist: Array = NO_TWIST
+        self._twist: Array = NO_TWIST  # the ramp to the command
+        self._led: Array = NO_TWIST  # the twist that the tool was led with
         self._pose: Pose | None = None
         self._behind = 0.0
         self.place(q)
@@ -201,18 +206,17 @@ class TeachBox:
             now: s.
         """
         fresh = 0.0 <= now - self._time <= self.timeout
-        if not fresh or not (self._command.any() or self._twist.any() or self._frame is None):
-            self._lead_from_here()
-            self._state = self._axes.brake(self._state[0], self._state[1])
-            return self._result(jogging=fresh)
-        if self._frame is None:
-            self._lead_from_here()
+        if self._frame is not None and ((fresh and self._command.any()) or self._twist.any()):
+            return self._step_tool(self._frame, released=not fresh)
+        self._lead_from_here()
+        if fresh and self._frame is None:
             return self._step_axes()
-        return self._step_tool(self._frame)
+        self._state = self._axes.brake(self._state[0], self._state[1])
+        return self._result(jogging=fresh)
 
     def _lead_from_here(self) -> None:
         """The next jog of the tool starts at rest from where the tool is then."""
-        self._twist, self._pose, self._behind = NO_TWIST, None, 0.0
+        self._twist, self._led, self._pose, self._behind = NO_TWIST, NO_TWIST, None, 0.0
 
     def _step_axes(self) -> TeachStep:
         axes, dt = self.robot.axes_data, self.dt
@@ -244,26 +248,46 @@ class TeachBox:
         self._state = np.array([there, end, (end - q_dot) / dt])
         return self._result(jogging=True, limits=limits)
 
-    def _step_tool(self, frame: JogAxes) -> TeachStep:
+    def _step_tool(self, frame: JogAxes, *, released: bool) -> TeachStep:
         q, q_dot, dt = self._state[0], self._state[1], self.dt
         here = self._tool_pose(q)
-        wanted = self._wanted_twist(frame, here)
+        if released:  # from how it was led, which limits have slowed
+            wanted, self._twist = NO_TWIST, self._led
+        else:
+            wanted = self._wanted_twist(frame, here)
         ramp = np.repeat(self._speeds * dt / RAMP_TIME, 3)
         change = wanted - self._twist
-        self._twist = self._twist + change * float(np.min(ramp / np.maximum(np.abs(change), ramp)))
-        twist = max(0.0, 1.0 - self._behind) * self._twist
-        pose = moved(self._pose or here, twist, dt)
-        step = self._ik.step(pose, q, q_dot, twist)
+        change *= float(np.min(ramp / np.maximum(np.abs(change), ramp)))
+        self._twist = self._twist + self._followed_part(here, change) * change
+        # A tool that stops is not slowed down by its distance from where it is led: it may be ahead.
+        self._led = self._twist if released else max(0.0, 1.0 - self._behind) * self._twist
+        pose = moved(self._pose or here, self._led, dt)
+        step = self._ik.step(pose, q, q_dot, self._led)
         self._behind = max(step.position_error / LEASH[0], step.orientation_error / LEASH[1])
         self._pose = pose
         limits = tuple(f'{item.joint} {item.quantity} {item.side}' for item in step.active_limits)
         if not limits and self._behind > 0.9:
             limits = (OUT_OF_REACH,)
         state = np.array(step.values[:3])
-        if self._tool_speed(state[0], state[1]) > self._speeds[0]:
+        astray = released and self._behind > 1.0
+        if astray or self._tool_speed(state[0], state[1]) > self._speeds[0]:
             state, self._pose, self._behind = self._axes.brake(q, q_dot), None, 0.0
         self._state = state
-        return self._result(jogging=True, limits=limits)
+        return self._result(jogging=not released, limits=limits)
+
+    def _followed_part(self, here: Pose, change: Array) -> float:
+        """The part of a change of the tool's twist that the axes can follow within a period."""
+        q, q_dot, dt = self._state[0], self._state[1], self.dt
+        J = np.array(self.robot.jacobian(q + dt * q_dot))
+        J[:3] += np.cross(J[3:], here.T @ self.tool.T.T @ self.tool.r, axisa=0, axisc=0)
+        missing = self._led - J @ q_dot
+        (going_on, further), room = (
+            np.linalg.lstsq(J, np.column_stack([missing, change]), rcond=None)[0].T,
+            FOLLOWED * self.robot.axes_data.acceleration * dt,
+        )
+        with np.errstate(divide='ignore', invalid='ignore'):
+            parts = np.where(further > 0.0, room - going_on, room + going_on) / np.abs(further)
+        return float(np.clip(np.nanmin(parts), LEAST_FOLLOWED, 1.0))
 
     def _wanted_twist(self, frame: JogAxes, here: Pose) -> Array:
         """The commanded twist in the base frame, inside the speeds."""

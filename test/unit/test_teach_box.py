@@ -88,6 +88,30 @@ def test_an_old_command_stops_the_robot(robot: BaseRobotModel, posture: np.ndarr
     assert (stood - 126) * DT <= float(longest.max()) + DT
 
 
+@pytest.mark.parametrize('speed_fraction', [0.1, 0.3])
+@pytest.mark.parametrize('direction', range(3))
+@pytest.mark.parametrize('sign', [-1.0, 1.0])
+def test_a_released_tool_stops_on_its_line(
+    robot: BaseRobotModel, posture: np.ndarray, direction: int, sign: float, speed_fraction: float
+) -> None:
+    box = TeachBox(robot, DT, posture, speed_fraction=speed_fraction)
+    twist = np.zeros(6)
+    twist[direction] = sign
+    for k in range(250):
+        box.jog_tool(twist, k * DT)
+        step = box.step(k * DT)
+    start = tool(robot, posture)
+    for k in range(250, 500):
+        step = box.step(k * DT)
+        error = start.error_to(tool(robot, step.q))
+        # How far limits of the axes that it meets while it is jogged keep it from its line.
+        assert np.abs(np.delete(error[:3], direction)).max() < 5e-4
+        assert np.linalg.norm(error[3:]) < 1e-3
+        if step.standing:
+            break
+    assert step.standing
+
+
 def test_a_command_from_the_future_is_none(robot: BaseRobotModel, posture: np.ndarray) -> None:
     box = TeachBox(robot, DT, posture)
     box.jog_axes(np.full(6, 0.1), 5.0)
