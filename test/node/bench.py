@@ -13,11 +13,21 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_srvs.srv import Trigger
 
 from robots_core.errors import InvalidInputError
+from robots_core.ros.lockstep.coordinator import Coordinator
 from robots_core.ros.qos import COMMAND
 
 MANY = QoSProfile(depth=10_000)
 # With the value from before.
 EVERY_STATE = QoSProfile(depth=10_000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+LOCKSTEP = [Parameter('lockstep', value=True)]
+
+
+def coordinate(runner: Any, *names: str, **options: Any) -> Coordinator:
+    """Advance the time of the nodes with these names as soon as all have joined."""
+    made: list[Coordinator] = []
+    node = runner.create_node('coordinator')
+    runner.call(lambda: made.append(Coordinator(node, [f'/{name}' for name in names], **options)))
+    return made[0]
 
 
 class Bench:

@@ -6,60 +6,55 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseArray, Wrench
-from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool, Float32, Float64, Float64MultiArray, UInt8MultiArray, UInt16MultiArray
 
-from robots_controller.nodes.io_bridge_node import IoBridgeNode
+from robots_controller.nodes.io_bridge_node import WATCH_PERIOD, IoBridgeNode
 from robots_core.errors import InvalidInputError
-from robots_core.ros.qos import STATE
+from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.timed_node import TimedNode
+
+from .bench import EVERY_STATE, LOCKSTEP, MANY, Bench, coordinate
 
 CONFIG = Path(__file__).parents[2] / 'robots_controller' / 'config'
-MANY = QoSProfile(depth=100)
-EVERY_STATE = QoSProfile(depth=100, durability=STATE.durability, reliability=STATE.reliability)
 
 
-class Plc:
+class Plc(Bench):
     """The test plays both the PLC and the robot."""
 
     def __init__(self, runner: Any, path: Path) -> None:
-        self.runner = runner
-        self.node = runner.create_node('plc')
-        self.robot = runner.create_node('robot')
-        self.inputs: dict[str, list[list[float]]] = {'digital_inputs': [], 'analog_inputs': []}
-        self.health: list[tuple[bytes, str]] = []
+        super().__init__(runner, 'plc')
         for topic, kind in (('digital_inputs', UInt8MultiArray), ('analog_inputs', Float64MultiArray)):
-            seen = self.inputs[topic]
-            self.robot.create_subscription(kind, topic, lambda m, s=seen: s.append(list(m.data)), EVERY_STATE)
-        self.robot.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, 10)
-        self.bridge = runner.add(
-            IoBridgeNode(context=runner.context, parameter_overrides=[Parameter('io_map', value=str(path))])
-        )
+            self.collect(topic, kind, EVERY_STATE, lambda m: list(m.data))
+        self.bridge = self.start_node(IoBridgeNode, io_map=str(path))
 
-    def _on_health(self, message: DiagnosticArray) -> None:
-        self.health += [(s.level, s.message) for s in message.status if s.name == '/io_bridge_node']
+    def subscribed(self, kind: Any, topic: str, qos: QoSProfile = MANY) -> list[Any]:
+        """Messages of a topic of the bridge, from when it was found on."""
+        found: list[Any] = []
+        subscription = self.peer.create_subscription(kind, topic, found.append, qos)
+        self.wait(subscription.get_publisher_count, f'the bridge on {topic}')
+        return found
 
-    def publisher(self, kind: Any, topic: str, qos: QoSProfile = MANY) -> Any:
-        publisher = self.node.create_publisher(kind, topic, qos)
-        self.runner.wait_for(publisher.get_subscription_count, what=f'the bridge on {topic}')
-        return publisher
-
-    def heard(self, kind: Any, topic: str, qos: QoSProfile = MANY) -> list[Any]:
-        seen: list[Any] = []
-        subscription = self.node.create_subscription(kind, topic, seen.append, qos)
-        self.runner.wait_for(subscription.get_publisher_count, what=f'the bridge on {topic}')
-        return seen
+    def repeat(self, topic: str, message: Any, qos: QoSProfile = COMMAND) -> None:
+        """Publish a message again and again."""
+        publisher = self.publisher(topic, type(message), qos)
+        self.peer.create_timer(0.02, lambda: publisher.publish(message))
 
     def wait_for_input(self, image: str, values: list[float]) -> None:
-        seen = self.inputs[f'{image}_inputs']
-        self.runner.wait_for(lambda: seen and seen[-1] == pytest.approx(values), what=f'{values} {image}')
+        found = self.collected(f'{image}_inputs')
+        self.wait(lambda: found and found[-1] == pytest.approx(values), f'{values} {image}')
 
     def wait_for_health(self, level: bytes, text: str) -> None:
-        self.runner.wait_for(
-            lambda: self.health and self.health[-1][0] == level and text in self.health[-1][1], what=text
-        )
+        """Until this is the newest health."""
+
+        def newest() -> bool:
+            own = [one for one in self.health if one.name == '/io_bridge_node']
+            return bool(own) and own[-1].level == level and text in own[-1].message
+
+        self.wait(newest, text)
 
 
 @pytest.fixture
@@ -75,57 +70,80 @@ def bridge(ros_nodes: Any, tmp_path: Path) -> Any:
 def test_a_plc_that_publishes_words(ros_nodes: Any):
     plc = Plc(ros_nodes, CONFIG / 'io_map_words.yaml')
     plc.wait_for_health(DiagnosticStatus.WARN, 'plc/input_words has been silent for 0.5 s')
-    words = plc.publisher(UInt16MultiArray, 'plc/input_words')
-    analog = plc.publisher(UInt16MultiArray, 'plc/analog_words')
-    message, level = UInt16MultiArray(data=[0b0000_0001_0000_0101]), UInt16MultiArray(data=[2048])
-    plc.node.create_timer(0.02, lambda: (words.publish(message), analog.publish(level)))
+    message = UInt16MultiArray(data=[0b0000_0001_0000_0101])
+    plc.repeat('plc/input_words', message)
+    plc.repeat('plc/analog_words', UInt16MultiArray(data=[2048]))
     plc.wait_for_input('digital', [1, 0, 1, 0, 0])
     plc.wait_for_input('analog', [2048 * 0.002442])
-    plc.wait_for_health(DiagnosticStatus.OK, 'ready')
     message.data[0] = 0b1010
     plc.wait_for_input('digital', [0, 1, 0, 1, 1])
 
-    sent = plc.heard(UInt16MultiArray, 'plc/output_words')
-    digital = plc.robot.create_publisher(UInt8MultiArray, 'digital_outputs', STATE)
-    outputs = plc.robot.create_publisher(Float64MultiArray, 'analog_outputs', STATE)
-    digital.publish(UInt8MultiArray(data=[1, 0, 1, 0]))
-    outputs.publish(Float64MultiArray(data=[5.0]))
+    words = plc.subscribed(UInt16MultiArray, 'plc/output_words')
+    plc.repeat('digital_outputs', UInt8MultiArray(data=[1, 0, 1, 0]), STATE)
+    plc.publish('analog_outputs', Float64MultiArray(data=[5.0]), STATE)
     # 0..10 V is 0..4095: 5 V is 2047.5, rounded to the even neighbour.
-    ros_nodes.wait_for(lambda: sent and list(sent[-1].data) == [0b101, 2048], what='the words')
-    count = len(sent)
-    ros_nodes.wait_for(lambda: len(sent) >= count + 3, what='repetitions')
-    assert all(list(m.data) == [0b101, 2048] for m in sent[count:])
-    ros_nodes.call(lambda: plc.robot.destroy_publisher(digital))
-    ros_nodes.wait_for(lambda: list(sent[-1].data) == [0, 2048], what='the fail-safe values')
-    plc.wait_for_health(DiagnosticStatus.WARN, 'nobody has published digital_outputs for 0.5 s')
+    expected = [0b101, 2048]
+    plc.wait(lambda: [list(m.data) for m in words[-3:]] == 3 * [expected], 'the words and their repetitions')
+
+
+class RobotInLockstep(TimedNode):
+    """Publishes images of its outputs until a time, and is subscribed to what the bridge makes of them."""
+
+    END = 3.0  # s
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('robot', parameter_overrides=LOCKSTEP, **options)
+        self.words: list[tuple[float, list[int]]] = []
+        self._digital = self.create_publisher(UInt8MultiArray, 'digital_outputs', STATE)
+        self._analog = self.create_publisher(Float64MultiArray, 'analog_outputs', STATE)
+        self.create_subscription(UInt16MultiArray, 'plc/output_words', self._on_words, COMMAND)
+        self.start_loop(self._work, period=0.1, name='robot', phase=Phase.ENVIRONMENT)
+
+    def _work(self, now: float) -> None:
+        if now <= self.END:
+            self._digital.publish(UInt8MultiArray(data=[1, 0, 1]))
+        self._analog.publish(Float64MultiArray(data=[5.0]))
+
+    def _on_words(self, message: UInt16MultiArray) -> None:
+        self.words.append((self.now(), list(message.data)))
+
+
+def test_outputs_are_fail_safe_when_their_images_are_old(ros_nodes: Any):
+    """By the time of the last one: its publisher is there all the time."""
+    path = str(CONFIG / 'io_map_words.yaml')
+    robot = ros_nodes.add(RobotInLockstep(context=ros_nodes.context))
+    bench = Bench(ros_nodes)
+    bench.start_node(IoBridgeNode, io_map=path, lockstep=True)
+    run = coordinate(ros_nodes, 'robot', 'io_bridge_node')
+    bench.wait(lambda: robot.words and robot.words[-1][0] > robot.END + 1.0, 'the end')
+    ros_nodes.call(run.end)
+    on = [time for time, words in robot.words if words == [0b101, 2048]]
+    off = [time for time, words in robot.words if words == [0, 2048]]
+    lost = robot.END + 0.5
+    assert on[-1] <= off[0] == pytest.approx(lost, abs=WATCH_PERIOD)
+    bench.until_health(DiagnosticStatus.WARN, 'digital_outputs was not published for 0.5 s')
 
 
 def test_a_plc_that_publishes_one_topic_per_tag(ros_nodes: Any):
     plc = Plc(ros_nodes, CONFIG / 'io_map_tags.yaml')
     plc.wait_for_input('digital', [0, 1, 0])  # closed is the fail-safe value
-    ready = plc.publisher(Bool, 'plc/press/ready')
-    closed = plc.publisher(Bool, 'plc/press/closed')
-    sensor = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-    force = plc.publisher(Float32, 'plc/press/force', sensor)
-    ready.publish(Bool(data=True))
-    closed.publish(Bool(data=False))
+    plc.repeat('plc/press/ready', Bool(data=True))
+    plc.repeat('plc/press/closed', Bool(data=False))
     plc.wait_for_input('digital', [1, 0, 0])
-    plc.node.create_timer(0.02, lambda: force.publish(Float32(data=2500.0)))
+    sensor = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+    plc.repeat('plc/press/force', Float32(data=2500.0), sensor)
     plc.wait_for_input('analog', [2.5])
-    digital = plc.robot.create_publisher(UInt8MultiArray, 'digital_outputs', STATE)
-    analog = plc.robot.create_publisher(Float64MultiArray, 'analog_outputs', STATE)
-    digital.publish(UInt8MultiArray(data=[1]))
-    analog.publish(Float64MultiArray(data=[0.25]))
-    current = plc.heard(Float64, 'plc/torch/current')
-    analog.publish(Float64MultiArray(data=[0.5]))
-    ros_nodes.wait_for(lambda: current and current[-1].data == 0.5, what='the current')
+    current = plc.subscribed(Float64, 'plc/torch/current')
+    plc.publish('digital_outputs', UInt8MultiArray(data=[1]), STATE)
+    plc.publish('analog_outputs', Float64MultiArray(data=[0.5]), STATE)
+    plc.wait(lambda: current and current[-1].data == 0.5, 'the current')
     # Latched: also for a PLC that comes late.
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    start = plc.heard(Bool, 'plc/press/start', latched)
-    ros_nodes.wait_for(lambda: start and start[-1].data, what='the start signal')
+    start = plc.subscribed(Bool, 'plc/press/start', latched)
+    plc.wait(lambda: start and start[-1].data, 'the start signal')
 
 
-def test_any_field_of_any_message(ros_nodes: Any, bridge: Any):
+def test_any_field_of_any_message(bridge: Any):
     plc = bridge("""
 inputs:
   - {channel: analog_input.1, topic: a, type: geometry_msgs/Wrench, field: force.z, scale: -1}
@@ -133,28 +151,25 @@ inputs:
 outputs:
   - {channel: analog_output.2, topic: c, type: geometry_msgs/PoseArray, field: 'poses[1].position.y'}
 """)
-    wrench, poses = plc.publisher(Wrench, 'a'), plc.publisher(PoseArray, 'b')
     message = Wrench()
     message.force.z = -3.5
-    wrench.publish(message)
+    plc.publish('a', message)
     plc.wait_for_input('analog', [3.5, 0.0])
-    poses.publish(PoseArray())
+    plc.publish('b', PoseArray())
     plc.wait_for_health(DiagnosticStatus.WARN, 'b: poses has 0 elements; poses[1].position.x needs 2')
-    analog = plc.robot.create_publisher(Float64MultiArray, 'analog_outputs', STATE)
-    heard = plc.heard(PoseArray, 'c')
-    analog.publish(Float64MultiArray(data=[1.0, 2.0]))
-    ros_nodes.wait_for(lambda: heard, what='the array')
-    assert [pose.position.y for pose in heard[-1].poses] == [0.0, 2.0]
-    poses.publish(heard[-1])
+    arrays = plc.subscribed(PoseArray, 'c')
+    plc.publish('analog_outputs', Float64MultiArray(data=[1.0, 2.0]), STATE)
+    plc.wait(lambda: arrays, 'the array')
+    assert [pose.position.y for pose in arrays[-1].poses] == [0.0, 2.0]
+    plc.publish('b', arrays[-1])
     plc.wait_for_health(DiagnosticStatus.OK, 'ready')
 
 
-def test_an_output_that_does_not_fit_is_told(bridge: Any):
+def test_an_output_that_does_not_fit_is_reported(bridge: Any):
     plc = bridge('outputs:\n  - {channel: analog_output.1, topic: a, type: UInt8}\n')
-    analog = plc.robot.create_publisher(Float64MultiArray, 'analog_outputs', STATE)
-    analog.publish(Float64MultiArray(data=[300.0]))
+    plc.publish('analog_outputs', Float64MultiArray(data=[300.0]), STATE)
     plc.wait_for_health(DiagnosticStatus.WARN, 'analog_output.1 would be 300; uint8 ends at 255')
-    analog.publish(Float64MultiArray(data=[3.0]))
+    plc.publish('analog_outputs', Float64MultiArray(data=[3.0]), STATE)
     plc.wait_for_health(DiagnosticStatus.OK, 'ready')
 
 
@@ -179,7 +194,7 @@ def test_an_output_that_does_not_fit_is_told(bridge: Any):
         ('type: UInt16, bit: 16', "data is 'uint16' with bits 0..15, not 16"),
     ],
 )
-def test_what_does_not_exist_is_told_with_its_line(ros_nodes: Any, bridge: Any, row: str, message: str):
+def test_what_does_not_exist_is_reported_with_its_line(ros_nodes: Any, bridge: Any, row: str, message: str):
     del ros_nodes
     with pytest.raises(InvalidInputError) as info:
         bridge(f'inputs:\n  - {{channel: digital_input.1, topic: a, {row}}}\n')

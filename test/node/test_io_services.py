@@ -8,7 +8,6 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
-from rclpy.parameter import Parameter as NodeParameter
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from std_srvs.srv import SetBool
 
@@ -16,6 +15,8 @@ from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.qos import STATE
+
+from .bench import Bench
 
 NO_VALUE = ParameterValue()
 
@@ -32,13 +33,11 @@ def double(value: float) -> ParameterValue:
     return ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value)
 
 
-class Panel:
+class Panel(Bench):
     """A client of all services, and what the node publishes."""
 
     def __init__(self, runner: Any, **parameters: Any) -> None:
-        self.runner = runner
-        self.node = runner.create_node('panel')
-        self.seen: dict[str, Any] = {}
+        super().__init__(runner, 'panel')
         for topic, kind in (
             ('digital_outputs', UInt8MultiArray),
             ('analog_outputs', Float64MultiArray),
@@ -46,31 +45,26 @@ class Panel:
             ('lua_program_node/analog_inputs', Float64MultiArray),
             ('forced_inputs', DiagnosticStatus),
         ):
-            self.node.create_subscription(kind, topic, lambda m, t=topic: self.seen.update({t: m}), STATE)
-        overrides = [
-            NodeParameter(name, value=value)
-            for name, value in {'digital_size': 4, 'analog_size': 2, **parameters}.items()
-        ]
-        self.lua = runner.add(LuaProgramNode(context=runner.context, parameter_overrides=overrides))
-        runner.wait_for(lambda: len(self.seen) == 5, what='the first images')
+            self.collect(topic, kind, STATE)
+        self.lua = self.start_node(LuaProgramNode, **{'digital_size': 4, 'analog_size': 2, **parameters})
+        self.wait(lambda: all(self._collected.values()), 'the first images')
 
-    def call(self, kind: Any, name: str, **fields: Any) -> Any:
-        client = self.node.create_client(kind, f'lua_program_node/{name}')
-        self.runner.wait_for(client.service_is_ready, what=name)
-        future = client.call_async(kind.Request(**fields))
-        self.runner.wait_for(future.done, what=f'the answer of {name}')
-        return future.result()
+    def newest(self, topic: str) -> Any:
+        return self.collected(topic)[-1]
+
+    def ask(self, kind: Any, name: str, **fields: Any) -> Any:
+        return self.call(f'lua_program_node/{name}', kind.Request(**fields), kind)
 
     def set(self, *items: tuple[str, ParameterValue]) -> list[tuple[bool, str]]:
         parameters = [Parameter(name=name, value=value) for name, value in items]
-        results = self.call(SetParameters, 'set_io', parameters=parameters).results
+        results = self.ask(SetParameters, 'set_io', parameters=parameters).results
         return [(result.successful, result.reason) for result in results]
 
     def get(self, *names: str) -> list[ParameterValue]:
-        return list(self.call(GetParameters, 'get_io', names=names).values)
+        return list(self.ask(GetParameters, 'get_io', names=names).values)
 
     def wait_for(self, topic: str, data: list[float]) -> None:
-        self.runner.wait_for(lambda: list(self.seen[topic].data) == data, what=f'{data} on {topic}')
+        self.wait(lambda: list(self.newest(topic).data) == data, f'{data} on {topic}')
 
 
 def test_a_batch_is_served_item_by_item_with_a_reason_each(ros_nodes: Any):
@@ -108,20 +102,19 @@ def test_a_batch_is_served_item_by_item_with_a_reason_each(ros_nodes: Any):
 
 def test_a_forced_input_is_marked_and_keeps_its_value_until_released(ros_nodes: Any):
     panel = Panel(ros_nodes, digital_input_names=['press_ready'])
-    assert panel.seen['forced_inputs'].level == DiagnosticStatus.OK
+    assert panel.newest('forced_inputs').level == DiagnosticStatus.OK
     assert panel.set(('press_ready.force', on())) == [(True, 'forced')]
     panel.wait_for('lua_program_node/digital_inputs', [1, 0, 0, 0])
-    ros_nodes.wait_for(lambda: panel.seen['forced_inputs'].level == DiagnosticStatus.WARN, what='the mark')
-    assert diagnostic_values(panel.seen['forced_inputs']) == {'digital_input.1 (press_ready)': 'true'}
-    descriptors = panel.call(DescribeParameters, 'describe_io', names=['press_ready', 'x']).descriptors
+    panel.wait(lambda: panel.newest('forced_inputs').level == DiagnosticStatus.WARN, 'the mark')
+    assert diagnostic_values(panel.newest('forced_inputs')) == {'digital_input.1 (press_ready)': 'true'}
+    descriptors = panel.ask(DescribeParameters, 'describe_io', names=['press_ready', 'x']).descriptors
     assert descriptors[0].name == 'digital_input.1'
     assert descriptors[0].type == ParameterType.PARAMETER_BOOL
     assert descriptors[0].description == 'press_ready: digital input 1, forced to true'
     assert descriptors[1].type == ParameterType.PARAMETER_NOT_SET
     assert descriptors[1].description.startswith("no channel is named 'x'")
 
-    plc = panel.node.create_publisher(UInt8MultiArray, 'digital_inputs', STATE)
-    plc.publish(UInt8MultiArray(data=[0, 1]))
+    panel.publish('digital_inputs', UInt8MultiArray(data=[0, 1]), STATE)
     panel.wait_for('lua_program_node/digital_inputs', [1, 1, 0, 0])
     ((successful, reason),) = panel.set(('digital_input.1', on(False)))
     assert successful
@@ -129,7 +122,7 @@ def test_a_forced_input_is_marked_and_keeps_its_value_until_released(ros_nodes: 
     assert panel.get('digital_input.1', 'digital_input.1.force') == [on(), on()]
     assert panel.set(('digital_input.1.force', NO_VALUE)) == [(True, 'released')]
     panel.wait_for('lua_program_node/digital_inputs', [0, 1, 0, 0])
-    ros_nodes.wait_for(lambda: panel.seen['forced_inputs'].level == DiagnosticStatus.OK, what='no mark')
+    panel.wait(lambda: panel.newest('forced_inputs').level == DiagnosticStatus.OK, 'no mark')
     (value,) = panel.get('digital_input.1.force')
     assert value.type == ParameterType.PARAMETER_NOT_SET
     assert value.string_value == 'digital_input.1 is not forced'
@@ -160,7 +153,7 @@ def test_channels_are_listed_as_parameters_are(
 ):
     panel = Panel(ros_nodes)
     panel.set(('digital_input.2.force', on()))
-    result = panel.call(ListParameters, 'list_io', prefixes=prefixes, depth=depth).result
+    result = panel.ask(ListParameters, 'list_io', prefixes=prefixes, depth=depth).result
     assert len(result.names) == expected
     assert ('digital_input.2.force' in result.names) == (expected in (13, 5, 2))
     assert set(result.prefixes) == {name.rpartition('.')[0] for name in result.names}
@@ -168,17 +161,17 @@ def test_channels_are_listed_as_parameters_are(
 
 def test_one_channel_is_switched_by_a_service_of_its_own(ros_nodes: Any):
     panel = Panel(ros_nodes)
-    assert panel.call(SetBool, 'digital_input_1/set', data=True).success
-    assert panel.call(SetBool, 'digital_output_4/set', data=True).success
+    assert panel.ask(SetBool, 'digital_input_1/set', data=True).success
+    assert panel.ask(SetBool, 'digital_output_4/set', data=True).success
     panel.wait_for('lua_program_node/digital_inputs', [1, 0, 0, 0])
     panel.wait_for('digital_outputs', [0, 0, 0, 1])
-    assert panel.call(SetBool, 'digital_input_1/set', data=False).success
+    assert panel.ask(SetBool, 'digital_input_1/set', data=False).success
     panel.wait_for('lua_program_node/digital_inputs', [0, 0, 0, 0])
 
 
 def test_the_images_say_how_they_count(ros_nodes: Any):
     panel = Panel(ros_nodes)
-    (dimension,) = panel.seen['digital_outputs'].layout.dim
+    (dimension,) = panel.newest('digital_outputs').layout.dim
     assert (dimension.label, dimension.size, dimension.stride) == ('digital_output.1..4', 4, 4)
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from rclpy.parameter import Parameter
 from std_msgs.msg import Float64, String
 
 from robots_controller.nodes.bags.bag_player import BagPlayer
@@ -18,12 +17,11 @@ from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_replay import replay_plan
 from robots_controller.testing import BAG_TYPES, write_bag
 from robots_core.errors import RobotsError
-from robots_core.ros.lockstep.coordinator import Coordinator
 from robots_core.ros.lockstep.phases import START
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
 
-from .bench import Bench
+from .bench import LOCKSTEP, Bench, coordinate
 
 T = BAG_TYPES.types
 
@@ -89,7 +87,7 @@ def test_an_interrupt_ends_it(ros_nodes: Any, tmp_path: Path):
 
 
 def test_in_lockstep_each_message_comes_at_its_simulated_time(ros_nodes: Any, bag: Path):
-    lockstep = {'context': ros_nodes.context, 'parameter_overrides': [Parameter('lockstep', value=True)]}
+    lockstep = {'context': ros_nodes.context, 'parameter_overrides': LOCKSTEP}
     listener = TimedNode('listener', **lockstep)
     came: list[tuple[int, float]] = []
     modes: list[str] = []
@@ -98,10 +96,9 @@ def test_in_lockstep_each_message_comes_at_its_simulated_time(ros_nodes: Any, ba
     )
     listener.create_subscription(String, '/mode', lambda m: modes.append(m.data), STATE)
     player = BagPlayer(replay_plan(read_bag(bag)), wait=0.0, **lockstep)
-    node = ros_nodes.create_node('coordinator')
-    ros_nodes.call(lambda: Coordinator(node, ['/listener', '/bag_player']))
     for one in (listener, player):
         ros_nodes.add(one)
+    coordinate(ros_nodes, 'listener', 'bag_player')
     ros_nodes.wait_for(lambda: len(came) == COUNT, what='all messages')
     assert came == [(START + round(1e9 * PERIOD * k), float(k)) for k in range(COUNT)]
     assert set(modes) == {'auto'}

@@ -75,6 +75,11 @@ def test_types_are_written_short_or_in_full():
         (inputs(('digital_input.1', ', period: 1')), 2, 'period is not for inputs'),
         (inputs(('digital_input.1', ', timeout: 1')), 2, 'timeout and fail_safe need each other'),
         (inputs(('digital_input.1', ', timeout: 0, fail_safe: 0')), 2, 'timeout is 0'),
+        (
+            outputs(('digital_output.1', ', timeout: 0.1, fail_safe: 0')),
+            2,
+            'timeout is 0.1; valid is a number in [0.2, ',
+        ),
         (inputs(('digital_input.1', ', timeout: 1, fail_safe: 2')), 2, 'fail_safe is 2; valid are true and'),
         (
             inputs(('digital_input.1', ', bit: 0'), ('digital_input.1', ', bit: 1')),

@@ -25,6 +25,8 @@ STD_TYPES: Final = (
 )
 """Types that are written without their package, std_msgs."""
 
+SHORTEST_OUTPUT_TIMEOUT: Final = 0.2  # s, twice the time between two images of a robot program's node
+
 _KEYS: Final = (
     *('channel', 'bit', 'bits', 'topic', 'type', 'field', 'scale', 'offset', 'invert', 'debounce', 'timeout'),
     *('fail_safe', 'period', 'qos'),
@@ -54,7 +56,7 @@ class IoRow:
         offset: As above.
         invert: Of a digital channel.
         debounce: How long a digital input must have its value before it counts, s.
-        timeout: After how long without a message (of an output: without a robot program's node) the
+        timeout: After how long without a message (of an output: without an image of the outputs) the
             fail-safe value takes over, s; infinite for never.
         fail_safe: The channel's value then; of an output, the one that is sent.
         period: How often an output is repeated without a change, s; infinite for never.
@@ -185,13 +187,18 @@ def _row(item: YamlSection, channel: Channel, bit: int | None, line: int) -> IoR
         offset=0.0 if digital else item.number('offset', 0.0),
         invert=digital and item.switch('invert', default=False),
         debounce=item.number('debounce', 0.0, low=0.0, high=LONGEST_TIME) if 'debounce' in item else 0.0,
-        timeout=item.number('timeout', low=0.001, high=LONGEST_TIME) if timed else math.inf,
+        timeout=_timeout(item, channel) if timed else math.inf,
         fail_safe=_fail_safe(item, channel) if timed else 0.0,
         period=item.number('period', low=0.001, high=LONGEST_TIME) if 'period' in item else math.inf,
         qos=_qos(item),
         file=item.file,
         line=line,
     )
+
+
+def _timeout(item: YamlSection, channel: Channel) -> float:
+    low = 0.001 if channel.direction == 'input' else SHORTEST_OUTPUT_TIMEOUT
+    return item.number('timeout', low=low, high=LONGEST_TIME)
 
 
 def _fail_safe(item: YamlSection, channel: Channel) -> float:

@@ -19,7 +19,7 @@ from robots_core.ros.message_class import message_class
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 
-# Often enough to notice within a timeout of a tenth of a second that the robot program's node is gone.
+# A small part of the shortest timeout.
 WATCH_PERIOD: Final = 0.02  # s
 
 
@@ -145,7 +145,7 @@ class _OutputTopic:
             if images.absent_for(row.channel, now) >= row.timeout:
                 value = row.fail_safe
                 problem = (
-                    f'nobody has published {row.channel.image} for {row.timeout:g} s; {row.topic} gets '
+                    f'{row.channel.image} was not published for {row.timeout:g} s; {row.topic} gets '
                     f'the fail-safe value {row.fail_safe:g} of {row.channel.name}'
                 )
             if value is None:

@@ -1,4 +1,4 @@
-"""The robot's image topics from the other side: inputs are published, outputs heard."""
+"""The robot's image topics from the other side: inputs are published, outputs are subscribed to."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class InputImages:
     """Publishes `digital_inputs` and `analog_inputs` at every change, up to the last channel that is used.
 
     Args:
-        node: The node to speak through.
+        node: Owner of the publishers.
         channels: The inputs that will be set; a kind that has none is not published.
     """
 
@@ -47,10 +47,10 @@ class InputImages:
 
 
 class OutputImages:
-    """Hears `digital_outputs` and `analog_outputs`.
+    """Subscribes to `digital_outputs` and `analog_outputs`.
 
     Args:
-        node: The node to hear through.
+        node: Owner of the subscriptions.
         channels: The outputs that matter.
         on_change: An image came.
     """
@@ -72,16 +72,12 @@ class OutputImages:
         return float(values[channel.index - 1]) if channel.index <= values.size else 0.0
 
     def absent_for(self, channel: Channel, now: float) -> float:
-        """For how long nobody has published the channel's image, s; 0 while somebody does."""
-        image = channel.image
-        if self._node.count_publishers(self._node.resolve_topic_name(image)) == 0:
-            self._values.pop(image, None)  # who comes next begins with an image of its own
-        elif image in self._values:
-            self._seen[image] = now
-        return now - self._seen[image]
+        """Time since the newest image of the channel, s."""
+        return now - self._seen[channel.image]
 
     def _on_message(self, image: str, message: Any) -> None:
         self._values[image] = np.asarray(message.data, dtype=np.float64)
+        self._seen[image] = self._node.now()
         self._on_change()
 
 

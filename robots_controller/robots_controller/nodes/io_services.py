@@ -19,6 +19,8 @@ from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import diagnostic_status, doubles
 from robots_core.ros.qos import STATE, subscribe_state
 
+OUTPUT_PERIOD: Final = 0.1  # s between repetitions of the output images
+OUTPUTS: Final = tuple(name for name in IMAGES if name.endswith('outputs'))
 _MESSAGES: Final[dict[str, Any]] = {'digital': UInt8MultiArray, 'analog': Float64MultiArray}
 _TYPE_NAMES: Final = {
     ParameterType.PARAMETER_NOT_SET: 'no value',
@@ -34,6 +36,8 @@ _WANTED: Final[dict[Kind, str]] = {
 class IoServices:
     """Publishes an image at every change, takes inputs from topics, and serves all channels by name.
 
+    Outputs are repeated every `OUTPUT_PERIOD`: their age says whether the robot program's node works.
+
     Topics: `digital_inputs`, `analog_inputs` in; `digital_outputs`, `analog_outputs`, the inputs as the
     program sees them below the node's name, and `forced_inputs` out, all latched.
     Services: `~/get_io`, `~/set_io`, `~/list_io`, `~/describe_io` with the types of parameter services, and
@@ -41,7 +45,7 @@ class IoServices:
     set to no value it releases the input.
 
     Args:
-        node: The node to speak through.
+        node: Owner of the topics and services.
         image: The image.
         on_inputs: Inputs came on a topic: the error, or None.
     """
@@ -57,7 +61,7 @@ class IoServices:
         self._forced: dict[Channel, float] | None = None
         self._publishers: dict[str, Any] = {
             name: node.create_publisher(
-                _MESSAGES[_kind(name)], name if name.endswith('outputs') else f'~/{name}', STATE
+                _MESSAGES[_kind(name)], name if name in OUTPUTS else f'~/{name}', STATE
             )
             for name in IMAGES
         }
@@ -76,6 +80,13 @@ class IoServices:
             if channel.kind == 'digital':
                 name = f'~/{channel.kind}_{channel.direction}_{channel.index}/set'
                 node.create_service(SetBool, name, partial(self._set_bool, channel))
+        self.publish()
+        node.create_timer(OUTPUT_PERIOD, self._repeat_outputs)
+
+    def _repeat_outputs(self) -> None:
+        with self._lock:
+            for name in OUTPUTS:
+                del self._published[name]
         self.publish()
 
     def publish(self) -> None:

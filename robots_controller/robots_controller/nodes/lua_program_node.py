@@ -38,6 +38,7 @@ from robots_core.ros.messages import (
     motion_result_from_message,
 )
 from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.presence import is_served
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode, bounded
 from robots_core.ros.run import run
@@ -275,7 +276,7 @@ class LuaProgramNode(RobotNode):
     def request(self, request: ControllerRequest) -> None:
         """See `ControllerPort`."""
         client = self._controller[request]
-        if client.service_is_ready():
+        if is_served(self, client):
             client.call_async(Trigger.Request())
         else:
             self.get_logger().warning(  # type: ignore[no-untyped-call]

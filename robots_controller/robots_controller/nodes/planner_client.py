@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any, Final
+from typing import Any
 
 from builtin_interfaces.msg import Time
 from nav_msgs.msg import Path
@@ -16,11 +16,10 @@ from robots_controller.program.motion_command import MotionCommand
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import id_stamp, joint_state_message, pose_stamped_message, stamp_id
+from robots_core.ros.presence import publishers_of, subscribers_of
 from robots_core.ros.qos import COMMAND
 from robots_core.ros.timed_node import TimedNode
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
-
-UNKNOWN_NODE: Final = '_NODE_NAME_UNKNOWN_'
 
 
 class PlannerClient:
@@ -54,13 +53,11 @@ class PlannerClient:
 
         The number of subscriptions alone says nothing: a recorder has them too.
         """
-        publishers = self._node.get_publishers_info_by_topic('joint_trajectory')
-        planners = _names(publishers)
-        endpoints = {bytes(endpoint.endpoint_gid) for endpoint in publishers}
-        if endpoints - self._planners:  # one that was started anew has its own settings
+        publishers = publishers_of(self._node, 'joint_trajectory')
+        if publishers.keys() - self._planners:  # one that was started anew has its own settings
             self._settings.forget()
-        self._planners = endpoints
-        return bool(planners & _names(self._node.get_subscriptions_info_by_topic(kind.topic)))
+        self._planners = {*publishers}
+        return not subscribers_of(self._node, kind.topic).isdisjoint(publishers.values())
 
     def differs(self, settings: Mapping[str, object]) -> bool:
         """See `PlannerPort`."""
@@ -105,13 +102,5 @@ class PlannerClient:
 
     def followers(self) -> Mapping[bytes, str]:
         """See `PlannerPort`; by endpoint: a node that was started anew has none of the motions."""
-        endpoints = self._node.get_publishers_info_by_topic('motion_result')
-        return {bytes(endpoint.endpoint_gid): endpoint.node_name for endpoint in endpoints}
-
-
-def _names(endpoints: list[Any]) -> set[str]:
-    return {
-        f'{endpoint.node_namespace.rstrip("/")}/{endpoint.node_name}'
-        for endpoint in endpoints
-        if endpoint.node_name != UNKNOWN_NODE
-    }
+        publishers = publishers_of(self._node, 'motion_result')
+        return {identity: name.rpartition('/')[2] for identity, name in publishers.items()}

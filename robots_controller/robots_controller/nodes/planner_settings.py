@@ -8,10 +8,11 @@ from typing import Any, Final
 
 from rcl_interfaces.msg import ParameterType
 from rcl_interfaces.srv import GetParameters, SetParametersAtomically
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from robots_core.errors import PlanningError
+from robots_core.ros.presence import is_served
+from robots_core.ros.timed_node import TimedNode
 
 BLEND_ZONES: Final = ('blend_zone', 'joint_blend_zone')
 Done = Callable[[PlanningError | None], None]
@@ -21,10 +22,11 @@ class PlannerSettings:
     """Sets what differs, all at once; what a program does not set is as it was before any program.
 
     Args:
-        node: The node to speak through.
+        node: Owner of the clients.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: TimedNode) -> None:
+        self._node = node
         self._get = node.create_client(GetParameters, 'planning_node/get_parameters')
         self._set = node.create_client(SetParametersAtomically, 'planning_node/set_parameters_atomically')
         self._sent: dict[str, object] = {}
@@ -42,7 +44,7 @@ class PlannerSettings:
     @property
     def ready(self) -> bool:
         """planning_node answers."""
-        return bool(self._get.service_is_ready() and self._set.service_is_ready())
+        return is_served(self._node, self._get) and is_served(self._node, self._set)
 
     def apply(self, wanted: Mapping[str, object], done: Done, *, moving: bool = False) -> None:
         """Set these settings and take back all others; returns at once.

@@ -33,6 +33,7 @@ from robots_core.ros.messages import (
     stamp_id,
 )
 from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.presence import is_served
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode, bounded
 from robots_core.ros.run import run
@@ -168,7 +169,7 @@ class CollisionNode(RobotNode):
     def _stop(self, reason: str) -> bool:
         """Call the controller's ~/stop; False if nobody serves it."""
         client = self._stop_client
-        served = client.service_is_ready()
+        served = is_served(self, client)
         text = 'stopped the controller' if served else f'nobody serves {client.srv_name} to stop the robot'
         self.report_health(DiagnosticStatus.ERROR, f'{text}: {reason}')
         self.get_logger().error(  # type: ignore[no-untyped-call]
@@ -176,7 +177,7 @@ class CollisionNode(RobotNode):
         )
         if served:
             client.call_async(Trigger.Request())
-        return bool(served)
+        return served
 
 
 def _known_engine(name: Any) -> None:

@@ -35,6 +35,7 @@ from robots_core.ros.messages import (
     stamp_id,
 )
 from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.presence import publishers_of
 from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
@@ -316,8 +317,8 @@ class PlanningNode(RobotNode):
         return q, q_dot
 
     def _reference_publishers(self) -> set[bytes]:
-        # By endpoint: a controller that was started anew knows nothing of the motion.
-        return {bytes(item.endpoint_gid) for item in self.get_publishers_info_by_topic('joint_reference')}
+        # By identity: a controller that was started anew has none of the motions.
+        return {*publishers_of(self, 'joint_reference')}
 
     def destroy_node(self) -> None:
         """End the planning thread before what it uses."""

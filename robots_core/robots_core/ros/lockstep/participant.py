@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, Final
 
@@ -116,12 +116,17 @@ class Participant:
         """The run has begun."""
         return self._started
 
+    @property
+    def members(self) -> Mapping[str, Sequence[Endpoint]]:
+        """Endpoints of all participants by their full names; empty until the coordinator was found."""
+        return {} if self._roster is None else self._roster.participants
+
     # -- what is counted -----------------------------------------------------------------------------
 
     def create_publisher(self, message_type: Any, topic: str, qos: QoSProfile | int, **options: Any) -> Any:
         """As `Node.create_publisher`, reliable; messages are held back until all subscriptions match."""
         qos = reliable(qos, DEPTH)
-        options.setdefault('event_callbacks', NO_PUBLISHER_EVENTS)
+        options['event_callbacks'] = NO_PUBLISHER_EVENTS  # they follow the machine's clock
         publisher: Any = Node.create_publisher(
             self.node, message_type, topic, qos, publisher_class=CountedPublisher, **options
         )
@@ -141,7 +146,7 @@ class Participant:
         """
         polled = isinstance(options.get('callback_group'), NeverExecuted)
         qos = reliable(qos, POLLED_DEPTH if polled else DEPTH)
-        options.setdefault('event_callbacks', NO_SUBSCRIPTION_EVENTS)
+        options['event_callbacks'] = NO_SUBSCRIPTION_EVENTS
         kind: Kind = 'polled' if polled else 'subscription'
         index = -1 if self._started else len(self._endpoints)
         if not polled:
