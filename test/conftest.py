@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from rclpy.context import Context  # noqa: TID251
     from rclpy.node import Node  # noqa: TID251
 
+    from robots_core.ros.lockstep.coordinator import Coordinator
+
 # The same examples in every run: a failure is one of the change at hand, and comes again.
 settings.register_profile('robots', derandomize=True)
 settings.load_profile('robots')
@@ -27,7 +29,7 @@ AnyNode = TypeVar('AnyNode')
 # Above 101 the ports of a domain fall into Linux' range of ephemeral ports.
 DOMAIN_IDS = range(1, 101)
 DOMAIN_DEADLINE = 60.0  # s
-WAIT_DEADLINE = 60.0  # s, for a machine that is slow and busy
+WAIT_DEADLINE = 300.0  # s, for a machine that is slow and busy
 SPIN_PERIOD = 0.02  # s, how often a condition that no message triggers is looked at
 
 
@@ -153,6 +155,24 @@ class NodeRunner:
         from rclpy.node import Node  # noqa: PLC0415, TID251
 
         return self.add(Node(name, context=self.context, **options))
+
+    def options(self, **parameters: Any) -> dict[str, Any]:
+        """Options of a node under test: its context and these parameters."""
+        from rclpy.parameter import Parameter  # noqa: PLC0415, TID251
+
+        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
+        return {'context': self.context, 'parameter_overrides': overrides}
+
+    def coordinate(self, *names: str, **options: Any) -> Coordinator:
+        """Advance the time of the lock-step nodes with these names as soon as all have joined."""
+        from robots_core.ros.lockstep.coordinator import Coordinator  # noqa: PLC0415
+
+        made: list[Coordinator] = []
+        node = self.create_node('coordinator')
+        expected = [f'/{name}' for name in names]
+        options = {'patience': WAIT_DEADLINE, 'joining_patience': WAIT_DEADLINE, **options}
+        self.call(lambda: made.append(Coordinator(node, expected, **options)))
+        return made[0]
 
     def call(self, function: Callable[[], object]) -> None:
         """Call a function in the spinning thread: only there may entities end that it waits for."""

@@ -1,4 +1,4 @@
-"""A recorded PLC, replayed with its timing into the real nodes; their answers against expected ones."""
+"""A recorded PLC, replayed into the real nodes in lock-step; their answers against expected ones."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
-from diagnostic_msgs.msg import DiagnosticStatus
 from std_srvs.srv import Trigger
 
 from robots_controller.nodes.bags.bag_player import BagPlayer
@@ -18,8 +16,8 @@ from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_replay import replay_plan
 from robots_controller.testing import BAG_TYPES, assert_bag_matches, write_bag
-from robots_core.ros.messages import diagnostic_values
-from robots_core.ros.qos import STATE
+from robots_core.ros.lockstep.phases import START
+from robots_core.ros.timed_node import TimedNode
 
 from .node_process import node_process
 
@@ -56,9 +54,10 @@ setDigitalOutput(2, true)
 PARTS = ((0.5, 1.1, 3.0), (1.6, 1.9, 5.0), (2.4, 3.2, 7.0))  # there from, until, level
 BOUNCES = ((3.5, 3.53), (3.56, 3.6), (3.65, 4.2))  # of the contact at bit 8; the last one lasts
 DEBOUNCE = 0.1  # s
-# From a message of the PLC over two nodes and a program that looks every 2 ms: a few ms; a machine that is
-# busy with other tests takes a tenth of a second at times.
-DELAY = 0.25  # s
+WORDS = 450  # of the PLC, at 100 Hz
+END = 4.6  # s
+# The bridge looks every 20 ms, the program every 2 ms.
+DELAY = 0.025  # s
 TOLERANCES = f"""
 align: /plc/words
 default: {{time: {DELAY}}}
@@ -73,7 +72,7 @@ def words(value: int) -> Any:
 
 def plc_recording() -> Iterator[tuple[float, str, Any]]:
     """What a PLC said: a word at 100 Hz, and the level before each part."""
-    for k in range(450):
+    for k in range(WORDS):
         t = 0.01 * k
         part = any(there <= t < gone for there, gone, _ in PARTS)
         contact = any(there <= t < gone for there, gone in BOUNCES)
@@ -131,60 +130,57 @@ ANSWERS = (
 )
 
 
-def saved_topics(path: Path) -> set[str]:
-    """What the bag on disk has messages of."""
-    if not (file := path / 'metadata.yaml').is_file():
-        return set()
-    topics = yaml.safe_load(file.read_text())['rosbag2_bagfile_information']['topics_with_message_count']
-    return {topic['topic_metadata']['name'] for topic in topics if topic['message_count']}
+class Operator(TimedNode):
+    """Calls the services of the program's node."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('operator', **options)
+        self._program_services = {
+            name: self.create_client(Trigger, f'lua_program_node/{name}') for name in ('open', 'run')
+        }
+
+    def ask(self, name: str) -> Any:
+        return self._program_services[name].call_async(Trigger.Request())
 
 
 def record_answers(ros_nodes: Any, folder: Path) -> Path:
-    """Replay the recording into the nodes; returns the bag with all that was said."""
+    """Replay the recording into the nodes in lock-step; returns the bag of all messages."""
     (folder / 'map.yaml').write_text(IO_MAP)
     (folder / 'parts.lua').write_text(PROGRAM)
     plan = replay_plan(read_bag(write_bag(folder / 'plc', plc_recording())))
-    status: list[DiagnosticStatus] = []
-    tester = ros_nodes.create_node('tester')
-    tester.create_subscription(DiagnosticStatus, 'program_status', status.append, STATE)
-    recorder = ros_nodes.add(BagRecorder(folder / 'recorded', namespace='/', context=ros_nodes.context))
-    player = BagPlayer(plan, context=ros_nodes.context)
-    ros_nodes.add(player)
+    recorder = ros_nodes.add(
+        BagRecorder(folder / 'recorded', namespace='/', lockstep=True, context=ros_nodes.context)
+    )
+    operator = ros_nodes.add(Operator(**ros_nodes.options(lockstep=True)))
+    player = ros_nodes.add(BagPlayer(plan, wait=0.0, **ros_nodes.options(lockstep=True)))
+    held = threading.Event()
+    program = {'program': folder / 'parts.lua', 'digital_size': 3, 'analog_size': 2}
     with (
-        node_process('robots_controller', 'io_bridge_node', io_map=folder / 'map.yaml'),
-        node_process(
-            'robots_controller',
-            'lua_program_node',
-            program=folder / 'parts.lua',
-            digital_size=3,
-            analog_size=2,
-        ),
+        node_process('robots_controller', 'io_bridge_node', io_map=folder / 'map.yaml', lockstep=True),
+        node_process('robots_controller', 'lua_program_node', **program, lockstep=True),
     ):
+        ros_nodes.wait_for(lambda: recorder.records([*plan.topics, *ANSWERS]), what='the recorder')
+        names = ('operator', 'bag_player', 'io_bridge_node', 'lua_program_node')
+        run = ros_nodes.coordinate(*names, held=True, on_held=held.set)
+        ros_nodes.wait_for(held.is_set, what='the first instant')
         for name in ('open', 'run'):
-            client = tester.create_client(Trigger, f'lua_program_node/{name}')
-            ros_nodes.wait_for(client.service_is_ready, timeout=60.0, what=name)
-            future = client.call_async(Trigger.Request())
+            future = operator.ask(name)
             ros_nodes.wait_for(future.done, what=f'the answer of {name}')
             assert future.result().success, future.result().message
-        ros_nodes.wait_for(lambda: recorder.records(plan.topics), timeout=60.0, what='the recorder')
-        # A latched value that a publisher replaces before it knows the recorder would be lost.
-        ros_nodes.wait_for(
-            lambda: set(ANSWERS) <= saved_topics(recorder.path), timeout=60.0, what='the first answers'
-        )
-        # The bridge and the recorder.
-        ros_nodes.wait_for(
-            lambda: all(tester.count_subscribers(topic) >= 2 for topic in plan.topics), what='the bridge'
-        )
-        stop = threading.Event()
-        assert player.play(stop) == len(plan.timeline)
-        ros_nodes.wait_for(
-            lambda: diagnostic_values(status[-1])['state'] == 'FINISHED', what='the end of the program'
-        )
+        ros_nodes.call(run.release)
+        ros_nodes.wait_for(lambda: run.time > START + round(1e9 * END), what='the end of the recording')
+        ros_nodes.call(run.end)
+        assert player.complete
+        ros_nodes.wait_for(lambda: count(recorder.path, '/plc/words') == WORDS, what='the whole bag')
     recorder.close()
     return recorder.path
 
 
-@pytest.mark.timeout(180)
+def count(path: Path, topic: str) -> int:
+    """Messages of a topic in a bag, which is being written."""
+    return [name for name, *_ in read_bag(path).messages].count(topic)
+
+
 def test_the_nodes_answer_a_recorded_plc_as_expected(ros_nodes: Any, tmp_path: Path) -> None:
     recorded = record_answers(ros_nodes, tmp_path)
     (tmp_path / 'tolerances.yaml').write_text(TOLERANCES)

@@ -1,4 +1,4 @@
-"""How fast robot programs are: motion calls, inputs that interrupt, and Lua statements next to bare Lua.
+"""How fast robot programs are: motions, inputs that interrupt, services, and Lua statements next to bare Lua.
 
 Run by `make benchmark-programs`. The sandboxed and the bare interpreter take turns, so that a busy machine
 hits both.
@@ -10,7 +10,8 @@ import argparse
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 from std_msgs.msg import UInt8MultiArray
+from std_srvs.srv import Trigger
 
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.live_cell.cell_graph import NodeDescription
@@ -33,6 +35,7 @@ from robots_core.ros.middleware import choose_transports
 from robots_core.ros.qos import STATE
 
 PATIENCE = 30.0  # s
+PROMISED = 500.0  # ms until a service of the program's node answers
 STATEMENTS = 3_000_000  # of each run: some tenths of a second
 PROGRAMS = {
     'adding': ('local x = 0', 'x = x + 1', 1),
@@ -46,6 +49,8 @@ onDigitalInput(1, true, function() setDigitalOutput(1, 1) end)
 onDigitalInput(1, false, function() setDigitalOutput(1, 0) end)
 setDigitalOutput(2, 1)
 """
+STARTED = 'setDigitalOutput(2, 1) '
+SERVICES = ('get_command_state', 'pause', 'resume', 'stop')
 
 
 def loop(name: str, count: int) -> tuple[str, int]:
@@ -99,21 +104,40 @@ class Plc(Node):
         self.answered = 0
         self.state = ''
         self._inputs = self.create_publisher(UInt8MultiArray, 'digital_inputs', STATE)
+        self._program_services = {
+            name: self.create_client(Trigger, f'lua_program_node/{name}')
+            for name in (*SERVICES, 'open', 'run')
+        }
         self.create_subscription(UInt8MultiArray, 'digital_outputs', self._on_outputs, STATE)
         self.create_subscription(DiagnosticStatus, 'program_status', self._on_status, STATE)
 
     def _on_outputs(self, message: UInt8MultiArray, info: dict[str, int]) -> None:
         with self.changed:
-            self.output, self.answered = list(message.data), info['source_timestamp']
+            if list(message.data) != self.output:  # otherwise it is repeated
+                self.output, self.answered = list(message.data), info['source_timestamp']
             self.changed.notify_all()
 
     def _on_status(self, message: DiagnosticStatus) -> None:
-        self.state = diagnostic_values(message)['state']
+        with self.changed:
+            self.state = diagnostic_values(message)['state']
+            self.changed.notify_all()
 
     def until(self, condition: Callable[[], bool]) -> None:
         with self.changed:
             if not self.changed.wait_for(condition, PATIENCE):
                 raise SystemExit(f'the program does not answer: it is {self.state}')
+
+    def answer(self, service: str) -> float:
+        """Milliseconds from the call of a service of the program's node to its answer."""
+        client = self._program_services[service]
+        if not client.wait_for_service(PATIENCE):
+            raise SystemExit(f'~/{service} was not found')
+        start, done = time.perf_counter(), threading.Event()
+        future = client.call_async(Trigger.Request())
+        future.add_done_callback(lambda _: done.set())
+        if not done.wait(PATIENCE) or not future.result().success:
+            raise SystemExit(f'~/{service} was not answered, or refused')
+        return 1e3 * (time.perf_counter() - start)
 
     def delay(self, value: int) -> float:
         """Milliseconds from an input to the output of its handler, by the middleware's stamp of it."""
@@ -123,10 +147,11 @@ class Plc(Node):
         return 1e-6 * (self.answered - start)
 
 
-def run_inputs(robot: str, rounds: int, main_part: str, folder: Path) -> np.ndarray:
-    """Delays from an input topic to the Lua handler's output topic, ms."""
-    path = folder / 'handlers.lua'
-    path.write_text(HANDLERS + main_part)
+@contextmanager
+def running_program(robot: str, text: str, folder: Path) -> Iterator[Plc]:
+    """A program in a robot's nodes, which is what switches on digital output 2."""
+    path = folder / 'program.lua'
+    path.write_text(text)
     parameters = {'robot_model': robot, 'program': str(path), 'autostart': True}
     node = NodeDescription('robots_controller', 'lua_program_node', parameters)
     # Autostart waits for a robot that can move.
@@ -138,18 +163,39 @@ def run_inputs(robot: str, rounds: int, main_part: str, folder: Path) -> np.ndar
     executor.add_node(plc)
     thread = threading.Thread(target=executor.spin, daemon=True)
     thread.start()
-    drive, controller, planner = (node_command(part) for part in parts)
-    with process(*drive), process(*controller), process(*planner), process(*node_command(node)):
+    with ExitStack() as processes:
+        for part in (*parts, node):
+            processes.enter_context(process(*node_command(part)))
         plc.until(lambda: plc.output[1:2] == [1])
-        delays = []
-        for number in track(range(2 * rounds), description=f'inputs: {main_part[:8]}', transient=True):
-            delays.append(plc.delay(1 - number % 2))
-            time.sleep(0.02)  # between the handlers, so that each interrupts the main part
+        yield plc
     executor.shutdown()
     thread.join()
     plc.destroy_node()
     rclpy.shutdown()
+
+
+def run_inputs(robot: str, rounds: int, main_part: str, folder: Path) -> np.ndarray:
+    """Delays from an input topic to the Lua handler's output topic, ms."""
+    with running_program(robot, HANDLERS + main_part, folder) as plc:
+        delays = []
+        for number in track(range(2 * rounds), description=f'inputs: {main_part[:8]}', transient=True):
+            delays.append(plc.delay(1 - number % 2))
+            time.sleep(0.02)  # between the handlers, so that each interrupts the main part
     return np.array(delays)
+
+
+def run_services(robot: str, rounds: int, folder: Path) -> dict[str, np.ndarray]:
+    """Times from a call of each service to its answer, ms, while the program computes without end."""
+    answers: dict[str, list[float]] = {name: [] for name in SERVICES}
+    with running_program(robot, STARTED + COMPUTING, folder) as plc:
+        for _ in track(range(rounds), description='services', transient=True):
+            for name in SERVICES:
+                answers[name].append(plc.answer(name))
+            plc.until(lambda: plc.state == 'STOPPED')
+            for name in ('open', 'run'):
+                plc.answer(name)
+            plc.until(lambda: plc.state == 'RUNNING')
+    return {name: np.array(times) for name, times in answers.items()}
 
 
 def main() -> None:
@@ -157,6 +203,7 @@ def main() -> None:
     parser.add_argument('--robot', default='kuka_kr210_r2700')
     parser.add_argument('--rounds', type=int, default=7, help='of each program')
     parser.add_argument('--inputs', type=int, default=100, help='changes of the input, up and down each')
+    parser.add_argument('--answers', type=int, default=50, help='calls of each service')
     options = parser.parse_args()
     choose_transports()
     console = Console()
@@ -176,6 +223,11 @@ def main() -> None:
             console.print(
                 f"input topic to its Lua handler's output while the program {words}, {delays.size} changes: "
                 f'median {np.median(delays):.1f} ms, p99 {np.percentile(delays, 99.0):.1f} ms'
+            )
+        for service, times in run_services(options.robot, options.answers, folder).items():
+            console.print(
+                f'call of ~/{service} to its answer while the program computes, {times.size} calls: '
+                f'median {np.median(times):.1f} ms, worst {times.max():.1f} ms; promised are {PROMISED:g} ms'
             )
     moves = run_delays(options.robot)
     console.print(

@@ -13,21 +13,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_srvs.srv import Trigger
 
 from robots_core.errors import InvalidInputError
-from robots_core.ros.lockstep.coordinator import Coordinator
 from robots_core.ros.qos import COMMAND
 
 MANY = QoSProfile(depth=10_000)
 # With the value from before.
 EVERY_STATE = QoSProfile(depth=10_000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-LOCKSTEP = [Parameter('lockstep', value=True)]
-
-
-def coordinate(runner: Any, *names: str, **options: Any) -> Coordinator:
-    """Advance the time of the nodes with these names as soon as all have joined."""
-    made: list[Coordinator] = []
-    node = runner.create_node('coordinator')
-    runner.call(lambda: made.append(Coordinator(node, [f'/{name}' for name in names], **options)))
-    return made[0]
 
 
 class Bench:
@@ -56,8 +46,7 @@ class Bench:
     def start_node(self, kind: Callable[..., Any], *, runner: Any = None, **parameters: Any) -> Any:
         """Run a node under test with these parameters."""
         runner = runner or self.runner
-        overrides = [Parameter(name, value=value) for name, value in parameters.items()]
-        return runner.add(kind(context=runner.context, parameter_overrides=overrides))
+        return runner.add(kind(**runner.options(**parameters)))
 
     def collect(
         self, topic: str, kind: type, qos: QoSProfile = MANY, read: Callable[[Any], Any] | None = None

@@ -16,10 +16,13 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import Pose, load_robot_model
+from robots_core.blocks.following.following_methods import METHODS
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.nodes.inverse_kinematics_node import InverseKinematicsNode
-from robots_core.ros.messages import pose_message
-from robots_core.ros.qos import STATE
+from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
+from robots_core.ros.messages import pose_message, pose_stamped_message, seconds
+from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.timed_node import TimedNode
 
 from .bench import Bench
 
@@ -27,6 +30,7 @@ NAME = 'kuka_kr500_r2830'
 ROBOT = load_robot_model(NAME)
 START = np.array([0.0, -1.3, 1.8, 0.0, 0.9, 0.0])
 POSE = Pose(*ROBOT.direct_kinematics(START))
+DT = 0.004  # s between two points of the stream
 PATIENT = 20.0  # s, with drives that a busy machine delays
 SEND_PERIOD = 0.02  # s
 STANDING = 50  # references without velocity
@@ -80,7 +84,7 @@ class GuidedRobot(Bench):
         )
 
 
-@pytest.mark.parametrize('method', ['constrained', 'damped_least_squares', 'analytical'])
+@pytest.mark.parametrize('method', METHODS)
 def test_a_pose_is_followed_until_none_comes(ros_nodes: Any, method: str) -> None:
     bench = GuidedRobot(ros_nodes, method)
     bench.pose = Pose.from_angles(POSE.r + np.array([0.01, 0.02, -0.01]), POSE.angles() + 0.02)
@@ -118,3 +122,55 @@ def test_follows_only_while_the_program_lets_a_sensor_guide_the_robot(ros_nodes:
     assert not bench.stream
     bench.publish('guide', String(data='SENSOR'), STATE)
     bench.until_at(bench.pose)
+
+
+class JumpingSensor(TimedNode):
+    """In lock-step: a reference that jumps to and fro, and the stream that follows it."""
+
+    JUMP, END = 0.5, 3.0  # s
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('sensor', **options)
+        self.points: list[tuple[float, np.ndarray]] = []
+        away = Pose.from_angles(POSE.r + np.array([0.05, 0.1, -0.05]), POSE.angles() + 0.1)
+        self._places = (POSE, away)
+        self._poses = self.create_publisher(PoseStamped, 'reference_pose', COMMAND)
+        self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_point, COMMAND)
+        self.start_loop(self._work, period=SEND_PERIOD, name='sensor', phase=Phase.ENVIRONMENT)
+
+    def _work(self, now: float) -> None:
+        if now < self.END:
+            pose = self._places[int(now / self.JUMP) % 2]
+            self._poses.publish(pose_stamped_message(self.get_clock().now().to_msg(), pose))
+
+    def _on_point(self, message: JointTrajectory) -> None:
+        (point,) = message.points
+        rows = np.array([point.positions, point.velocities, point.accelerations])
+        self.points.append((seconds(message.header.stamp), rows))
+
+
+@pytest.mark.parametrize('method', METHODS)
+def test_each_sample_of_the_stream_keeps_the_limits(ros_nodes: Any, method: str) -> None:
+    sensor = ros_nodes.add(JumpingSensor(**ros_nodes.options(lockstep=True)))
+    bench = Bench(ros_nodes)
+    bench.start_node(DriveNode, robot_model=NAME, initial_position=START.tolist(), lockstep=True)
+    bench.start_node(ControllerNode, robot_model=NAME, lockstep=True)
+    bench.start_node(InverseKinematicsNode, robot_model=NAME, method=method, lockstep=True)
+    run = ros_nodes.coordinate('sensor', 'drive_node', 'controller_node', 'inverse_kinematics_node')
+    bench.wait(lambda: run.time > (sensor.END + 1.0) * NANOSECONDS, 'the end')
+    ros_nodes.call(run.end)
+
+    stamps = np.array([stamp for stamp, _ in sensor.points])
+    np.testing.assert_allclose(np.diff(stamps), DT, rtol=1e-6)  # none is missing
+    q, q_dot, q_ddot = np.moveaxis(np.array([rows for _, rows in sensor.points]), 1, 0)
+    axes = ROBOT.axes_data
+    assert (q >= axes.lower).all()
+    assert (q <= axes.upper).all()
+    within = 1.0 + 1e-5  # second differences over (4 ms)^2 round to 1e-9 rad/s^2
+    for velocity in (q_dot, np.diff(q, axis=0) / DT):
+        assert (np.abs(velocity) <= axes.velocity * within).all()
+    for acceleration in (q_ddot, np.diff(q, 2, axis=0) / DT**2):
+        assert (np.abs(acceleration) <= axes.acceleration * within).all()
+    # The jumps are followed as fast as the limits permit, and the stream ends at rest.
+    assert np.max(np.abs(q_ddot) / axes.acceleration) > 0.99
+    assert not q_dot[-1].any()

@@ -17,7 +17,7 @@ from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
 
-from .bench import EVERY_STATE, LOCKSTEP, MANY, Bench, coordinate
+from .bench import EVERY_STATE, MANY, Bench
 
 CONFIG = Path(__file__).parents[2] / 'robots_controller' / 'config'
 
@@ -92,7 +92,7 @@ class RobotInLockstep(TimedNode):
     END = 3.0  # s
 
     def __init__(self, **options: Any) -> None:
-        super().__init__('robot', parameter_overrides=LOCKSTEP, **options)
+        super().__init__('robot', **options)
         self.words: list[tuple[float, list[int]]] = []
         self._digital = self.create_publisher(UInt8MultiArray, 'digital_outputs', STATE)
         self._analog = self.create_publisher(Float64MultiArray, 'analog_outputs', STATE)
@@ -111,10 +111,10 @@ class RobotInLockstep(TimedNode):
 def test_outputs_are_fail_safe_when_their_images_are_old(ros_nodes: Any):
     """By the time of the last one: its publisher is there all the time."""
     path = str(CONFIG / 'io_map_words.yaml')
-    robot = ros_nodes.add(RobotInLockstep(context=ros_nodes.context))
+    robot = ros_nodes.add(RobotInLockstep(**ros_nodes.options(lockstep=True)))
     bench = Bench(ros_nodes)
     bench.start_node(IoBridgeNode, io_map=path, lockstep=True)
-    run = coordinate(ros_nodes, 'robot', 'io_bridge_node')
+    run = ros_nodes.coordinate('robot', 'io_bridge_node')
     bench.wait(lambda: robot.words and robot.words[-1][0] > robot.END + 1.0, 'the end')
     ros_nodes.call(run.end)
     on = [time for time, words in robot.words if words == [0b101, 2048]]

@@ -32,8 +32,6 @@ from robots_core.ros.messages import doubles
 from robots_core.ros.qos import COMMAND
 from robots_core.ros.timed_node import TimedNode
 
-from .bench import LOCKSTEP, coordinate
-
 NAME = 'kuka_kr210_r2700'
 ROBOT = load_robot_model(NAME)
 HOME = np.array(ROBOT.home)
@@ -49,7 +47,7 @@ class Sender(TimedNode):
     """Sends one motion at the start and collects the references until the end of the run."""
 
     def __init__(self, **options: Any) -> None:
-        super().__init__('sender', parameter_overrides=LOCKSTEP, **options)
+        super().__init__('sender', **options)
         assert self.participant is not None
         self.references: list[tuple[float, ...]] = []
         self.ended = threading.Event()
@@ -94,8 +92,8 @@ def processes() -> Iterator[list[subprocess.Popen[bytes]]]:
 def references(nodes: Any) -> list[tuple[float, ...]]:
     """The references of one run in the processes."""
     errors: list[LockstepError] = []
-    sender = nodes.add(Sender(context=nodes.context))
-    run = coordinate(nodes, *NODES, 'sender', on_error=errors.append)
+    sender = nodes.add(Sender(**nodes.options(lockstep=True)))
+    run = nodes.coordinate(*NODES, 'sender', on_error=errors.append)
     with processes():
         nodes.wait_for(lambda: errors or sender.ended.is_set(), PATIENCE, 'the end of the run')
         nodes.call(run.end)
@@ -144,7 +142,7 @@ def test_a_foreign_participant_holds_time_until_it_has_done_its_part(ros_nodes: 
     holding = threading.Event()
     part.start_loop(work, period=PERIOD / START, phase=Phase.ENVIRONMENT)
     ros_nodes.add(foreign)
-    run = coordinate(ros_nodes, 'bridge')
+    run = ros_nodes.coordinate('bridge')
     ros_nodes.wait_for(lambda: len(works) == 3, what='three periods')
     assert run.time == START + 2 * PERIOD
     done.set()
@@ -155,10 +153,7 @@ def test_a_foreign_participant_holds_time_until_it_has_done_its_part(ros_nodes: 
 
 def test_time_stands_still_while_messages_and_services_are_under_way(ros_nodes: Any) -> None:
     """Every message of an instant is handled at that instant, and so is the reply to a request."""
-    asker, server = (
-        TimedNode(name, context=ros_nodes.context, parameter_overrides=LOCKSTEP)
-        for name in ('asker', 'server')
-    )
+    asker, server = (TimedNode(name, **ros_nodes.options(lockstep=True)) for name in ('asker', 'server'))
     sent: list[tuple[float, float]] = []
     replied: list[tuple[float, float]] = []
     publisher = asker.create_publisher(Float64, 'number', COMMAND)
@@ -173,7 +168,7 @@ def test_time_stands_still_while_messages_and_services_are_under_way(ros_nodes: 
     asker.start_loop(work, period=PERIOD / START, name='asker')
     ros_nodes.add(asker)
     ros_nodes.add(server)
-    run = coordinate(ros_nodes, 'asker', 'server')
+    run = ros_nodes.coordinate('asker', 'server')
     ros_nodes.wait_for(lambda: len(replied) > 20 and len(sent) > 20, what='twenty periods')
     ros_nodes.call(run.end)
     assert all(at == handled for at, handled in [*sent, *replied])
@@ -181,7 +176,7 @@ def test_time_stands_still_while_messages_and_services_are_under_way(ros_nodes: 
 
 def test_a_participant_that_was_killed_is_named(ros_nodes: Any) -> None:
     errors: list[LockstepError] = []
-    run = coordinate(ros_nodes, *NODES, on_error=errors.append, patience=8.0)
+    run = ros_nodes.coordinate(*NODES, on_error=errors.append, patience=8.0)
     with processes() as (_, drives):
         ros_nodes.wait_for(lambda: run.started and run.instants > 10, PATIENCE, 'a run')
         drives.kill()
@@ -191,18 +186,18 @@ def test_a_participant_that_was_killed_is_named(ros_nodes: Any) -> None:
 
 def test_a_participant_that_does_not_come_is_named(ros_nodes: Any) -> None:
     errors: list[LockstepError] = []
-    coordinate(ros_nodes, 'controller_node', on_error=errors.append, joining_patience=0.2)
+    ros_nodes.coordinate('controller_node', on_error=errors.append, joining_patience=0.2)
     ros_nodes.wait_for(lambda: errors, what='an error')
     assert str(errors[0]).startswith('/controller_node did not join the lock-step run within 0.2 s')
 
 
 def test_a_held_run_stands_at_its_start(ros_nodes: Any) -> None:
     held = threading.Event()
-    node = TimedNode('looper', context=ros_nodes.context, parameter_overrides=LOCKSTEP)
+    node = TimedNode('looper', **ros_nodes.options(lockstep=True))
     times: list[float] = []
     node.start_loop(times.append, period=PERIOD / START, name='looper')
     ros_nodes.add(node)
-    run = coordinate(ros_nodes, 'looper', held=True, on_held=held.set)
+    run = ros_nodes.coordinate('looper', held=True, on_held=held.set)
     ros_nodes.wait_for(held.is_set, what='the hold')
     assert times == [1.0]
     ros_nodes.call(run.release)

@@ -21,7 +21,7 @@ from robots_core.ros.lockstep.phases import START
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
 
-from .bench import LOCKSTEP, Bench, coordinate
+from .bench import Bench
 
 T = BAG_TYPES.types
 
@@ -87,7 +87,7 @@ def test_an_interrupt_ends_it(ros_nodes: Any, tmp_path: Path):
 
 
 def test_in_lockstep_each_message_comes_at_its_simulated_time(ros_nodes: Any, bag: Path):
-    lockstep = {'context': ros_nodes.context, 'parameter_overrides': LOCKSTEP}
+    lockstep = ros_nodes.options(lockstep=True)
     listener = TimedNode('listener', **lockstep)
     came: list[tuple[int, float]] = []
     modes: list[str] = []
@@ -98,7 +98,7 @@ def test_in_lockstep_each_message_comes_at_its_simulated_time(ros_nodes: Any, ba
     player = BagPlayer(replay_plan(read_bag(bag)), wait=0.0, **lockstep)
     for one in (listener, player):
         ros_nodes.add(one)
-    coordinate(ros_nodes, 'listener', 'bag_player')
+    ros_nodes.coordinate('listener', 'bag_player')
     ros_nodes.wait_for(lambda: len(came) == COUNT, what='all messages')
     assert came == [(START + round(1e9 * PERIOD * k), float(k)) for k in range(COUNT)]
     assert set(modes) == {'auto'}
