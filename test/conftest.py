@@ -29,7 +29,7 @@ AnyNode = TypeVar('AnyNode')
 # Above 101 the ports of a domain fall into Linux' range of ephemeral ports.
 DOMAIN_IDS = range(1, 101)
 DOMAIN_DEADLINE = 60.0  # s
-WAIT_DEADLINE = 300.0  # s, for a machine that is slow and busy
+WAIT_DEADLINE = 240.0  # s, for a machine that is slow and busy
 SPIN_PERIOD = 0.02  # s, how often a condition that no message triggers is looked at
 
 
