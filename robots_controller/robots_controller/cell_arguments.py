@@ -17,7 +17,7 @@ from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
 from robots_core.errors import RobotsError
 
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
-LOG_WIDTH: Final = 120  # characters; a log file has no width of its own, and tables need this much
+LOG_WIDTH: Final = 130  # characters; a log file has no width of its own, and tables need this much
 
 
 def add_cell_arguments(parser: argparse.ArgumentParser) -> None:

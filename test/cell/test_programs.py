@@ -11,8 +11,8 @@ import pytest
 
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.recording.bag_reading import read_messages
-from robots_controller.recording.motion_record import MotionRecord, recorded_motions
-from robots_controller.report.motion_report import TOPICS, MotionReport, motion_report
+from robots_controller.recording.motion_record import MOTION_TOPICS, MotionRecord, recorded_motions
+from robots_controller.report.run_report import RunReport, run_report
 from robots_core import BaseRobotModel, load_robot_model
 from robots_planning import Trajectory
 
@@ -33,7 +33,7 @@ class Run:
     robot: BaseRobotModel
     bag: Messages
     motions: tuple[MotionRecord, ...]
-    report: MotionReport
+    report: RunReport
     references: Trajectory
 
     def switched_between(self, *, without: tuple[int, ...] = ()) -> list[tuple[int, float, str, str]]:
@@ -45,7 +45,7 @@ class Run:
             before = [motion for motion in self.motions if motion.end <= time]
             after = [motion for motion in self.motions if motion.start >= time]
             assert len(before) + len(after) == len(self.motions), f'output {channel} switched in a motion'
-            places = (before[-1].commands[-1] if before else None, after[0].commands[0] if after else None)
+            places = (before[-1] if before else None, after[0] if after else None)
             found.append((channel, value, *(f'{c.file}:{c.line}' if c else '' for c in places)))
         return found
 
@@ -61,11 +61,11 @@ def run_program(lockstep_runs: LockstepRuns, program: str, robot: str) -> Run:
     cell = lockstep_runs.run(program)
     assert cell.returncode == 0, cell.text
     assert 'every target reached, every limit kept' in cell.text
-    bag = read_messages(cell.bag, ['/' + topic for topic in (*TOPICS, *IO_TOPICS)])
+    bag = read_messages(cell.bag, ['/' + topic for topic in (*MOTION_TOPICS, 'joint_reference', *IO_TOPICS)])
     model = load_robot_model(robot)
-    report = motion_report(cell.bag, robot)
+    report = run_report(cell.bag, robot=robot)
     assert report.ok
-    assert not [row for row in report.rows if row.passing is not None and row.passing.distance <= 0.0]
+    assert not [one for one in report.motions if one.passing is not None and one.passing.distance <= 0.0]
     motions = recorded_motions({topic[1:]: rows for topic, rows in bag.items()}, model)
     return Run(model, bag, motions, report, check_references(bag, model))
 
@@ -78,7 +78,9 @@ def test_palletizing(lockstep_runs: LockstepRuns) -> None:
     box = [(1, 1.0, down[pick], up[pick]), (1, 0.0, down[place], up[place])]
     assert run.switched_between() == 2 * box
     # On its way between conveyor and pallet it runs through above both.
-    passed = {row.place: row.passing for row in run.report.rows if row.passing is not None}
+    passed = {
+        run.report.place(one.motion): one.passing for one in run.report.motions if one.passing is not None
+    }
     number = {
         name: {'up': up[name], 'over': run.line_of('ptpJointSpacePosition', name)} for name in (pick, place)
     }
@@ -144,11 +146,11 @@ def test_three_axis_grasp(lockstep_runs: LockstepRuns) -> None:
         run.line_of(text, program) for text in ('ptpJointSpaceAngles(ring_at(10 + S', 'ptpJointSpaceAnglesR')
     )
     assert run.switched_between() == [(1, 1.0, approach, pull)]
-    steps = [m for m in run.motions if f'{m.commands[0].file}:{m.commands[0].line}' == approach]
+    steps = [m for m in run.motions if f'{m.file}:{m.line}' == approach]
     assert len(steps) == 8
     # The last step ends where the ring has drifted to meanwhile.
     ring = np.array([2.30, 0.60, 1.90]) + np.array([-0.004, -0.012, 0.003]) * (10 + 0.7 * 8)
-    np.testing.assert_allclose(steps[-1].commands[0].pose.r, ring, atol=1e-3)
+    np.testing.assert_allclose(steps[-1].pose.r, ring, atol=1e-3)
 
 
 def test_rover_placement(lockstep_runs: LockstepRuns) -> None:

@@ -12,7 +12,7 @@ from rosbags.rosbag2 import Reader
 
 from robots_controller.live_cell.cell_graph import cell_graph
 from robots_controller.recording.bag_reading import read_messages, reference_trajectory
-from robots_controller.report.motion_report import motion_report
+from robots_controller.report.run_report import run_report
 from robots_core import Pose, load_robot_model
 
 from .bag_checks import changes, check_references
@@ -135,10 +135,10 @@ def test_cartesian_motions_stay_on_their_lines(bag: dict[str, Any]) -> None:
 
 
 def test_the_robot_stands_at_every_target(cell: LockstepRun, bag: dict[str, Any]) -> None:
-    report = motion_report(cell.bag, ROBOT)
+    report = run_report(cell.bag, robot=ROBOT)
     assert report.ok
-    assert [row.kind for row in report.rows] == ['PTPJOINT_JOINT'] + 3 * ['PTPCARTESIAN']
-    assert [row.line for row in report.rows] == [6, 7, 8, 12]
+    assert [item.motion.kind.title for item in report.motions] == ['PTPJOINT_JOINT'] + 3 * ['PTPCARTESIAN']
+    assert [item.motion.line for item in report.motions] == [6, 7, 8, 12]
     robot = load_robot_model(ROBOT)
     last = bag['/joint_states'][-1][1]
     stood = Pose(*robot.direct_kinematics(np.array(last.position)))

@@ -69,7 +69,7 @@ class RecordedProgram:
             self._sample(q, q_dot / slower, q_ddot / slower**2)
             self.time = self._tick * PERIOD
         self.q = trajectory.position[-1]
-        self._result(stamp, 0, 'reached')
+        self._result(stamp, 0, 'reached', self.time - start)
 
     def refuse(self, q: np.ndarray, why: str) -> None:
         """A motion that nobody plans."""
@@ -107,8 +107,8 @@ class RecordedProgram:
         values = {'state': state, 'file': self.file, 'line': str(line), 'source': source, 'error': error}
         self._add('/program_status', self._diagnostics('program', 0, error, values))
 
-    def _result(self, stamp: Any, level: int, text: str) -> None:
-        values = {'id': f'{stamp.sec}.{stamp.nanosec:09d}', 'duration': '0'}
+    def _result(self, stamp: Any, level: int, text: str, duration: float = 0.0) -> None:
+        values = {'id': f'{stamp.sec}.{stamp.nanosec:09d}', 'duration': str(duration)}
         self._add('/motion_result', self._diagnostics('motion', level, text, values))
 
     def _diagnostics(self, name: str, level: int, text: str, values: dict[str, str]) -> Any:

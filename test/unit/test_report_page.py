@@ -13,7 +13,7 @@ from py_mini_racer import MiniRacer
 
 from robots_controller.report.comparison import compare_runs
 from robots_controller.report.page.comparison_page import comparison_page
-from robots_controller.report.page.page import write_report
+from robots_controller.report.page.page import report_page, write_page
 from robots_controller.report.run_report import run_report
 from robots_core.errors import RobotsError
 
@@ -76,7 +76,7 @@ def bags(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 @pytest.fixture(scope='module')
 def texts(bags: tuple[Path, Path], tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     path = tmp_path_factory.mktemp('written') / 'new' / 'report.html'
-    write_report(bags[0], path)
+    write_page(path, report_page(run_report(bags[0])))
     comparison = compare_runs(*(run_report(bag) for bag in bags))
     return {'report': path.read_text(encoding='utf-8'), 'comparison': comparison_page(comparison)}
 
@@ -216,7 +216,7 @@ def test_a_page_is_small(texts: dict[str, str]):
         assert len(text) < 3_000_000
 
 
-def test_a_page_that_cannot_be_written_says_where(bags: tuple[Path, Path], tmp_path: Path):
+def test_a_page_that_cannot_be_written_says_where(tmp_path: Path):
     (tmp_path / 'file').write_text('')
     with pytest.raises(RobotsError, match=r'cannot be written to .*file'):
-        write_report(bags[0], tmp_path / 'file' / 'report.html')
+        write_page(tmp_path / 'file' / 'report.html', '')

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from robots_controller.recording.bag_file import read_bag
-from robots_controller.report.motion_report import motion_report
+from robots_controller.report.run_report import run_report
 from robots_controller.simulate import simulate
 from robots_controller.simulation.record.events import (
     CommandStateChanged,
@@ -81,9 +81,9 @@ def test_a_bag_tells_how_close_the_robot_came(tmp_path: Path):
 def test_the_table_of_the_demo_is_made_of_a_simulated_bag_too(tmp_path: Path):
     run = simulate(PROGRAMS / 'welding.lua', robot=ROBOT, drive='second_order', bag=tmp_path / 'bag')
     assert run.bag is not None
-    report = motion_report(run.bag, ROBOT)
+    report = run_report(run.bag, robot=ROBOT)
     assert report.ok
-    assert [row.line for row in report.rows] == [6, 7, 8, 12]
+    assert [item.motion.line for item in report.motions] == [6, 7, 8, 12]
 
 
 @pytest.mark.parametrize(

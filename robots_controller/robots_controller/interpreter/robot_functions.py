@@ -263,6 +263,8 @@ class RobotFunctions:
         if not abort:
             for command in interrupted:  # the handler moved the robot: from where it stands now
                 self._send(command)
+            if interrupted:
+                self.cell.flush()  # what is held for a blend: the program waits for these already
         self._guidance.handled(abort=abort)
         self.state.set_braked(braked=False)
 

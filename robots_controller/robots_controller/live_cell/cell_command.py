@@ -38,7 +38,8 @@ from robots_controller.live_cell.cell_view import CellView
 from robots_controller.live_cell.node_processes import NodeProcesses
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.recording.motion_record import MOTION_TOPICS
-from robots_controller.report.motion_report import motion_report
+from robots_controller.report.run_report import run_report
+from robots_controller.report.terminal import show_verdict
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
 from robots_core.robot_choice import load_robot_model
@@ -223,8 +224,8 @@ def _close_recording(
     console.print(f'bag: {recorder.path}')
     if not program_ended:
         return EXIT_OK
-    report = motion_report(recorder.path, options.robot, namespace=options.namespace)
-    report.show(console)
+    report = run_report(recorder.path, robot=options.robot, namespace=options.namespace)
+    show_verdict(report, console)
     return EXIT_OK if report.ok else EXIT_FAILED
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,33 +16,49 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
 from robots_planning.motion_kinds import KIND_OF_TOPIC, LINE, MotionKind
-from robots_planning.motion_results import PASSED
 from robots_planning.motion_settings import MotionSettings, settings_from_text
 from robots_planning.trajectory import Trajectory
 
 OK: Final = 0  # DiagnosticStatus.OK
 MOTION_TOPICS: Final = (
-    *KIND_OF_TOPIC, 'motion_settings', 'joint_trajectory', 'motion_result', 'program_status'
-)  # fmt: skip
+    *KIND_OF_TOPIC,
+    'motion_settings',
+    'joint_trajectory',
+    'motion_plan',
+    'motion_progress',
+    'motion_result',
+    'program_status',
+)
 Messages = Mapping[str, Sequence[tuple[float, Any]]]
 """(time in s, message) by topic, in order."""
 
 
 @dataclass(frozen=True, eq=False)
-class CommandRecord:
-    """A motion command.
+class MotionRecord:
+    """A motion command, and its part of what the robot moved in one go: blended motions share a plan.
 
     Attributes:
         id: Its stamp.
         file: The program that commanded it; '' if none ran.
-        line: Its line there.
+        line: Its line there; 0 for none.
         kind: What kind of motion it is.
         settings: What held for it.
         q: Joint target, (n,); None for poses.
-        pose: Target of tool0 in the robot's base; for a joint target where those joints lead; nothing if not
-            `ok`.
-        ok: The robot came there.
+        pose: Target of tool0 in the robot's base; for a joint target where those joints lead; meaningless if
+            it was refused.
+        ok: The robot came to its target, or through its zone.
         message: The result's words.
+        plan: The trajectory that it is a part of; None if nothing was planned.
+        path_start: Where it begins on the plan, s.
+        path_end: Where it ends there, s.
+        start: When it began, s; NaN if it did not.
+        end: When it ended, or passed its target on the way to the next, s; NaN if it did not begin.
+        duration: From its start to its end, s, the end of the plan as the controller measured it; NaN if it
+            did not begin.
+        before: The motion before it on the plan; None for the first.
+        own: The robot stands at its end: no other motion follows on the plan.
+        followed: The next plan was there before it ended: the references were at the target, but nothing
+            waited for the drives.
     """
 
     id: str
@@ -53,11 +70,35 @@ class CommandRecord:
     pose: Pose
     ok: bool
     message: str
+    plan: Trajectory | None = None
+    path_start: float = math.nan
+    path_end: float = math.nan
+    start: float = math.nan
+    end: float = math.nan
+    duration: float = math.nan
+    before: MotionRecord | None = None
+    own: bool = True
+    followed: bool = False
 
     @property
     def tool_target(self) -> Pose:
         """Target of the tool in the robot's base."""
         return self.pose @ self.settings.tool_pose
+
+    @property
+    def planned(self) -> float:
+        """Its part of the plan, s; NaN without a plan."""
+        return self.path_end - self.path_start
+
+    @property
+    def moved(self) -> bool:
+        """The robot began with it."""
+        return not math.isnan(self.end)
+
+    @property
+    def ended_early(self) -> bool:
+        """The robot began with it and did not come to its target."""
+        return self.moved and not self.ok
 
     @property
     def straight(self) -> bool:
@@ -72,30 +113,10 @@ class CommandRecord:
         return own if own[0] > 0.0 else other
 
 
-@dataclass(frozen=True, eq=False)
-class MotionRecord:
-    """What the robot moved in one go: one command, or several that ran through from one to the next.
-
-    Attributes:
-        commands: In order; the robot stands after the last.
-        plan: The planned trajectory; None if nothing was planned.
-        start: When it began, s.
-        end: When its result came, s.
-        duration: From its start until the robot stood, as the controller measured it, s.
-        followed: The next motion was there before it ended: the references were at the target, but nobody
-            waited for the drives.
-    """
-
-    commands: tuple[CommandRecord, ...]
-    plan: Trajectory | None
-    start: float
-    end: float
-    duration: float
-    followed: bool = False
-
-
 def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionRecord, ...]:
-    """The motions of a bag in order.
+    """The motions of a bag in the order of their commands.
+
+    A motion's place in time is where the controller's progress on the plan was at the motion's ends.
 
     Raises:
         RobotsError: a command, a trajectory or a setting that makes no sense.
@@ -103,50 +124,109 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
     plans = {_stamp_id(m): (time, m) for time, m in messages['joint_trajectory'] if len(m.points) > 1}
     results = {status_values(m).get('id'): (time, m) for time, m in messages['motion_result']}
     settings, program = _Timeline(messages['motion_settings']), _Timeline(messages['program_status'])
-    # Those that a status tells of; the first one that does counts.
-    places = {told['motion']: told for told in reversed(program.values) if 'motion' in told}
+    # Those that a status names; the first one that does counts.
+    places = {values['motion']: values for values in reversed(program.values) if 'motion' in values}
     commands = sorted(
         ((time, topic, message) for topic in KIND_OF_TOPIC for time, message in messages[topic]),
         key=lambda item: seconds(item[2].header.stamp),
     )
+    progress = _Progress(messages['motion_progress'])
+    # Ends on the plan by command, of each plan by its last command.
+    ends = {values.pop('id', ''): values for values in (status_values(m) for _, m in messages['motion_plan'])}
+    plan_of = {command: id_ for id_, of_plan in ends.items() for command in of_plan}
     motions: list[MotionRecord] = []
-    chain: list[CommandRecord] = []
-    end = 0.0
+    chain: list[MotionRecord] = []
+    stood = -math.inf
     for time, topic, message in commands:
-        result = results.get(_stamp_id(message), (time, None))
-        told = settings.at(time)
-        place = places.get(_stamp_id(message), {})
-        now = program.at(time)
-        chain.append(
-            _command(
-                robot,
-                (topic, message),
-                result[1],
-                settings_from_text(told) if told else MotionSettings(),
-                (
-                    place.get('motion_file', now.get('file', '')),
-                    int(place.get('motion_line', now.get('line')) or 0),
-                ),
-            )
+        id_ = _stamp_id(message)
+        ended, result = results.get(id_, (time, None))
+        last = plan_of.get(id_, id_)
+        now, place = program.at(time), places.get(id_, {})
+        motion = replace(
+            _command(robot, settings.at(time), (topic, message), result, planned=last in plans),
+            file=place.get('motion_file', now.get('file', '')),
+            line=int(place.get('motion_line', now.get('line')) or 0),
         )
-        planned = plans.get(chain[-1].id)
-        if planned is None and chain[-1].message == PASSED:
+        chain.append(motion)
+        if last != id_:
             continue
-        plan = None
+        planned = plans.get(id_)
         if planned is not None:
+            # Planned while the motion before it was running, it starts at that one's end.
+            if motions and planned[0] < stood:
+                motions[-1] = replace(motions[-1], followed=True)
+            start, stood = max(planned[0], stood), ended
+            values = {} if result is None else status_values(result)
+            done = progress.between(start, stood, float(values.get('progress', 1.0)))
             plan = _trajectory(planned[1], robot)
-            time = planned[0]  # noqa: PLW2901  # the robot starts with its plan
-        # Planned while the motion before it was running, it starts at that one's end.
-        if motions and time < end:
-            motions[-1] = replace(motions[-1], followed=True)
-        start, end = max(time, end), result[0]
-        measured = {} if result[1] is None else status_values(result[1])
-        duration = float(measured.get('duration', end - start))
-        motions.append(MotionRecord(tuple(chain), plan, start, end, duration))
+            of_plan = {c: float(end) for c, end in ends.get(id_, {}).items()} | {id_: plan.duration}
+            duration = float(values.get('duration', stood - start))
+            chain = _on_plan(chain, plan, of_plan, done, duration)
+        motions += chain
         chain = []
-    if chain:
-        motions.append(MotionRecord(tuple(chain), None, end, end, 0.0))
-    return tuple(motions)
+    return (*motions, *chain)
+
+
+def _on_plan(
+    chain: Sequence[MotionRecord],
+    plan: Trajectory,
+    ends: Mapping[str, float],
+    done: tuple[Array, Array],
+    measured: float,
+) -> list[MotionRecord]:
+    """Motions of one plan with their places there and in time.
+
+    Args:
+        chain: The motions.
+        plan: The plan.
+        ends: When each of them ends on it, s, by id.
+        done: Times (k,) s, and the parts of the plan that were done then.
+        measured: Duration by the controller, s.
+    """
+    times, parts = done
+    found: list[MotionRecord] = []
+    start, path_start = float(times[0]), 0.0
+    for motion in chain:
+        path_end = ends[motion.id]
+        own = motion is chain[-1]
+        stops = own or not motion.ok
+        end = float(times[-1] if stops else np.interp(path_end / plan.duration, parts, times))
+        motion = replace(  # noqa: PLW2901
+            motion,
+            plan=plan,
+            path_start=path_start,
+            path_end=path_end,
+            before=found[-1] if found else None,
+            own=own,
+        )
+        if motion.ok or path_start < parts[-1] * plan.duration:
+            duration = measured - (start - float(times[0])) if stops else end - start
+            motion = replace(motion, start=start, end=end, duration=duration)  # noqa: PLW2901
+        found.append(motion)
+        start, path_start = end, path_end
+    return found
+
+
+class _Progress:
+    """The controller's progress over time.
+
+    Args:
+        messages: (time in s, done part of the plan), in order.
+    """
+
+    def __init__(self, messages: Sequence[tuple[float, Any]]) -> None:
+        self._times = np.array([time for time, _ in messages])
+        self._parts = np.array([float(message.data) for _, message in messages])
+
+    def between(self, start: float, end: float, reached: float) -> tuple[Array, Array]:
+        """Times and done parts of a motion with this start and end, both included; `reached` is its last."""
+        inside = slice(*np.searchsorted(self._times, (start, end)))
+        times, parts = self._times[inside], self._parts[inside]
+        begun = int(np.flatnonzero(np.diff(parts, prepend=1.0) < 0.0).max(initial=0))
+        return (
+            np.concatenate([[start], times[begun:], [end]]),
+            np.concatenate([[0.0], np.minimum(parts[begun:], reached), [reached]]),
+        )
 
 
 def status_values(status: Any) -> dict[str, str]:
@@ -172,16 +252,13 @@ class _Timeline:
 
 
 def _command(
-    robot: BaseRobotModel,
-    sent: tuple[str, Any],
-    result: Any,
-    settings: MotionSettings,
-    place: tuple[str, int],
-) -> CommandRecord:
+    robot: BaseRobotModel, held: dict[str, str], sent: tuple[str, Any], result: Any, *, planned: bool
+) -> MotionRecord:
     topic, message = sent
+    settings = settings_from_text(held) if held else MotionSettings()
     ok = result is not None and result.level == OK
     q, pose = None, Pose.identity()
-    if not ok:
+    if not (ok or planned):
         pass  # what was refused need not be a target
     elif hasattr(message, 'position'):
         names = list(message.name)
@@ -192,10 +269,10 @@ def _command(
         p, o = target.position, target.orientation
         tool = Pose.from_quaternion([p.x, p.y, p.z], [o.x, o.y, o.z, o.w])
         pose = settings.in_base(tool) @ settings.tool_pose.inverse()
-    return CommandRecord(
+    return MotionRecord(
         id=_stamp_id(message),
-        file=place[0],
-        line=place[1],
+        file='',
+        line=0,
         kind=KIND_OF_TOPIC[topic],
         settings=settings,
         q=q,

@@ -120,7 +120,7 @@ def _decided(motions: Sequence[MotionFigures], line: LineTime | None) -> str:
     if line is None:
         return ''
     here = (m for m in motions if (m.motion.file, m.motion.line) == (line.file, line.line))
-    return ', '.join(dict.fromkeys(m.deciding.describe() for m in here))
+    return ', '.join(dict.fromkeys(m.deciding.describe() for m in here if m.deciding))
 
 
 def _total(line: LineTime | None) -> float:

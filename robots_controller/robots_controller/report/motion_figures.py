@@ -2,91 +2,225 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from itertools import zip_longest
 from typing import Final
 
 import numpy as np
 
+from robots_controller.recording.motion_record import MotionRecord
 from robots_controller.report.deciding_limit import DecidingLimit, deciding_limit
-from robots_controller.report.path_accuracy import distance_to_path
-from robots_controller.report.recorded_motion import RecordedMotion
+from robots_controller.report.path_accuracy import distance_to_path, line_deviation, zone_distances
 from robots_controller.report.recorded_run import RecordedRun
-from robots_controller.report.run_signals import LIMITS, RunSignals, energy
+from robots_controller.report.rounding import apart
+from robots_controller.report.run_signals import LIMITS, QUANTITIES, RunSignals, energy
+from robots_core.pose import Pose
 from robots_core.validation import Array
 
 PATH_PERIOD: Final = 1e-3  # s between points of a planned path; between them it is straight to a micrometre
+AROUND: Final = 0.5  # s of the plan before and after a motion, where the tool is that lags at its ends
+POSITION_TOLERANCE: Final = 1e-4  # m
+ORIENTATION_TOLERANCE: Final = math.radians(0.01)  # rad
+LINE_TOLERANCE: Final = 1e-4  # m
+# A blend is planned to its zone, and passes between two references that are compared with it.
+ZONE_TOLERANCE: Final = 1e-3  # of the zone
+# The controller's guard lets rounding pass. It computes no torques, and its moving average is one of the
+# motion: this is what that makes of torques at their limit.
+USE_TOLERANCE: Final[Mapping[str, float]] = {
+    'position': 1e-5,
+    'velocity': 1e-5,
+    'acceleration': 1e-5,
+    'torque': 1e-3,
+}
+
+
+@dataclass(frozen=True)
+class Passing:
+    """How a motion ran through to the next one.
+
+    Attributes:
+        distance: How near the references came to the target, m or rad.
+        zone: How near they had to come, in the same unit.
+        joints: The unit is rad (m) of the axis that is farthest away, and not m of the tool.
+    """
+
+    distance: float
+    zone: float
+    joints: bool
+
+    @property
+    def ok(self) -> bool:
+        """The references came into the zone."""
+        return self.distance <= self.zone * (1.0 + ZONE_TOLERANCE)
+
+    def describe(self) -> str:
+        """'12.3 of 30 mm'."""
+        factor, unit = (math.degrees(1.0), 'deg') if self.joints else (1e3, 'mm')
+        distance, zone = factor * self.distance, factor * self.zone
+        return f'{f"{distance:.1f}" if self.ok else apart(distance, zone, 1)} of {zone:g} {unit}'
+
+
+@dataclass(frozen=True)
+class WorstUse:
+    """The axis that uses most of a limit.
+
+    Attributes:
+        joint: Its name.
+        ratio: How much of it.
+        time: When, s from the program's start.
+    """
+
+    joint: str
+    ratio: float
+    time: float
 
 
 @dataclass(frozen=True, eq=False)
 class MotionFigures:
-    """Figures of a motion that was planned and ended.
+    """Figures of a motion; NaN or None where there are none, as of one that was refused.
 
     Attributes:
         motion: The motion.
-        planned: Duration of its part of the plan, s.
-        duration: From its start to its end, s.
+        position_error: Distance of the tool to its target at the end, m; that of the references where the
+            next motion followed at once; NaN where it was passed.
+        orientation_error: Angle to its target at the end, rad.
+        passing: How the target was passed; None where the robot stood there.
+        line_deviation: Largest distance of the references to the straight line outside the zones at its ends,
+            m; None of other paths.
+        uses: By limit of `QUANTITIES`, the axis with the highest use.
         length: Way of the tool by the drives, m.
         fastest: Highest speed of the tool by the drives, m/s.
         deciding: The limit that makes it last.
-        uses: By limit, the axis with the highest use and that use.
         path_deviation: Largest distance of the tool to the planned path, m.
         lag: Largest distance of the tool to where the reference is at that time, m.
-        missed: Distance of the tool to the planned end when the motion ended, m; NaN where it ran through.
         energy: That the axes take up, J.
+        problem: Why the motion is not as it should be; '' if it is.
     """
 
-    motion: RecordedMotion
-    planned: float
-    duration: float
-    length: float
-    fastest: float
-    deciding: DecidingLimit
-    uses: dict[str, tuple[str, float]]
-    path_deviation: float
-    lag: float
-    missed: float
-    energy: float
+    motion: MotionRecord
+    position_error: float = math.nan
+    orientation_error: float = math.nan
+    passing: Passing | None = None
+    line_deviation: float | None = None
+    uses: Mapping[str, WorstUse] = field(default_factory=dict)
+    length: float = math.nan
+    fastest: float = math.nan
+    deciding: DecidingLimit | None = None
+    path_deviation: float = math.nan
+    lag: float = math.nan
+    energy: float = math.nan
+    problem: str = ''
+
+    @property
+    def ok(self) -> bool:
+        """The target was reached exactly, or passed within its zone, inside all limits."""
+        return not self.problem
 
 
 def motion_figures(run: RecordedRun, signals: RunSignals) -> tuple[MotionFigures, ...]:
-    """Figures of all motions that were planned and ended, in order."""
-    return tuple(_figures(run, signals, motion) for motion in run.motions if motion.moved)
+    """Figures of all motions, in order.
+
+    A program that finishes has dealt with motions that did not come to their targets: a handler ended them.
+    """
+    found = []
+    for motion, after in zip_longest(run.motions, run.motions[1:]):
+        figures = _figures(run, signals, motion, after) if motion.moved else MotionFigures(motion)
+        problems = _problems(figures)
+        if not motion.ok and not run.finished:
+            problems.insert(0, motion.message)
+        found.append(replace(figures, problem='; '.join(problems)))
+    return tuple(found)
 
 
-def _figures(run: RecordedRun, signals: RunSignals, motion: RecordedMotion) -> MotionFigures:
+def _figures(
+    run: RecordedRun, signals: RunSignals, motion: MotionRecord, after: MotionRecord | None
+) -> MotionFigures:
     part = run.window(motion.start, motion.end)
-    names = run.robot.axes_data.names
-    use = {quantity: signals.use[quantity][part] for quantity in LIMITS}
     tool = signals.tool[part]
-    path = _planned_path(run, motion)
-    whole = motion.own and motion.ok
-    assert motion.plan is not None
+    passing, errors, deviation = None, (math.nan, math.nan), None
+    if motion.ok and motion.own:
+        stood = (run.reference if motion.followed else run.feedback)[0][part][-1]
+        flange = Pose(*run.robot.direct_kinematics(stood))
+        errors = (flange @ motion.settings.tool_pose).distance_to(motion.tool_target)
+    elif motion.ok:
+        passing = _passing(run, signals, motion, after)
+    if motion.straight:
+        deviation = line_deviation(run, signals, motion, part)
     return MotionFigures(
         motion=motion,
-        planned=motion.planned,
-        duration=motion.end - motion.start,
+        position_error=errors[0],
+        orientation_error=errors[1],
+        passing=passing,
+        line_deviation=deviation,
+        uses={quantity: _worst(run, signals.use[quantity], part) for quantity in QUANTITIES},
         length=float(np.linalg.norm(np.diff(tool, axis=0), axis=1).sum()),
         fastest=float(signals.tool_speed[part].max()),
         deciding=deciding_limit(
-            run.time[part], use, names, signals.reference_speed[part], cartesian=motion.cartesian
+            run.time[part],
+            {quantity: signals.use[quantity][part] for quantity in LIMITS},
+            run.robot.axes_data.names,
+            signals.reference_speed[part],
+            cartesian=motion.kind.cartesian,
         ),
-        uses={quantity: _worst(names, values) for quantity, values in use.items()},
-        path_deviation=float(distance_to_path(tool, path).max()),
+        path_deviation=float(distance_to_path(tool, _planned_path(run, motion)).max()),
         lag=float(np.linalg.norm(tool - signals.tool_reference[part], axis=1).max()),
-        missed=float(np.linalg.norm(tool[-1] - path[-1])) if whole else np.nan,
         energy=float(energy(run.time[part], signals.power[part]).sum()),
     )
 
 
-def _worst(names: tuple[str, ...], use: Array) -> tuple[str, float]:
-    axis = int(np.argmax(use.max(axis=0)))
-    return names[axis], float(use[:, axis].max())
+def _passing(
+    run: RecordedRun, signals: RunSignals, motion: MotionRecord, after: MotionRecord | None
+) -> Passing:
+    """How near the references came between the middles of a motion and of the next one."""
+    next_middle = motion.end if after is None or not after.moved else 0.5 * (after.start + after.end)
+    near = run.window(0.5 * (motion.start + motion.end), next_middle)
+    row = min(int(np.searchsorted(run.time[near], motion.end)), near.stop - near.start - 1)
+    return Passing(float(zone_distances(run, signals, motion, near, row).min()), *motion.zone)
 
 
-def _planned_path(run: RecordedRun, motion: RecordedMotion) -> Array:
-    """Positions of the tool on the plan, (k, 3) m."""
-    assert motion.plan is not None
-    count = max(2, int(np.ceil(motion.plan.duration / PATH_PERIOD)) + 1)
-    q, _, _ = motion.plan.sample(np.linspace(0.0, motion.plan.duration, count))
-    tool = motion.command.settings.tool_pose.r
+def _worst(run: RecordedRun, use: Array, part: slice) -> WorstUse:
+    row, axis = np.unravel_index(int(np.argmax(use[part])), use[part].shape)
+    return WorstUse(run.robot.axes_data.names[axis], float(use[part][row, axis]), float(run.time[part][row]))
+
+
+def _planned_path(run: RecordedRun, motion: MotionRecord) -> Array:
+    """Positions of the tool on the motion's part of the plan and a little around it, (k, 3) m."""
+    plan = motion.plan
+    assert plan is not None
+    start, end = max(0.0, motion.path_start - AROUND), min(plan.duration, motion.path_end + AROUND)
+    q, _, _ = plan.sample(np.linspace(start, end, max(2, int(np.ceil((end - start) / PATH_PERIOD)) + 1)))
+    tool = motion.settings.tool_pose.r
     return np.array([r + T @ tool for r, T in map(run.robot.direct_kinematics, q)])
+
+
+def _problems(figures: MotionFigures) -> list[str]:
+    problems = [
+        _beyond(quantity, use)
+        for quantity, use in figures.uses.items()
+        if use.ratio > 1.0 + USE_TOLERANCE[quantity]
+    ]
+    if figures.position_error > POSITION_TOLERANCE or figures.orientation_error > ORIENTATION_TOLERANCE:
+        position, angle = 1e3 * POSITION_TOLERANCE, math.degrees(ORIENTATION_TOLERANCE)
+        problems.append(
+            f'the target was missed by {apart(1e3 * figures.position_error, position, 3)} mm and '
+            f'{apart(math.degrees(figures.orientation_error), angle, 4)} deg; allowed are '
+            f'{position:g} mm and {angle:g} deg'
+        )
+    if figures.passing is not None and not figures.passing.ok:
+        problems.append(f'the target was passed outside its zone, in {figures.passing.describe()}')
+    if figures.line_deviation is not None and figures.line_deviation > LINE_TOLERANCE:
+        problems.append(
+            'the references leave the straight line by '
+            f'{apart(1e3 * figures.line_deviation, 1e3 * LINE_TOLERANCE, 3)} mm, allowed is '
+            f'{1e3 * LINE_TOLERANCE:g} mm'
+        )
+    return problems
+
+
+def _beyond(quantity: str, use: WorstUse) -> str:
+    return (
+        f'{quantity} of {use.joint} at {apart(100.0 * use.ratio, 100.0, 2)} % of its limit '
+        f'{use.time:.3f} s after the start of the program'
+    )

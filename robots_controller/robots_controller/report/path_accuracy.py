@@ -1,4 +1,4 @@
-"""Path accuracy: how far points are from a path of points."""
+"""Path accuracy: how far points are from a path of points, references from lines and targets."""
 
 from __future__ import annotations
 
@@ -7,6 +7,10 @@ from typing import Final
 import numpy as np
 from scipy.spatial import cKDTree
 
+from robots_controller.recording.motion_record import MotionRecord
+from robots_controller.report.recorded_run import RecordedRun
+from robots_controller.report.run_signals import RunSignals
+from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
 from robots_core.validation import Array
 
 NEIGHBOURS: Final = 3
@@ -30,3 +34,47 @@ def distance_to_path(points: Array, path: Array) -> Array:
         away = np.linalg.norm(points[:, None] - path[begin] - along[:, :, None] * chord, axis=2)
         best = np.minimum(best, away.min(axis=1))
     return np.asarray(best)
+
+
+def line_deviation(run: RecordedRun, signals: RunSignals, motion: MotionRecord, part: slice) -> float:
+    """Largest distance of some references from a motion's straight line, outside the zones at its ends, m."""
+    tool = motion.settings.tool_pose
+    r = _tool_positions(signals, motion, part)
+    start = r[0] if motion.before is None else (motion.before.pose @ tool).r
+    way = motion.tool_target.r - start
+    squared = float(way @ way)
+    along = np.clip((r - start) @ way / squared, 0.0, 1.0) if squared > 0.0 else np.zeros(len(r))
+    away = np.linalg.norm(r - start - along[:, None] * way, axis=1)
+    outside = np.ones(len(r), dtype=bool)
+    for corner, row in ((motion.before, 0), (None if motion.own else motion, -1)):
+        if corner is not None:
+            outside &= zone_distances(run, signals, corner, part, row) > corner.zone[0]
+    return float(away[outside].max(initial=0.0))
+
+
+def zone_distances(
+    run: RecordedRun, signals: RunSignals, motion: MotionRecord, part: slice, row: int = 0
+) -> Array:
+    """Distances of some references from a motion's target, in the unit of its zone, (k,) m or rad.
+
+    Args:
+        run: The run.
+        signals: Its signals.
+        motion: The motion.
+        part: The references.
+        row: The one of them whose configuration the target has.
+    """
+    if not motion.zone[1]:
+        return np.asarray(
+            np.linalg.norm(_tool_positions(signals, motion, part) - motion.tool_target.r, axis=1)
+        )
+    q, corner = run.reference[0][part], motion.q
+    if corner is None:
+        corner = DampedLeastSquares(run.robot).solve(motion.pose, q[row]).q
+    return np.asarray(np.abs(q - corner).max(axis=1))
+
+
+def _tool_positions(signals: RunSignals, motion: MotionRecord, part: slice) -> Array:
+    """Where the references have the motion's tool, (k, 3) m."""
+    r, T = (values[part] for values in signals.flange_reference)
+    return np.asarray(r + T @ motion.settings.tool_pose.r)

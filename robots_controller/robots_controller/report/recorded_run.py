@@ -10,9 +10,15 @@ from typing import Any, Final
 import numpy as np
 
 from robots_controller.recording.bag_file import Bag, read_bag
+from robots_controller.recording.bag_reading import late_references
 from robots_controller.recording.joint_rows import JointRows, joint_rows
+from robots_controller.recording.motion_record import (
+    MOTION_TOPICS,
+    MotionRecord,
+    recorded_motions,
+    status_values,
+)
 from robots_controller.report.recorded_io import IO_KINDS, IO_TOPICS, IoChannel, io_channels
-from robots_controller.report.recorded_motion import MOTION_TOPICS, RecordedMotion, recorded_motions
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -45,12 +51,14 @@ class ProgramPoint:
 
 @dataclass(frozen=True, eq=False)
 class RecordedRun:
-    """A run on one time axis, which begins with the program.
+    """A run on one time axis, which begins with the program and ends when it and the robot have ended.
 
     Attributes:
         source: Where it comes from, for a person.
         robot: The robot.
         time: Instants of the references, (m,) s, increasing.
+        period: Of the references, s.
+        late: How much later each reference of a moving robot came than it should, (m,) s.
         reference: Position, velocity and acceleration of the references, (m, n) each.
         feedback: Position and velocity of the drives at these instants, (m, n) each.
         effort: Torques of the drives, (m, n) N m (N); None where they tell none.
@@ -67,10 +75,12 @@ class RecordedRun:
     source: str
     robot: BaseRobotModel
     time: Array
+    period: float
+    late: Array
     reference: tuple[Array, Array, Array]
     feedback: tuple[Array, Array]
     effort: Array | None
-    motions: tuple[RecordedMotion, ...]
+    motions: tuple[MotionRecord, ...]
     program: tuple[ProgramPoint, ...]
     io: tuple[IoChannel, ...]
     distance: Array
@@ -78,6 +88,11 @@ class RecordedRun:
     program_state: str = UNKNOWN_STATE
     program_error: str = ''
     problem: str = field(default='')
+
+    @property
+    def finished(self) -> bool:
+        """The program came to its end."""
+        return self.program_state == 'FINISHED'
 
     @property
     def program_name(self) -> str:
@@ -117,24 +132,29 @@ def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/', source: 
     )
     origin = _program_start(messages['program_status'], int(references.sent[0]))
     program = _program(messages['program_status'], origin)
-    time, reference = _references(references, origin)
+    motions = recorded_motions(_since(messages, origin), model)
+    time, late, reference = _references(references, origin)
     ends = (point.time for point in program if point.state in ENDED)
     end = next(ends, max(float(time[-1]), 0.0))
-    inside = (time >= 0.0) & (time <= end)
+    # A program that fails may end before the motion under way.
+    rest = max([end, *(motion.end for motion in motions if motion.moved)])
+    inside = (time >= 0.0) & (time <= rest)
     if not inside.any():  # a program that fails at once: where the robot stood then
         inside[np.argmin(np.abs(time))] = True
     time = read_only(time[inside])
     position, velocity, acceleration = (read_only(values[inside]) for values in reference)
     q, q_dot, effort = _feedback(states, origin, time)
-    last = _values(messages['program_status'][-1][1]) if messages['program_status'] else {}
+    last = status_values(messages['program_status'][-1][1]) if messages['program_status'] else {}
     return RecordedRun(
         source=source or str(bag),
         robot=model,
         time=time,
+        period=references.period,
+        late=read_only(late[inside]),
         reference=(position, velocity, acceleration),
         feedback=(q, q_dot),
         effort=effort,
-        motions=recorded_motions(_since(messages, origin), model, (time, position)),
+        motions=motions,
         program=program,
         io=io_channels(messages, _channel_labels(parameters), origin, float(end)),
         distance=read_only(
@@ -170,14 +190,14 @@ def _channel_labels(events: Sequence[Any]) -> dict[str, str]:
 
 
 def _program_start(statuses: Sequence[tuple[int, Any]], first_reference: int) -> int:
-    running = (stamp for stamp, status in statuses if _values(status).get('state') == 'RUNNING')
+    running = (stamp for stamp, status in statuses if status_values(status).get('state') == 'RUNNING')
     return next(running, first_reference)
 
 
 def _program(statuses: Sequence[tuple[int, Any]], origin: int) -> tuple[ProgramPoint, ...]:
     points = []
     for stamp, status in statuses:
-        values = _values(status)
+        values = status_values(status)
         points.append(
             ProgramPoint(
                 _time(stamp, origin),
@@ -196,13 +216,14 @@ def _since(
     return {topic: [(_time(stamp, origin), m) for stamp, m in messages[topic]] for topic in MOTION_TOPICS}
 
 
-def _references(rows: JointRows, origin: int) -> tuple[Array, tuple[Array, Array, Array]]:
+def _references(rows: JointRows, origin: int) -> tuple[Array, Array, tuple[Array, Array, Array]]:
     time = _due(rows, origin)
     keep = np.concatenate([[True], np.diff(np.maximum.accumulate(time)) > 0.0])
+    late = late_references(rows) if rows.stamp.size > 1 else np.zeros(1)
     position, velocity, acceleration = rows.values
     if position is None or velocity is None or acceleration is None:
         raise RobotsError('joint_reference lacks positions, velocities or accelerations; a report needs them')
-    return time[keep], (position[keep], velocity[keep], acceleration[keep])
+    return time[keep], late[keep], (position[keep], velocity[keep], acceleration[keep])
 
 
 def _feedback(rows: JointRows, origin: int, time: Array) -> tuple[Array, Array, Array | None]:
@@ -233,7 +254,3 @@ def _due(rows: JointRows, origin: int) -> Array:
 
 def _time(stamp: int, origin: int) -> float:
     return NANOSECONDS * (stamp - origin)
-
-
-def _values(status: Any) -> dict[str, str]:
-    return {item.key: item.value for item in status.values}

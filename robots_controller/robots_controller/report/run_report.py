@@ -1,4 +1,4 @@
-"""RunReport: everything that is told of a recorded run."""
+"""RunReport: the analysis of a recorded run, which terminal, page, comparison and study show."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from robots_controller.recording.motion_record import MotionRecord
 from robots_controller.report.clearance import Clearance, clearance
 from robots_controller.report.line_times import ACTIVITIES, LineTime, line_times
 from robots_controller.report.motion_figures import MotionFigures, motion_figures
@@ -45,6 +46,25 @@ class RunReport:
     def times(self) -> dict[str, float]:
         """Time by activity, s; together the cycle time."""
         return {activity: sum(getattr(line, activity) for line in self.lines) for activity in ACTIVITIES}
+
+    @property
+    def ok(self) -> bool:
+        """The program finished, every target was reached or passed in its zone, every limit kept."""
+        return self.run.finished and all(motion.ok for motion in self.motions)
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """What went wrong: with the bag, in motions, in the program."""
+        problems = [self.run.problem]
+        problems += [f'line {self.place(m.motion)}: {m.problem}' for m in self.motions if not m.ok]
+        return tuple(text for text in dict.fromkeys([*problems, self.run.program_error]) if text)
+
+    def place(self, item: LineTime | MotionRecord) -> str:
+        """The line's number, with its file if that is a subprogram; '' for none."""
+        if not item.line:
+            return ''
+        own = item.file in ('', self.run.program_name)
+        return str(item.line) if own else f'{Path(item.file).name}:{item.line}'
 
     @property
     def title(self) -> str:

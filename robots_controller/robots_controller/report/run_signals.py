@@ -12,13 +12,18 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
 
 LIMITS: Final = ('velocity', 'acceleration', 'torque')
+QUANTITIES: Final = ('position', *LIMITS)
 
 
 @dataclass(frozen=True, eq=False)
 class RunSignals:
     """Signals over the run's time, (m,) rows; the tool is the one that the last motion was commanded with.
 
+    What a drive makes of the time between two references is its own business: an interpolation that does not
+    take the steps of acceleration in between into account may pass a limit that all values and steps keep.
+
     Attributes:
+        flange_reference: Position (m, 3) m and orientation (m, 3, 3) of tool0 that the references ask for.
         tool_reference: Position of the tool that the references ask for, (m, 3) m, base frame.
         tool: Position of the tool by the drives, (m, 3) m.
         tool_speed: Speed of the tool by the drives, (m,) m/s.
@@ -26,10 +31,12 @@ class RunSignals:
         torque: Torques, (m, n) N m (N): those of the drives, or those that the references need.
         measured: The torques are those of the drives.
         power: Mechanical power of each axis, (m, n) W; below 0 it brakes.
-        use: By limit of `LIMITS`, the references' absolute value over the limit, (m, n); torques by inverse
-            dynamics.
+        use: By limit of `QUANTITIES`, how much of it the references use, (m, n): absolute value over limit,
+            of velocities and accelerations also as steps from one reference to the next, of torques by
+            inverse dynamics; of positions the distance from the middle of the range over its half.
     """
 
+    flange_reference: tuple[Array, Array]
     tool_reference: Array
     tool: Array
     tool_speed: Array
@@ -51,7 +58,10 @@ class RunSignals:
         offset = _offset(run)
         (r, T), (r_ref, T_ref) = _frames(robot, q), _frames(robot, q_ref)
         lever, lever_ref = (np.einsum('mij,mj->mi', turned, offset) for turned in (T, T_ref))
+        middle, half = axes_range(robot)
+        rate, change = _steps(run)
         return cls(
+            flange_reference=(read_only(r_ref), read_only(T_ref)),
             tool_reference=read_only(r_ref + lever_ref),
             tool=read_only(r + lever),
             tool_speed=_speed(robot, q, q_dot, lever),
@@ -60,11 +70,20 @@ class RunSignals:
             measured=run.effort is not None,
             power=read_only(torque * (q_dot_ref if run.effort is None else q_dot)),
             use={
-                'velocity': read_only(np.abs(q_dot_ref) / axes.velocity),
-                'acceleration': read_only(np.abs(q_ddot_ref) / axes.acceleration),
+                'position': read_only(np.abs(q_ref - middle) / half),
+                'velocity': read_only(np.maximum(np.abs(q_dot_ref), np.abs(rate)) / axes.velocity),
+                'acceleration': read_only(np.maximum(np.abs(q_ddot_ref), np.abs(change)) / axes.acceleration),
                 'torque': read_only(np.abs(needed) / axes.effort),
             },
         )
+
+
+def axes_range(robot: BaseRobotModel) -> tuple[Array, Array]:
+    """Middle and half of each axis's range, (n,) rad (m) each; 0 and infinity of an endless one."""
+    axes = robot.axes_data
+    bounded = np.isfinite(axes.lower) & np.isfinite(axes.upper)
+    half = np.where(bounded, 0.5 * (axes.upper - axes.lower), np.inf)
+    return np.where(bounded, axes.lower + np.where(bounded, half, 0.0), 0.0), half
 
 
 def energy(time: Array, power: Array) -> Array:
@@ -79,10 +98,25 @@ def energy(time: Array, power: Array) -> Array:
     return np.asarray(np.trapezoid(np.maximum(power, 0.0), time, axis=0))
 
 
+def _steps(run: RecordedRun) -> tuple[Array, Array]:
+    """Velocities and accelerations as steps, at the reference that ends each, (m, n) rad/s, rad/s^2.
+
+    No acceleration is made of steps over a gap.
+    """
+    q = run.reference[0]
+    # A controller that was held up goes on from where it was: to the drives that is one period.
+    step = (np.diff(run.time) - run.late[1:])[:, None]
+    rate = np.diff(q, axis=0) / step
+    whole = step < 1.5 * run.period
+    change = np.diff(rate, axis=0) / run.period * (whole[1:] & whole[:-1])
+    none = np.zeros((min(2, len(q)), q.shape[1]))
+    return np.concatenate([none[:1], rate]), np.concatenate([none, change])
+
+
 def _offset(run: RecordedRun) -> Array:
     """Position of the tool in tool0, (m, 3) m."""
     moved = [motion for motion in run.motions if motion.moved]
-    tools = np.array([np.zeros(3), *(motion.command.settings.tool_pose.r for motion in moved)])
+    tools = np.array([np.zeros(3), *(motion.settings.tool_pose.r for motion in moved)])
     return np.asarray(tools[np.searchsorted([motion.start for motion in moved], run.time, side='right')])
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import dataclasses
 import signal
 import sys
 import tempfile
@@ -25,8 +24,9 @@ from robots_controller.cell_arguments import (
     exit_code,
     take_from_program,
 )
-from robots_controller.report.motion_report import motion_report
-from robots_controller.report.page.page import write_report
+from robots_controller.report.page.page import report_page, write_page
+from robots_controller.report.run_report import run_report
+from robots_controller.report.terminal import show_verdict
 from robots_controller.simulate import LONGEST_TIME, simulate
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.following.following_methods import METHODS
@@ -89,36 +89,31 @@ def run(options: argparse.Namespace, console: Console) -> int:
     console.print(f'[bold]{options.robot}[/] simulates [bold]{Path(options.program).name}[/]')
     if options.note:
         console.print(f'[yellow]{options.note}[/]')
-    with _bag_folder(options) as bag, _bar(console) as on_progress:
-        result = simulate(
-            options.program,
-            robot=options.robot,
-            drive=options.drive,
-            scene=options.scene,
-            io=options.io,
-            io_map=options.io_map,
-            bag=bag,
-            rate=options.rate,
-            goal_tolerance=options.goal_tolerance,
-            points_file=options.points,
-            references=options.references,
-            guided=options.guided,
-            longest=options.longest,
-            on_progress=on_progress,
-        )
-        if options.report is not None and bag is not None:
-            source = '' if options.bag is not None else f'simulated with {options.drive} drives'
-            write_report(bag, options.report, robot=options.robot, scene=options.scene or None, source=source)
-    code = show(dataclasses.replace(result, bag=options.bag), console)
-    if options.report is not None:
-        console.print(f'report: {options.report}')
-    return code
+    with _bag_folder(options) as bag:
+        with _bar(console) as on_progress:
+            result = simulate(
+                options.program,
+                robot=options.robot,
+                drive=options.drive,
+                scene=options.scene,
+                io=options.io,
+                io_map=options.io_map,
+                bag=bag,
+                rate=options.rate,
+                goal_tolerance=options.goal_tolerance,
+                points_file=options.points,
+                references=options.references,
+                guided=options.guided,
+                longest=options.longest,
+                on_progress=on_progress,
+            )
+        return _show(result, options, console)
 
 
 @contextlib.contextmanager
-def _bag_folder(options: argparse.Namespace) -> Iterator[Path | None]:
-    """Where the bag goes; a report needs one for a while."""
-    if options.bag is not None or options.report is None:
+def _bag_folder(options: argparse.Namespace) -> Iterator[Path]:
+    """Where the bag goes; the verdict needs one for a while."""
+    if options.bag is not None:
         yield options.bag
         return
     with tempfile.TemporaryDirectory(prefix='simulate_') as folder:
@@ -152,30 +147,29 @@ def _times_real_time(factor: float) -> str:
     return f'{factor:.0f} times real time' if factor >= 1.0 else f'{factor:.2f} of real time'
 
 
-def show(result: SimulationRun, console: Console) -> int:
+def _show(result: SimulationRun, options: argparse.Namespace, console: Console) -> int:
     """Say how a run went; returns an exit code."""
     for text in result.printed:
         console.print(escape(text))
     seconds = sum(result.cost.values())
     speed = _times_real_time(result.real_time_factor)
     console.print(f'{result.duration:.3f} s simulated in {seconds:.2f} s, {speed}')
-    code = EXIT_OK if result.ok else EXIT_FAILED
-    if result.bag is not None:
+    if options.bag is not None:
         console.print(f'bag: {result.bag}')
+    assert result.bag is not None
+    source = '' if options.bag is not None else f'simulated with {options.drive} drives'
+    report = run_report(result.bag, robot=options.robot, scene=options.scene or None, source=source)
+    if options.report is not None:
+        write_page(options.report, report_page(report))
     if result.interrupted:
         console.print('[bold red]interrupted[/]: this is the beginning only')
-        return EXIT_INTERRUPTED
-    if result.bag is not None:
-        report = motion_report(result.bag, result.robot)
-        report.show(console)
-        return code if report.ok else EXIT_FAILED
-    if result.error is not None:
-        console.print(f'[bold red]{escape(str(result.error))}[/]')
-        console.print(f'[bold red]program {result.state.lower()}[/]')
     else:
-        count = f'{len(result.motions)} motion{"" if len(result.motions) == 1 else "s"}'
-        console.print(f'[bold green]program finished[/]: {count}')
-    return code
+        show_verdict(report, console)
+    if options.report is not None:
+        console.print(f'report: {options.report}')
+    if result.interrupted:
+        return EXIT_INTERRUPTED
+    return EXIT_OK if report.ok else EXIT_FAILED
 
 
 if __name__ == '__main__':

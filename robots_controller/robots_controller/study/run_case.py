@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from robots_controller.report.run_report import RunReport, run_report
+from robots_controller.report.run_signals import LIMITS
 from robots_controller.simulate import simulate
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_controller.study.study_case import StudyCase
@@ -73,7 +74,8 @@ def failed_row(case: StudyCase, reason: str, line: int = 0) -> Row:
 
 
 def _row(case: StudyCase, run: SimulationRun, report: RunReport) -> Row:
-    use = report.signals.use
+    use = {name: values for name, values in report.signals.use.items() if name in LIMITS}
+    moved = [item for item in report.motions if item.motion.moved]
     return {
         **case.settings,
         'ok': run.ok,
@@ -81,10 +83,10 @@ def _row(case: StudyCase, run: SimulationRun, report: RunReport) -> Row:
         'line': 0 if run.error is None else run.error.line,
         'cycle_time': run.duration,
         **report.times,
-        'motions': len(report.motions),
-        'way': sum(motion.length for motion in report.motions),
+        'motions': len(moved),
+        'way': sum(motion.length for motion in moved),
         'energy': float(report.energy.sum()),
         **{f'{name}_use': float(values.max()) for name, values in use.items()},
-        'path_deviation': max((motion.path_deviation for motion in report.motions), default=math.nan),
+        'path_deviation': max((motion.path_deviation for motion in moved), default=math.nan),
         'smallest_distance': math.nan if report.clearance is None else report.clearance.smallest,
     }

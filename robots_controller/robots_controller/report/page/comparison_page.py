@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from robots_controller.report.comparison import NOTICED, LineChange, RunComparison
 from robots_controller.report.line_times import time_spans
@@ -17,7 +15,7 @@ from robots_controller.report.page.page_data import PageArrays, series
 from robots_controller.report.page.page_panels import COLOURS, io_panels, spans_panel, speed_panel
 from robots_controller.report.page.page_world import world
 from robots_controller.report.run_report import RunReport
-from robots_controller.report.terminal import SOURCE_WIDTH
+from robots_controller.report.terminal import source_table
 
 NAMES = ('A', 'B')
 
@@ -29,9 +27,7 @@ def comparison_page(comparison: RunComparison) -> str:
     data = {
         'title': f'{comparison.after.title}: {comparison.describe()}',
         'subtitle': '; '.join(f'{name}: {report.run.source}' for name, report in runs),
-        'problems': [
-            f'{name}: {text}' for name, r in runs for text in (r.run.problem, r.run.program_error) if text
-        ],
+        'problems': [f'{name}: {text}' for name, report in runs for text in report.problems],
         'figures': _figures(comparison),
         'duration': max(report.run.duration for _, report in runs),
         'lines': _lines(comparison),
@@ -55,9 +51,7 @@ def show_comparison(comparison: RunComparison, console: Console) -> None:
             f'{escape(report.run.source)}',
             highlight=False,
         )
-    table = Table(box=SIMPLE_HEAD, header_style='bold', pad_edge=False)
-    table.add_column('line', justify='right', no_wrap=True)
-    table.add_column('', no_wrap=True, max_width=SOURCE_WIDTH, overflow='ellipsis')
+    table = source_table()
     for name in ('A s', 'B s', 'B - A s'):
         table.add_column(name, justify='right', no_wrap=True)
     table.add_column('decided by', overflow='fold')

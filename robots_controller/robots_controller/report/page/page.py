@@ -1,68 +1,34 @@
-"""write_report: a run as one HTML file that needs nothing else, and no network."""
+"""report_page: a run as one HTML file that needs nothing else, and no network."""
 
 from __future__ import annotations
 
 import json
-import math
 from importlib.resources import files
 from pathlib import Path
 from string import Template
 from typing import Any, Final
 
 from robots_controller.report.line_times import time_spans
-from robots_controller.report.motion_figures import MotionFigures
+from robots_controller.report.motion_columns import PAGE
 from robots_controller.report.page.page_data import PageArrays
 from robots_controller.report.page.page_panels import run_panels
 from robots_controller.report.page.page_world import world
-from robots_controller.report.run_report import RunReport, run_report
-from robots_controller.report.terminal import number, place
+from robots_controller.report.run_report import RunReport
+from robots_controller.report.run_signals import LIMITS
 from robots_core.errors import RobotsError
 
 SHORTEST: Final = 1e-9  # s; a program that fails at once has no duration to divide by
 SCRIPTS: Final = ('data.js', 'timeline.js', 'panels.js', 'view3d.js', 'main.js')
 
 
-def write_report(
-    bag: Path | str,
-    path: Path | str,
-    *,
-    robot: str = '',
-    scene: Path | str | None = None,
-    namespace: str = '/',
-    source: str = '',
-) -> RunReport:
-    """Write the report on a recorded run, live or simulated.
-
-    Args:
-        bag: The recorded bag.
-        path: The HTML file to write; its folder is made.
-        robot: The robot's name; by default the one that the bag names.
-        scene: YAML file of what stands around the robot; distances are told with it.
-        namespace: Namespace of the recorded cell.
-        source: Where the run comes from, for a person; the bag's path by default.
-
-    Returns:
-        What was written.
-
-    Raises:
-        RobotsError: not a readable bag, an unknown robot, a scene that is not valid, or a file that cannot
-            be written.
-    """
-    report = run_report(bag, robot=robot, scene=scene, namespace=namespace, source=source)
-    write_page(path, report_page(report))
-    return report
-
-
 def report_page(report: RunReport) -> str:
     """The HTML text of a report."""
     arrays = PageArrays()
     run = report.run
-    problems = [text for text in (run.problem, run.program_error) if text]
-    problems += [f'line {m.line}: {m.message}' for m in run.motions if not m.ok]
     data = {
         'title': report.title,
         'subtitle': f'{run.source}, program {run.program_state.lower()}',
-        'problems': list(dict.fromkeys(problems)),
+        'problems': list(report.problems),
         'figures': _figures(report),
         'duration': run.duration,
         'lines': _lines(report),
@@ -124,23 +90,19 @@ def _figures(report: RunReport) -> list[dict[str, str]]:
         ),
         figure('fastest', f'{report.signals.tool_speed.max():.2f} m/s', 'of the tool'),
     ]
-    if report.motions:
-        worst = max(report.motions, key=lambda item: item.path_deviation)
+    moved = [item for item in report.motions if item.motion.moved]
+    if moved:
+        worst = max(moved, key=lambda item: item.path_deviation)
         found.append(
             figure(
-                'path accuracy',
+                'tool off path',
                 f'{1e3 * worst.path_deviation:.3f} mm',
-                f'worst, in line {place(worst.motion, {line.file for line in report.lines})}',
+                f'at most, in line {report.place(worst.motion)}',
             )
         )
-        highest = max(
-            (
-                (use, f'{quantity} of {joint}')
-                for m in report.motions
-                for quantity, (joint, use) in m.uses.items()
-            ),
-        )
-        found.append(figure('highest use', f'{100.0 * highest[0]:.0f} %', highest[1]))
+        uses = [(m.uses[quantity], quantity) for m in moved for quantity in LIMITS]
+        use, quantity = max(uses, key=lambda item: item[0].ratio)
+        found.append(figure('highest use', f'{100.0 * use.ratio:.0f} %', f'{quantity} of {use.joint}'))
     if report.clearance is not None:
         near = report.clearance
         found.append(
@@ -162,13 +124,12 @@ def columns(*named: tuple[str, str]) -> list[dict[str, str]]:
 def _lines(report: RunReport) -> dict[str, Any]:
     rows = []
     spans = time_spans(report.run)
-    files_ = {line.file for line in report.lines}
     for line in report.lines:
         here = [[s.start, s.end] for s in spans if (s.file, s.line) == (line.file, line.line)]
         rows.append(
             {
                 'cells': [
-                    place(line, files_),
+                    report.place(line),
                     line.source,
                     str(line.visits),
                     *(f'{t:.2f}' if t >= 5e-3 else '' for t in (line.moving, line.waiting, line.io)),
@@ -185,41 +146,13 @@ def _lines(report: RunReport) -> dict[str, Any]:
 
 
 def _motions(report: RunReport) -> dict[str, Any]:
-    names = [('line', 'number'), ('motion', 'text'), ('planned s', 'number'), ('real s', 'number')]
-    names += [('way m', 'number'), ('top m/s', 'number'), ('decided by', 'text'), ('of its time', 'number')]
-    names += [(quantity, 'text') for quantity in ('velocity', 'acceleration', 'torque')]
-    names += [
-        ('off path mm', 'number'),
-        ('lag mm', 'number'),
-        ('missed mm', 'number'),
-        ('energy kJ', 'number'),
-    ]
-    files_ = {line.file for line in report.lines}
     rows = [
         {
-            'cells': _motion_cells(item, files_),
-            'spans': [[item.motion.start, item.motion.end]],
-            'bad': not item.motion.ok,
+            'cells': [report.place(item.motion), *(column.text(item) for column in PAGE)],
+            'spans': [[item.motion.start, item.motion.end]] if item.motion.moved else [],
+            'bad': not item.ok,
         }
         for item in report.motions
     ]
-    return {'title': 'Motions', 'columns': columns(*names), 'rows': rows}
-
-
-def _motion_cells(item: MotionFigures, files_: set[str]) -> list[str]:
-    uses = [f'{joint} {100.0 * use:.0f} %' for joint, use in item.uses.values()]
-    return [
-        place(item.motion, files_),
-        item.motion.kind,
-        number(item.planned, 2),
-        number(item.duration, 2),
-        number(item.length, 3),
-        number(item.fastest, 2),
-        item.deciding.describe(),
-        '' if math.isnan(item.deciding.share) else f'{100.0 * item.deciding.share:.0f} %',
-        *uses,
-        number(1e3 * item.path_deviation, 3),
-        number(1e3 * item.lag, 2),
-        number(1e3 * item.missed, 3),
-        number(item.energy / 1e3, 2),
-    ]
+    named = [(column.name, 'text' if column.words else 'number') for column in PAGE]
+    return {'title': 'Motions', 'columns': columns(('line', 'number'), *named), 'rows': rows}
