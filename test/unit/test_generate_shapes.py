@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
 
@@ -11,7 +10,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from robots_models.generate_shapes import MESHES, generate_shapes, main
+from drawings import DRAWINGS, drawn_at
+from generate_shapes import MESHES, generate_shapes, main
 
 FOLDER = Path(str(files('robots_models')))
 ROBOTS = sorted(file.parent.name for file in FOLDER.glob('*/robot.urdf'))
@@ -25,8 +25,7 @@ def drawn(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Path, Path]:
     """A robot's folder, and a copy of it that was drawn anew."""
     folder = FOLDER / request.param
     shutil.copy(folder / 'robot.urdf', tmp_path)
-    shapes = import_module(f'robots_models.{request.param}.shapes')
-    generate_shapes(tmp_path, shapes.PARTS, shapes.DRAWING_POSTURE)
+    generate_shapes(tmp_path, DRAWINGS[request.param], drawn_at(request.param))
     return folder, tmp_path
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from robots_models.mitsubishi_rv7frl.model import MitsubishiRv7frlData
-from robots_models.shape_generation import Part, block, hub, plate, tapered_arm, tube
+from solids import Part, block, hub, plate, tapered_arm, tube
 
 _DATA = MitsubishiRv7frlData()
 _WHITE = (0.94, 0.94, 0.93)
@@ -130,4 +130,3 @@ PARTS: Final = (
         collision=True,
     ),
 )
-DRAWING_POSTURE: Final = (0.0,) * 6

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robots_models.families.staubli import StaubliData
-from robots_models.shape_generation import Part, block, enlarged, hub, tapered_arm, tube
+from solids import Part, block, enlarged, hub, tapered_arm, tube
 
 _YELLOW = (0.98, 0.8, 0.12)
 _PALE = (0.93, 0.93, 0.9)

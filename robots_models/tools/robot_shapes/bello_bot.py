@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from robots_models.bello_bot.model import BelloBotData
-from robots_models.shape_generation import Part, hub, tapered_arm, tube
+from solids import Part, hub, tapered_arm, tube
 
 _DATA = BelloBotData()
 _CREAM = (0.96, 0.94, 0.89)
@@ -181,4 +181,3 @@ PARTS: Final = (
         collision=True,
     ),
 )
-DRAWING_POSTURE: Final = (0.0,) * 7

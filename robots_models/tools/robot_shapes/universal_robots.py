@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from robots_core.robot_model.shapes import Mesh
 from robots_models.families.universal_robots import UniversalRobotsData
-from robots_models.shape_generation import Part, enlarged, hub, tube
+from solids import Part, enlarged, hub, tube
 
 _SILVER = (0.75, 0.77, 0.79)
 _DARK = (0.25, 0.27, 0.29)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from robots_models.debris_arm.model import DebrisArmData
-from robots_models.shape_generation import Part, block, hub, tube
+from solids import Part, block, hub, tube
 
 _DATA = DebrisArmData()
 _GOLD = (0.85, 0.65, 0.2)
@@ -117,4 +117,3 @@ PARTS: Final = (
         collision=True,
     ),
 )
-DRAWING_POSTURE: Final = (0.0,) * 3

@@ -1,34 +1,35 @@
-"""Draws a robot's shapes: `python -m robots_models.generate_shapes kuka_kr210_r2700`.
+"""Draws robots' shapes: `python robots_models/tools/generate_shapes.py kuka_kr210_r2700`.
 
-Reads the parts from `robots_models/<robot>/shapes.py`, writes them to `meshes/` in the robot's folder and
-names them in its URDF. What was drawn before is replaced.
+Writes the parts of its drawing to `meshes/` in the robot's folder and names them in its URDF. What was drawn
+before is replaced. The meshes are installed, these tools are not.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 from lxml import etree
 
+from drawings import DRAWINGS, drawn_at
 from robots_core.robot_model.shapes import Mesh
 from robots_core.validation import Array
-from robots_models.shape_generation import Part, stl
+from solids import Part, stl
 
 MESHES = 'meshes'
+PACKAGE = Path(__file__).parents[1] / 'robots_models'
 
 
-def generate_shapes(folder: Path, parts: Sequence[Part], posture: Sequence[float]) -> None:
+def generate_shapes(folder: Path, parts: Sequence[Part], posture: float) -> None:
     """Write the parts of a robot as meshes and name them in its URDF.
 
     Args:
         folder: The robot's folder; holds `robot.urdf`.
-        parts: What it looks like, in base coordinates with its joints at `posture`.
-        posture: (n,) rad (m).
+        parts: What it looks like, in base coordinates with all joints at `posture`.
+        posture: rad (m).
     """
     urdf = folder / 'robot.urdf'
     root = etree.fromstring(urdf.read_bytes(), etree.XMLParser(remove_blank_text=True))
@@ -58,9 +59,9 @@ def generate_shapes(folder: Path, parts: Sequence[Part], posture: Sequence[float
     urdf.write_text(header + text.replace('--><', '-->\n<') + '\n')
 
 
-def _configuration(model: pin.Model, posture: Sequence[float]) -> Array:
+def _configuration(model: pin.Model, value: float) -> Array:
     configuration = pin.neutral(model)
-    for joint, value in zip(list(model.joints)[1:], posture, strict=True):
+    for joint in list(model.joints)[1:]:
         # To Pinocchio a joint that turns without end is a point on the unit circle.
         configuration[joint.idx_q : joint.idx_q + joint.nq] = (
             value if joint.nq == 1 else (np.cos(value), np.sin(value))
@@ -87,16 +88,17 @@ def _add_shape(link: etree._Element, tag: str, part: Part) -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Draw the shapes of the robots that the command line names."""
     parser = argparse.ArgumentParser(description='Draw the shapes of robots.')
-    parser.add_argument('robots', nargs='+', metavar='robot', help='name of a robot of this package')
+    parser.add_argument('robots', nargs='+', choices=DRAWINGS, metavar='robot', help='its name')
     parser.add_argument(
-        '--into', type=Path, help="folder that holds the robots' folders; this package's own by default"
+        '--into',
+        type=Path,
+        default=PACKAGE,
+        help="folder that holds the robots' folders; their own by default",
     )
     options = parser.parse_args(arguments)
     for robot in options.robots:
-        shapes = import_module(f'robots_models.{robot}.shapes')
-        root = options.into or Path(__file__).parent
-        generate_shapes(root / robot, shapes.PARTS, shapes.DRAWING_POSTURE)
-        print(f'{robot}: {len(shapes.PARTS)} parts')
+        generate_shapes(options.into / robot, DRAWINGS[robot], drawn_at(robot))
+        print(f'{robot}: {len(DRAWINGS[robot])} parts')
 
 
 if __name__ == '__main__':

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from robots_core.robot_model.shapes import Mesh
-from robots_models.shape_generation import block, hub, outline, pedestal, plate, stl, tapered_arm, tube
+from solids import block, hub, outline, pedestal, plate, stl, tapered_arm, tube
 
 # An outline has 40 points on its circles: a polygon's half width is at least cos(pi / 40) of the radius.
 ROUND = 1.0 - np.cos(np.pi / 40)

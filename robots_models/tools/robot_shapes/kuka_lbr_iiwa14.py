@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from robots_models.kuka_lbr_iiwa14.model import KukaLbrIiwa14Data
-from robots_models.shape_generation import Part, hub, tube
+from solids import Part, hub, tube
 
 _DATA = KukaLbrIiwa14Data()
 _SILVER = (0.86, 0.87, 0.88)
@@ -110,4 +110,3 @@ PARTS: Final = (
         collision=True,
     ),
 )
-DRAWING_POSTURE: Final = (0.0,) * 7

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from robots_models.cello_bot.model import CelloBotData
-from robots_models.shape_generation import Part, block, hub, plate, tapered_arm, tube
+from solids import Part, block, hub, plate, tapered_arm, tube
 
 _DATA = CelloBotData()
 _VARNISH = (0.55, 0.24, 0.1)
@@ -174,4 +174,3 @@ PARTS: Final = (
         collision=True,
     ),
 )
-DRAWING_POSTURE: Final = (0.0,) * 5

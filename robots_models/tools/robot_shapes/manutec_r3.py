@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from robots_models.manutec_r3.model import ManutecR3Data
-from robots_models.shape_generation import Part, block, hub, pedestal, tapered_arm, tube
+from solids import Part, block, hub, pedestal, tapered_arm, tube
 
 _DATA = ManutecR3Data()
 _RED = (0.78, 0.16, 0.12)
@@ -125,4 +125,3 @@ PARTS: Final = (
         collision=True,
     ),
 )
-DRAWING_POSTURE: Final = (0.0,) * 6

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from robots_core.robot_model.shapes import Mesh
 from robots_models.kinova_j2n6s300.model import KinovaJ2n6s300Data
-from robots_models.shape_generation import Part, hub, tube
+from solids import Part, hub, tube
 
 _DATA = KinovaJ2n6s300Data()
 _CARBON = (0.1, 0.1, 0.11)
@@ -142,4 +142,3 @@ PARTS: Final = (
     Part('finger_2', 'link_6', _GREY, _finger(-0.8), collision=True),
     Part('finger_3', 'link_6', _GREY, _finger(pi + 0.8), collision=True),
 )
-DRAWING_POSTURE: Final = (pi,) * 6

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from robots_models.franka_fr3.model import FrankaFr3Data
-from robots_models.shape_generation import Part, block, hub, plate, tube
+from solids import Part, block, hub, plate, tube
 
 _DATA = FrankaFr3Data()
 _WHITE = (0.95, 0.95, 0.95)
@@ -153,4 +153,3 @@ PARTS: Final = (
         ),
     ),
 )
-DRAWING_POSTURE: Final = (0.0,) * 7

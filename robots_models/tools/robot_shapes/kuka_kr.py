@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robots_models.families.kuka_kr import KukaKrData
-from robots_models.shape_generation import Part, block, enlarged, hub, pedestal, plate, tapered_arm, tube
+from solids import Part, block, enlarged, hub, pedestal, plate, tapered_arm, tube
 
 _ORANGE = (1.0, 0.46, 0.13)  # about RAL 2003
 _ANTHRACITE = (0.17, 0.18, 0.19)
