@@ -116,6 +116,13 @@ function setTool(x, y, z, phi1, phi2, phi3) end
 ---@overload fun(pose: Pose)
 function setBase(x, y, z, phi1, phi2, phi3) end
 
+---Sets what the flange carries, when the robot stands; it counts in all torques.
+---@param mass number mass of what the flange carries: tool and workpiece (kg)
+---@param x? number x of its centre of mass, seen from tool0 (m)
+---@param y? number y of its centre of mass, seen from tool0 (m)
+---@param z? number z of its centre of mass, seen from tool0 (m)
+function setPayload(mass, x, y, z) end
+
 ---Scales the speed, also of the motion under way; 0 stands still.
 ---@param value number speed scale of all motions, 0 to 1, at once
 function setOverride(value) end

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_from_quaternion
 from robots_core.pose import Pose
@@ -19,6 +20,7 @@ from robots_planning.trajectory_generators.base import usable_fraction
 
 IDENTITY: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 DEFAULT_PLANNERS: Final = {'joint_planner': 'linear_joint', 'cartesian_planner': 'limited'}
+NOTHING: Final = (0.0, 0.0, 0.0, 0.0)
 NORM_TOLERANCE = 1e-6  # of a quaternion; single precision is meant as one
 
 
@@ -41,13 +43,15 @@ class MotionSettings:
         configuration: Posture that joint motions to a pose end in, as 'front/up/no_flip'; '' for the nearest.
         tool: Tool centre point in tool0: x, y, z (m) and quaternion x, y, z, w.
         base: Frame of all poses in the robot's base: the same seven numbers.
+        payload: What tool0 carries: mass (kg), centre of mass x, y, z in tool0 (m), and maybe its inertia
+            about that xx, xy, xz, yy, yz, zz (kg m^2). It counts in all torques.
         blend_zone: How far before and after its end a Cartesian motion may leave its path to run through to
             the next one, m; 0 stops at the end.
         joint_blend_zone: The same of a joint motion, rad (m) of the axis that moves most.
 
     Raises:
         InvalidInputError: a fraction outside (0, 1], another number that is not above 0, a zone below 0, a
-            frame that is none, or a planner or configuration that does not exist.
+            frame or payload that is none, or a planner or configuration that does not exist.
     """
 
     speed_fraction: float = 1.0
@@ -62,6 +66,7 @@ class MotionSettings:
     configuration: str = ''
     tool: tuple[float, ...] = IDENTITY
     base: tuple[float, ...] = IDENTITY
+    payload: tuple[float, ...] = NOTHING
     blend_zone: float = 0.0
     joint_blend_zone: float = 0.0
 
@@ -143,6 +148,7 @@ CHECKS: Final[dict[str, Callable[[Any, str], object]]] = {
     'configuration': known_configuration,
     'tool': frame,
     'base': frame,
+    'payload': payload_of,
     'blend_zone': _zone,
     'joint_blend_zone': _zone,
 }
@@ -161,6 +167,7 @@ DESCRIPTIONS: Final = {
     'configuration': "posture for a pose, as 'front/up/no_flip'; '' for the nearest",
     'tool': 'tool centre point in tool0: x y z (m), quaternion x y z w',
     'base': "frame of poses in the robot's base: x y z (m), quaternion x y z w",
+    'payload': 'on tool0: kg, centre x y z (m), maybe inertia xx xy xz yy yz zz (kg m^2)',
     'blend_zone': 'where a Cartesian motion may leave its path to run through to the next, m; 0 stops',
     'joint_blend_zone': 'the same of a joint motion, rad (m)',
 }

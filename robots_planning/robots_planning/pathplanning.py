@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
+from robots_core.blocks.multibody.loaded_robot import loaded_robot
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -74,6 +75,7 @@ class PathPlanning:
         collision_margin: float = 0.0,
     ) -> None:
         self.robot = robot
+        self._loaded: dict[tuple[float, ...], BaseRobotModel] = {}
         self._generators: OrderedDict[object, TrajectoryGenerator] = OrderedDict()
         self.collision = collision
         self.collision_margin = checked_margin(collision_margin)
@@ -166,7 +168,7 @@ class PathPlanning:
         torque = kind is not None and self.generator(kind, settings).keeps_torque
         report = verify(
             trajectory,
-            self.robot,
+            self.loaded(settings),
             **(geometry or {}),
             tool=settings.tool_pose,
             tools=tools,
@@ -202,6 +204,18 @@ class PathPlanning:
             with contextlib.suppress(RobotsError):
                 self.plan(kind, home, target)
 
+    def loaded(self, settings: MotionSettings) -> BaseRobotModel:
+        """The robot with the payload of the settings.
+
+        Raises:
+            InvalidInputError: the robot's dynamics are not those of its bodies, so that none can be added.
+        """
+        if settings.payload not in self._loaded:
+            if len(self._loaded) >= MOST_GENERATORS:
+                self._loaded.clear()
+            self._loaded[settings.payload] = loaded_robot(self.robot, settings.payload)
+        return self._loaded[settings.payload]
+
     def generator(self, kind: MotionKind, settings: MotionSettings) -> TrajectoryGenerator:
         """The planner of a kind of motion; made once for the same settings.
 
@@ -220,7 +234,7 @@ class PathPlanning:
         planner = planner_for(kind, settings)
         if kind.target == 'joints':  # which need no configuration, and every robot has them
             settings = replace(settings, configuration='')
-        return planner.from_settings(self.robot, settings)
+        return planner.from_settings(self.loaded(settings), settings)
 
 
 def in_base(kind: MotionKind, target: Target, settings: MotionSettings) -> Target:

@@ -159,7 +159,7 @@ def test_bad_faults_are_refused(ros_nodes: Any, values: dict[str, Any], reason: 
     ('parameters', 'reason'),
     [
         ({'level': 'perfect'}, "drive level 'perfect' is unknown"),
-        ({'payload': [1.0]}, '1 numbers came; a payload is'),
+        ({'payload': [1.0]}, 'payload has 1 numbers; a payload is'),
         ({'payload': [-1.0, 0.0, 0.0, 0.0]}, 'mass = -1.0 kg'),
     ],
 )

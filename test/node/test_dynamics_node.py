@@ -239,7 +239,7 @@ def test_bad_joint_states_are_named(ros_nodes: Any, change: dict[str, Any], reas
     [
         ({'source': 'guesses'}, "source 'guesses' is unknown"),
         ({'base_orientation': [0.0, 0.0, 0.0, 0.0]}, 'length 0'),
-        ({'payload': [1.0, 2.0]}, '2 numbers came'),
+        ({'payload': [1.0, 2.0]}, 'payload has 2 numbers'),
     ],
 )
 def test_bad_parameters_end_the_start(ros_nodes: Any, parameters: dict[str, Any], reason: str):

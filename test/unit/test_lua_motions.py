@@ -119,6 +119,17 @@ def test_position_is_read_in_degrees_of_tool_and_base(tmp_path: Path):
     assert_pose(host.commands[0], Pose(r + 0.25 * T[:, 2] - [1, 0, 0], T))
 
 
+def test_the_payload_travels_with_the_motion(tmp_path: Path):
+    host = RobotHost(tmp_path)
+    assert (
+        host.run("""
+            setPayload(5, nil, nil, 0.1)
+            ptpJointSpaceAngles(0, -90, 90, 0, 45, 0)""")
+        is None
+    )
+    assert host.commands[0].settings['payload'] == (5.0, 0.0, 0.0, 0.1)
+
+
 def test_settings_travel_with_the_motion_in_si(tmp_path: Path):
     host = RobotHost(tmp_path)
     assert (
@@ -301,6 +312,7 @@ SWITCH = '{distance_before_end (m) | distance_after_start | time_before_end | ti
         ('setSpeed(0)', 'fraction = 0; valid is a number above 0, at most 1'),
         ('setSpeed(1, 0.5, -1)', 'rotation = -1 deg/s; valid is a finite number above 0'),
         ('setOverride(1.5)', 'value = 1.5; valid is a number in 0..1'),
+        ('setPayload(-1)', 'mass = -1.0 kg must be a finite number, 0 or above'),
         ('setTool(1, 2, 3)', 'got 3 arguments, needed are 6: x (m), y (m), z (m), phi1 (deg)'),
         ('getJointAngles()', 'the position of the robot is not known here'),
         ('getJointAngles(1)', 'got 1 arguments, needed are 0'),

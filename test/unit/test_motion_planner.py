@@ -259,3 +259,11 @@ def test_motions_of_a_controller_that_is_gone_are_forgotten(cell: Cell) -> None:
     assert not cell.planner.moving
     cell.move('2', 0.1)
     np.testing.assert_array_equal(cell.trajectory(1).position[0], START)
+
+
+def test_a_chain_ends_where_the_payload_changes(planning: PathPlanning) -> None:
+    cell = Cell(planning)
+    for number, payload in enumerate(((0.0, 0.0, 0.0, 0.0), (5.0, 0.0, 0.0, 0.1))):
+        settings = replace(BLENDED, payload=payload)
+        cell.planner.command(str(number), JOINT, START + 0.1 * (number + 1), settings)
+    assert [id_ for id_, *_ in cell.sent] == ['0']

@@ -145,6 +145,15 @@ def test_a_report_is_of_the_tool_that_was_set(tmp_path: Path):
     assert turn.path_deviation < 1e-5
 
 
+def test_a_report_is_of_the_payload_that_was_set(tmp_path: Path):
+    program = tmp_path / 'payload.lua'
+    there, back = 'ptpJointSpaceAngles(0, -60, 60, 0, 60, 0)\n', 'ptpJointSpaceAngles(0, -90, 90, 0, 60, 0)\n'
+    program.write_text(back + there + back + 'setPayload(150, 0, 0, 0.2)\n' + there)
+    assert simulate(program, robot='kuka_kr210_r2700', drive='ideal', bag=tmp_path / 'bag').ok
+    _, empty, _, loaded = run_report(tmp_path / 'bag').motions
+    assert loaded.uses['torque'].ratio > 1.1 * empty.uses['torque'].ratio
+
+
 def test_channels_have_their_names_and_a_report_its_source(tmp_path: Path):
     (tmp_path / 'program.lua').write_text('setDigitalOutput(1, 1) waitDigitalInput(2, true)')
     (tmp_path / 'plc.yaml').write_text(

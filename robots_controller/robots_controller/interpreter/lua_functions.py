@@ -201,6 +201,17 @@ _FUNCTIONS: Final = (
         'setBase', _FRAME, "Sets the base: a frame seen from the robot's base; poses are seen from it."
     ),
     LuaFunction(
+        'setPayload',
+        (
+            Argument('mass', 'number', 'kg', 'mass of what the flange carries: tool and workpiece'),
+            *(
+                Argument(axis, 'number', 'm', f'{axis} of its centre of mass, seen from tool0', optional=True)
+                for axis in 'xyz'
+            ),
+        ),
+        'Sets what the flange carries, when the robot stands; it counts in all torques.',
+    ),
+    LuaFunction(
         'setOverride',
         (Argument('value', 'scale', '', 'speed scale of all motions, 0 to 1, at once'),),
         'Scales the speed, also of the motion under way; 0 stands still.',

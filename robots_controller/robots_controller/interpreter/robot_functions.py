@@ -25,6 +25,7 @@ from robots_controller.program.output_pulses import OutputPulses
 from robots_controller.program.program_state import ProgramState
 from robots_controller.program.taught_points import TaughtPoint, read_points, write_points
 from robots_core.blocks.following.guide import Guide
+from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, read_only
@@ -88,6 +89,7 @@ class RobotFunctions:
             'ptpJointSpaceAnglesRelative': self._joints_relative,
             'setTool': self._set_tool,
             'setBase': self._set_base,
+            'setPayload': self._set_payload,
             'setOverride': self._set_override,
             'setSpeed': self._set_limits('speed'),
             'setAcceleration': self._set_limits('acceleration'),
@@ -287,6 +289,13 @@ class RobotFunctions:
     def _set_base(self, arguments: Arguments) -> None:
         self.target.base = self.view.pose(arguments.values)
         self._settings['base'] = _seven(self.target.base)
+
+    def _set_payload(self, arguments: Arguments) -> Waiting:
+        payload = tuple(value or 0.0 for value in arguments.values)
+        payload_of(payload)
+        yield from self._standstill()
+        self._settings['payload'] = payload
+        return None
 
     def _set_override(self, arguments: Arguments) -> None:
         self.state.set_overrides(np.full(self.state.num_axes, arguments.values[0]))

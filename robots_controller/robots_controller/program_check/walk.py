@@ -16,6 +16,7 @@ from robots_controller.program_check.program_check import ProgramProblem
 from robots_controller.program_check.walked_cell import WalkedCell
 from robots_controller.simulation.cell_parts import cell_parts
 from robots_controller.study.case_runners import worker_pool
+from robots_core.blocks.multibody.loaded_robot import loaded_robot
 from robots_core.errors import InvalidInputError
 from robots_core.validation import positive
 
@@ -115,7 +116,11 @@ def _walk(walk: _Walk) -> list[ProgramProblem]:
             continue
         file, command = motion.file, motion.command
         error = planning.problems.get(motion.plan)
-        reasons = [refusal(error)] if error is not None else motion_problems(parts.robot, motion.plan)
+        reasons = (
+            [refusal(error)]
+            if error is not None
+            else motion_problems(loaded_robot(parts.robot, motion.settings.payload), motion.plan)
+        )
         for reason in reasons:
             found[ProgramProblem(file, command.line, f'{command.function}: {reason}')] = None
     if run.error is not None:

@@ -8,8 +8,10 @@ from typing import Final
 import numpy as np
 
 from robots_controller.report.recorded_run import RecordedRun
+from robots_core.blocks.multibody.loaded_robot import loaded_robot
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
+from robots_planning.motion_settings import NOTHING
 
 LIMITS: Final = ('velocity', 'acceleration', 'torque')
 QUANTITIES: Final = ('position', *LIMITS)
@@ -52,8 +54,7 @@ class RunSignals:
         robot, axes = run.robot, run.robot.axes_data
         q_ref, q_dot_ref, q_ddot_ref = run.reference
         q, q_dot = run.feedback
-        model = robot.rigid_dynamics_model
-        needed = np.array([model.torques(*state) for state in zip(q_ref, q_dot_ref, q_ddot_ref, strict=True)])
+        needed = _needed(run)
         torque = needed if run.effort is None else run.effort
         offset = _offset(run)
         (r, T), (r_ref, T_ref) = _frames(robot, q), _frames(robot, q_ref)
@@ -84,6 +85,16 @@ def axes_range(robot: BaseRobotModel) -> tuple[Array, Array]:
     bounded = np.isfinite(axes.lower) & np.isfinite(axes.upper)
     half = np.where(bounded, 0.5 * (axes.upper - axes.lower), np.inf)
     return np.where(bounded, axes.lower + np.where(bounded, half, 0.0), 0.0), half
+
+
+def _needed(run: RecordedRun) -> Array:
+    """Torques that the references need, (m, n) N m (N), each motion with its payload."""
+    moved = [motion for motion in run.motions if motion.moved]
+    carried = [NOTHING, *(motion.settings.payload for motion in moved)]
+    models = {payload: loaded_robot(run.robot, payload).rigid_dynamics_model for payload in set(carried)}
+    part = np.searchsorted([motion.start for motion in moved], run.time, side='right')
+    states = zip(part, *run.reference, strict=True)
+    return np.array([models[carried[row]].torques(*state) for row, *state in states])
 
 
 def energy(time: Array, power: Array) -> Array:

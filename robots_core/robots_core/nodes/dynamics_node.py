@@ -17,10 +17,10 @@ from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDynamics
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
-from robots_core.blocks.multibody.payload import Payload
+from robots_core.blocks.multibody.payload import Payload, payload_of
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.base_motion_message import base_motion_from_message
-from robots_core.nodes.payload_parameter import payload_from_parameters, payload_from_values
+from robots_core.nodes.payload_parameter import payload_from_parameters
 from robots_core.pose import Pose
 from robots_core.ros.messages import doubles, joint_indices, seconds
 from robots_core.ros.polled_subscription import PolledSubscription
@@ -202,7 +202,7 @@ class DynamicsNode(RobotNode):
             if parameter.name == 'filter_time':
                 self._filter_time = parameter.value
             elif parameter.name == 'payload':
-                self._load(payload_from_values(parameter.value))
+                self._load(payload_of(parameter.value))
             elif parameter.name == 'base_orientation':
                 self._move_base(BaseMotion(_orientation(parameter.value)))
 

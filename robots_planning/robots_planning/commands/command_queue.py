@@ -91,6 +91,11 @@ class CommandQueue:
                 return ()
             return self.release()
 
+    def chains(self, settings: MotionSettings) -> bool:
+        """A command with these settings may go on in the chain of those held: the payload is the same."""
+        with self._lock:
+            return not self._held or self._held[-1].settings.payload == settings.payload
+
     def release(self) -> tuple[QueuedCommand, ...]:
         """The commands that were held, as nothing follows them."""
         with self._lock:

@@ -32,7 +32,8 @@ class MotionChain:
     The time law is that of dynamic programming over path and speed, with the settings of each motion up to
     the middle of the blend behind it. Jerk limits hold in a chain with a motion that is `jerk_limited`; joint
     motions alone do not ask for them here, as keeping them around corners costs more than the blend gains on
-    many robots. A chain that would be faster with stops at its targets stops there.
+    many robots. A chain that would be faster with stops at its targets stops there. All motions of a chain
+    have one payload.
 
     Args:
         robot: The robot.
@@ -136,13 +137,14 @@ class MotionChain:
 
     def _timing(self, commands: tuple[QueuedCommand, ...]) -> TimeOptimalTiming:
         axes, inside = self._robot.axes_data, 1.0 - LIMIT_MARGIN
+        loaded = self._planning.loaded(commands[-1].settings)
         effort = jerk = None
         if planner_for(LINE, commands[-1].settings).keeps_torque:
             effort = axes.effort * inside
         if _jerk_limited(commands):
             jerk = axes.jerk * inside * min(command.settings.acceleration_fraction for command in commands)
         return TimeOptimalTiming(
-            self._robot, axes.velocity * inside, axes.acceleration * inside, effort, jerk=jerk
+            loaded, axes.velocity * inside, axes.acceleration * inside, effort, jerk=jerk
         )
 
 

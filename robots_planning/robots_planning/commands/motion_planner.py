@@ -127,6 +127,8 @@ class MotionPlanner:
         """
         if self.knows(id_):
             return False
+        if not self._queue.chains(settings):
+            self.release()
         self._plan(self._queue.hold(QueuedCommand(id_, kind, target, settings, self._port.time())))
         if settings.blends:
             self._port.release_after(BLEND_PATIENCE)

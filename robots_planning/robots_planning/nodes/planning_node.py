@@ -206,7 +206,7 @@ class PlanningNode(RobotNode):
 
     def _settings(self) -> MotionSettings:
         values: dict[str, Any] = {name: self.get_parameter(name).value for name in DESCRIPTIONS}
-        return MotionSettings(**values | {name: tuple(values[name]) for name in ('tool', 'base')})
+        return MotionSettings(**values | {name: tuple(values[name]) for name in ('tool', 'base', 'payload')})
 
     def _on_settings(self, parameters: list[Parameter]) -> None:
         self._inbox.deliver()  # what came before

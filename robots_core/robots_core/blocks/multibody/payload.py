@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -71,6 +72,23 @@ def united(
     d = c2 - c1
     steiner = m1 * m2 / mass * (d @ d * np.eye(3) - np.outer(d, d))
     return mass, c1 + m2 / mass * d, inertia1 + inertia2 + steiner
+
+
+def payload_of(values: Sequence[float], name: str = 'payload') -> Payload:
+    """A payload from four or ten numbers: mass, centre x y z, and inertia xx xy xz yy yz zz if not a point.
+
+    Raises:
+        InvalidInputError: another count, values that are not finite, or that no body has; names them.
+    """
+    count = len(values)
+    if count not in {4, 10}:
+        raise InvalidInputError(
+            f'{name} has {count} numbers; a payload is mass (kg) and centre x y z in tool0 (m), and then '
+            f'maybe inertia xx xy xz yy yz zz (kg m^2)'
+        )
+    mass, x, y, z, *moments = finite_vector(values, count, name).tolist()
+    xx, xy, xz, yy, yz, zz = moments or np.zeros(6)
+    return Payload(mass, np.array([x, y, z]), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
 
 
 NOTHING = Payload(0.0)
