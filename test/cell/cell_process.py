@@ -12,8 +12,8 @@ from pathlib import Path
 
 from robots_controller.live_cell.cell_graph import NodeDescription
 
-# Six processes start on a machine that may be busy with other things.
-DEADLINE = 120.0
+# s, on a slow machine that is busy with other things.
+DEADLINE = 480.0
 
 
 class CellProcess:
@@ -70,13 +70,13 @@ class CellProcess:
         deadline = time.monotonic() + DEADLINE
         while (line := self._queue.get(timeout=max(0.0, deadline - time.monotonic()))) is not None:
             self.lines.append(line)
-        return self.process.wait(10.0)
+        return self.process.wait(DEADLINE)
 
     def close(self) -> None:
         if self.process.poll() is None:
             self.interrupt()
             try:
-                self.process.wait(20.0)
+                self.process.wait(DEADLINE)
             except subprocess.TimeoutExpired:
                 self.process.kill()
 

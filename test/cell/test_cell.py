@@ -26,7 +26,9 @@ WRONG_PROGRAMS = {
 
 
 def test_another_robot_changes_nothing_else(start_cell: StartCell) -> None:
-    cell = start_cell('--robot', 'bello_bot', '--program', str(PROGRAMS / 'bello_bot_tour.lua'), '--once')
+    cell = start_cell(
+        '--robot', 'bello_bot', '--program', str(PROGRAMS / 'bello_bot_tour.lua'), '--once', '--lockstep'
+    )
     assert cell.wait() == 0, cell.text
     assert 'every target reached, every limit kept' in cell.text
 
@@ -40,7 +42,7 @@ def test_another_robot_changes_nothing_else(start_cell: StartCell) -> None:
         (('--once',), '--once needs a --program'),
     ],
 )
-def test_a_wrong_option_is_told_in_one_line(
+def test_a_wrong_option_is_reported_in_one_line(
     start_cell: StartCell, options: tuple[str, ...], message: str
 ) -> None:
     cell = start_cell(*options)
@@ -57,7 +59,7 @@ def test_a_wrong_option_is_told_in_one_line(
         ('wait(0)\nwait(0) // weld', "wrong.lua:2: '//' does not start a remark in Lua"),
     ],
 )
-def test_a_program_that_is_not_lua_is_told_before_anything_starts(
+def test_a_program_that_is_not_lua_is_reported_before_anything_starts(
     start_cell: StartCell, tmp_path: Path, text: str, message: str
 ) -> None:
     program = tmp_path / 'wrong.lua'
@@ -69,13 +71,13 @@ def test_a_program_that_is_not_lua_is_told_before_anything_starts(
 
 
 @pytest.mark.parametrize('case', WRONG_PROGRAMS)
-def test_a_wrong_program_is_told_and_leads_to_an_error_code(
+def test_a_wrong_program_is_reported_and_leads_to_an_error_code(
     start_cell: StartCell, tmp_path: Path, case: str
 ) -> None:
     text, message = WRONG_PROGRAMS[case]
     program = tmp_path / 'wrong.lua'
     program.write_text(text + '\n')
-    cell = start_cell('--robot', 'kuka_kr210_r2700', '--program', str(program), '--once')
+    cell = start_cell('--robot', 'kuka_kr210_r2700', '--program', str(program), '--once', '--lockstep')
     assert cell.wait() == 1, cell.text
     assert message in cell.text
     assert 'Traceback' not in cell.text
@@ -95,7 +97,7 @@ def test_ctrl_c_and_terminate_stop_all_nodes(start_cell: StartCell, number: sign
     assert 'Traceback' not in logs
 
 
-def test_says_which_node_died_and_why(start_cell: StartCell) -> None:
+def test_a_node_that_died_is_named_with_the_reason(start_cell: StartCell) -> None:
     cell = start_cell('--robot', 'bello_bot')
     cell.until_ready()
     os.kill(cell.node_pids()['drive_node'], signal.SIGKILL)
@@ -116,7 +118,7 @@ def test_a_planner_killed_in_a_motion_leaves_the_robot_standing_on_its_path(
     assert not any(references[-1][1].points[0].velocities)
 
 
-def test_a_second_cell_beside_the_first_is_told_and_leaves_it_alone(start_cell: StartCell) -> None:
+def test_a_second_cell_beside_the_first_ends_with_the_reason(start_cell: StartCell) -> None:
     first = start_cell('--robot', 'bello_bot')
     first.until_ready()
     second = start_cell('--robot', 'kuka_kr210_r2700')

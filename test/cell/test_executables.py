@@ -27,7 +27,7 @@ EXECUTABLES = sorted(
 NODES = [(package, name) for package, name in EXECUTABLES if name.endswith('_node')]
 PROGRAMS = [(package, name) for package, name in EXECUTABLES if not name.endswith('_node')]
 
-END_DEADLINE = 30.0  # s
+DEADLINE = 240.0  # s, on a slow and busy machine
 SIGNAL_PERIOD = 0.05  # s, between two signals to nodes that end
 
 
@@ -61,10 +61,10 @@ def test_node_starts_reports_its_health_and_ends_on_an_interrupt(
     )
     process = start(package, executable)
     try:
-        ros_nodes.wait_for(lambda: f'/{executable}' in names, timeout=60.0, what=f'health of {executable}')
+        ros_nodes.wait_for(lambda: f'/{executable}' in names, what=f'health of {executable}')
     finally:
         process.send_signal(signal.SIGINT)
-        output, _ = process.communicate(timeout=20.0)
+        output, _ = process.communicate(timeout=DEADLINE)
     assert process.returncode == 0, output
     assert 'Traceback' not in output
 
@@ -73,7 +73,7 @@ def test_node_starts_reports_its_health_and_ends_on_an_interrupt(
 def test_node_names_a_robot_that_it_does_not_know(ros_domain: int, package: str, executable: str) -> None:
     del ros_domain
     command = [str(path_of(package, executable)), '--ros-args', '-p', 'robot_model:=no_such_robot']
-    result = subprocess.run(command, capture_output=True, text=True, timeout=60.0, check=False)
+    result = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE, check=False)
     assert result.returncode == 2
     assert "unknown robot 'no_such_robot'; robots are: bello_bot" in result.stderr
     assert 'Traceback' not in result.stderr
@@ -82,11 +82,11 @@ def test_node_names_a_robot_that_it_does_not_know(ros_domain: int, package: str,
 @pytest.mark.parametrize(('package', 'executable'), PROGRAMS)
 def test_program_explains_itself(package: str, executable: str) -> None:
     command = [str(path_of(package, executable)), '--help']
-    result = subprocess.run(command, capture_output=True, text=True, timeout=60.0, check=True)
+    result = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE, check=True)
     assert result.stdout.startswith(f'usage: {executable} ')
 
 
-def test_nodes_end_without_a_traceback_however_often_they_are_told_to(ros_nodes: Any) -> None:
+def test_nodes_end_without_a_traceback_however_often_they_are_interrupted(ros_nodes: Any) -> None:
     names: set[str] = set()
     node = ros_nodes.create_node()
     node.create_subscription(
@@ -96,11 +96,10 @@ def test_nodes_end_without_a_traceback_however_often_they_are_told_to(ros_nodes:
     try:
         ros_nodes.wait_for(
             lambda: names.issuperset(f'/{executable}' for executable in processes),
-            timeout=90.0,
             what='health of all nodes',
         )
         # As `ros2 launch` does on Ctrl-C: once from the terminal, once from launch, which then insists.
-        deadline = time.monotonic() + END_DEADLINE
+        deadline = time.monotonic() + DEADLINE
         for number in itertools.cycle((signal.SIGINT, signal.SIGINT, signal.SIGTERM)):
             running = [process for process in processes.values() if process.poll() is None]
             if not running or time.monotonic() > deadline:
@@ -135,7 +134,7 @@ def test_an_interrupt_ends_a_node_that_is_still_being_made(ros_domain: int) -> N
         assert process.stdout is not None
         assert process.stdout.readline() == 'making\n'
         process.send_signal(signal.SIGINT)
-        output, _ = process.communicate(timeout=END_DEADLINE)
+        output, _ = process.communicate(timeout=DEADLINE)
     finally:
         process.kill()
     assert process.returncode == 0, output
@@ -165,7 +164,7 @@ def test_an_interrupt_ends_a_node_that_is_still_being_loaded(
         assert process.stdout is not None
         assert process.stdout.readline() == 'loading\n'
         process.send_signal(number)
-        output, _ = process.communicate(timeout=END_DEADLINE)
+        output, _ = process.communicate(timeout=DEADLINE)
     finally:
         process.kill()
     assert process.returncode == 0, output

@@ -40,7 +40,6 @@ NODES = ('controller_node', 'drive_node')
 MODULES = ('robots_controller.nodes.controller_node', 'robots_core.nodes.drive_node')
 PERIOD = 4_000_000
 SECONDS = 1.5
-PATIENCE = 60.0
 
 
 class Sender(TimedNode):
@@ -95,7 +94,7 @@ def references(nodes: Any) -> list[tuple[float, ...]]:
     sender = nodes.add(Sender(**nodes.options(lockstep=True)))
     run = nodes.coordinate(*NODES, 'sender', on_error=errors.append)
     with processes():
-        nodes.wait_for(lambda: errors or sender.ended.is_set(), PATIENCE, 'the end of the run')
+        nodes.wait_for(lambda: errors or sender.ended.is_set(), what='the end of the run')
         nodes.call(run.end)
     assert not errors
     return list(sender.references)
@@ -178,7 +177,7 @@ def test_a_participant_that_was_killed_is_named(ros_nodes: Any) -> None:
     errors: list[LockstepError] = []
     run = ros_nodes.coordinate(*NODES, on_error=errors.append, patience=8.0)
     with processes() as (_, drives):
-        ros_nodes.wait_for(lambda: run.started and run.instants > 10, PATIENCE, 'a run')
+        ros_nodes.wait_for(lambda: run.started and run.instants > 10, what='a run')
         drives.kill()
         ros_nodes.wait_for(lambda: errors, what='an error')
     assert 'drive_node did not do what was due at' in str(errors[0])

@@ -192,7 +192,7 @@ def test_a_replacing_command_joins_the_running_motion(ros_nodes: Any) -> None:
     np.testing.assert_allclose(end.positions, home - 0.1, atol=1e-9)
 
 
-def test_unknown_ways_to_take_a_new_command_are_refused(ros_nodes: Any) -> None:
+def test_an_unknown_new_command_is_refused(ros_nodes: Any) -> None:
     with pytest.raises(InvalidInputError, match='valid are queue and replace'):
         PlanningBench(ros_nodes, new_command='interrupt')
 
@@ -204,7 +204,7 @@ def test_planning_does_not_keep_the_node_from_answering(bench: PlanningBench) ->
 
     def slow(*arguments: Any, **options: Any) -> Any:
         entered.set()
-        assert leave.wait(10.0)
+        assert leave.wait(240.0)
         return plan(*arguments, **options)
 
     planning.plan = slow

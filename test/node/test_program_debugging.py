@@ -66,7 +66,7 @@ def test_wrong_debugging_parameters_are_refused(
 def test_editor_connects_to_the_node(ros_nodes: Any, tmp_path: Path):
     bench = LuaBench(ros_nodes, tmp_path, debug_port=-1)
     request = json.dumps({'seq': 1, 'type': 'request', 'command': 'threads'}).encode()
-    with socket.create_connection(('127.0.0.1', bench.node._debug_server.port), timeout=10.0) as editor:
+    with socket.create_connection(('127.0.0.1', bench.node._debug_server.port), timeout=240.0) as editor:
         editor.sendall(b'Content-Length: %d\r\n\r\n%b' % (len(request), request))
         answer = editor.makefile('rb').readline()
     assert answer.startswith(b'Content-Length: ')

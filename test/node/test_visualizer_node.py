@@ -40,7 +40,7 @@ def test_health_tells_the_address_of_the_page(ros_nodes: Any):
     assert health[-1].level == DiagnosticStatus.OK
     url = diagnostic_values(health[-1])['url']
     assert url == node.url
-    with urlopen(url, timeout=10.0) as page:  # noqa: S310  # our own address
+    with urlopen(url, timeout=240.0) as page:  # noqa: S310  # our own address
         assert page.status == 200
 
 

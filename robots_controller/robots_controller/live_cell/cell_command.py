@@ -45,8 +45,8 @@ from robots_core.errors import RobotsError
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.middleware import choose_transports
 
-START_TIMEOUT = 60.0  # s, for all nodes to be ready on a slow machine
-SERVICE_TIMEOUT = 10.0  # s
+START_TIMEOUT = 120.0  # s, for all nodes to be ready on a slow machine
+SERVICE_TIMEOUT = 60.0  # s
 SETTLING_TIME = 2.0  # s after all are ready, in which another cell would have been noticed
 REST_TIMEOUT = 5.0  # s, for the robot to stop on its path
 POLL = 0.05  # s between looks at processes and events
