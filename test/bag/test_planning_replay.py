@@ -42,10 +42,10 @@ def header(stamp: int) -> Any:
 
 def pose_stamped(stamp: int, pose: Pose) -> Any:
     position, orientation = T['geometry_msgs/msg/Point'], T['geometry_msgs/msg/Quaternion']
-    told = T['geometry_msgs/msg/Pose'](
+    message = T['geometry_msgs/msg/Pose'](
         position(*map(float, pose.r)), orientation(*map(float, pose.quaternion()))
     )
-    return T['geometry_msgs/msg/PoseStamped'](header(stamp), told)
+    return T['geometry_msgs/msg/PoseStamped'](header(stamp), message)
 
 
 def path(stamp: int, poses: list[Pose]) -> Any:

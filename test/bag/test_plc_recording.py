@@ -71,7 +71,7 @@ def words(value: int) -> Any:
 
 
 def plc_recording() -> Iterator[tuple[float, str, Any]]:
-    """What a PLC said: a word at 100 Hz, and the level before each part."""
+    """The messages of a PLC: a word at 100 Hz, and the level before each part."""
     for k in range(WORDS):
         t = 0.01 * k
         part = any(there <= t < gone for there, gone, _ in PARTS)

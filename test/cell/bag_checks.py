@@ -15,7 +15,7 @@ Messages = Mapping[str, Sequence[tuple[float, Any]]]
 PERIOD = 0.004  # s, of the references
 # The controller's guard lets rounding pass, and so do second differences of float64 positions.
 EXACT = 1.0 + 1e-5
-# A quintic between two references that knows nothing of a step of acceleration in between passes its ends by
+# A quintic between two references without the step of acceleration in between passes its ends by
 # up to 37.4 % of that step (the step at one end). The moving average over five references makes steps of 20 %
 # of the acceleration limit, and of 40 % where it reverses.
 RESAMPLED = 1.0 + 0.374 * 2.0 / 5.0

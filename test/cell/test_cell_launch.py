@@ -94,7 +94,7 @@ def test_every_argument_can_be_given(launch_file: dict[str, Any]) -> None:
     assert described == {*launch_file['OPTIONS'], 'namespace'}
 
 
-def test_what_is_wrong_is_told_in_one_line(launch_file: dict[str, Any]) -> None:
+def test_a_mistake_is_reported_in_one_line(launch_file: dict[str, Any]) -> None:
     with pytest.raises(RuntimeError, match=r"^error: unknown robot 'nobody'; robots are: bello_bot, .*$"):
         launched(launch_file, robot='nobody')
 

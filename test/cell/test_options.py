@@ -44,11 +44,13 @@ def test_a_program_on_another_robot_is_noted() -> None:
 
 
 @pytest.mark.parametrize('target', ['demo', 'simulate'])
-def test_make_leaves_the_cell_to_the_program_unless_told(target: str) -> None:
+def test_make_leaves_the_cell_to_the_program_by_default(target: str) -> None:
     def shown(*words: str) -> str:
         command = ['make', '-n', target, 'PROGRAM=programs/press_tending.lua', *words]
         return subprocess.run(command, cwd=PROGRAMS.parent, capture_output=True, text=True, check=True).stdout
 
     assert all(option in shown() for option in ('programs/press_tending.lua', '--robot ""', '--io ""'))
-    told = shown('ROBOT=ur5e', 'IO=plc.yaml', 'SCENE=table.yaml')
-    assert all(option in told for option in ('--robot "ur5e"', '--io "plc.yaml"', '--scene "table.yaml"'))
+    overridden = shown('ROBOT=ur5e', 'IO=plc.yaml', 'SCENE=table.yaml')
+    assert all(
+        option in overridden for option in ('--robot "ur5e"', '--io "plc.yaml"', '--scene "table.yaml"')
+    )

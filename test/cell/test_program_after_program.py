@@ -32,7 +32,7 @@ WRONG = [
 
 
 class Operator:
-    """Somebody who opens and runs programs by the node's services."""
+    """Opens and runs programs by the node's services."""
 
     def __init__(self, nodes: Any) -> None:
         self.nodes = nodes

@@ -123,12 +123,14 @@ def test_wheel_test(lockstep_runs: LockstepRuns) -> None:
     time = np.array([sent for sent, _ in run.bag['/joint_reference']])
     rows = np.flatnonzero((time >= motion.start) & (time <= motion.end))
     r = np.array([run.robot.direct_kinematics(q)[0] for q in run.references.position[rows]])
-    way = np.linalg.norm(r - r[0], axis=1)
-    assert way[-1] == pytest.approx(track + 2 * ramp, abs=1e-4)
+    distance = np.linalg.norm(r - r[0], axis=1)
+    assert distance[-1] == pytest.approx(track + 2 * ramp, abs=1e-4)
     for at, place in ((on, ramp), (off, ramp + track)):
-        assert np.interp(at, time[rows], way) == pytest.approx(place, abs=speed * (SWITCH_DELAY + BEHIND))
-    # Over the measured way the speed is constant: the planned path is a line to 10 um.
-    measured = (way >= ramp) & (way <= ramp + track)
+        assert np.interp(at, time[rows], distance) == pytest.approx(
+            place, abs=speed * (SWITCH_DELAY + BEHIND)
+        )
+    # Over the measured distance the speed is constant: the planned path is a line to 10 um.
+    measured = (distance >= ramp) & (distance <= ramp + track)
     J = [run.robot.jacobian(q)[:3] for q in run.references.position[rows][measured]]
     velocity = np.einsum('mij,mj->mi', np.array(J), run.references.velocity[rows][measured])
     np.testing.assert_allclose(np.linalg.norm(velocity, axis=1), speed, rtol=1e-3)
@@ -156,11 +158,11 @@ def test_three_axis_grasp(lockstep_runs: LockstepRuns) -> None:
 def test_rover_placement(lockstep_runs: LockstepRuns) -> None:
     run = run_program(lockstep_runs, 'rover_placement.lua', 'kinova_j2n6s300')
     lines = (PROGRAMS / 'rover_placement.lua').read_text().splitlines()
-    ways = [number for number, line in enumerate(lines, 1) if line.startswith('linearRelative')]
+    numbers = [number for number, line in enumerate(lines, 1) if line.startswith('linearRelative')]
     name = 'rover_placement.lua'
     assert run.switched_between() == [
-        (1, 1.0, f'{name}:{ways[0]}', f'{name}:{ways[1]}'),
-        (1, 0.0, f'{name}:{ways[2]}', f'{name}:{ways[3]}'),
+        (1, 1.0, f'{name}:{numbers[0]}', f'{name}:{numbers[1]}'),
+        (1, 0.0, f'{name}:{numbers[2]}', f'{name}:{numbers[3]}'),
     ]
 
 

@@ -15,6 +15,7 @@ from std_srvs.srv import Trigger
 from robots_core.errors import InvalidInputError
 from robots_core.ros.qos import COMMAND
 
+STANDING = 50  # references without velocity
 MANY = QoSProfile(depth=10_000)
 # With the value from before.
 EVERY_STATE = QoSProfile(depth=10_000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -98,6 +99,17 @@ class Bench:
     def wait(self, condition: Callable[[], Any], what: str) -> Any:
         """Wait until a condition is true; return its value."""
         return self.runner.wait_for(condition, what=what)
+
+    def until_standing(self, references: list[Any]) -> None:
+        """Wait until the newest of these trajectory points, which go on coming, have no velocity."""
+        count = len(references)
+        self.wait(
+            lambda: (
+                len(references) > count + STANDING
+                and not any(any(point.velocities) for point in references[-STANDING:])
+            ),
+            'a standing robot',
+        )
 
     def set_parameters(self, node: Any, **values: Any) -> None:
         """Set parameters of a node under test.

@@ -47,7 +47,7 @@ def saved(path: Path, topic: str = '') -> int:
 
 
 def readable(path: Path) -> int:
-    """How many messages a reader that knows nothing of us finds."""
+    """Number of messages by an independent reader."""
     with Reader(path) as reader:
         return sum(1 for _ in reader.messages())
 

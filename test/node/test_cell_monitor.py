@@ -1,4 +1,4 @@
-"""CellMonitor hears every command, whoever sends it."""
+"""CellMonitor reports every command, whichever node sends it."""
 
 from __future__ import annotations
 
@@ -64,11 +64,11 @@ def test_a_command_is_an_event_with_its_target(ros_nodes: Any, topic: str) -> No
     publisher.publish(message)
     events: list[Event] = []
 
-    def heard() -> bool:
+    def reported() -> bool:
         events.extend(monitor.take())
         return bool(events)
 
-    ros_nodes.wait_for(heard, what='the command')
+    ros_nodes.wait_for(reported, what='the command')
     (event,) = events
     assert isinstance(event, MotionCommanded)
     assert (event.id, event.kind) == (stamp_id(STAMP), kind)

@@ -98,7 +98,7 @@ def bench(ros_nodes: Any) -> CollisionBench:
 
 
 def ball(robot: Any, q: np.ndarray, *, radius: float = 0.1) -> SceneObject:
-    """A ball around tool0 of a posture."""
+    """A ball around tool0 of a configuration."""
     return SceneObject('ball', Sphere(radius), Pose(robot.direct_kinematics(q)[0], np.eye(3)))
 
 
@@ -133,7 +133,7 @@ def test_an_object_that_comes_is_named_with_what_it_touches(bench: CollisionBenc
     assert 'ball' in status.message
     assert 'link_6/flange - ball' in diagnostic_values(status)['contacts']
     bench.wait(lambda: bench.distances[-1] == 0.0, 'distance 0')
-    # Nobody moves: there is nothing to stop.
+    # Nothing moves, so there is nothing to stop.
     assert bench.stops == 0
     bench.publish('collision_objects', MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
     bench.wait(lambda: not bench.node.guard.detection.scene.objects, 'the ball is gone')
@@ -192,7 +192,7 @@ def test_bad_objects_are_refused_and_change_nothing(bench: CollisionBench):
     assert [item.name for item in bench.node.guard.detection.scene.objects] == ['ball']
 
 
-def test_bad_feedback_is_told(bench: CollisionBench):
+def test_bad_feedback_is_reported(bench: CollisionBench):
     names = list(bench.robot.axes_data.names)
     bench.publish('joint_states', JointState(name=names, position=[math.nan] * len(names)))
     bench.until_health(DiagnosticStatus.WARN, 'nan')

@@ -36,7 +36,7 @@ CRAWL = 0.02  # override: no machine comes too late for what happens on the way
 
 
 class ControllerBench(Bench):
-    """A controller with its drive, and somebody who sends trajectories."""
+    """A controller with its drive; the test sends trajectories."""
 
     def __init__(self, runner: Any, *, feedback_timeout: float = PATIENT, **drives: Any) -> None:
         super().__init__(runner, 'planner')
@@ -246,7 +246,7 @@ def test_refuses_joint_states_that_do_not_say_where_the_robot_is(
 
 
 @pytest.mark.parametrize('qos', [STATE, SENSOR, QoSProfile(depth=10)], ids=['state', 'sensor', 'default'])
-def test_hears_drivers_of_every_quality_of_service(ros_nodes: Any, qos: QoSProfile) -> None:
+def test_takes_feedback_of_every_quality_of_service(ros_nodes: Any, qos: QoSProfile) -> None:
     _, controller = driver_of(ros_nodes, qos, JointState(name=NAMES, position=AWAY.tolist()))
     ros_nodes.wait_for(lambda: controller._controller.reference is not None)
     np.testing.assert_array_equal(controller._controller.reference[0], AWAY)

@@ -28,7 +28,7 @@ HOME = np.array(ROBOT.home)
 
 
 class DriveBench(Bench):
-    """A drive node, and somebody in the controller's place."""
+    """A drive node; the test stands in for the controller."""
 
     def __init__(self, runner: Any, **parameters: Any) -> None:
         super().__init__(runner)

@@ -118,7 +118,7 @@ def test_torques_and_mass_matrix_of_joint_states(ros_nodes: Any):
     assert not bench.collected('tcp_wrench')
 
 
-def test_accelerations_are_told_from_velocities(ros_nodes: Any):
+def test_accelerations_are_estimated_from_velocities(ros_nodes: Any):
     bench = DynamicsBench(ros_nodes, filter_time=0.0)
     bench.answer('joint_torques', bench.send(Q, SPEED, at=0.0))
     stamp = bench.send(Q, SPEED + 0.01 * PUSH, at=0.01)
@@ -194,7 +194,7 @@ def test_bad_motions_of_the_base_are_named(ros_nodes: Any, change: dict[str, Any
     bench.until_health(DiagnosticStatus.WARN, reason)
 
 
-def test_the_wrench_at_the_tool_is_told_from_the_drives(ros_nodes: Any):
+def test_the_wrench_at_the_tool_is_estimated_from_the_drives(ros_nodes: Any):
     bench = DynamicsBench(ros_nodes)
     wrench = np.array([100.0, -50.0, 200.0, 10.0, 5.0, -20.0])
     tau = NumericalDynamics(ROBOT).bias_torques(Q, STILL) - ROBOT.jacobian(Q).T @ wrench
@@ -202,7 +202,7 @@ def test_the_wrench_at_the_tool_is_told_from_the_drives(ros_nodes: Any):
     np.testing.assert_allclose(wrench_of(bench.answer('tcp_wrench', stamp)), wrench, atol=1e-6)
 
 
-def test_a_torque_past_its_limit_is_told_and_so_is_its_end(ros_nodes: Any):
+def test_a_torque_past_its_limit_is_reported_and_so_is_its_end(ros_nodes: Any):
     bench = DynamicsBench(ros_nodes)
     tau = np.zeros(6)
     tau[3] = 1.5 * ROBOT.axes_data.effort[3]

@@ -33,11 +33,10 @@ POSE = Pose(*ROBOT.direct_kinematics(START))
 DT = 0.004  # s between two points of the stream
 PATIENT = 20.0  # s, with drives that a busy machine delays
 SEND_PERIOD = 0.02  # s
-STANDING = 50  # references without velocity
 
 
 class GuidedRobot(Bench):
-    """A robot that follows references, and somebody who sends them."""
+    """A robot that follows references, and what sends them."""
 
     def __init__(self, runner: Any, method: str = 'constrained') -> None:
         super().__init__(runner, 'sensor')
@@ -73,16 +72,6 @@ class GuidedRobot(Bench):
     def until_at(self, pose: Pose) -> None:
         self.wait(lambda: max(Pose(*ROBOT.direct_kinematics(self.q)).distance_to(pose)) < 1e-5, 'the pose')
 
-    def until_standing(self) -> None:
-        count = len(self.references)
-        self.wait(
-            lambda: (
-                len(self.references) > count + STANDING
-                and not any(any(point.velocities) for point in self.references[-STANDING:])
-            ),
-            'a standing robot',
-        )
-
 
 @pytest.mark.parametrize('method', METHODS)
 def test_a_pose_is_followed_until_none_comes(ros_nodes: Any, method: str) -> None:
@@ -90,7 +79,7 @@ def test_a_pose_is_followed_until_none_comes(ros_nodes: Any, method: str) -> Non
     bench.pose = Pose.from_angles(POSE.r + np.array([0.01, 0.02, -0.01]), POSE.angles() + 0.02)
     bench.until_at(bench.pose)
     bench.pose = None
-    bench.until_standing()
+    bench.until_standing(bench.references)
     bench.until_health(DiagnosticStatus.WARN, 'no reference for 0.2 s')
 
 
@@ -107,9 +96,9 @@ def test_nan_is_refused_with_a_diagnostic_and_moves_nothing(ros_nodes: Any) -> N
 def test_a_twist_alone_is_servoed(ros_nodes: Any) -> None:
     bench = GuidedRobot(ros_nodes)
     bench.twist = np.array([0.0, 0.1, 0.05, 0.0, 0.0, 0.1])
-    bench.wait(lambda: ROBOT.direct_kinematics(bench.q)[0][1] > POSE.r[1] + 0.02, 'a way of 0.02 m')
+    bench.wait(lambda: ROBOT.direct_kinematics(bench.q)[0][1] > POSE.r[1] + 0.02, 'a distance of 0.02 m')
     bench.twist = None
-    bench.until_standing()
+    bench.until_standing(bench.references)
 
 
 def test_follows_only_while_the_program_lets_a_sensor_guide_the_robot(ros_nodes: Any) -> None:

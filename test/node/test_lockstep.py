@@ -223,11 +223,11 @@ def test_without_a_coordinator_nodes_follow_the_clock(ros_nodes: Any) -> None:
         now = START + period * PERIOD
         message.clock.sec, message.clock.nanosec = divmod(now, START)
 
-        def told(now: int = now) -> bool:
+        def reached(now: int = now) -> bool:
             clock.publish(message)  # /clock is best effort
             return bool(drive.now() == controller.now() == now / START)
 
-        ros_nodes.wait_for(told, what='the time')
+        ros_nodes.wait_for(reached, what='the time')
     ros_nodes.wait_for(lambda: stamps and stamps[-1] == START + 49 * PERIOD, what='the last reference')
     assert sorted(set(stamps)) == stamps
 

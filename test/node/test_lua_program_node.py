@@ -93,7 +93,7 @@ def test_status_names_line_source_and_error(ros_nodes: Any, tmp_path: Path):
     bench.wait(lambda: bench.status[-1].level == DiagnosticStatus.OK, 'its level')
 
 
-def test_line_of_a_motion_is_told_before_it_moves(ros_nodes: Any, tmp_path: Path):
+def test_line_of_a_motion_is_reported_before_it_moves(ros_nodes: Any, tmp_path: Path):
     bench = LuaBench(ros_nodes, tmp_path)
     bench.on_command = ignore
     bench.start(f'wait(0)\nwait(0)\n{MOVE}')
@@ -231,7 +231,7 @@ def test_inputs_reach_the_program_from_any_publisher(ros_nodes: Any, tmp_path: P
     bench.wait(lambda: bench.analog and bench.analog[-1][0] == 2.5, 'the output')
 
 
-def test_wrong_inputs_are_refused_and_told(ros_nodes: Any, tmp_path: Path):
+def test_wrong_inputs_are_refused_and_reported(ros_nodes: Any, tmp_path: Path):
     bench = LuaBench(ros_nodes, tmp_path)
     publisher = bench.peer.create_publisher(UInt8MultiArray, 'digital_inputs', STATE)
     publisher.publish(UInt8MultiArray(data=[0, 7]))
@@ -249,7 +249,7 @@ def test_wrong_inputs_are_refused_and_told(ros_nodes: Any, tmp_path: Path):
         ('wait(1); // wait', "test.lua:1: '//' does not start a remark in Lua; write '--'"),
     ],
 )
-def test_program_that_cannot_be_opened_is_told(
+def test_program_that_cannot_be_opened_is_reported(
     ros_nodes: Any, tmp_path: Path, text: str | None, message: str
 ):
     bench = LuaBench(ros_nodes, tmp_path)

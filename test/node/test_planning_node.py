@@ -161,7 +161,7 @@ def test_after_a_stop_nothing_moves_that_was_commanded_before(bench: PlanningBen
     stopped = bench.node.get_clock().now().nanoseconds * 1e-9 + 3600.0
     late = MotionResult(first, ok=False, message='stopped', details={'ended': f'{stopped:.9f}'})
     bench.publish('motion_result', motion_result_message(late, ROBOT))
-    bench.wait(lambda: not bench.node.planner.knows(first), 'the node has heard of the stop')
+    bench.wait(lambda: not bench.node.planner.knows(first), 'the stop is with the node')
     void = bench.command('ptpjoint_joint', home, 6)  # sent before that stop
     assert f'given up with motion {first} before it' in bench.refusal(void).message
     assert len(bench.trajectories) == 1
@@ -357,27 +357,27 @@ def test_invalid_settings_are_refused_and_change_nothing(bench: PlanningBench, v
     assert bench.node.get_parameter('cartesian_speed').value == 0.5
 
 
-def test_the_settings_are_told_to_whoever_records_them(ros_nodes: Any) -> None:
+def test_the_settings_are_published(ros_nodes: Any) -> None:
     tool = [0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 1.0]
     bench = PlanningBench(ros_nodes, tool=tool)
-    told: list[MotionSettings] = []
+    published: list[MotionSettings] = []
     bench.peer.create_subscription(
         DiagnosticStatus,
         'motion_settings',
-        lambda message: told.append(settings_from_text(diagnostic_values(message))),
+        lambda message: published.append(settings_from_text(diagnostic_values(message))),
         STATE,
     )
-    bench.wait(lambda: told, 'the settings of the start')
-    assert told == [MotionSettings(tool=tuple(tool))]
+    bench.wait(lambda: published, 'the settings of the start')
+    assert published == [MotionSettings(tool=tuple(tool))]
     bench.node.set_parameters([Parameter('new_command', value='queue')])  # no setting of a motion
     bench.node.set_parameters_atomically(
         [Parameter('cartesian_speed', value=0.1), Parameter('blend_zone', value=0.02)]
     )
-    bench.wait(lambda: len(told) > 1, 'the change')
-    assert told[1:] == [MotionSettings(tool=tuple(tool), cartesian_speed=0.1, blend_zone=0.02)]
+    bench.wait(lambda: len(published) > 1, 'the change')
+    assert published[1:] == [MotionSettings(tool=tuple(tool), cartesian_speed=0.1, blend_zone=0.02)]
 
 
-def test_an_invalid_setting_at_start_is_told(ros_nodes: Any) -> None:
+def test_an_invalid_setting_at_start_is_reported(ros_nodes: Any) -> None:
     with pytest.raises(InvalidInputError, match='rotation_speed'):
         PlanningBench(ros_nodes, rotation_speed=-1.0)
 

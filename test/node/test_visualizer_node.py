@@ -44,7 +44,7 @@ def test_health_tells_the_address_of_the_page(ros_nodes: Any):
         assert page.status == 200
 
 
-def test_description_is_there_for_who_comes_late(ros_nodes: Any):
+def test_description_is_latched(ros_nodes: Any):
     make_node(ros_nodes)
     texts: list[str] = []
     ros_nodes.create_node().create_subscription(

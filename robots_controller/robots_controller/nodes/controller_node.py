@@ -160,7 +160,7 @@ class ControllerNode(RobotNode):
 
     def result(self, result: MotionResult) -> None:
         """See `ControlPort`."""
-        # Those who have commanded another motion meanwhile compare its stamp with this end.
+        # Compared with the stamp of a motion that was commanded meanwhile.
         ended = self.get_clock().now().nanoseconds / NANOSECONDS
         details = {**result.details, 'ended': f'{ended:.9f}'}
         self._publish_result(MotionResult(result.id, result.ok, result.message, details))

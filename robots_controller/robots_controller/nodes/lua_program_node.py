@@ -70,7 +70,7 @@ class LuaProgramNode(RobotNode):
         digital_input_names, digital_output_names, analog_input_names, analog_output_names: Names of the
             channels, from the first on; '' names none.
         planner_timeout: Longest wait of a motion for planning_node, s.
-        autostart: Open and run the program as soon as somebody plans motions and the controller works.
+        autostart: Open and run the program as soon as a planner and a controller work.
         points_file: Where taught points stand; '' for the program's name with .points.yaml.
         breakpoints: Lines to hold at, as 'file.lua:12'.
         step_mode: How far `~/step` goes: over, in, out (lines) or motion.
@@ -339,7 +339,7 @@ class LuaProgramNode(RobotNode):
 
     def ended(self, error: ProgramError | None) -> None:
         """See `ProgramObserver`."""
-        if not self.context.ok():  # nobody listens any more
+        if not self.context.ok():  # nothing can be published any more
             return
         if error is None:
             self.get_logger().info(  # type: ignore[no-untyped-call]

@@ -38,7 +38,7 @@ class PlannerClient:
         self._turn = None
         if node.participant is not None:
             self._turn = node.participant.create_turn(self._apply, phase=Phase.PLANNING)
-        self._planners: set[bytes] = set()  # endpoints of those who plan
+        self._planners: set[bytes] = set()  # identities of planners' publishers
         self._publishers = {
             kind: node.create_publisher(message_class(kind.message_type), kind.topic, COMMAND)
             for kind in MOTION_KINDS

@@ -15,7 +15,7 @@ class ProgramClock(WallClock):
     """See `Clock`. In simulated time a wait looks at the clock whenever that is set.
 
     Args:
-        node: Whose clock it is.
+        node: Owner of the clock.
     """
 
     def __init__(self, node: TimedNode) -> None:

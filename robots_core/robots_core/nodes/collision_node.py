@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from typing import Any
 
-import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
@@ -24,12 +23,11 @@ from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import ENGINES, CollisionDetection, checked_margin
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.watched_scene import WatchedScene
+from robots_core.ros.joint_trajectories import complete_points
 from robots_core.ros.messages import (
     diagnostic_status,
-    joint_indices,
     joint_values,
     motion_result_from_message,
-    seconds,
     stamp_id,
 )
 from robots_core.ros.polled_subscription import PolledSubscription
@@ -99,30 +97,13 @@ class CollisionNode(RobotNode):
             self._clear()
 
     def _on_trajectory(self, message: JointTrajectory) -> None:
+        if len(message.points) < 2:  # an empty one stops, and one point is a streamed reference
+            return
         try:
-            path = self._path(message)
-            if path is not None:
-                self.guard.planned(stamp_id(message.header.stamp), path)
+            time, rows = complete_points(message, self._names, 'joint_trajectory')
+            self.guard.planned(stamp_id(message.header.stamp), JointPath(time, *rows))
         except RobotsError as error:
             self.refuse('joint_trajectory', error, stream=True)
-
-    def _path(self, message: JointTrajectory) -> JointPath | None:
-        """The path of a trajectory; None for an empty one, which stops, and for a streamed reference."""
-        if len(message.points) < 2:
-            return None
-        indices = joint_indices(message.joint_names, self._names, 'joint_trajectory')
-        count = len(message.joint_names)
-        for number, point in enumerate(message.points, 1):
-            if not len(point.positions) == len(point.velocities) == len(point.accelerations) == count:
-                raise InvalidInputError(
-                    f'point {number} must have {count} positions, velocities and accelerations each'
-                )
-        position, velocity, acceleration = (
-            np.array([getattr(point, field) for point in message.points], dtype=np.float64)[:, indices]
-            for field in ('positions', 'velocities', 'accelerations')
-        )
-        time = [seconds(p.time_from_start) for p in message.points]
-        return JointPath(np.array(time), position, velocity, acceleration)
 
     def _on_progress(self, message: Float64) -> None:
         self.guard.progress(message.data)

@@ -13,10 +13,11 @@ from trajectory_msgs.msg import JointTrajectory
 from robots_core.blocks.drives.drive_faults import DriveFaults, FaultInjection, known_axes
 from robots_core.blocks.drives.drive_level import check_level, drive_train
 from robots_core.blocks.multibody.payload import Payload
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import RobotsError
 from robots_core.nodes.payload_parameter import payload_from_parameters
+from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import doubles, joint_values
+from robots_core.ros.messages import doubles
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, STATE
 from robots_core.ros.robot_node import RobotNode, bounded
@@ -171,17 +172,9 @@ class DriveNode(RobotNode):
         self._publisher.publish(state)
 
     def _read(self, message: JointTrajectory) -> tuple[Array, Array]:
-        if len(message.points) != 1:
-            raise InvalidInputError(f'{len(message.points)} points came, a reference is one point')
-        axes, point = self.robot.axes_data, message.points[0]
-        q = joint_values(message.joint_names, point.positions, axes.names, 'joint_reference')
-        q = axes.check_position(q, 'joint_reference')
-        if not point.velocities:
-            return q, np.zeros(axes.num_axes)
-        q_dot = joint_values(message.joint_names, point.velocities, axes.names, 'joint_reference velocities')
-        if not np.isfinite(q_dot).all():
-            raise InvalidInputError('joint_reference velocities must be finite numbers')
-        return q, q_dot
+        axes = self.robot.axes_data
+        q, q_dot, _ = single_point(message, axes.names, 'joint_reference')
+        return axes.check_position(q, 'joint_reference'), q_dot
 
     def destroy_node(self) -> None:
         """End the loop before what it uses."""

@@ -22,6 +22,7 @@ from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.base_motion_message import base_motion_from_message
 from robots_core.nodes.payload_parameter import payload_from_parameters
 from robots_core.pose import Pose
+from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.messages import doubles, joint_indices, seconds
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, SENSOR, STATE, subscribe_state
@@ -126,19 +127,14 @@ class DynamicsNode(RobotNode):
             q, q_dot, tau = self._ordered(message.name, message.position, message.velocity, message.effort)
             stamp = message.header.stamp
             return q, q_dot, self._accelerate(seconds(stamp), q_dot), tau
-        if len(message.points) != 1:
-            raise InvalidInputError(f'{len(message.points)} points came, a reference is one point')
-        point = message.points[0]
-        q, q_dot, q_ddot = self._ordered(
-            message.joint_names, point.positions, point.velocities, point.accelerations
-        )
-        return q, q_dot, np.zeros_like(q) if q_ddot is None else q_ddot, None
+        q, q_dot, q_ddot = single_point(message, self._names, self._source)
+        return q, q_dot, q_ddot, None
 
     def _ordered(self, names: Any, *values: Any) -> tuple[Array, Array, Array | None]:
         """Three fields in the order of the axes; without the first it is refused, the second is then 0."""
         indices = joint_indices(names, self._names, self._source)
         found: list[Array | None] = []
-        for field, what in zip(values, ('positions', 'velocities', 'efforts or accelerations'), strict=True):
+        for field, what in zip(values, ('positions', 'velocities', 'efforts'), strict=True):
             if len(field) not in {0, len(names)}:
                 raise InvalidInputError(f'{self._source} has {len(field)} {what} for {len(names)} joints')
             found.append(

@@ -19,10 +19,11 @@ from robots_core.blocks.following.following_methods import LARGEST_DEVIATION, ME
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.following.realtime_movement import RealtimeStep
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import RobotsError
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
+from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import NANOSECONDS, joint_values, nanoseconds, pose_from_message
+from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import STREAM, subscribe_state
 from robots_core.ros.reference_stream import ReferenceStream
@@ -171,25 +172,16 @@ class InverseKinematicsNode(RobotNode):
         ) / NANOSECONDS  # in simulated time the stamp itself
 
     def _controller_reference(self) -> Array | None:
-        """The newest valid `joint_reference`, (2, n)."""
+        """The newest valid `joint_reference`, (3, n)."""
         message = self._controller.take()
         if message is not None:
             try:
-                self._controller_state = self._joint_state(message)
+                rows = single_point(message, self._names, 'joint_reference')
+                self.robot.axes_data.check_position(rows[0], 'joint_reference')
+                self._controller_state = rows
             except RobotsError as error:
                 self._refuse_input('joint_reference', error)
         return self._controller_state
-
-    def _joint_state(self, message: JointTrajectory) -> Array:
-        if len(message.points) != 1:
-            raise InvalidInputError(f'{len(message.points)} points came, a reference is one point')
-        point = message.points[0]
-        rows = [
-            joint_values(message.joint_names, row, self._names, 'joint_reference')
-            for row in (point.positions, point.velocities)
-        ]
-        self.robot.axes_data.check_position(rows[0], 'joint_reference')
-        return np.array(rows)
 
     def _refuse_input(self, topic: str, error: RobotsError) -> None:
         self._refusal, self._refusal_time = f'{topic}: {error}', self.now()

@@ -21,7 +21,7 @@ def interrupt(wake: Callable[[], None]) -> Iterator[threading.Event]:
     about to end.
 
     Args:
-        wake: Called, by a thread, once the event is set: wakes up who waits elsewhere.
+        wake: Called, by a thread, once the event is set: ends waiting elsewhere.
     """
     stopping = threading.Event()
     reader, writer = socket.socketpair()

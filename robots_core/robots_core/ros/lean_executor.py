@@ -152,7 +152,7 @@ class LeanExecutor(Executor):
         }
 
     def _keep(self, handle: Any) -> bool:
-        """Let nobody destroy it meanwhile; False if it is destroyed already."""
+        """Keep it from being destroyed meanwhile; False if it is destroyed already."""
         try:
             self._held.enter_context(handle)
         except InvalidHandle:

@@ -37,7 +37,7 @@ class Loop(Protocol):
 
 
 class ClockLoop:
-    """Calls `work(now)` at the multiples of a period, as a clock that somebody else sets reaches them.
+    """Calls `work(now)` at the multiples of a period, as `/clock` reaches them.
 
     Args:
         work: Called with the time in s.

@@ -52,7 +52,7 @@ def serialized_stamp_id(data: bytes) -> str:
 
 
 def id_stamp(id_: str) -> Time:
-    """The stamp that a command's id tells."""
+    """The stamp of a command's id."""
     seconds, nanoseconds = id_.split('.')
     return Time(sec=int(seconds), nanosec=int(nanoseconds))
 

@@ -66,7 +66,7 @@ class PolledSubscription(Generic[Message]):
 
     @property
     def publishers(self) -> int:
-        """Number of publishers that this subscription hears."""
+        """Number of matched publishers."""
         return int(self._subscription.get_publisher_count())
 
 

@@ -13,7 +13,7 @@ STATE: Final = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-"""Publishers of state: who comes late gets the newest value."""
+"""Publishers of state: late subscribers get the newest value."""
 
 STREAM: Final = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
@@ -21,7 +21,7 @@ STREAM: Final = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.VOLATILE,
 )
-"""Subscribers that only want the newest sample, and not to miss the last: fits publishers of state."""
+"""Subscribers to the newest sample alone, of which the last is never missed: fits publishers of state."""
 
 SENSOR: Final = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
@@ -53,7 +53,7 @@ PLANNER_ALIVE: Final = QoSProfile(
     liveliness=LivelinessPolicy.AUTOMATIC,
     liveliness_lease_duration=Duration(seconds=2.0),
 )
-"""`finished`: the middleware tells the controller within two seconds that its planner is gone.
+"""`finished`: the middleware reports within two seconds that the planner is gone.
 
 Its motions are planned to their ends, and a busy machine may keep a live planner silent for a second.
 """

@@ -36,8 +36,8 @@ class ReferenceStream:
         topic: Topic name.
         names: Joint names, n of them.
         time_from_start: The point's time, s.
-        qos: Of the topic. Commands must not be latched: who comes late would obey an old one, and who takes
-            the topic for a latched one would not hear its other publishers.
+        qos: Of the topic. Commands must not be latched: a late subscriber would obey an old one, and a
+            transient-local subscriber would not match the topic's other publishers.
     """
 
     def __init__(

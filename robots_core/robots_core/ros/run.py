@@ -26,7 +26,7 @@ EXIT_BAD_INPUT = 2
 def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
     """Run a node until it is interrupted or has shut its context down.
 
-    A mistake of the user (a `RobotsError`) is told in one line, without traceback.
+    A mistake of the user (a `RobotsError`) is reported in one line, without traceback.
 
     Args:
         make_node: Creates the node once ROS is initialised.
@@ -44,7 +44,7 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
 
     def wake() -> None:
         if executor is None:
-            # Models and compiled code may take long to load, and nothing is there yet that wants closing.
+            # Models and compiled code may take long to load, and there is nothing to close yet.
             sys.stdout.flush()
             os._exit(0)
         executor.create_task(lambda: None)  # woken alone, an executor with nothing to do waits on

@@ -13,6 +13,7 @@ from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.errors import RobotsError
+from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.loop import Loop
 from robots_core.ros.messages import NANOSECONDS, joint_values, nanoseconds
@@ -31,7 +32,6 @@ class JogStream:
     Args:
         node: Owner.
         standing: Where the robot's reference stands, (n,); raises a PlanningError if it does not.
-        position: Joint positions (n,) of a `joint_reference`.
         busy: A motion is planned or runs: no jogging.
 
     Parameters (of the node):
@@ -45,10 +45,9 @@ class JogStream:
         node: RobotNode,
         *,
         standing: Callable[[], Array],
-        position: Callable[[JointTrajectory], Array],
         busy: Callable[[], bool],
     ) -> None:
-        self._node, self._position = node, position
+        self._node = node
         speed = node.parameter(
             'teach_speed', 0.1, 'part of the velocity limits to jog with', bounds=(0.001, 1.0), read_only=True
         )
@@ -135,7 +134,7 @@ class JogStream:
 
     def _reference(self) -> Array | None:
         message = self._references.take()
-        return None if message is None else self._position(message)
+        return None if message is None else single_point(message, self._names, 'joint_reference')[0]
 
     def _report(self) -> None:
         if self._limits:

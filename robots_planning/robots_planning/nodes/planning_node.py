@@ -23,6 +23,7 @@ from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.pose import Pose
+from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     NANOSECONDS,
@@ -105,7 +106,6 @@ class PlanningNode(RobotNode):
         self._jogging = JogStream(
             self,
             standing=self.planner.standing,
-            position=lambda message: self._reference_state(message)[0],
             busy=lambda: self.planner.moving,
         )
         self._jogging.jogging.use_tool(self.planner.settings.tool_pose)
@@ -242,7 +242,8 @@ class PlanningNode(RobotNode):
         """See `MotionPlannerPort`."""
         message = self._references.take()
         if message is not None:
-            self._reference = self._reference_state(message)
+            q, q_dot, _ = single_point(message, self._names, 'joint_reference')
+            self._reference = q, q_dot
         return self._reference
 
     def submit(self, work: Callable[[], None]) -> None:
@@ -307,14 +308,6 @@ class PlanningNode(RobotNode):
             return
         self.destroy_timer(self._look)
         self.ready()
-
-    def _reference_state(self, message: JointTrajectory) -> tuple[Array, Array]:
-        if len(message.points) != 1:
-            raise InvalidInputError(f'joint_reference has {len(message.points)} points, expected is 1')
-        point, names = message.points[0], message.joint_names
-        q = joint_values(names, point.positions, self._names, 'joint_reference')
-        q_dot = joint_values(names, point.velocities, self._names, 'joint_reference velocities')
-        return q, q_dot
 
     def _reference_publishers(self) -> set[bytes]:
         # By identity: a controller that was started anew has none of the motions.

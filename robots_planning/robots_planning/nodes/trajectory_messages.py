@@ -8,8 +8,8 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from robots_core.errors import InvalidInputError
-from robots_core.ros.messages import doubles, joint_indices, seconds
+from robots_core.ros.joint_trajectories import complete_points
+from robots_core.ros.messages import doubles, seconds
 from robots_planning.trajectory import Trajectory
 
 BASE_FRAME = 'base'
@@ -24,22 +24,8 @@ def trajectory_from_message(message: JointTrajectory, names: Sequence[str]) -> T
         InvalidInputError: missing joints, points without velocity or acceleration, or values that make
             no trajectory.
     """
-    indices = joint_indices(message.joint_names, names, 'joint_trajectory')
-    rows: dict[str, list[Sequence[float]]] = {'positions': [], 'velocities': [], 'accelerations': []}
-    count = len(message.joint_names)
-    for number, point in enumerate(message.points, 1):
-        for field, values in rows.items():
-            row = getattr(point, field)
-            if len(row) != count:
-                raise InvalidInputError(
-                    f'joint_trajectory point {number} has {len(row)} {field} for {count} joints'
-                )
-            values.append(row)
-    position, velocity, acceleration = (
-        np.array(rows[field], dtype=np.float64).reshape(-1, count)[:, indices] for field in rows
-    )
-    time = [seconds(p.time_from_start) for p in message.points]
-    return Trajectory(np.array(time) - join_time(message), position, velocity, acceleration)
+    time, rows = complete_points(message, names, 'joint_trajectory')
+    return Trajectory(time - join_time(message), *rows)
 
 
 def join_time(message: JointTrajectory) -> float:

@@ -32,7 +32,7 @@ class Turn:
 
 
 class Agenda:
-    """Goes from instant to instant and from phase to phase, past those in which nobody has anything to do.
+    """Goes from instant to instant and from phase to phase, past those in which nothing is due.
 
     A phase is over when its turn was given, but planners and programs have turns until none has anything to
     do. What becomes due in a phase that is over waits for the next instant.
@@ -50,13 +50,13 @@ class Agenda:
         self._due[participant] = due
 
     def next_turn(self, *, advance: bool = True) -> Turn | None:
-        """The next turn; None if nobody has anything to do.
+        """The next turn; None if nothing is due.
 
         Args:
             advance: Time may advance; otherwise only the present instant counts.
 
         Raises:
-            LockstepError: time does not advance, somebody asks for turn after turn.
+            LockstepError: time does not advance, a participant asks for turn after turn.
         """
         turn = self._at_this_instant()
         if turn is not None:

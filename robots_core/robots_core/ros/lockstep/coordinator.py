@@ -48,7 +48,7 @@ class Coordinator:
     All methods are called in the thread that spins the node.
 
     Args:
-        node: Whose topics are used; spun by the owner.
+        node: Owner of the topics; spun by the caller.
         expected: Names of the participants, each with its namespace; others may join too before the start.
         on_error: Called once when the run cannot go on; by default the error is raised where the node spins.
         on_held: Called when nothing more is due at this instant and the run is held.
@@ -119,7 +119,7 @@ class Coordinator:
         self._go_on()
 
     def end(self) -> None:
-        """End the run: time stands still for good, and nobody is waited for."""
+        """End the run: time stands still for good, and no participant is waited for."""
         self._ended = True
         self._watch.cancel()
 

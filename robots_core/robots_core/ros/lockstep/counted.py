@@ -130,7 +130,7 @@ def count_client(
 
     Args:
         client: The client.
-        counter: Who counts.
+        counter: Counts them.
         index: Of the requests.
         after_callbacks: Calls a function in the executor's thread, after those that already wait there: the
             callbacks of a reply are among them.

@@ -35,7 +35,7 @@ def unmatched_publisher(node: Node, publisher: Any, topic: str, roster: Roster, 
 def unmatched_subscription(
     node: Node, subscription: Any, topic: str, roster: Roster, *, latched: bool
 ) -> str:
-    """Why a subscription does not hear every publisher of the roster yet; '' if it does."""
+    """Why a subscription does not match every publisher of the roster yet; '' if it does."""
     wanted = [
         participant
         for participant, endpoints in roster.participants.items()

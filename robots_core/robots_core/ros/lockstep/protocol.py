@@ -83,7 +83,7 @@ class Announcement:
 
 @dataclass(frozen=True)
 class Roster:
-    """Who takes part.
+    """The participants.
 
     Attributes:
         version: Grows with each change.
