@@ -142,7 +142,8 @@ def _entry_point(node: NodeDescription) -> EntryPoint:
 def _run(entry_point: EntryPoint, arguments: list[str], log: Path, environment: Mapping[str, str]) -> None:
     """Run a node in the process that was forked for it, as its executable does."""
     os.setsid()
-    setproctitle(' '.join(arguments))  # while the environment is where the process began with it
+    # While the environment is where the process began with it; ROS names its log file by the title.
+    setproctitle(arguments[0])
     with log.open('wb') as output:
         for stream in (sys.stdout, sys.stderr):
             os.dup2(output.fileno(), stream.fileno())
