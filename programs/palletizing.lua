@@ -1,7 +1,7 @@
 -- Robot: kuka_kr210_r2700
 -- Palletizing: eight boxes from the end of a conveyor onto a pallet, two layers of two by two. Vacuum gripper
 -- on digital output 1, 0.25 m long. All points are computed. Subprograms: palletizing/pick.lua and place.lua.
-BOX = {length = 0.40, width = 0.30, height = 0.25} -- m
+BOX = {length = 0.40, width = 0.30, height = 0.25, mass = 40} -- m, kg
 APPROACH = 0.20 -- m above a box
 local ROWS, COLUMNS, LAYERS, GAP = 2, 2, 2, 0.02
 

@@ -5,4 +5,5 @@ ptpJointSpacePosition({0, 0, z + APPROACH, 0, 0, 180}, {jointBlend = 5})
 ptpCartesianSpace(0, 0, z, 0, 0, 180)
 setDigitalOutput(1, 1)
 wait(0.3) -- the vacuum builds up
+setPayload(BOX.mass, 0, 0, 0.25 + BOX.height / 2)
 linearRelative({0, 0, APPROACH, 0, 0, 0}, {blend = 0.10})

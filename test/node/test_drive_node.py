@@ -16,7 +16,7 @@ from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.ros.messages import doubles, stamp_id
+from robots_core.ros.messages import diagnostic_status, doubles, stamp_id
 from robots_core.ros.qos import STATE
 
 from .bench import Bench
@@ -176,3 +176,19 @@ def test_a_bad_reference_is_refused_and_the_drives_stay(ros_nodes: Any, bad: np.
     np.testing.assert_array_equal(bench.next_states(1)[0].position, HOME)
     bench.refer(HOME + 0.01)
     bench.until_at(HOME + 0.01)
+
+
+def test_drives_carry_the_payload_of_the_motion_settings(ros_nodes: Any):
+    bench = DriveBench(ros_nodes, level='rigid_body')
+    box = Payload(80.0, np.array([0.0, 0.0, 0.3]))
+    efforts = {
+        payload.mass: NumericalDynamics(ROBOT, payload=payload, rotors=False).bias_torques(HOME, np.zeros(6))
+        for payload in (Payload(0.0), box)
+    }
+    bench.publisher('motion_settings', DiagnosticStatus, STATE)
+    for mass in (80.0, 0.0):
+        values = {'payload': f'[{mass}, 0.0, 0.0, 0.3]'}
+        bench.publish('motion_settings', diagnostic_status('motion settings', '', **values))
+        # A2 carries most of it; friction holds the rest.
+        wanted = efforts[mass][1]
+        bench.wait(lambda: abs(bench.states[-1].effort[1] - wanted) < 300.0, f'{wanted:.0f} N m')  # noqa: B023

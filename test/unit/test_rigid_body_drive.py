@@ -311,3 +311,20 @@ def test_bad_input_is_named():
     drive = RigidBodyDrive(robot, robot.home, period=0.01)
     with pytest.raises(InvalidInputError, match='q_ref'):
         drive.step(np.full(7, np.nan))
+
+
+@pytest.mark.parametrize('feed_forward', [True, False])
+def test_what_is_picked_up_is_held(*, feed_forward: bool) -> None:
+    robot = load_robot_model('kuka_kr210_r2700')
+    q = np.array(robot.home)
+    drive = RigidBodyDrive(robot, q, period=0.004, feed_forward=feed_forward)
+    box = Payload(80.0, np.array([0.0, 0.0, 0.3]))
+    for payload in (box, Payload(0.0)):
+        drive.load(payload)
+        for _ in range(1000):
+            drive.step(q)
+        held = NumericalDynamics(robot, payload=payload, rotors=False).bias_torques(q, np.zeros(6))
+        # Friction holds the rest: no more than that is missing.
+        friction = robot.drive_data.coulomb_friction + 1e-3 * np.abs(held)
+        assert (np.abs(drive.joint_torque - held) <= 1e-3 * np.abs(held) + 1e-3).all()
+        assert (np.abs(drive.torque - held) <= friction + 1e-3).all()

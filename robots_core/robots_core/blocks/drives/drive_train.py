@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
 from robots_core.validation import Array, finite_vector, positive
 
@@ -43,6 +44,9 @@ class DriveTrain(ABC):
         Raises:
             InvalidInputError: a reference of another shape or not finite.
         """
+
+    def load(self, payload: Payload) -> None:  # noqa: B027  # most drives have no masses
+        """Carry this payload from now on; it counts in drives with masses."""
 
 
 class IdealDrive(DriveTrain):

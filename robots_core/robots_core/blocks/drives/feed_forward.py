@@ -22,12 +22,17 @@ class FeedForward:
     """
 
     def __init__(self, dynamics: DynamicsArrays, drives: DriveData, q: Array) -> None:
-        self._dynamics, self._drives = dynamics, drives
+        self._drives = drives
         n = q.size
         self._M, self._bias = np.empty((n, n)), np.empty(n)
         self._q, self._q_dot = np.array(q), np.zeros(n)
+        self.load(dynamics)
+
+    def load(self, dynamics: DynamicsArrays) -> None:
+        """Use these bodies from now on; the reference stands."""
+        self._dynamics = dynamics
         mass_matrix_and_bias(dynamics, self._q, self._q_dot, self._M, self._bias)
-        self._twist = self._bias / drives.stiffness
+        self._twist = self._bias / self._drives.stiffness
 
     def advance(self, q: Array, q_dot: Array, period: float) -> tuple[Array, Array, Array]:
         """Advance to the reference (n,) at the end of a period, s.

@@ -78,6 +78,7 @@ class RigidBodyDrive(DriveTrain):
             raise InvalidInputError('RigidBodyDrive does not support a base that turns')
         self._period = positive(period, 'period', 's')
         self._steps = ceil(period / longest_step * (1.0 - 1e-9))  # no step more for rounding
+        self._base = base
         self._dynamics = loaded_chain(robot, payload, base).arrays
         elastic = np.isfinite(self.drives.stiffness)
         self._motors = np.where(elastic, n - 1 + np.cumsum(elastic), np.arange(n)).astype(np.int64)
@@ -109,6 +110,13 @@ class RigidBodyDrive(DriveTrain):
         held = np.divide(weight, drives.velocity_gain, out=np.zeros(n), where=drives.velocity_gain > 0.0)
         state[kernel.INTEGRAL] = held + drives.position_gain * (state[kernel.MOTOR] - q)
         self._end[0] = q
+
+    def load(self, payload: Payload) -> None:
+        """See `DriveTrain.load`; the feed-forward knows the payload, too."""
+        self._dynamics = loaded_chain(self.robot, payload, self._base).arrays
+        if self._model is not None:
+            self._model.load(self._dynamics)
+        self._fixed = (self._dynamics, self._drive, self._motors)
 
     @property
     def position(self) -> Array:
