@@ -12,12 +12,12 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Final
 
-from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from robots_controller.recording.bag_comparison import Comparison, compare_bags
 from robots_controller.recording.bag_file import read_bag
+from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.bag_tolerances import BagTolerances, read_tolerances
 
 BAG_TYPES: Final = get_typestore(Stores.ROS2_JAZZY)
@@ -87,23 +87,11 @@ def write_bag(
             kind = message.__msgtype__
             if topic not in connections:
                 connections[topic] = writer.add_connection(
-                    topic, kind, typestore=BAG_TYPES, offered_qos_profiles=[_qos(latched=topic in latching)]
+                    topic,
+                    kind,
+                    typestore=BAG_TYPES,
+                    offered_qos_profiles=[bag_qos(latched=topic in latching)],
                 )
             data = BAG_TYPES.serialize_cdr(message, kind)
             writer.write(connections[topic], start + round(time * _SECOND), data)
     return path
-
-
-def _qos(*, latched: bool) -> Qos:
-    never = QosTime(sec=0, nsec=0)
-    return Qos(
-        history=QosHistory.KEEP_LAST,
-        depth=1,
-        reliability=QosReliability.RELIABLE,
-        durability=QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
-        deadline=never,
-        lifespan=never,
-        liveliness=QosLiveliness.AUTOMATIC,
-        liveliness_lease_duration=never,
-        avoid_ros_namespace_conventions=False,
-    )

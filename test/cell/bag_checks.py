@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from robots_controller.recording.bag_reading import reference_trajectory
+from robots_controller.recording.bag_file import read_bag
+from robots_controller.recording.joint_rows import POINT_FIELDS, JointRows, late_references, seconds
 from robots_core import BaseRobotModel
 from robots_planning import Trajectory
 
@@ -19,6 +21,26 @@ EXACT = 1.0 + 1e-5
 # up to 37.4 % of that step (the step at one end). The moving average over five references makes steps of 20 %
 # of the acceleration limit, and of 40 % where it reverses.
 RESAMPLED = 1.0 + 0.374 * 2.0 / 5.0
+
+
+def read_messages(bag: Path, topics: Collection[str]) -> dict[str, list[tuple[float, Any]]]:
+    """Messages of some topics with their times since the bag's first message, s."""
+    found = read_bag(bag)
+    return {
+        topic: [(1e-9 * (stamp - found.messages[0][1]), message) for stamp, message in messages]
+        for topic, messages in found.deserialized(topics).items()
+    }
+
+
+def reference_trajectory(references: Sequence[Any]) -> Trajectory:
+    """The references of a controller as one trajectory, with gaps where messages were lost."""
+    points = [message.points[0] for message in references]
+    due = [message.header.stamp.sec * 10**9 + message.header.stamp.nanosec for message in references]
+    q, q_dot, q_ddot = (np.array([getattr(point, name) for point in points]) for name in POINT_FIELDS)
+    rows = JointRows(np.array(due), np.array(due), (q, q_dot, q_ddot), seconds(points[0].time_from_start))
+    ticks = np.maximum(np.round(1e-9 * np.diff(rows.stamp) / rows.period), 1.0)
+    steps = rows.period * ticks - late_references(rows)[1:]
+    return Trajectory(np.concatenate([[0.0], np.cumsum(steps)]), q, q_dot, q_ddot)
 
 
 def check_references(bag: Messages, robot: BaseRobotModel) -> Trajectory:

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.recording.bag_reading import read_messages
-
+from .bag_checks import read_messages
 from .cell_process import CellProcess
 from .lockstep_runs import PROGRAMS
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from robots_controller.recording.bag_reading import read_messages
 from robots_core import load_robot_model
 from robots_core.blocks import CollisionDetection, read_scene
 
+from .bag_checks import read_messages
 from .lockstep_runs import PROGRAMS, LockstepRuns
 
 ROBOT = 'kuka_kr210_r2700'

@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.recording.bag_reading import read_messages
 from robots_controller.recording.motion_record import MOTION_TOPICS, MotionRecord, recorded_motions
 from robots_controller.report.run_report import RunReport, run_report
 from robots_core import BaseRobotModel, load_robot_model
 from robots_planning import Trajectory
 
-from .bag_checks import Messages, changes, check_references
+from .bag_checks import Messages, changes, check_references, read_messages
 from .lockstep_runs import PROGRAMS, LockstepRuns
 
 IO_TOPICS = ('digital_inputs', 'digital_outputs', 'analog_inputs', 'analog_outputs')

@@ -11,11 +11,10 @@ import pytest
 from rosbags.rosbag2 import Reader
 
 from robots_controller.live_cell.cell_graph import cell_graph
-from robots_controller.recording.bag_reading import read_messages, reference_trajectory
 from robots_controller.report.run_report import run_report
 from robots_core import Pose, load_robot_model
 
-from .bag_checks import changes, check_references
+from .bag_checks import changes, check_references, read_messages, reference_trajectory
 from .lockstep_runs import PROGRAMS, LockstepRun, LockstepRuns
 
 ROBOT = 'kuka_kr210_r2700'

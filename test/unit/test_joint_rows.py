@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from robots_controller.recording.bag_file import read_bag
-from robots_controller.recording.bag_reading import seconds
-from robots_controller.recording.joint_rows import joint_rows
+from robots_controller.recording.joint_rows import JointRows, joint_rows, late_references, seconds
 from robots_controller.recording.message_rows import MessageRows
 from robots_controller.simulation.record import ros_messages as ros
 from robots_controller.testing import write_bag
@@ -72,3 +71,31 @@ def test_a_joint_that_is_missing_is_told(tmp_path: Path):
     bag = read_bag(write_bag(tmp_path / 'bag', [(0.0, '/cell/s', state(0, NAMES[1:]))]))
     with pytest.raises(RobotsError, match='s of the bag lacks joint A1 of kuka_kr210_r2700: it has A2, A3'):
         joint_rows(bag, '/cell/s', ROBOT)
+
+
+PERIOD = 0.004  # s
+
+
+def moving(ticks: list[int], due: list[float], speed: float = 0.7) -> JointRows:
+    """References of a robot at constant speed: where it is by tick, and when each was due."""
+    stamp = np.round(1e9 * PERIOD * np.array(due)).astype(np.int64)
+    q = speed * PERIOD * np.array(ticks)[:, None]
+    return JointRows(stamp, stamp, (q, np.full_like(q, speed), np.zeros_like(q)), PERIOD)
+
+
+def test_lost_messages_are_not_late() -> None:
+    assert not late_references(moving([0, 1, 2, 5, 6], [0, 1, 2, 5, 6])).any()
+
+
+def test_a_controller_that_was_held_up_goes_on_from_where_it_was() -> None:
+    late = late_references(moving([0, 1, 2, 3, 4], [0, 1, 2, 18, 19]))
+    np.testing.assert_allclose(late, [0.0, 0.0, 0.0, 15 * PERIOD, 0.0], atol=1e-12)
+
+
+def test_a_robot_that_stands_is_never_late() -> None:
+    assert not late_references(moving([0, 0, 0], [0, 1, 40], speed=0.0)).any()
+
+
+def test_jitter_of_the_stamps_does_not_matter() -> None:
+    due = [k + (-1) ** k * 0.2 for k in range(6)]
+    assert not late_references(moving(list(range(6)), due, speed=2.5)).any()

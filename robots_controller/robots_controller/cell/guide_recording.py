@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from robots_controller.recording.bag_file import Bag, read_bag
-from robots_controller.recording.bag_reading import seconds
+from robots_controller.recording.joint_rows import seconds
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.pose import Pose

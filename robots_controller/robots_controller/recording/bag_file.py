@@ -54,10 +54,6 @@ class Bag:
     messages: tuple[tuple[str, int, bytes], ...] = field(repr=False)
     problem: str = ''
 
-    def since_start(self, stamp: int) -> float:
-        """Time from the first message to a stamp in ns, s."""
-        return 1e-9 * (stamp - self.messages[0][1])
-
     def typestore(self) -> Typestore:
         """The message types as they were when the bag was recorded; Jazzy's where it does not say.
 

@@ -63,8 +63,36 @@ def joint_rows(bag: Bag, topic: str, robot: BaseRobotModel) -> JointRows:
         groups = [values[:, columns] if values.shape[1] > max(columns) else None for values in rows]
     position, velocity, third = groups
     after = first.points[0].time_from_start if hasattr(first, 'points') else None
-    period = 0.0 if after is None else after.sec + after.nanosec / NANOSECONDS
+    period = 0.0 if after is None else seconds(after)
     return JointRows(sent, stamp, (position, velocity, third), period)
+
+
+def late_references(rows: JointRows) -> Array:
+    """How late each reference of a moving robot came after the one before, (k,) s; 0 for those in time.
+
+    Stamps are the instants when references were due: multiples of the controller's period, with gaps where
+    messages were lost. A controller that was held up goes on from where it was: its references follow each
+    other by one period whatever the clock says.
+
+    Args:
+        rows: References with positions and velocities, at least one.
+    """
+    position, velocity, _ = rows.values
+    assert position is not None
+    assert velocity is not None
+    ticks = np.maximum(np.round(np.diff(rows.stamp) / (NANOSECONDS * rows.period)).astype(np.int64), 1)
+    late = np.zeros(rows.stamp.size)
+    for gap in np.flatnonzero(ticks > 1).tolist():
+        way = position[gap + 1] - position[gap]
+        one = 0.5 * rows.period * (velocity[gap] + velocity[gap + 1])
+        if np.linalg.norm(way - one) < np.linalg.norm(way - ticks[gap] * one):
+            late[gap + 1] = rows.period * (ticks[gap] - 1)
+    return late
+
+
+def seconds(stamp: Any) -> float:
+    """A stamp or duration of a message in s."""
+    return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
 
 
 def _fields(message: Any) -> tuple[Any, tuple[str, ...]]:

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from robots_controller.recording.bag_reading import seconds
+from robots_controller.recording.joint_rows import seconds
 from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel

@@ -10,8 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from robots_controller.recording.bag_file import Bag, read_bag
-from robots_controller.recording.bag_reading import late_references
-from robots_controller.recording.joint_rows import JointRows, joint_rows
+from robots_controller.recording.joint_rows import JointRows, joint_rows, late_references
 from robots_controller.recording.motion_record import (
     MOTION_TOPICS,
     MotionRecord,
@@ -219,11 +218,10 @@ def _since(
 def _references(rows: JointRows, origin: int) -> tuple[Array, Array, tuple[Array, Array, Array]]:
     time = _due(rows, origin)
     keep = np.concatenate([[True], np.diff(np.maximum.accumulate(time)) > 0.0])
-    late = late_references(rows) if rows.stamp.size > 1 else np.zeros(1)
     position, velocity, acceleration = rows.values
     if position is None or velocity is None or acceleration is None:
         raise RobotsError('joint_reference lacks positions, velocities or accelerations; a report needs them')
-    return time[keep], late[keep], (position[keep], velocity[keep], acceleration[keep])
+    return time[keep], late_references(rows)[keep], (position[keep], velocity[keep], acceleration[keep])
 
 
 def _feedback(rows: JointRows, origin: int, time: Array) -> tuple[Array, Array, Array | None]:

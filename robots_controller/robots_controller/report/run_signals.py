@@ -116,7 +116,8 @@ def _steps(run: RecordedRun) -> tuple[Array, Array]:
     """
     q = run.reference[0]
     # A controller that was held up goes on from where it was: to the drives that is one period.
-    step = (np.diff(run.time) - run.late[1:])[:, None]
+    ticks = np.maximum(np.round(np.diff(run.time) / run.period), 1.0)
+    step = (run.period * ticks - run.late[1:])[:, None]
     rate = np.diff(q, axis=0) / step
     whole = step < 1.5 * run.period
     change = np.diff(rate, axis=0) / run.period * (whole[1:] & whole[:-1])

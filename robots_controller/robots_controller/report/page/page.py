@@ -8,13 +8,13 @@ from pathlib import Path
 from string import Template
 from typing import Any, Final
 
-from robots_controller.report.line_times import time_spans
 from robots_controller.report.motion_columns import PAGE
 from robots_controller.report.page.page_data import PageArrays
 from robots_controller.report.page.page_panels import run_panels
 from robots_controller.report.page.page_world import world
 from robots_controller.report.run_report import RunReport
 from robots_controller.report.run_signals import LIMITS
+from robots_controller.report.tables import ReportTable, line_table, motion_table
 from robots_core.errors import RobotsError
 
 SHORTEST: Final = 1e-9  # s; a program that fails at once has no duration to divide by
@@ -31,8 +31,8 @@ def report_page(report: RunReport) -> str:
         'problems': list(report.problems),
         'figures': _figures(report),
         'duration': run.duration,
-        'lines': _lines(report),
-        'motions': _motions(report),
+        'lines': page_table(line_table(report)),
+        'motions': page_table(motion_table(report, PAGE)),
         'panels': run_panels(report, arrays),
         'world': world((report,), arrays),
     }
@@ -51,6 +51,12 @@ def page_text(data: dict[str, Any], arrays: PageArrays) -> str:
         data=text.replace('<', '\\u003c'),
         script=script,
     )
+
+
+def page_table(table: ReportTable) -> dict[str, Any]:
+    """A table for the page."""
+    columns = [{'name': name, 'kind': kind} for name, kind in table.columns]
+    return {'title': table.title, 'columns': columns, 'rows': [vars(row) for row in table.rows]}
 
 
 def write_page(path: Path | str, text: str) -> None:
@@ -114,45 +120,3 @@ def _figures(report: RunReport) -> list[dict[str, str]]:
             )
         )
     return found
-
-
-def columns(*named: tuple[str, str]) -> list[dict[str, str]]:
-    """Columns of a table: name and kind."""
-    return [{'name': name, 'kind': kind} for name, kind in named]
-
-
-def _lines(report: RunReport) -> dict[str, Any]:
-    rows = []
-    spans = time_spans(report.run)
-    for line in report.lines:
-        here = [[s.start, s.end] for s in spans if (s.file, s.line) == (line.file, line.line)]
-        rows.append(
-            {
-                'cells': [
-                    report.place(line),
-                    line.source,
-                    str(line.visits),
-                    *(f'{t:.2f}' if t >= 5e-3 else '' for t in (line.moving, line.waiting, line.io)),
-                    f'{line.total:.2f}',
-                    '',
-                ],
-                'bar': [line.moving, line.waiting, line.io],
-                'spans': here,
-            }
-        )
-    names = (('line', 'number'), ('', 'code'), ('visits', 'number'), ('moving', 'number'))
-    more = (('waiting', 'number'), ('I/O', 'number'), ('total s', 'number'), ('', 'bar'))
-    return {'title': 'Cycle time by line', 'columns': columns(*names, *more), 'rows': rows}
-
-
-def _motions(report: RunReport) -> dict[str, Any]:
-    rows = [
-        {
-            'cells': [report.place(item.motion), *(column.text(item) for column in PAGE)],
-            'spans': [[item.motion.start, item.motion.end]] if item.motion.moved else [],
-            'bad': not item.ok,
-        }
-        for item in report.motions
-    ]
-    named = [(column.name, 'text' if column.words else 'number') for column in PAGE]
-    return {'title': 'Motions', 'columns': columns(('line', 'number'), *named), 'rows': rows}

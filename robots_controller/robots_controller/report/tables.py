@@ -1,0 +1,195 @@
+"""The tables of reports, as data that terminal and page show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+from rich.box import SIMPLE_HEAD
+from rich.markup import escape
+from rich.table import Table
+
+from robots_controller.report.comparison import NOTICED, LineChange, RunComparison
+from robots_controller.report.line_times import LineTime, time_spans
+from robots_controller.report.motion_columns import Column
+from robots_controller.report.run_report import RunReport
+
+BAR_WIDTH: Final = 24
+SOURCE_WIDTH: Final = 46
+COLOURS: Final = {'worse': 'red', 'better': 'green'}
+
+Kind = Literal['number', 'text', 'code', 'bar']
+LINE: Final[tuple[tuple[str, Kind], ...]] = (('line', 'number'), ('', 'code'))
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of a table.
+
+    Attributes:
+        cells: Its texts.
+        spans: When what it tells of was, s.
+        bar: Times of moving, waiting, I/O, s.
+        bad: It tells of something wrong.
+        trends: 'worse' or 'better' by number of a cell.
+    """
+
+    cells: tuple[str, ...]
+    spans: tuple[tuple[float, float], ...] = ()
+    bar: tuple[float, ...] = ()
+    bad: bool = False
+    trends: Mapping[int, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ReportTable:
+    """A table.
+
+    Attributes:
+        title: What it shows.
+        columns: Name and kind of each.
+        rows: In order.
+    """
+
+    title: str
+    columns: tuple[tuple[str, Kind], ...]
+    rows: tuple[Row, ...]
+
+    def rich(self) -> Table:
+        """For a terminal."""
+        table = Table(box=SIMPLE_HEAD, header_style='bold', pad_edge=False, collapse_padding=True)
+        for name, kind in self.columns:
+            table.add_column(
+                _halves(name),
+                justify='right' if kind == 'number' else 'left',
+                no_wrap=True,
+                max_width=SOURCE_WIDTH if kind == 'code' else None,
+                overflow='ellipsis',
+            )
+        longest = max((sum(row.bar) for row in self.rows), default=0.0) or 1.0
+        for row in self.rows:
+            cells = [
+                f'[{COLOURS[row.trends[place]]}]{text}[/]' if place in row.trends else escape(text)
+                for place, text in enumerate(row.cells)
+            ]
+            if row.bar:
+                cells[-1] = f'[cyan]{"━" * round(BAR_WIDTH * sum(row.bar) / longest)}[/]'
+            table.add_row(*cells)
+        return table
+
+
+def line_table(report: RunReport) -> ReportTable:
+    """Cycle time by line."""
+    names: tuple[tuple[str, Kind], ...] = tuple(
+        (name, 'number') for name in ('visits', 'moving', 'waiting', 'I/O', 'total s')
+    )
+    rows = [
+        Row(
+            (
+                report.place(line),
+                line.source,
+                str(line.visits),
+                *(f'{t:.2f}' if t >= NOTICED else '' for t in (line.moving, line.waiting, line.io)),
+                f'{line.total:.2f}',
+                '',
+            ),
+            spans=_spans(report, line),
+            bar=(line.moving, line.waiting, line.io),
+        )
+        for line in report.lines
+    ]
+    return ReportTable('Cycle time by line', (*LINE, *names, ('', 'bar')), tuple(rows))
+
+
+def motion_table(report: RunReport, columns: Sequence[Column]) -> ReportTable:
+    """Figures by motion."""
+    named: list[tuple[str, Kind]] = [
+        (column.name, 'text' if column.words else 'number') for column in columns
+    ]
+    rows = [
+        Row(
+            (report.place(item.motion), *(column.text(item) for column in columns)),
+            spans=((item.motion.start, item.motion.end),) if item.motion.moved else (),
+            bad=not item.ok,
+        )
+        for item in report.motions
+    ]
+    return ReportTable('Motions', (('line', 'number'), *named), tuple(rows))
+
+
+def change_table(comparison: RunComparison) -> ReportTable:
+    """What changed, line by line."""
+    rows = []
+    for change in comparison.changes:
+        line, after = change.line, change.after
+        rows.append(
+            Row(
+                (
+                    str(line.line or ''),
+                    line.source,
+                    _seconds(change.before),
+                    _seconds(after),
+                    f'{change.difference:+.2f}' if trend(change.difference) else '',
+                    _decided(change),
+                    '',
+                ),
+                spans=() if after is None else _spans(comparison.after, after),
+                bar=(0.0,) if after is None else (after.moving, after.waiting, after.io),
+                trends={4: trend(change.difference)} if trend(change.difference) else {},
+            )
+        )
+    names: tuple[tuple[str, Kind], ...] = (('A s', 'number'), ('B s', 'number'), ('B - A s', 'number'))
+    columns = (*LINE, *names, ('decided by', 'text'), ('', 'bar'))
+    return ReportTable('Cycle time by line', columns, tuple(rows))
+
+
+def largest_table(comparison: RunComparison) -> ReportTable:
+    """What changed, largest first."""
+    rows = [
+        Row(
+            (
+                str(change.line.line or ''),
+                change.line.source,
+                f'{change.difference:+.2f}',
+                change.activity,
+                change.decided_before,
+                change.decided_after,
+            ),
+            trends={2: trend(change.difference)},
+        )
+        for change in comparison.largest
+    ]
+    names: tuple[tuple[str, Kind], ...] = (('decided in A by', 'text'), ('in B by', 'text'))
+    columns = (*LINE, ('B - A s', 'number'), ('in', 'text'), *names)
+    return ReportTable('What changed, largest first' if rows else 'No line changed', columns, tuple(rows))
+
+
+def trend(difference: float) -> str:
+    """'worse', 'better', or '' for what is too little."""
+    if abs(difference) < NOTICED:
+        return ''
+    return 'worse' if difference > 0.0 else 'better'
+
+
+def _spans(report: RunReport, line: LineTime) -> tuple[tuple[float, float], ...]:
+    here = line.file, line.line
+    return tuple((span.start, span.end) for span in time_spans(report.run) if (span.file, span.line) == here)
+
+
+def _decided(change: LineChange) -> str:
+    before, after = change.decided_before, change.decided_after
+    return after if before == after or not before else f'{before} -> {after or "-"}'
+
+
+def _seconds(line: LineTime | None) -> str:
+    return '-' if line is None else f'{line.total:.2f}'
+
+
+def _halves(name: str) -> str:
+    """A name on two lines, as even as words permit."""
+    cuts = [place for place, letter in enumerate(name) if letter == ' ']
+    if not cuts:
+        return name
+    cut = min(cuts, key=lambda place: abs(2 * place - len(name)))
+    return f'{name[:cut]}\n{name[cut + 1 :]}'
