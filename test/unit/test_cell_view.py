@@ -42,7 +42,7 @@ def running(line: int, source: str, file: str = 'welding.lua') -> ProgramStatus:
 @pytest.mark.parametrize(
     ('kind', 'target', 'expected'),
     [
-        ('PTPJOINT_JOINT', np.array([0.0, -1.571, 0.785]), '(0.00, -1.57, 0.79) rad'),
+        ('PTPJOINT_JOINT', np.radians([0.0, -90.0, 45.0]), '(0.00 deg, -90.00 deg, 45.00 deg)'),
         ('PTPJOINT_CARTESIAN', POSE, '(1.200, -0.500, 0.750) m'),
         ('PTPCARTESIAN', POSE, '(1.200, -0.500, 0.750) m'),
         ('PTPCARTESIAN circle', POSE, '(1.200, -0.500, 0.750) m'),
@@ -97,7 +97,7 @@ def test_a_refused_motion_and_a_streamed_reference_are_no_motions_of_the_next_ch
         MotionCommanded('2.0', 'PTPJOINT_JOINT', np.zeros(2)),
         MotionPlanned('2.0', 1.0),
     )
-    assert lines == ['stopped: out of reach', 'PTPJOINT_JOINT to (0.00, 0.00) rad in 1.00 s']
+    assert lines == ['stopped: out of reach', 'PTPJOINT_JOINT to (0.00 deg, 0.00 deg) in 1.00 s']
 
 
 def test_lines_of_the_program_are_told_once_and_with_the_file_that_they_are_of() -> None:
@@ -154,3 +154,11 @@ def test_a_terminal_shows_a_bar_of_the_running_motion_and_leaves_none_behind() -
     view.show(MotionEnded('2.0', True, 'reached', {'duration': '1'}))
     assert not view._bar.tasks
     view.close()
+
+
+def test_sliding_axes_are_in_metres_as_in_programs() -> None:
+    console = Console(file=io.StringIO(), width=80, color_system=None)
+    view = CellView(console, [], (True, False))
+    view.show(MotionCommanded('1.0', 'PTPJOINT_JOINT', np.array([0.25, np.pi])))
+    view.show(MotionPlanned('1.0', 1.0))
+    assert '(0.250 m, 180.00 deg)' in console.file.getvalue()  # type: ignore[attr-defined]

@@ -214,9 +214,9 @@ def test_a_distance_that_is_only_maybe_below_the_margin_says_so():
     near = Proximity('hand/flange', 'post', 0.00506, point, point)
     place = PathProximity(1.0, 0.5, point, Pose.identity(), near)
     assert 'hand/flange comes to 5.1 mm from post' in str(CollisionError(place, 0.005))
-    assert str(CollisionError(place, 0.005)).endswith(
-        'the margin is 5 mm, the resolution along a path 0.1 mm'
-    )
+    assert str(CollisionError(place, 0.005)).endswith('and may come 0.1 mm closer; the margin is 5 mm')
+    just_below = replace(place, proximity=replace(near, distance=0.00498))
+    assert 'comes to 4.98 mm from post after' in str(CollisionError(just_below, 0.005))
     assert str(CollisionError(place, 0.006)).endswith('the margin is 6 mm')
     contact = replace(place, proximity=replace(near, distance=0.0))
     assert 'margin' not in str(CollisionError(contact, 0.005))

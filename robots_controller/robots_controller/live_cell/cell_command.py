@@ -188,7 +188,7 @@ def run_cell(options: CellOptions, console: Console) -> int:
     bag = folder / 'bag' if options.record else None
     with listen(options.namespace, bag, lockstep=options.lockstep) as listener:
         recorder = listener.recorder
-        view = CellView(console, processes.names)
+        view = CellView(console, processes.names, robot.axes_data.prismatic)
         cell = _Cell(options, processes, listener, view)
         try:
             if options.lockstep:

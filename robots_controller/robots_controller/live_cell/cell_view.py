@@ -6,11 +6,11 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
+from robots_controller.interpreter.lua_functions import joints_to_program
 from robots_controller.live_cell.cell_events import (
     Event,
     MotionCommanded,
@@ -23,6 +23,7 @@ from robots_controller.live_cell.cell_events import (
     ProgramStatus,
 )
 from robots_core.pose import Pose
+from robots_core.validation import Array
 from robots_planning.motion_results import PASSED
 
 MARGIN = ' ' * 8
@@ -35,9 +36,11 @@ class CellView:
     Args:
         console: Where to write.
         nodes: Names of the nodes that are expected.
+        prismatic: Which axes slide; by default none.
     """
 
-    def __init__(self, console: Console, nodes: Sequence[str]) -> None:
+    def __init__(self, console: Console, nodes: Sequence[str], prismatic: tuple[bool, ...] = ()) -> None:
+        self._prismatic = prismatic
         self.console = console
         self._waiting = list(nodes)
         self._place = ('', 0)  # file and line
@@ -133,7 +136,7 @@ class CellView:
             chain.append(self._commanded.pop(next(iter(self._commanded))))
         for motion in chain:
             last = f' in [bold]{event.duration:.2f} s[/]' if motion is chain[-1] else ', runs through'
-            self._print(f'{MARGIN}[cyan]{motion.kind}[/] to {_target(motion.target)}{last}')
+            self._print(f'{MARGIN}[cyan]{motion.kind}[/] to {self._target(motion.target)}{last}')
         self._planned[event.id] = chain[-1].kind
         self._show_running()
 
@@ -163,9 +166,15 @@ class CellView:
             self._bar.start()
             self._task = self._bar.add_task(self._planned[running], total=1.0)
 
-
-def _target(target: Pose | Sequence[float] | np.ndarray) -> str:
-    if isinstance(target, Pose):
-        x, y, z = target.r
-        return f'({x:.3f}, {y:.3f}, {z:.3f}) m'
-    return '(' + ', '.join(f'{value:.2f}' for value in target) + ') rad'
+    def _target(self, target: Pose | Array) -> str:
+        """A target as a program has it."""
+        if isinstance(target, Pose):
+            x, y, z = target.r
+            return f'({x:.3f}, {y:.3f}, {z:.3f}) m'
+        slides = self._prismatic or (False,) * len(target)
+        values = zip(joints_to_program(target, slides), slides, strict=False)
+        return (
+            '('
+            + ', '.join(f'{value:.3f} m' if slide else f'{value:.2f} deg' for value, slide in values)
+            + ')'
+        )

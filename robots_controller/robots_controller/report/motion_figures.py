@@ -14,9 +14,9 @@ from robots_controller.recording.motion_record import MotionRecord
 from robots_controller.report.deciding_limit import DecidingLimit, deciding_limit
 from robots_controller.report.path_accuracy import distance_to_path, line_deviation, zone_distances
 from robots_controller.report.recorded_run import RecordedRun
-from robots_controller.report.rounding import apart
 from robots_controller.report.run_signals import LIMITS, QUANTITIES, RunSignals, energy
 from robots_core.pose import Pose
+from robots_core.rounding import apart
 from robots_core.validation import Array
 
 PATH_PERIOD: Final = 1e-3  # s between points of a planned path; between them it is straight to a micrometre

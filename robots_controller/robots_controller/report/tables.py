@@ -139,7 +139,7 @@ def change_table(comparison: RunComparison) -> ReportTable:
                 trends={4: trend(change.difference)} if trend(change.difference) else {},
             )
         )
-    names: tuple[tuple[str, Kind], ...] = (('A s', 'number'), ('B s', 'number'), ('B - A s', 'number'))
+    names: tuple[tuple[str, Kind], ...] = (('A s', 'number'), ('B s', 'number'), ('change s', 'number'))
     columns = (*LINE, *names, ('decided by', 'text'), ('', 'bar'))
     return ReportTable('Cycle time by line', columns, tuple(rows))
 
@@ -161,7 +161,7 @@ def largest_table(comparison: RunComparison) -> ReportTable:
         for change in comparison.largest
     ]
     names: tuple[tuple[str, Kind], ...] = (('decided in A by', 'text'), ('in B by', 'text'))
-    columns = (*LINE, ('B - A s', 'number'), ('in', 'text'), *names)
+    columns = (*LINE, ('change s', 'number'), ('in', 'text'), *names)
     return ReportTable('What changed, largest first' if rows else 'No line changed', columns, tuple(rows))
 
 

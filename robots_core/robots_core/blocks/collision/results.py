@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from robots_core.blocks.collision.path_search import RESOLUTION
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose
+from robots_core.rounding import apart
 from robots_core.validation import Array
 
 
@@ -34,11 +35,11 @@ class Proximity:
         """They touch or overlap."""
         return self.distance <= 0.0
 
-    def describe(self) -> str:
-        """One line of text."""
+    def describe(self, margin: float = 0.0) -> str:
+        """One line of text; the distance is not rounded to the other side of the margin, m."""
         if self.in_contact:
             return f'{self.first} meets {self.second}'
-        return f'{self.first} comes to {1e3 * self.distance:.1f} mm from {self.second}'
+        return f'{self.first} comes to {apart(1e3 * self.distance, 1e3 * margin, 1)} mm from {self.second}'
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +60,11 @@ class PathProximity:
     tool0: Pose
     proximity: Proximity
 
-    def describe(self) -> str:
-        """One line of text."""
+    def describe(self, margin: float = 0.0) -> str:
+        """One line of text, see `Proximity.describe`."""
         x, y, z = (float(value) for value in self.tool0.r)
         return (
-            f'{self.proximity.describe()} after {100.0 * self.fraction:.1f} % of the path '
+            f'{self.proximity.describe(margin)} after {100.0 * self.fraction:.1f} % of the path '
             f'({self.time:.3f} s), with tool0 at ({x:.3f}, {y:.3f}, {z:.3f}) m'
         )
 
@@ -78,11 +79,11 @@ class CollisionError(PlanningError):
 
     def __init__(self, place: PathProximity, margin: float) -> None:
         x, y, z = (float(value) for value in place.tool0.r)
-        message = f'the motion collides: {place.describe()}'
+        message = f'the motion collides: {place.describe(margin)}'
         if not place.proximity.in_contact:
-            message += f'; the margin is {1e3 * margin:g} mm'
             if place.proximity.distance >= margin:
-                message += f', the resolution along a path {1e3 * RESOLUTION:g} mm'
+                message += f' and may come {1e3 * RESOLUTION:g} mm closer'
+            message += f'; the margin is {1e3 * margin:g} mm'
         super().__init__(
             message,
             link=place.proximity.first,
