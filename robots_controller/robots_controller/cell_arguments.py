@@ -14,7 +14,9 @@ from rich.console import Console
 
 from robots_controller.program.program_header import ProgramHeader, read_program_header
 from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
+from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import RobotsError
+from robots_planning.motion_settings import NOTHING
 
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 LOG_WIDTH: Final = 130  # characters; a log file has no width of its own, and tables need this much
@@ -29,10 +31,26 @@ def add_cell_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--scene', default='', metavar='FILE', help='what the robot keeps clear of (YAML)')
     parser.add_argument('--io', default='', metavar='FILE', help='play a PLC: YAML script of its inputs')
     parser.add_argument('--io-map', default='', metavar='FILE', help='connect a PLC: YAML map to its topics')
+    parser.add_argument(
+        '--payload',
+        type=_payload,
+        default=NOTHING,
+        metavar='KG,X,Y,Z',
+        help='what the robot carries: mass, centre of mass in tool0 (m), maybe XX,XY,XZ,YY,YZ,ZZ (kg m^2)',
+    )
     parser.add_argument('--rate', type=float, default=250.0, help='references per second, Hz')
     parser.add_argument(
         '--goal-tolerance', type=float, help='largest error of an axis that has reached its target, rad'
     )
+
+
+def _payload(text: str) -> tuple[float, ...]:
+    try:
+        values = tuple(float(part) for part in text.split(','))
+        payload_of(values)
+    except (ValueError, RobotsError) as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+    return values
 
 
 def take_from_program(options: argparse.Namespace) -> None:

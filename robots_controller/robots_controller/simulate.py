@@ -14,6 +14,7 @@ from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.validation import positive
+from robots_planning.motion_settings import NOTHING
 
 LONGEST_TIME = 3600.0  # s of simulated time
 
@@ -29,6 +30,7 @@ def simulate(
     bag: Path | str | None = None,
     rate: float = 250.0,
     goal_tolerance: float | None = None,
+    payload: tuple[float, ...] = NOTHING,
     collision_margin: float = COLLISION_MARGIN,
     points_file: Path | str = '',
     references: Path | str = '',
@@ -55,6 +57,7 @@ def simulate(
         rate: References per second, Hz.
         goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
             default.
+        payload: What the robot carries until its program sets another payload, see `MotionSettings`.
         collision_margin: Distance that motions keep, m.
         points_file: Taught points; '' for the file beside the program.
         references: Bag of what guides the robot where the program lets others guide it, see
@@ -79,6 +82,7 @@ def simulate(
         io_map=io_map,
         rate=rate,
         goal_tolerance=goal_tolerance,
+        payload=payload,
         collision_margin=collision_margin,
         points_file=points_file,
         references=references,

@@ -43,6 +43,12 @@ def test_a_program_on_another_robot_is_noted() -> None:
     assert options.note == 'press_tending.lua is written for kuka_kr210_r2700'
 
 
+def test_the_payload_is_a_list_of_numbers() -> None:
+    assert parse_options(['--payload', '5,0,0,0.1']).payload == (5.0, 0.0, 0.0, 0.1)
+    with pytest.raises(SystemExit):
+        parse_options(['--payload', '-5,0,0,0.1'])
+
+
 @pytest.mark.parametrize('target', ['demo', 'simulate'])
 def test_make_leaves_the_cell_to_the_program_by_default(target: str) -> None:
     def shown(*words: str) -> str:

@@ -77,3 +77,9 @@ def test_the_goal_tolerance_is_the_controllers_own_unless_given():
         assert {'goal_tolerance': controller.parameters.get('goal_tolerance', None)} == (
             given or {'goal_tolerance': None}
         )
+
+
+def test_planner_and_drives_have_the_payload_of_the_cell():
+    nodes = {node.name: node for node in cell_graph(robot='bello_bot', payload=(2.0, 0.0, 0.0, 0.1))}
+    for name in ('drive_node', 'planning_node'):
+        assert nodes[name].parameters['payload'] == [2.0, 0.0, 0.0, 0.1]

@@ -18,7 +18,9 @@ from robots_controller.simulation.record.events import (
 )
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core import load_robot_model
+from robots_core.blocks.multibody.loaded_robot import loaded_robot
 from robots_core.errors import RobotsError
+from robots_planning.motion_settings import NOTHING
 
 from .simulated_program import PERIOD, PROGRAMS, ROBOT, outputs, run_text
 
@@ -400,3 +402,22 @@ def test_a_motion_begins_at_once_although_the_plc_does_something_later(tmp_path:
     beside = simulate(program, robot=ROBOT, drive='ideal', io=rules)
     np.testing.assert_array_equal(beside.reference, alone.reference)
     assert beside.duration == alone.duration
+
+
+# -- payload ----------------------------------------------------------------------------------------------
+
+
+def test_drives_carry_the_cells_payload_and_then_that_of_the_program(tmp_path: Path):
+    stand = 'ptpJointSpaceAngles(0, -60, 60, 0, 60, 0) wait(1)\n'
+    text = stand + 'setPayload(0)\n' + 'ptpJointSpaceAngles(0, -60, 60, 0, 60, 1) wait(1)'
+    payload = (80.0, 0.0, 0.0, 0.3)
+    run = run_text(tmp_path, text, drive='rigid_body', payload=payload)
+    assert run.ok
+    assert run.torque is not None
+    robot = load_robot_model(ROBOT)
+    q, still = np.radians([0, -60, 60, 0, 60, 0]), np.zeros(6)
+    empty, loaded = (loaded_robot(robot, p).rigid_dynamics(q, still, still)[0][1] for p in (NOTHING, payload))
+    first = np.searchsorted(run.time, run.motions[0].ended + 0.9)
+    # Friction holds a part, which is small beside the weight of 80 kg.
+    assert run.torque[first, 1] == pytest.approx(loaded, abs=0.2 * abs(loaded - empty))
+    assert run.torque[-1, 1] == pytest.approx(empty, abs=0.2 * abs(loaded - empty))

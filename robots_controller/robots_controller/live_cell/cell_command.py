@@ -69,6 +69,7 @@ class CellOptions:
     rate: float
     drive: str
     goal_tolerance: float | None
+    payload: tuple[float, ...]
     port: int
     io: str
     io_map: str
@@ -134,6 +135,7 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
         rate=options.rate,
         drive=options.drive,
         goal_tolerance=options.goal_tolerance,
+        payload=options.payload,
         port=options.port,
         io=str(Path(options.io).resolve()) if options.io else '',
         io_map=str(Path(options.io_map).resolve()) if options.io_map else '',
@@ -167,6 +169,7 @@ def run_cell(options: CellOptions, console: Console) -> int:
         rate=options.rate,
         drive=options.drive,
         goal_tolerance=options.goal_tolerance,
+        payload=options.payload,
         port=options.port,
         io=options.io,
         io_map=options.io_map,

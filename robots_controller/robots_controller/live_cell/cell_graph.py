@@ -15,6 +15,7 @@ from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
+from robots_planning.motion_settings import NOTHING
 
 DEFAULT_ROBOT: Final = 'bello_bot'
 """Of a cell without a program that names its robot."""
@@ -79,6 +80,7 @@ def cell_graph(
     rate: float = 250.0,
     drive: str = 'second_order',
     goal_tolerance: float | None = None,
+    payload: tuple[float, ...] = NOTHING,
     port: int = 8080,
     io: str = '',
     io_map: str = '',
@@ -98,6 +100,7 @@ def cell_graph(
         drive: Level of the drives, one of `DRIVE_LEVELS`.
         goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
             default. Elastic gears and friction of `rigid_body` drives can keep an axis from standing closer.
+        payload: What the robot carries until its program sets another payload, see `MotionSettings`.
         port: First port to try for the browser page.
         io: Script of a PLC that is played (see `plc_script`); none without one.
         io_map: Map of inputs and outputs to topics of a PLC (see `io_map`); none without one.
@@ -127,9 +130,9 @@ def cell_graph(
         return NodeDescription(package, executable, {'robot_model': robot, **time, **parameters})
 
     return (
-        node('robots_core', 'drive_node', rate=rate, level=drive),
+        node('robots_core', 'drive_node', rate=rate, level=drive, payload=list(payload)),
         node('robots_controller', 'controller_node', rate=rate, **tolerance),
-        node('robots_planning', 'planning_node', scene=scene),
+        node('robots_planning', 'planning_node', scene=scene, payload=list(payload)),
         node(
             'robots_controller',
             'lua_program_node',

@@ -16,9 +16,11 @@ from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.drives.drive_level import drive_train
 from robots_core.blocks.drives.drive_train import DriveTrain
 from robots_core.blocks.following.following_methods import METHODS
+from robots_core.blocks.multibody.payload import payload_of
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import positive
+from robots_planning.motion_settings import NOTHING
 from robots_planning.pathplanning import PathPlanning
 
 COLLISION_MARGIN = 0.005  # m; as planning_node
@@ -35,6 +37,7 @@ class CellParts:
         robot: The robot.
         drive: Level of the drives.
         drives: The drives.
+        payload: What the robot carries until its program sets another payload.
         controller: The controller.
         planning: The planner, with the check for collisions.
         plc_script: What the PLC does; without rules if there is none.
@@ -52,6 +55,7 @@ class CellParts:
     robot: BaseRobotModel
     drive: str
     drives: DriveTrain
+    payload: tuple[float, ...]
     controller: Controller
     planning: PathPlanning
     plc_script: PlcScript
@@ -73,6 +77,7 @@ def cell_parts(
     io_map: Path | str = '',
     rate: float = 250.0,
     goal_tolerance: float | None = None,
+    payload: tuple[float, ...] = NOTHING,
     collision_margin: float = COLLISION_MARGIN,
     points_file: Path | str = '',
     references: Path | str = '',
@@ -89,6 +94,7 @@ def cell_parts(
         io_map: Map of inputs and outputs to topics of a PLC, which nobody publishes here (see `io_map`).
         rate: References per second, Hz.
         goal_tolerance: Largest error of an axis that has reached its target, rad (m).
+        payload: What the robot carries until its program sets another payload, see `MotionSettings`.
         collision_margin: Distance that motions keep, m.
         points_file: Taught points; '' for the file beside the program.
         references: Recording of what guides the robot (see `read_guide_recording`); '' for none.
@@ -110,7 +116,8 @@ def cell_parts(
         robot_name=robot,
         robot=model,
         drive=drive,
-        drives=drive_train(drive, model, model.home, period=period),
+        drives=drive_train(drive, model, model.home, period=period, payload=payload_of(payload)),
+        payload=payload,
         controller=Controller(model.axes_data, ControllerSettings(period=period, **tolerance)),
         planning=PathPlanning(model, collision=collision, collision_margin=collision_margin),
         plc_script=cell_io.offline,

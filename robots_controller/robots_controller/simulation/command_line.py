@@ -101,6 +101,7 @@ def run(options: argparse.Namespace, console: Console) -> int:
                 bag=bag,
                 rate=options.rate,
                 goal_tolerance=options.goal_tolerance,
+                payload=options.payload,
                 points_file=options.points,
                 references=options.references,
                 guided=options.guided,

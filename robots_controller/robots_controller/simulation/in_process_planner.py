@@ -35,6 +35,7 @@ class InProcessPlanner:
 
     Args:
         planning: Plans.
+        payload: What the robot carries where the program does not say it.
         mail: Carries the messages.
         clock: Simulated time.
         control: Follows the plans.
@@ -47,6 +48,7 @@ class InProcessPlanner:
         self,
         planning: PathPlanning,
         *,
+        payload: tuple[float, ...],
         mail: Mail,
         clock: SimulatedClock,
         control: ControlLoop,
@@ -57,6 +59,8 @@ class InProcessPlanner:
         self._mail, self._clock, self._control = mail, clock, control
         self._log, self._records, self._cost = log, records, cost
         self.planner = MotionPlanner(planning, self)
+        self._defaults = {'payload': payload}
+        self.planner.settings = motion_settings(self._defaults)
         self._configured: dict[str, object] = {}
         self._last_id = 0
         self.on_result: Callable[[MotionResult], None] = lambda _: None
@@ -154,7 +158,7 @@ class InProcessPlanner:
 
     def _configure(self, settings: dict[str, object], done: Configured) -> None:
         try:
-            wanted = motion_settings(settings)
+            wanted = motion_settings({**self._defaults, **settings})
         except PlanningError as error:
             done(error)
             return

@@ -93,6 +93,7 @@ class SimulatedCell:
         self._control = ControlLoop(controller, self._rates, self, progress_every=1)
         link = InProcessPlanner(
             parts.planning,
+            payload=parts.payload,
             mail=self._mail,
             clock=self.clock,
             control=self._control,
@@ -112,7 +113,7 @@ class SimulatedCell:
         )
         link.on_result = self._motion_ended
         link.on_planned = self._motion_planned
-        link.on_payload = CarriedPayload(parts.drives).carry
+        link.on_payload = CarriedPayload(parts.drives, parts.payload).carry
         self._program = self._host.program
         self._plc = PlcCycle(parts.plc_script, self.clock.now())
         self._plc_images = image_sizes(self._plc.inputs)

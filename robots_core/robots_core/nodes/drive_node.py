@@ -88,7 +88,7 @@ class DriveNode(RobotNode):
             payload=payload,
             feed_forward=feed_forward,
         )
-        self._carried = CarriedPayload(self._drives, payload)
+        self._carried = CarriedPayload(self._drives)
         self._settings: PolledSubscription[DiagnosticStatus] = PolledSubscription(
             self, DiagnosticStatus, 'motion_settings', STATE
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from robots_core.blocks.drives.drive_train import DriveTrain
-from robots_core.blocks.multibody.payload import NOTHING, Payload, payload_of
+from robots_core.blocks.multibody.payload import payload_of
 
 
 class CarriedPayload:
@@ -13,12 +13,13 @@ class CarriedPayload:
 
     Args:
         drives: The drives.
-        own: What they carry where the settings have no payload.
+        values: What they carry at the start; unknown by default: then settings without a payload do not
+            change it before there was one.
     """
 
-    def __init__(self, drives: DriveTrain, own: Payload = NOTHING) -> None:
-        self._drives, self._own = drives, own
-        self._values: tuple[float, ...] = ()
+    def __init__(self, drives: DriveTrain, values: Sequence[float] = ()) -> None:
+        self._drives = drives
+        self._values = tuple(values)
 
     def carry(self, values: Sequence[float]) -> None:
         """Take the payload of the settings, by its numbers (see `payload_of`).
@@ -26,8 +27,8 @@ class CarriedPayload:
         Raises:
             InvalidInputError: numbers of no payload.
         """
-        payload = payload_of(values)
-        wanted = tuple(values) if payload.mass > 0.0 else ()
-        if wanted != self._values:
-            self._values = wanted
-            self._drives.load(payload if wanted else self._own)
+        payload, wanted = payload_of(values), tuple(values)
+        if wanted == self._values or (not self._values and payload.mass == 0.0):
+            return
+        self._values = wanted
+        self._drives.load(payload)
