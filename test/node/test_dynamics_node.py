@@ -24,7 +24,7 @@ from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.dynamics_node import DynamicsNode
-from robots_core.ros.messages import doubles
+from robots_core.ros.messages import diagnostic_status, doubles
 from robots_core.ros.qos import STATE
 
 from .bench import Bench
@@ -148,6 +148,22 @@ def test_payload_and_base_are_parameters(ros_nodes: Any):
     load = Payload(80.0, np.array([0.0, 0.0, 0.2]), np.eye(3))
     expected = NumericalDynamics(ROBOT, payload=load, base=base).torques(Q, SPEED, STILL)
     close(bench.answer('joint_torques', bench.send(Q, SPEED)).effort, expected)
+
+
+def test_the_payload_of_the_program_counts(ros_nodes: Any):
+    bench = DynamicsBench(ros_nodes)
+    bench.publisher('motion_settings', DiagnosticStatus, STATE)
+    values = {'payload': '[80.0, 0.0, 0.0, 0.2]'}
+    bench.publish('motion_settings', diagnostic_status('motion settings', '', **values))
+    load = Payload(80.0, np.array([0.0, 0.0, 0.2]))
+    expected = NumericalDynamics(ROBOT, payload=load).torques(Q, SPEED, STILL)
+
+    # Two topics have no order: the first joints may come before the payload.
+    for second in range(100):
+        effort = bench.answer('joint_torques', bench.send(Q, SPEED, at=float(second))).effort
+        if abs(effort[1] - expected[1]) < 1.0:
+            break
+    close(effort, expected)
 
 
 def test_a_moving_base_comes_on_a_topic(ros_nodes: Any):

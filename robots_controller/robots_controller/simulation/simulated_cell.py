@@ -29,8 +29,8 @@ from robots_controller.simulation.simulated_guide import SimulatedGuide
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGuard
 from robots_core.blocks.collision.joint_path import JointPath
-from robots_core.blocks.drives.carried_payload import CarriedPayload
 from robots_core.blocks.following.guide import Guide
+from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.validation import Array, read_only
@@ -113,7 +113,7 @@ class SimulatedCell:
         )
         link.on_result = self._motion_ended
         link.on_planned = self._motion_planned
-        link.on_payload = CarriedPayload(parts.drives, parts.payload).carry
+        link.on_payload = CarriedPayload(parts.drives.load, parts.payload).carry
         self._program = self._host.program
         self._plc = PlcCycle(parts.plc_script, self.clock.now())
         self._plc_images = image_sizes(self._plc.inputs)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from typing import Any
 
@@ -12,15 +11,15 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.blocks.drives.carried_payload import CarriedPayload
 from robots_core.blocks.drives.drive_faults import DriveFaults, FaultInjection, known_axes
 from robots_core.blocks.drives.drive_level import check_level, drive_train
+from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import RobotsError
-from robots_core.nodes.payload_parameter import payload_from_parameters
+from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import diagnostic_values, doubles
+from robots_core.ros.messages import doubles
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, STATE
 from robots_core.ros.robot_node import RobotNode, bounded
@@ -88,7 +87,7 @@ class DriveNode(RobotNode):
             payload=payload,
             feed_forward=feed_forward,
         )
-        self._carried = CarriedPayload(self._drives)
+        self._carried = CarriedPayload(self._drives.load)
         self._settings: PolledSubscription[DiagnosticStatus] = PolledSubscription(
             self, DiagnosticStatus, 'motion_settings', STATE
         )
@@ -143,14 +142,8 @@ class DriveNode(RobotNode):
     def _carry(self) -> None:
         """Take over the payload that programs set, between two steps."""
         message = self._settings.take()
-        text = None if message is None else diagnostic_values(message).get('payload')
-        if text is not None:
-            try:
-                self._carried.carry(json.loads(text))
-            except (RobotsError, ValueError, TypeError) as error:
-                self.get_logger().warning(  # type: ignore[no-untyped-call]
-                    f'motion_settings: payload = {text} is refused: {error}'
-                )
+        if message is not None:
+            carry_payload(self, self._carried, message)
 
     def _step(self, _now: float) -> None:
         self._carry()

@@ -15,12 +15,13 @@ from std_msgs.msg import Float64MultiArray, MultiArrayDimension
 from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 
 from robots_core.blocks.multibody.base_motion import BaseMotion
+from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDynamics
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.multibody.payload import Payload, payload_of
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.base_motion_message import base_motion_from_message
-from robots_core.nodes.payload_parameter import payload_from_parameters
+from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.pose import Pose
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.messages import doubles, joint_indices, seconds
@@ -75,6 +76,10 @@ class DynamicsNode(RobotNode):
         )
         self._base = BaseMotion(_orientation(orientation))
         self._load(payload_from_parameters(self))
+        carried = CarriedPayload(self._load)
+        subscribe_state(
+            self, DiagnosticStatus, 'motion_settings', lambda message: carry_payload(self, carried, message)
+        )
         if not self._floats:
             subscribe_state(self, MultiDOFJointTrajectory, 'base_motion', self._on_base_motion)
         n = self.robot.num_axes
