@@ -29,6 +29,7 @@ from robots_core.ros.lockstep.agenda import LockstepError
 from robots_core.ros.lockstep.participant import Participant
 from robots_core.ros.lockstep.phases import START, Phase
 from robots_core.ros.messages import doubles
+from robots_core.ros.presence import is_served, publishers_of, subscribers_of
 from robots_core.ros.qos import COMMAND
 from robots_core.ros.timed_node import TimedNode
 
@@ -171,6 +172,30 @@ def test_time_stands_still_while_messages_and_services_are_under_way(ros_nodes: 
     ros_nodes.wait_for(lambda: len(replied) > 20 and len(sent) > 20, what='twenty periods')
     ros_nodes.call(run.end)
     assert all(at == handled for at, handled in [*sent, *replied])
+
+
+def test_participants_alone_are_present(ros_nodes: Any) -> None:
+    """Other nodes are found, and missed, in the middleware's time."""
+    asker, server = (TimedNode(name, **ros_nodes.options(lockstep=True)) for name in ('asker', 'server'))
+    stranger = ros_nodes.create_node('stranger')
+    for node in (asker, stranger):
+        node.create_publisher(Float64, 'number', COMMAND)
+    for node in (server, stranger):
+        node.create_subscription(Float64, 'number', lambda _: None, COMMAND)
+    stranger.create_service(Trigger, 'strange', lambda _, response: response)
+    server.create_service(Trigger, 'ask', lambda _, response: response)
+    clients = [asker.create_client(Trigger, name) for name in ('ask', 'strange')]
+    asker.start_loop(lambda _: None, period=PERIOD / START, name='asker')
+    ros_nodes.add(asker)
+    ros_nodes.add(server)
+    ros_nodes.wait_for(lambda: server.count_publishers('number') == 2, what='both publishers')
+    ros_nodes.wait_for(clients[1].service_is_ready, what='the other service')
+    run = ros_nodes.coordinate('asker', 'server')
+    ros_nodes.wait_for(lambda: run.started, what='the run')
+    assert [*publishers_of(server, 'number').values()] == ['/asker']
+    assert subscribers_of(asker, 'number') == {'/server'}
+    assert [is_served(asker, client) for client in clients] == [True, False]
+    ros_nodes.call(run.end)
 
 
 def test_a_participant_that_was_killed_is_named(ros_nodes: Any) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64, String
 
 from robots_controller.nodes.bags.bag_player import BagPlayer
@@ -84,6 +85,23 @@ def test_an_interrupt_ends_it(ros_nodes: Any, tmp_path: Path):
     _, errors = process.communicate(timeout=END_DEADLINE)
     assert process.returncode == 130
     assert 'Traceback' not in errors
+
+
+def test_it_follows_the_clock(ros_nodes: Any, bag: Path):
+    listener = Listener(ros_nodes)
+    plan = replay_plan(read_bag(bag))
+    player = ros_nodes.add(BagPlayer(plan, wait=240.0, **ros_nodes.options(use_sim_time=True)))
+    clock = listener.publisher('/clock', Clock)
+    for k in range(5):
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = divmod(START + round(1e9 * PERIOD * k), START)
+
+        def published(count: int = k + 1, message: Clock = message) -> bool:
+            clock.publish(message)  # /clock is best effort
+            return len(listener.level) >= count
+
+        listener.wait(published, f'message {k}')
+        assert player.published == k + 1
 
 
 def test_in_lockstep_each_message_comes_at_its_simulated_time(ros_nodes: Any, bag: Path):
