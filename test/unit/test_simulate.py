@@ -268,7 +268,7 @@ def test_motions_that_collide_are_refused():
     ('function', 'reason'),
     [
         ('followReference', 'a simulation has no sensor; --references names a recording of one'),
-        ('jog', 'a simulation has nobody who jogs; --references names a recording of one'),
+        ('jog', 'a simulation has no teach box; --references names a recording of one'),
     ],
 )
 def test_a_robot_that_nobody_can_guide_is_an_error(tmp_path: Path, function: str, reason: str):

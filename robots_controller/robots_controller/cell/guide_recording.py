@@ -114,8 +114,8 @@ def read_guide_recording(path: Path | str, joints: Sequence[str]) -> GuideRecord
             value, frame = _value(topic, message, joints)
         except (AttributeError, RobotsError) as error:
             raise RobotsError(f'{bag.path}: message {number} of {topic}: {error}') from error
-        told = round(seconds(message.header.stamp) * NANOSECONDS)
-        valid = min(told, stamp) if abs(told - stamp) < SAME_CLOCK * NANOSECONDS else stamp
+        stamped = round(seconds(message.header.stamp) * NANOSECONDS)
+        valid = min(stamped, stamp) if abs(stamped - stamp) < SAME_CLOCK * NANOSECONDS else stamp
         messages.append(GuidingMessage(topic[1:], stamp - start, valid - start, data, value, frame))
     types = {message.topic: bag.topics[f'/{message.topic}'].type for message in messages}
     return GuideRecording(bag.path, tuple(messages), types)

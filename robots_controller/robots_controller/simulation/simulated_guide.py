@@ -29,10 +29,10 @@ from robots_planning.teach_box import JOG_RATE, TeachStep
 
 SENSOR_PERIOD: Final = round(NANOSECONDS / RATE)  # ns
 JOG_PERIOD: Final = round(NANOSECONDS / JOG_RATE)  # ns
-NOBODY: Final[Mapping[Guide, str]] = MappingProxyType(
+MISSING_GUIDES: Final[Mapping[Guide, str]] = MappingProxyType(
     {
         Guide.SENSOR: 'a simulation has no sensor; --references names a recording of one',
-        Guide.PERSON: 'a simulation has nobody who jogs; --references names a recording of one',
+        Guide.PERSON: 'a simulation has no teach box; --references names a recording of one',
     }
 )
 
@@ -101,7 +101,7 @@ class SimulatedGuide:
         """
         if self._replay is None:
             if guide is not Guide.NONE:
-                raise PlanningError(NOBODY[guide])
+                raise PlanningError(MISSING_GUIDES[guide])
             return
         self._replay.hand_over(guide, nanoseconds)
         self._sensor.hand_over(handed_over=guide is Guide.SENSOR)

@@ -37,7 +37,7 @@ from robots_core.ros.robot_node import RobotNode, bounded
 from robots_core.ros.run import run
 
 MAX_RATE = 250.0  # Hz
-SERVICE_PERIOD = 5.0  # s between complaints that nobody can stop the robot
+SERVICE_PERIOD = 5.0  # s between reports that nothing can stop the robot
 LEVELS = {'ok': DiagnosticStatus.OK, 'warning': DiagnosticStatus.WARN, 'error': DiagnosticStatus.ERROR}
 
 
@@ -148,10 +148,10 @@ class CollisionNode(RobotNode):
         self.ready(objects=len(self.guard.detection.scene.objects))
 
     def _stop(self, reason: str) -> bool:
-        """Call the controller's ~/stop; False if nobody serves it."""
+        """Call the controller's ~/stop; False if no node serves it."""
         client = self._stop_client
         served = is_served(self, client)
-        text = 'stopped the controller' if served else f'nobody serves {client.srv_name} to stop the robot'
+        text = 'stopped the controller' if served else f'no node serves {client.srv_name} to stop the robot'
         self.report_health(DiagnosticStatus.ERROR, f'{text}: {reason}')
         self.get_logger().error(  # type: ignore[no-untyped-call]
             f'{text}: {reason}', throttle_duration_sec=SERVICE_PERIOD

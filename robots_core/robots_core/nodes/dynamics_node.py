@@ -34,7 +34,7 @@ from robots_core.validation import Array, finite_vector
 MAX_RATE = 1000.0  # Hz
 SOURCES = ('joint_states', 'joint_reference')
 UPRIGHT = [0.0, 0.0, 0.0, 1.0]
-# Between samples further apart than this no acceleration is told from their velocities.
+# Between samples further apart than this no acceleration is estimated from their velocities.
 LONGEST_GAP = 0.1  # s
 
 
@@ -62,7 +62,7 @@ class DynamicsNode(RobotNode):
         self._filter_time: float = self.parameter(
             'filter_time',
             0.02,
-            'time constant of the accelerations told from velocities, s',
+            'time constant of the accelerations estimated from velocities, s',
             check=bounded(0.0, 10.0, 's'),
         )
         orientation = self.parameter(

@@ -43,7 +43,7 @@ class Outcome:
 
 
 def waypoints_trajectory(message: Any, names: list[str], start: Array) -> Trajectory:
-    """The motion of a trajectory_msgs/JointTrajectory of somebody else, joints matched by name.
+    """The motion of a client's trajectory_msgs/JointTrajectory, joints matched by name.
 
     Raises:
         JointNamesError: a joint is missing or named twice.

@@ -27,7 +27,7 @@ from robots_planning.teach_box import JOG_RATE, jog_axes
 
 
 class JogStream:
-    """Takes `teach_twist` and `teach_joints`, and streams one-point `joint_trajectory` while somebody jogs.
+    """Takes `teach_twist` and `teach_joints`, and streams one-point `joint_trajectory` meanwhile.
 
     Args:
         node: Owner.
