@@ -10,8 +10,8 @@ from rich.markup import escape
 
 from robots_controller.report.comparison import RunComparison
 from robots_controller.report.page.page import figure, page_table, page_text
-from robots_controller.report.page.page_data import PageArrays, series
-from robots_controller.report.page.page_panels import COLOURS, io_panels, spans_panel, speed_panel
+from robots_controller.report.page.page_data import PageArrays
+from robots_controller.report.page.page_panels import io_panels, lines_panel, spans_panel, speed_panel
 from robots_controller.report.page.page_world import world
 from robots_controller.report.run_report import RunReport
 from robots_controller.report.tables import change_table, largest_table, trend
@@ -75,29 +75,7 @@ def _joint_panels(runs: list[tuple[str, RunReport]], arrays: PageArrays) -> list
     """Speeds and torques: the axis that is closest to its limit, of each run."""
     panels = []
     for title, quantity in (('Highest joint speed', 'velocity'), ('Highest torque', 'torque')):
-        curves = [
-            series(
-                arrays,
-                name,
-                report.run.time,
-                100.0 * report.signals.use[quantity].max(axis=1),
-                COLOURS[number],
-                show=(1.0, 0.0, '%'),
-            )
-            for number, (name, report) in enumerate(runs)
-        ]
-        panels.append(
-            {'title': title, 'unit': '% of limit', 'kind': 'lines', 'marks': [100.0], 'series': curves}
-        )
-    powers = [
-        series(
-            arrays,
-            name,
-            report.run.time,
-            np.maximum(report.signals.power, 0.0).sum(axis=1) / 1e3,
-            COLOURS[number],
-            show=(1.0, 0.0, 'kW'),
-        )
-        for number, (name, report) in enumerate(runs)
-    ]
-    return [*panels, {'title': 'Mechanical power taken up', 'unit': 'kW', 'kind': 'lines', 'series': powers}]
+        uses = [(r, (name,), 100.0 * r.signals.use[quantity].max(axis=1)) for name, r in runs]
+        panels.append(lines_panel(title, '% of limit', uses, arrays, marks=[100.0]))
+    powers = [(r, (name,), np.maximum(r.signals.power, 0.0).sum(axis=1) / 1e3) for name, r in runs]
+    return [*panels, lines_panel('Mechanical power taken up', 'kW', powers, arrays)]

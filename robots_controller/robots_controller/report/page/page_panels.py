@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -21,44 +21,16 @@ MOST_SAMPLES: Final = 20_000  # of a curve: 80 s at 250 Hz; longer runs are thin
 def run_panels(report: RunReport, arrays: PageArrays) -> list[dict[str, Any]]:
     """All panels of a run."""
     signals, run = report.signals, report.run
-    axes = run.robot.axes_data
-    panels = [spans_panel([('program', report)]), *_joint_panels(report, arrays)]
-    step = _step(report)
-    time = run.time[::step]
-    metres = (1.0, 0.0, 'm')
-    panels += [
+    away = 1e3 * np.linalg.norm(signals.tool - signals.tool_reference, axis=1)
+    panels = [
+        spans_panel([('program', report)]),
+        *_joint_panels(report, arrays),
         speed_panel([('tool', report)], arrays),
-        {
-            'title': 'Tool position',
-            'unit': 'm',
-            'kind': 'lines',
-            'series': [
-                series(arrays, name, time, signals.tool[::step, index], COLOURS[index], show=metres)
-                for index, name in enumerate('xyz')
-            ],
-        },
-        {
-            'title': 'Tool behind its reference',
-            'unit': 'mm',
-            'kind': 'lines',
-            'series': [_lag(report, arrays, step)],
-        },
-        {
-            'title': 'Mechanical power',
-            'unit': 'kW',
-            'kind': 'lines',
-            'series': [
-                series(
-                    arrays,
-                    name,
-                    time,
-                    signals.power[::step, axis] / 1e3,
-                    COLOURS[axis % len(COLOURS)],
-                    show=(1.0, 0.0, 'kW'),
-                )
-                for axis, name in enumerate(axes.names)
-            ],
-        },
+        lines_panel('Tool position', 'm', [(report, 'xyz', signals.tool)], arrays),
+        lines_panel('Tool behind its reference', 'mm', [(report, ('distance',), away)], arrays),
+        lines_panel(
+            'Mechanical power', 'kW', [(report, run.robot.axes_data.names, signals.power / 1e3)], arrays
+        ),
     ]
     curve = run.distance if report.clearance is None else report.clearance.curve
     if curve.size:
@@ -67,6 +39,37 @@ def run_panels(report: RunReport, arrays: PageArrays) -> list[dict[str, Any]]:
             {'title': 'Distance to the next thing', 'unit': 'mm', 'kind': 'lines', 'series': [drawn]}
         )
     return [*panels, *io_panels([('', report)], arrays)]
+
+
+def lines_panel(
+    title: str,
+    unit: str,
+    curves: Sequence[tuple[RunReport, Sequence[str], Array]],
+    arrays: PageArrays,
+    *,
+    show: Callable[[int], tuple[float, float, str]] | None = None,
+    **more: Any,
+) -> dict[str, Any]:
+    """A plot of curves over a run's time, or over the times of several.
+
+    Args:
+        title: What it shows.
+        unit: Of its scale.
+        curves: Run, names of curves, and their values, (m,) or (m, names).
+        arrays: Where the numbers go.
+        show: Scale, offset and unit of the number in the legend, by number of the curve; those of the scale
+            by default.
+        more: Further properties of the panel.
+    """
+    drawn: list[dict[str, Any]] = []
+    for report, names, values in curves:
+        step = _step(report)
+        for name, column in zip(names, values[::step].reshape(-1, len(names)).T, strict=True):
+            number = len(drawn)
+            shown = show(number) if show else (1.0, 0.0, unit.partition(' ')[0])
+            time, colour = report.run.time[::step], COLOURS[number % len(COLOURS)]
+            drawn.append(series(arrays, name, time, column, colour, show=shown))
+    return {'title': title, 'unit': unit, 'kind': 'lines', 'series': drawn, **more}
 
 
 def spans_panel(reports: list[tuple[str, RunReport]]) -> dict[str, Any]:
@@ -93,15 +96,13 @@ def spans_panel(reports: list[tuple[str, RunReport]]) -> dict[str, Any]:
 
 def speed_panel(reports: list[tuple[str, RunReport]], arrays: PageArrays) -> dict[str, Any]:
     """Speed of the tool; of one run also what the references ask for."""
-    curves = []
-    for number, (name, report) in enumerate(reports):
-        step, unit = _step(report), (1.0, 0.0, 'm/s')
-        time, signals = report.run.time[::step], report.signals
-        if len(reports) == 1:
-            speed = signals.reference_speed[::step]
-            curves.append(series(arrays, 'reference', time, speed, '#868e96', show=unit, dashed=True))
-        curves.append(series(arrays, name, time, signals.tool_speed[::step], COLOURS[number], show=unit))
-    return {'title': 'Tool speed', 'unit': 'm/s', 'kind': 'lines', 'series': curves}
+    curves = [(report, (name,), report.signals.tool_speed) for name, report in reports]
+    panel = lines_panel('Tool speed', 'm/s', curves, arrays)
+    if len(reports) == 1:
+        report = reports[0][1]
+        asked = lines_panel('', 'm/s', [(report, ('reference',), report.signals.reference_speed)], arrays)
+        panel['series'].insert(0, asked['series'][0] | {'colour': '#868e96', 'dashed': True})
+    return panel
 
 
 def io_panels(reports: list[tuple[str, RunReport]], arrays: PageArrays) -> list[dict[str, Any]]:
@@ -137,44 +138,30 @@ def _joint_panels(report: RunReport, arrays: PageArrays) -> list[dict[str, Any]]
     source = 'of the drives' if signals.measured else 'by inverse dynamics'
     forces = [FORCES[prismatic] for prismatic in axes.prismatic]
 
-    def panel(title: str, values: Array, show: Callable[[int], tuple[float, float, str]]) -> dict[str, Any]:
-        step = _step(report)
-        return {
-            'title': title,
-            'unit': '% of limit',
-            'kind': 'lines',
-            'marks': [-100.0, 100.0],
-            # Limits that are far away would press the curves flat.
-            'range': [-100.0, 100.0] if np.abs(values).max() > NEAR_LIMIT else None,
-            'series': [
-                series(
-                    arrays,
-                    name,
-                    run.time[::step],
-                    100.0 * values[::step, axis],
-                    COLOURS[axis % len(COLOURS)],
-                    show=show(axis),
-                )
-                for axis, name in enumerate(axes.names)
-            ],
-        }
+    def panel(
+        title: str, values: Array, show: Callable[[int], tuple[float, float, str]], unit: str = '% of limit'
+    ) -> dict[str, Any]:
+        # Limits that are far away would press the curves flat.
+        span = [-100.0, 100.0] if np.abs(values).max() > NEAR_LIMIT else None
+        curves = [(report, axes.names, 100.0 * values)]
+        return lines_panel(title, unit, curves, arrays, show=show, marks=[-100.0, 100.0], range=span)
 
     def of(limit: Array, unit: list[str], factor: Array) -> Callable[[int], tuple[float, float, str]]:
         return lambda axis: (0.01 * float(limit[axis] * factor[axis]), 0.0, unit[axis])
 
-    position = panel(
-        'Joint positions in their range',
-        (q - middle) / half,
-        lambda axis: (
-            0.01 * float(half[axis] * angle[axis]),
-            float(middle[axis] * angle[axis]),
-            units[axis],
-        ),
-    )
     rates = [f'{unit}/s' for unit in units]
     accelerations = [f'{unit}/s²' for unit in units]
     return [
-        {**position, 'unit': '% of range'},
+        panel(
+            'Joint positions in their range',
+            (q - middle) / half,
+            lambda axis: (
+                0.01 * float(half[axis] * angle[axis]),
+                float(middle[axis] * angle[axis]),
+                units[axis],
+            ),
+            '% of range',
+        ),
         panel('Joint speeds', q_dot / axes.velocity, of(axes.velocity, rates, angle)),
         panel(
             'Joint accelerations of the reference',
@@ -185,13 +172,6 @@ def _joint_panels(report: RunReport, arrays: PageArrays) -> list[dict[str, Any]]
             f'Torques {source}', signals.torque / axes.effort, of(axes.effort, forces, np.ones(axes.num_axes))
         ),
     ]
-
-
-def _lag(report: RunReport, arrays: PageArrays, step: int) -> dict[str, Any]:
-    away = 1e3 * np.linalg.norm(report.signals.tool - report.signals.tool_reference, axis=1)
-    return series(
-        arrays, 'distance', report.run.time[::step], away[::step], COLOURS[0], show=(1.0, 0.0, 'mm')
-    )
 
 
 def _step(report: RunReport) -> int:
