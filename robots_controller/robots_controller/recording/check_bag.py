@@ -7,22 +7,18 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from robots_controller.cell_arguments import EXIT_OK, exit_code
 from robots_controller.recording.bag_comparison import compare_bags
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_tolerances import BagTolerances, read_tolerances
 from robots_core.errors import RobotsError
 
-EXIT_OK, EXIT_DIFFERENT, EXIT_BAD_INPUT = 0, 1, 2
+EXIT_DIFFERENT = 1
 
 
 def main() -> None:
     """Run from the command line."""
-    try:
-        code = check_bag(sys.argv[1:])
-    except RobotsError as error:
-        print(f'error: {error}', file=sys.stderr)
-        code = EXIT_BAD_INPUT
-    sys.exit(code)
+    sys.exit(exit_code(lambda _: check_bag(sys.argv[1:])))
 
 
 def check_bag(arguments: Sequence[str]) -> int:

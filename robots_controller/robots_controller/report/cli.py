@@ -9,14 +9,12 @@ from pathlib import Path
 
 from rich.console import Console
 
+from robots_controller.cell_arguments import EXIT_OK, exit_code
 from robots_controller.report.comparison import compare_runs
 from robots_controller.report.page.comparison_page import comparison_page, show_comparison
 from robots_controller.report.page.page import report_page, write_page
 from robots_controller.report.run_report import run_report
 from robots_controller.report.terminal import show_report
-from robots_core.errors import RobotsError
-
-LOG_WIDTH = 140  # characters; a log file has no width of its own
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -33,27 +31,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('--scene', type=Path, metavar='FILE', help='what stands around the robot (YAML)')
     parser.add_argument('--namespace', default='/', help='ROS namespace of the recorded cell')
     options = parser.parse_args(arguments)
-    console = Console(highlight=False, width=None if sys.stdout.isatty() else LOG_WIDTH)
-    try:
-        bags = [options.bag] if options.other is None else [options.bag, options.other]
-        reports = [
-            run_report(bag, robot=options.robot, scene=options.scene, namespace=options.namespace)
-            for bag in bags
-        ]
-        if len(reports) == 1:
-            show_report(reports[0], console)
-        else:
-            show_comparison(comparison := compare_runs(*reports), console)
-        if options.output is not None:
-            write_page(
-                options.output,
-                report_page(reports[0]) if len(reports) == 1 else comparison_page(comparison),
-            )
-            console.print(f'page: {options.output}')
-    except RobotsError as error:
-        print(f'error: {error}', file=sys.stderr)
-        return 2
-    return 0
+    return exit_code(lambda console: _report(options, console))
+
+
+def _report(options: argparse.Namespace, console: Console) -> int:
+    reports = [
+        run_report(bag, robot=options.robot, scene=options.scene, namespace=options.namespace)
+        for bag in (options.bag, options.other)
+        if bag is not None
+    ]
+    if len(reports) == 1:
+        show_report(reports[0], console)
+    else:
+        show_comparison(compare_runs(*reports), console)
+    if options.output is not None:
+        one = len(reports) == 1
+        write_page(
+            options.output, report_page(reports[0]) if one else comparison_page(compare_runs(*reports))
+        )
+        console.print(f'page: {options.output}')
+    return EXIT_OK
 
 
 if __name__ == '__main__':

@@ -10,6 +10,7 @@ import numpy as np
 from robots_controller.report.line_times import time_spans
 from robots_controller.report.page.page_data import PageArrays, series
 from robots_controller.report.run_report import RunReport
+from robots_controller.report.run_signals import axes_range
 from robots_core.validation import Array
 
 COLOURS: Final = ('#0b7285', '#e8590c', '#6741d9', '#2b8a3e', '#c2255c', '#1c7ed6', '#b08900', '#495057')
@@ -129,10 +130,8 @@ def _joint_panels(report: RunReport, arrays: PageArrays) -> list[dict[str, Any]]
     run, signals = report.run, report.signals
     axes = run.robot.axes_data
     q, q_dot = run.feedback
-    bounded = ~axes.continuous
-    middle = np.where(bounded, 0.5 * (np.where(bounded, axes.lower, 0.0) + axes.upper), 0.0)
-    half = np.where(bounded, axes.upper - middle, 2.0 * np.pi)  # of an endless axis a turn is 100 %
-    middle = np.where(bounded, middle, 0.0)
+    middle, half = axes_range(run.robot)
+    half = np.where(np.isfinite(half), half, 2.0 * np.pi)  # of an endless axis a turn is 100 %
     angle = np.where(np.array(axes.prismatic), 1e3, 180.0 / np.pi)
     units = ['mm' if prismatic else '°' for prismatic in axes.prismatic]
     source = 'of the drives' if signals.measured else 'by inverse dynamics'

@@ -35,6 +35,14 @@ from robots_planning.trajectory import Trajectory
 
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
 STATUS_TYPE: Final = 'diagnostic_msgs/msg/DiagnosticStatus'
+STATUS_NAMES: Final = {
+    'collision_status': 'collision',
+    'forced_inputs': 'forced inputs',
+    'motion_plan': 'motion plan',
+    'motion_result': 'motion',
+    'motion_settings': 'motion settings',
+    'program_status': 'program',
+}
 
 
 class CellLog:
@@ -88,11 +96,7 @@ class CellLog:
             names = {f'{image.removesuffix("s")}_names': names for image, names in labels.items()}
             event = ros.string_parameters(self._clock.stamp, '/lua_program_node', names)
             self._write('/parameter_events', 'rcl_interfaces/msg/ParameterEvent', event)
-        if self._bag is not None:
-            status = ros.diagnostic_status(
-                'forced inputs', 'no input is forced', '/lua_program_node', ros.OK, {}
-            )
-            self._write('forced_inputs', STATUS_TYPE, status)
+        self._status('forced_inputs', 'no input is forced', {}, owner='/lua_program_node')
         for image in ('digital_outputs', 'analog_outputs'):
             self.image(image)
         self.command_state(RobotCommandState.IDLE)
@@ -113,11 +117,8 @@ class CellLog:
         if state is not self._state:
             self._state = state
             self._events.append(ProgramStateChanged(self._clock.elapsed, state.value))
-        if self._bag is not None:
-            words = error or f'{values["file"]}: {state}'
-            level = ros.ERROR if error else ros.OK
-            status = ros.diagnostic_status('program', words, self._robot, level, values)
-            self._write('program_status', STATUS_TYPE, status)
+        words = error or f'{values["file"]}: {state}'
+        self._status('program_status', words, values, level=ros.ERROR if error else ros.OK)
 
     def line_reached(self, line: int) -> None:
         """See `ProgramObserver`."""
@@ -135,13 +136,11 @@ class CellLog:
     def command_state(self, state: RobotCommandState) -> None:
         """See `ProgramObserver`."""
         self._events.append(CommandStateChanged(self._clock.elapsed, state.value))
-        if self._bag is not None:
-            self._write('command_state', 'std_msgs/msg/String', ros.text(state.value))
+        self._plain('command_state', 'std_msgs/msg/String', state.value)
 
     def guide(self, guide: Guide) -> None:
         """What guides the robot."""
-        if self._bag is not None:
-            self._write('guide', 'std_msgs/msg/String', ros.text(guide.value))
+        self._plain('guide', 'std_msgs/msg/String', guide.value)
 
     def motion_sent(self, id_: str, command: MotionCommand, file: str) -> None:
         """See `ProgramObserver`."""
@@ -161,8 +160,7 @@ class CellLog:
     def override(self, value: float) -> None:
         """The program scales the speed."""
         self._events.append(OverrideChanged(self._clock.elapsed, value))
-        if self._bag is not None:
-            self._write('override', 'std_msgs/msg/Float64', ros.message('std_msgs/msg/Float64', value))
+        self._plain('override', 'std_msgs/msg/Float64', value)
 
     # -- inputs and outputs -----------------------------------------------------------------------
 
@@ -197,11 +195,9 @@ class CellLog:
         """The modal settings were set."""
         if self._bag is not None and settings != self._settings:
             self._settings = settings
-            status = ros.diagnostic_status(
-                'motion settings', '', self._robot, ros.OK, settings_as_text(settings)
-            )
             # After the command before, and not after its own.
-            self._write('motion_settings', STATUS_TYPE, status, self._last_command + 1)
+            self._latest = max(self._latest, self._last_command + 1)
+            self._status('motion_settings', '', settings_as_text(settings))
 
     def command(self, stamp: int, command: MotionCommand, settings: MotionSettings) -> None:
         """A motion was commanded; its stamp in ns is its id."""
@@ -223,18 +219,15 @@ class CellLog:
     def planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory) -> None:
         """A plan goes to the controller; its commands end at these times of it, s."""
         if self._bag is not None:
-            plan = ros.diagnostic_status('motion plan', '', self._robot, ros.OK, {'id': id_, **ends})
-            self._write('motion_plan', STATUS_TYPE, plan)
+            self._status('motion_plan', '', {'id': id_, **ends})
             message = ros.planned_trajectory(int(id_.replace('.', '')), self._joints, trajectory)
             self._write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', message)
 
     def result(self, result: MotionResult) -> None:
         """A command has its result, or a stream of references has ended."""
-        if self._bag is not None:
-            values: Mapping[str, object] = {'id': result.id, **result.details}
-            level = ros.OK if result.ok else ros.ERROR
-            status = ros.diagnostic_status('motion', result.message, self._robot, level, values)
-            self._write('motion_result', STATUS_TYPE, status)
+        values = {'id': result.id, **result.details}
+        level = ros.OK if result.ok else ros.ERROR
+        self._status('motion_result', result.message, values, level=level)
 
     def guided(self, message: GuidingMessage, type_name: str) -> None:
         """A message that guides the robot has arrived."""
@@ -255,8 +248,7 @@ class CellLog:
 
     def finished(self, *, done: bool) -> None:
         """The planner has sent a motion, or all have reached their targets."""
-        if self._bag is not None:
-            self._write('finished', 'std_msgs/msg/Bool', ros.message('std_msgs/msg/Bool', done))
+        self._plain('finished', 'std_msgs/msg/Bool', done)
 
     def progress(self, progress: float) -> None:
         """Done part of the current path."""
@@ -265,13 +257,23 @@ class CellLog:
 
     def collision_status(self, seen: CollisionStatus) -> None:
         """Write how close the robot is to something."""
+        level = {'ok': ros.OK, 'warning': ros.WARN, 'error': ros.ERROR}[seen.level]
+        self._plain('min_distance', 'std_msgs/msg/Float64', seen.distance)
+        self._status('collision_status', seen.text, seen.values, level=level)
+
+    def _plain(self, topic: str, type_name: str, value: object) -> None:
+        """Write a message of one value."""
         if self._bag is not None:
-            level = {'ok': ros.OK, 'warning': ros.WARN, 'error': ros.ERROR}[seen.level]
-            status = ros.diagnostic_status('collision', seen.text, self._robot, level, seen.values)
-            self._write(
-                'min_distance', 'std_msgs/msg/Float64', ros.message('std_msgs/msg/Float64', seen.distance)
-            )
-            self._write('collision_status', STATUS_TYPE, status)
+            self._write(topic, type_name, ros.message(type_name, value))
+
+    def _status(
+        self, topic: str, words: str, values: Mapping[str, object], *, level: int = ros.OK, owner: str = ''
+    ) -> None:
+        """Write a DiagnosticStatus of the robot, or of another owner."""
+        if self._bag is not None:
+            name = STATUS_NAMES[topic]
+            status = ros.diagnostic_status(name, words, owner or self._robot, level, values)
+            self._write(topic, STATUS_TYPE, status)
 
     def _write(self, topic: str, type_name: str, message: Any, nanoseconds: int = 0) -> None:
         assert self._bag is not None
