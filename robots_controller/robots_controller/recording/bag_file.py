@@ -8,34 +8,16 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
 
-from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat, QosDurability
+from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from robots_controller.recording.mcap_recovery import Recovered, recover_mcap
+from robots_controller.recording.bag_topic import BagTopic, latched
+from robots_controller.recording.mcap_recovery import recover_mcap
 from robots_core.errors import RobotsError
 
 STORAGE_SUFFIXES: Final = ('.mcap', '.db3')
-
-
-@dataclass(frozen=True)
-class BagTopic:
-    """A topic of a bag.
-
-    Attributes:
-        name: Its full name.
-        type: package/msg/Name.
-        latched: Its publishers latch: who comes late gets the last message.
-        definition: Text of the message definition, '' where the bag has none.
-        definition_format: Of the text: 'msg' or 'idl'.
-    """
-
-    name: str
-    type: str
-    latched: bool
-    definition: str = field(repr=False, default='')
-    definition_format: str = 'msg'
 
 
 @dataclass(frozen=True)
@@ -142,14 +124,12 @@ class _ForeignError(RobotsError):
 
 def _topic(connection: Connection) -> BagTopic:
     assert isinstance(connection.ext, ConnectionExtRosbag2)
-    profiles = connection.ext.offered_qos_profiles
-    latched = bool(profiles) and all(p.durability is QosDurability.TRANSIENT_LOCAL for p in profiles)
     definition = connection.msgdef
     known = definition.format is not MessageDefinitionFormat.NONE
     return BagTopic(
         connection.topic,
         connection.msgtype,
-        latched,
+        latched(connection.ext.offered_qos_profiles),
         definition.data if known else '',
         'idl' if definition.format is MessageDefinitionFormat.IDL else 'msg',
     )
@@ -176,7 +156,9 @@ def _recovered(path: Path, error: Exception) -> Bag:
         except Exception as file_error:
             if file.suffix != '.mcap':
                 raise RobotsError(f'{file} cannot be read: {file_error}') from file_error
-            some_topics, some = _from_recovery(found := recover_mcap(file), file)
+            found = recover_mcap(file)
+            some_topics = {topic.name: topic for topic in found.topics.values()}
+            some = [(found.topics[n].name, stamp, data) for n, stamp, data in found.messages]
             if not found.complete:
                 cut.append(f'{file.name} is damaged or cut off after {found.size} bytes')
         topics = {**some_topics, **topics}
@@ -190,28 +172,6 @@ def _recovered(path: Path, error: Exception) -> Bag:
         tuple(sorted(messages, key=lambda message: message[1])),
         f'{problem}; {len(messages)} messages could be read',
     )
-
-
-def _from_recovery(
-    found: Recovered, file: Path
-) -> tuple[dict[str, BagTopic], Iterable[tuple[str, int, bytes]]]:
-    topics = {
-        channel.topic: BagTopic(
-            channel.topic,
-            channel.type,
-            channel.latched,
-            channel.definition,
-            'idl' if channel.definition_encoding.endswith('idl') else 'msg',
-        )
-        for channel in found.channels.values()
-    }
-    if foreign := [c for c in found.channels.values() if c.encoding != 'cdr']:
-        raise RobotsError(f'{file}: {foreign[0].topic} has messages in {foreign[0].encoding!r}; read is cdr')
-    return topics, [
-        (found.channels[number].topic, stamp, data)
-        for number, stamp, data in found.messages
-        if number in found.channels
-    ]
 
 
 def _natural(path: Path) -> tuple[int, str]:

@@ -14,31 +14,11 @@ from typing import Final
 from rosbags.rosbag2.errors import ReaderError
 from rosbags.rosbag2.storage_mcap import decompress, get_qos
 
+from robots_controller.recording.bag_topic import BagTopic, latched
 from robots_core.errors import RobotsError
 
 MAGIC: Final = b'\x89MCAP0\r\n'
 _HEADER, _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _DATA_END = 0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x0F
-
-
-@dataclass(frozen=True)
-class RecoveredChannel:
-    """A topic of the file.
-
-    Attributes:
-        topic: Its name.
-        type: package/msg/Name.
-        encoding: Of its messages.
-        definition: Text of the message definition.
-        definition_encoding: ros2msg or ros2idl.
-        latched: All its publishers latch.
-    """
-
-    topic: str
-    type: str
-    encoding: str
-    definition: str
-    definition_encoding: str
-    latched: bool
 
 
 @dataclass
@@ -46,13 +26,13 @@ class Recovered:
     """Whole records of a file.
 
     Attributes:
-        channels: By their number in the file.
+        topics: By their channel's number in the file.
         messages: (channel, time of logging in ns, data), in the file's order.
         complete: The file has its end.
         size: How many bytes were whole records.
     """
 
-    channels: dict[int, RecoveredChannel] = field(default_factory=dict)
+    topics: dict[int, BagTopic] = field(default_factory=dict)
     messages: list[tuple[int, int, bytes]] = field(default_factory=list)
     complete: bool = False
     size: int = 0
@@ -119,13 +99,16 @@ def _take(operation: int, record: bytes, found: Recovered, schemas: dict[int, tu
         topic, position = _text(record, 4)
         encoding, position = _text(record, position)
         metadata_size = struct.unpack_from('<I', record, position)[0]
+        if encoding != 'cdr':
+            raise RobotsError(f'{topic} has messages in {encoding!r}; read is cdr')
         profiles = get_qos(record[position + 4 : position + 4 + metadata_size])
-        latched = bool(profiles) and all(profile.durability.name == 'TRANSIENT_LOCAL' for profile in profiles)
         name, definition_encoding, text = schemas.get(schema, ('', '', ''))
-        found.channels[number] = RecoveredChannel(topic, name, encoding, text, definition_encoding, latched)
+        kind = 'idl' if definition_encoding.endswith('idl') else 'msg'
+        found.topics[number] = BagTopic(topic, name, latched(profiles), text, kind)
     elif operation == _MESSAGE:
         number, _, stamp, _ = struct.unpack_from('<HIQQ', record)
-        found.messages.append((number, stamp, record[22:]))
+        if number in found.topics:
+            found.messages.append((number, stamp, record[22:]))
 
 
 def _text(data: bytes, position: int) -> tuple[str, int]:
