@@ -16,8 +16,8 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_core import Pose
 from robots_core.errors import InvalidInputError
-from robots_core.ros.messages import diagnostic_values, pose_from_message, stamp_id
-from robots_core.ros.qos import STATE, STREAM
+from robots_core.ros.messages import diagnostic_status, diagnostic_values, pose_from_message, stamp_id
+from robots_core.ros.qos import COMMAND, STATE, STREAM
 from robots_planning import LinearJoint
 from robots_planning.nodes.trajectory_messages import trajectory_message
 from robots_planning.trajectory import Trajectory
@@ -326,8 +326,9 @@ def test_outputs_switch_on_the_path(ros_nodes: Any, tmp_path: Path):
     bench = LuaBench(ros_nodes, tmp_path)
     bench.on_command = ignore
     trajectories = next(p for p in bench.planner.publishers if p.topic_name == '/joint_trajectory')
+    plans = bench.peer.create_publisher(DiagnosticStatus, 'motion_plan', COMMAND)
     progress = bench.peer.create_publisher(Float64, 'motion_progress', STATE)
-    for publisher in (trajectories, progress):
+    for publisher in (trajectories, plans, progress):
         bench.wait(publisher.get_subscription_count, 'a subscriber')
     bench.start("""
         ptpJointSpaceAngles({10, -90, 90, 0, 45, 0}, {on_path = {
@@ -341,6 +342,8 @@ def test_outputs_switch_on_the_path(ros_nodes: Any, tmp_path: Path):
         rest.time / rest.duration * 4.0, rest.position, 0.0 * rest.velocity, 0.0 * rest.acceleration
     )
     trajectories.publish(trajectory_message(slow, list(bench.node.robot.axes_data.names), stamp))
+    ends: dict[str, Any] = {'id': stamp_id(stamp), stamp_id(stamp): slow.duration}
+    plans.publish(diagnostic_status('motion plan', '', **ends))
     bench.wait(lambda: bench.node.host.switching._planned, 'the planned motion')
     progress.publish(Float64(data=0.70))
     progress.publish(Float64(data=0.76))
