@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.parameter import Parameter
 
 from robots_core import Pose
 from robots_core.motion_result import MotionResult
-from robots_core.ros.messages import motion_result_message, stamp_id
+from robots_core.ros.messages import diagnostic_values, motion_result_message, stamp_id
+from robots_core.ros.qos import COMMAND
 from robots_planning import verify
 from robots_planning.commands.command_queue import LONGEST_CHAIN
 
@@ -51,8 +53,14 @@ def test_blended_commands_become_one_trajectory_of_the_last_one(ros_nodes: Any) 
     targets = steps(bench, 3)
     ids = [bench.command('ptpjoint_joint', target, 5 + number) for number, target in enumerate(targets)]
     bench.wait(lambda: all(bench.node.planner.knows(id_) for id_ in ids), 'all are held')
+    plans = bench.collect('motion_plan', DiagnosticStatus, COMMAND, diagnostic_values)
+    bench.wait(lambda: bench.peer.count_publishers('motion_plan'), 'the plans are heard')
     set_zones(bench, 0.0)
     trajectory = bench.planned()
+    bench.wait(lambda: plans, 'the plan')
+    ends = [float(plans[0][id_]) for id_ in ids]
+    assert plans[0]['id'] == ids[-1]
+    assert 0.0 < ends[0] < ends[1] < ends[2] == trajectory.duration
     assert [stamp_id(message.header.stamp) for message in bench.trajectories] == ids[-1:]
     np.testing.assert_allclose(trajectory.position[-1], targets[-1], atol=1e-9)
     report = verify(trajectory, bench.robot, torque=False)
