@@ -38,8 +38,6 @@ from robots_controller.live_cell.cell_view import CellView
 from robots_controller.live_cell.node_processes import NodeProcesses
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.recording.motion_record import MOTION_TOPICS
-from robots_controller.report.run_report import run_report
-from robots_controller.report.terminal import show_verdict
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
 from robots_core.robot_choice import load_robot_model
@@ -227,6 +225,10 @@ def _close_recording(
     console.print(f'bag: {recorder.path}')
     if not program_ended:
         return EXIT_OK
+    # Loads SciPy and the reading of meshes, which the cell itself does not need.
+    from robots_controller.report.run_report import run_report  # noqa: PLC0415
+    from robots_controller.report.terminal import show_verdict  # noqa: PLC0415
+
     report = run_report(recorder.path, robot=options.robot, namespace=options.namespace)
     show_verdict(report, console)
     return EXIT_OK if report.ok else EXIT_FAILED

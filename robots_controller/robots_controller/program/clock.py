@@ -43,7 +43,7 @@ class Clock(Protocol):
         """The program calls a robot function; on a clock that stands while it computes, time may pass."""
 
     def computes(self) -> bool:
-        """The program has computed for a spell; true where time has stood since it did so last."""
+        """The program has computed for a spell; true where time has to pass for it to end."""
 
     def pass_period(self) -> None:
         """Let a period pass for a program that does not wait."""

@@ -12,6 +12,8 @@ NANOSECONDS: Final = 1_000_000_000
 CALLS_PER_PERIOD: Final = 200
 # Counted, not timed, so that each run is the same; in a live cell they take less than a millisecond.
 INSTRUCTIONS_PER_PERIOD: Final = 50_000
+# Computing between two calls takes no time; a program that goes on for longer waits in a loop for a change.
+SPELLS_WITHOUT_TIME: Final = 20
 CALLS_PERIOD: Final = 0.004  # s
 
 
@@ -40,7 +42,9 @@ class TurnClock:
         self._ended = False
         self._cell_turn = threading.Semaphore(0)
         self._calls = 0
-        self._calls_at = self._computed_at = -1
+        self._calls_at = -1
+        self._spells = 0
+        self._computed_at = -1
         self.busy = False
         """The program that waits lets time pass alone, and could go on."""
 
@@ -89,8 +93,10 @@ class TurnClock:
 
     def computes(self) -> bool:
         """See `Clock`."""
-        before, self._computed_at = self._computed_at, self._stamp()
-        return before == self._computed_at
+        if self._computed_at != self._stamp():
+            self._spells, self._computed_at = 0, self._stamp()
+        self._spells += 1
+        return self._spells > SPELLS_WITHOUT_TIME
 
     def pass_period(self) -> None:
         """See `Clock`."""
@@ -100,6 +106,7 @@ class TurnClock:
             while self.now() < end and not self._ended:
                 self.wait(self._condition, end)
         self.busy = False
+        self._computed_at = self._stamp()
 
     def program_ended(self) -> None:
         """The program will not wait any more."""

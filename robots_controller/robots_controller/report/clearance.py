@@ -24,8 +24,8 @@ class Clearance:
         smallest: Smallest distance, m; 0 in contact.
         time: When, s.
         line: Line of the motion then; 0 for none.
-        first: Who.
-        second: Who else.
+        first: Name of one part.
+        second: Name of the other part.
         curve: (time in s, distance in m), (k, 2).
     """
 
