@@ -128,6 +128,14 @@ def test_a_forced_input_is_marked_and_keeps_its_value_until_released(ros_nodes: 
     assert value.string_value == 'digital_input.1 is not forced'
 
 
+def test_an_input_may_be_called_force_and_be_forced(ros_nodes: Any):
+    panel = Panel(ros_nodes, analog_input_names=['force'])
+    assert panel.set(('analog_input.force', double(3.0))) == [(True, '')]
+    assert panel.get('force', 'analog_input.force', 'analog_input.1') == [double(3.0)] * 3
+    assert panel.set(('analog_input.force.force', double(5.0))) == [(True, 'forced')]
+    assert panel.get('force', 'force.force') == [double(5.0)] * 2
+
+
 def test_an_output_cannot_be_forced(ros_nodes: Any):
     panel = Panel(ros_nodes)
     for value in (on(), NO_VALUE):

@@ -53,7 +53,6 @@ def test_an_unknown_name_is_told_what_there_is(name: str):
             "'a' names both digital_input.1 and analog_output.2",
         ),
         ({'digital_inputs': ['a.b']}, "'a.b' cannot name digital_input.1"),
-        ({'digital_inputs': ['force']}, "'force' cannot name"),
         ({'analog_inputs': ['a', 'b', 'c']}, '3 names for 2 analog inputs'),
         ({'inputs': ['a']}, "'inputs' is no image"),
     ],

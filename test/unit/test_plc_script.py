@@ -37,12 +37,12 @@ rules:
     if: [ready is off, force above 2.5]
     set: {force: 7, ready: 1}
     for: 0.5
-""".replace('force', 'load')
+"""
     )
     (rule,) = script.rules
     assert [(c.channel.label, c.relation, c.bound) for c in rule.conditions] == [
         ('ready', 'is', 0.0),
-        ('load', 'above', 2.5),
+        ('force', 'above', 2.5),
     ]
     assert {channel.label: value for channel, value in script.initial.items()} == {'ready': 1.0}
     assert rule.duration == 0.5

@@ -62,6 +62,34 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
         ("call('missing')", 'test.lua:1: call: missing.lua: there is no program'),
         ("call '../x'", "'../x' leads out of the folder"),
         ('setSpeed(0.5, 1, 90, 4)', 'setSpeed: 4 arguments, needed are 0 to 3'),
+        (
+            'if getDigitalInput(1) == 1 then wait(1) end',
+            'getDigitalInput == 1 is always false: getDigitalInput returns true or false',
+        ),
+        ("while 'on' ~= getDigitalInput(1) do wait(1) end", "getDigitalInput ~= 'on' is always true"),
+        ('local ready = waitDigitalInput(1, 1, 2) if ready == 0 then wait(1) end', 'ready, from waitDigit'),
+        ('if getAnalogInput(1) == true then wait(1) end', 'getAnalogInput == true is always false'),
+        ('if getJointAngles() == 90 then wait(1) end', 'getJointAngles returns a table'),
+        ('wait(tiem)', 'tiem has no value: nothing gives it one'),
+        ('local speed = 1 setSpeed(speeed)', 'speeed has no value: nothing gives it one; meant is speed'),
+        ('local t = {f = function() x = 1 end, y = 2} wait(x) wait(y)', 'y has no value'),
+        (
+            'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {blnd = 0.1})',
+            'options has no blnd; valid are blend (m) and on_path',
+        ),
+        ('ptpJointSpaceAngles(1, 2, 3, 4, 5, 6, {blend = 1})', 'valid are jointBlend (deg) and on_path'),
+        (
+            'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {blend = 0})',
+            'options.blend = 0; valid is a finite number above 0',
+        ),
+        (
+            'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {on_path = {{time_before_end = 1, output = 1}}})',
+            'options.on_path[1] has output, time_before_end; valid is {distance_before_end (m)',
+        ),
+        (
+            'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {on_path = {before_end = 1, output = 1, value = 1}})',
+            'options.on_path has before_end, output, value',
+        ),
     ],
 )
 def test_problems_name_file_line_and_what_is_valid(tmp_path: Path, text: str, problem: str):
@@ -87,6 +115,13 @@ def test_problems_name_file_line_and_what_is_valid(tmp_path: Path, text: str, pr
         'goto done ::done:: local x <const> = 1',
         'setSpeed(nil, 0.1) setSpeed()',
         'wait(-1)',  # computed, though simply
+        'local v = getAnalogInput(1) if v == 1 or getDigitalInput(1) == getDigitalInput(2) then wait(1) end',
+        'local on = getDigitalInput(1) on = 1 if on == 1 then wait(1) end',
+        'if 1 == getCartesianPosition()[1] and getDigitalInput(1) == true then wait(1) end',
+        'local function getDigitalInput() return 1 end if getDigitalInput() == 1 then wait(1) end',
+        '_G.x = 1 wait(x)',
+        'for name, value in pairs {y = 1} do _G[name] = value end wait(y)',
+        'local o = {blend = 0.1, f = function(a) z = a return z end} wait(o.f(o.blend))',
     ],
 )
 def test_what_is_right_or_computed_is_left_alone(tmp_path: Path, text: str):

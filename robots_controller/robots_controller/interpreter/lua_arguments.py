@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -210,6 +210,18 @@ _BLENDS: Final = {
 }
 
 
+def option_arguments(function: LuaFunction) -> dict[str, Argument]:
+    """Options of a motion with one value each, by their names; `on_path` is a table."""
+    blend = _BLENDS[function.options]
+    return {blend.name: blend}
+
+
+def unknown_option(function: LuaFunction, key: str) -> str:
+    """That there is no such option, and which there are."""
+    valid = ', '.join(f'{name} ({argument.unit})' for name, argument in option_arguments(function).items())
+    return f'options has no {key}; valid are {valid} and on_path'
+
+
 def _check_options(function: LuaFunction, table: LuaTable, sizes: Sizes) -> MotionOptions:
     blend_argument = _BLENDS[function.options]
     blend = 0.0
@@ -220,10 +232,7 @@ def _check_options(function: LuaFunction, table: LuaTable, sizes: Sizes) -> Moti
         elif key == 'on_path':
             switches = _check_switches(function.name, given, sizes)
         else:
-            raise LuaCallError(
-                f'{function.name}: options has no {key}; valid are {blend_argument.name} '
-                f'({blend_argument.unit}) and on_path'
-            )
+            raise LuaCallError(f'{function.name}: {unknown_option(function, key)}')
     return MotionOptions(blend, switches)
 
 
@@ -243,12 +252,9 @@ def _check_switches(function: str, given: LuaArgument, sizes: Sizes) -> tuple[Pa
 
 def _check_switch(function: str, label: str, table: LuaTable | None, sizes: Sizes) -> PathSwitch:
     fields = dict(table.fields) if table is not None else {}
-    anchors = [key for key in fields if key in ANCHORS]
-    outputs = [key for key in fields if key in ('output', 'analog_output')]
-    if len(anchors) != 1 or len(outputs) != 1 or len(fields) != 3 or 'value' not in fields:
-        came = ', '.join(sorted(fields)) or 'nothing'
-        raise LuaCallError(f'{function}: options.{label} has {came}; valid is {_valid_switch()}')
-    anchor, output = anchors[0], outputs[0]
+    if (problem := wrong_switch(label, fields)) is not None:
+        raise LuaCallError(f'{function}: {problem}')
+    (anchor,), (output,) = _anchors(fields), _outputs(fields)
     kind: Any = 'digital' if output == 'output' else 'analog'
 
     def value(key: str, argument: Argument) -> float:
@@ -264,6 +270,26 @@ def _check_switch(function: str, label: str, table: LuaTable | None, sizes: Size
         ),
         value=value('value', Argument('value', 'switch' if kind == 'digital' else 'number', '', '')),
     )
+
+
+def wrong_switch(label: str, keys: Collection[str]) -> str | None:
+    """What is wrong with the keys of a table that switches an output on the path; None if nothing is.
+
+    Args:
+        label: Of the table.
+        keys: Its keys.
+    """
+    if len(_anchors(keys)) == 1 and len(_outputs(keys)) == 1 and len(keys) == 3 and 'value' in keys:
+        return None
+    return f'options.{label} has {", ".join(sorted(keys)) or "nothing"}; valid is {_valid_switch()}'
+
+
+def _anchors(keys: Collection[str]) -> list[str]:
+    return [key for key in keys if key in ANCHORS]
+
+
+def _outputs(keys: Collection[str]) -> list[str]:
+    return [key for key in keys if key in ('output', 'analog_output')]
 
 
 def _valid_switch() -> str:

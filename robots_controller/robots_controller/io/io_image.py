@@ -22,7 +22,6 @@ Direction = Literal['input', 'output']
 IMAGES: Final = ('digital_inputs', 'digital_outputs', 'analog_inputs', 'analog_outputs')
 """Names of the four images, as their topics have them."""
 
-FORCE: Final = 'force'
 _LABEL = re.compile(r'[A-Za-z_][A-Za-z0-9_]*')
 
 
@@ -277,10 +276,10 @@ def _channels(sizes: Mapping[Kind, int], labels: Mapping[str, Sequence[str]]) ->
             given += [''] * (sizes[kind] - len(given))
             for index, label in enumerate(given, 1):
                 channel = Channel(kind, direction, index, label)
-                if label and not (_LABEL.fullmatch(label) and label != FORCE):
+                if label and not _LABEL.fullmatch(label):
                     raise InvalidInputError(
                         f'{label!r} cannot name {channel.name}: a name has letters, digits and '
-                        f'underscores, begins with no digit and is not {FORCE!r}'
+                        f'underscores, and begins with no digit'
                     )
                 if label and label in taken:
                     raise InvalidInputError(

@@ -14,13 +14,15 @@ from rclpy.node import Node
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension, MultiArrayLayout, UInt8MultiArray
 from std_srvs.srv import SetBool
 
-from robots_controller.io.io_image import FORCE, IMAGES, Channel, IoImage, Kind
+from robots_controller.io.io_image import IMAGES, Channel, IoImage, Kind
 from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import diagnostic_status, doubles
 from robots_core.ros.qos import STATE, subscribe_state
 
 OUTPUT_PERIOD: Final = 0.1  # s between repetitions of the output images
 OUTPUTS: Final = tuple(name for name in IMAGES if name.endswith('outputs'))
+FORCE: Final = 'force'
+_GROUPS: Final = tuple(name.removesuffix('s') for name in IMAGES)
 _MESSAGES: Final[dict[str, Any]] = {'digital': UInt8MultiArray, 'analog': Float64MultiArray}
 _TYPE_NAMES: Final = {
     ParameterType.PARAMETER_NOT_SET: 'no value',
@@ -213,11 +215,14 @@ class IoServices:
         )
 
     def _find(self, name: str) -> tuple[Channel, bool]:
-        plain = name.removesuffix(f'.{FORCE}')
+        plain, dot, last = name.rpartition('.')
+        # A channel may be called `force` itself: `digital_input.force`.
+        if not (dot and last == FORCE) or plain in _GROUPS:
+            return self._image.find(name), False
         channel = self._image.find(plain)
-        if plain != name and channel.direction == 'output':
+        if channel.direction == 'output':
             raise InvalidInputError(f'{channel.name} is an output; only inputs can be forced')
-        return channel, plain != name
+        return channel, True
 
 
 def _kind(name: str) -> Kind:
