@@ -1,48 +1,102 @@
 """Compile what is compiled on first use, once, at build time: `python -m robots_core.warm_up`."""
 
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from importlib import import_module
+from multiprocessing import get_context
 
-from robots_core.blocks import (
-    ConstrainedInverseKinematics,
-    DampedLeastSquares,
-    FunctionDynamics,
-    NumericalDynamics,
-    RigidBodyDrive,
-)
-from robots_core.blocks.collision.joint_path import JointPath
-from robots_core.blocks.collision.scene import Scene, SceneObject
-from robots_core.blocks.collision_detection import CollisionDetection
-from robots_core.blocks.following.axis_following import AxisFollowing
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_choice import available_robot_models, load_robot_model
-from robots_core.robot_model.shapes import Sphere
+from robots_core.robot_model.base_robot_model import BaseRobotModel
 
 PERIOD = 0.004  # s
-WAY = 0.01  # rad (m)
+STEP = 0.01  # rad (m)
 
 
-def main() -> None:
-    """Use every compiled block once; the machine code stays beside the source."""
-    import_module('robots_core.robot_model.analytic.kernels')
-    robot = load_robot_model(available_robot_models()[0])
+def robot_in_use() -> BaseRobotModel:
+    """Any robot: all run the same machine code."""
+    return load_robot_model(available_robot_models()[0])
+
+
+def compile_in_parallel(jobs: Sequence[Callable[[], None]]) -> None:
+    """Run jobs that use compiled functions, each in a process of its own, and show which have ended.
+
+    The machine code stays beside the source.
+    """
+    start = time.monotonic()
+    with ProcessPoolExecutor(mp_context=get_context('spawn'), max_tasks_per_child=1) as pool:
+        running = {pool.submit(job): job.__name__.replace('_', ' ') for job in jobs}
+        for number, done in enumerate(as_completed(running), 1):
+            done.result()
+            seconds = time.monotonic() - start
+            print(f'Compiled {number} of {len(jobs)}: {running[done]} ({seconds:.0f} s)', flush=True)
+
+
+def numerical_inverse_kinematics() -> None:
+    """Iterations for one pose and for many."""
+    from robots_core.blocks import DampedLeastSquares  # noqa: PLC0415
+
+    robot = robot_in_use()
+    pose = Pose(*robot.direct_kinematics(robot.home))
+    DampedLeastSquares(robot).solve(pose, robot.home)
+    DampedLeastSquares(robot).solve_many(pose.r[None], pose.T[None], robot.home)
+
+
+def kinematics_and_dynamics() -> None:
+    """Serial chains and rigid bodies."""
+    from robots_core.blocks import FunctionDynamics, NumericalDynamics  # noqa: PLC0415
+    from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain  # noqa: PLC0415
+
+    robot = robot_in_use()
     home = robot.home
-    pose = Pose(*robot.direct_kinematics(home))
-    robot.rigid_dynamics(home, home, home)
-    DampedLeastSquares(robot).solve(pose, home)
-    DampedLeastSquares(robot).solve_many(pose.r[None], pose.T[None], home)
-    ConstrainedInverseKinematics(robot, PERIOD).step(pose, home, 0.0 * home)
-    AxisFollowing(robot.axes_data, PERIOD).step(home, 0.0 * home, home, 0.0 * home, 1.0)
     SerialChain.of(robot).forward(home)
+    robot.rigid_dynamics(home, home, home)
     FunctionDynamics(robot).accelerations(home, home, home)
     NumericalDynamics(robot).accelerations(home, home, home)
+
+
+def constrained_inverse_kinematics() -> None:
+    """The step of the inverse kinematics inside limits."""
+    from robots_core.blocks import ConstrainedInverseKinematics  # noqa: PLC0415
+
+    robot = robot_in_use()
+    pose = Pose(*robot.direct_kinematics(robot.home))
+    ConstrainedInverseKinematics(robot, PERIOD).step(pose, robot.home, 0.0 * robot.home)
+
+
+def drives_and_collision_checks() -> None:
+    """Rigid-body drives, following and distances."""
+    from robots_core.blocks import RigidBodyDrive  # noqa: PLC0415
+    from robots_core.blocks.collision.joint_path import JointPath  # noqa: PLC0415
+    from robots_core.blocks.collision.scene import Scene, SceneObject  # noqa: PLC0415
+    from robots_core.blocks.collision_detection import CollisionDetection  # noqa: PLC0415
+    from robots_core.blocks.following.axis_following import AxisFollowing  # noqa: PLC0415
+    from robots_core.robot_model.shapes import Sphere  # noqa: PLC0415
+
+    robot = robot_in_use()
+    home = robot.home
+    AxisFollowing(robot.axes_data, PERIOD).step(home, 0.0 * home, home, 0.0 * home, 1.0)
     RigidBodyDrive(robot, home, period=PERIOD)
     collision = CollisionDetection(robot, scene=Scene((SceneObject('ball', Sphere(0.1), Pose.identity()),)))
     collision.distance(home)
-    path = JointPath.straight(home, home + WAY)
+    path = JointPath.straight(home, home + STEP)
     collision.first_approach(path)
     collision.closest_approach(path)
 
 
+def analytic_inverse_kinematics() -> None:
+    """All closed forms, compiled with their signatures."""
+    import_module('robots_core.robot_model.analytic.kernels')
+
+
 if __name__ == '__main__':
-    main()
+    compile_in_parallel(
+        (
+            constrained_inverse_kinematics,
+            numerical_inverse_kinematics,
+            drives_and_collision_checks,
+            kinematics_and_dynamics,
+            analytic_inverse_kinematics,
+        )
+    )

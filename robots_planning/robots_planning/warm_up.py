@@ -4,7 +4,8 @@ import numpy as np
 
 from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.pose import Pose
-from robots_core.robot_choice import available_robot_models, load_robot_model
+from robots_core.validation import Array
+from robots_core.warm_up import STEP, compile_in_parallel, robot_in_use
 from robots_planning.path_kinematics.path_following_kernel import stand_still, stays_inside
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.paths.cartesian_line import CartesianLine
@@ -16,26 +17,41 @@ from robots_planning.trajectory_generators.linear_joint import LinearJoint
 from robots_planning.trajectory_generators.linear_joint_axes import LinearJointAxes
 from robots_planning.trajectory_generators.spline_cartesian import SplineCartesian
 
-STEP = 0.01  # m
 
-
-def main() -> None:
-    """Use every compiled planner once; the machine code stays beside the source."""
-    robot = load_robot_model(available_robot_models()[0])
+def _start() -> Array:
+    """In the middle of the ranges or of a turn, off the straight arm and the straight wrist."""
+    robot = robot_in_use()
     axes = robot.axes_data
-    # In the middle of the ranges or of a turn, off the straight arm and the straight wrist.
     low, high = np.maximum(axes.lower, -np.pi), np.minimum(axes.upper, np.pi)
-    start = np.clip(robot.home + 0.05 * (high - low), axes.lower, axes.upper)
-    pose = Pose(*robot.direct_kinematics(start))
-    near = Pose(pose.r + STEP, pose.T)
+    return np.clip(robot.home + 0.05 * (high - low), axes.lower, axes.upper)
+
+
+def _poses() -> tuple[Pose, Pose]:
+    """At the start, and near it."""
+    pose = Pose(*robot_in_use().direct_kinematics(_start()))
+    return pose, Pose(pose.r + STEP, pose.T)
+
+
+def joint_motions() -> None:
+    """From rest and out of motions."""
+    robot, start = robot_in_use(), _start()
     for joint_planner in (LinearJoint, LinearJointAxes):
         joint_planner(robot).generate(start, robot.home)
-        joint_planner(robot).generate(start, robot.home, q_dot_start=STEP * axes.velocity)
-    LinearCartesianLimited(robot).generate(start, near)
-    LinearCartesianLimited(robot, jerk_limited=True).generate(start, near)
+        joint_planner(robot).generate(start, robot.home, q_dot_start=STEP * robot.axes_data.velocity)
+
+
+def lines_at_limited_speed() -> None:
+    """Without and with limits of the jerk."""
+    for jerk_limited in (False, True):
+        LinearCartesianLimited(robot_in_use(), jerk_limited=jerk_limited).generate(_start(), _poses()[1])
+
+
+def paths_at_the_limits_of_the_axes() -> None:
+    """Lines and splines, and the departure from singularities."""
+    robot, start, (pose, near) = robot_in_use(), _start(), _poses()
     LinearCartesianDynamicProgramming(robot).generate(start, near)
-    # Used out of singularities only.
-    line, limits = CartesianLine(pose, near), np.array([axes.lower, axes.upper])
+    line = CartesianLine(pose, near)
+    limits = np.array([robot.axes_data.lower, robot.axes_data.upper])
     ends, still = start[None], np.empty(1, dtype=np.bool_)
     stand_still(SerialChain.of(robot).arrays, limits, line.arrays, 0.0, start, ends, still)
     stays_inside(limits, PathInverseKinematics(robot).follow(line, start).samples)
@@ -43,4 +59,4 @@ def main() -> None:
 
 
 if __name__ == '__main__':
-    main()
+    compile_in_parallel((paths_at_the_limits_of_the_axes, lines_at_limited_speed, joint_motions))
