@@ -32,7 +32,7 @@ class JointLimitError(InvalidInputError):
 
     def __init__(self, joint: str, value: float, lower: float, upper: float, *, unit: str = 'rad') -> None:
         super().__init__(
-            f'{joint} = {value:.6g} {unit} is outside its limits [{lower:.6g}, {upper:.6g}] {unit}',
+            f'{joint} = {value:.9g} {unit} is outside its limits [{lower:.9g}, {upper:.9g}] {unit}',
             joint=joint,
             value=value,
             lower=lower,

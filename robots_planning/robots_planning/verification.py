@@ -245,9 +245,6 @@ def _range(lower: Array, upper: Array) -> tuple[Array, Array]:
 def _worst(quantity: str, robot: BaseRobotModel, samples: _Samples) -> LimitUse:
     t, ratio, value, limit = samples
     row, axis = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
-    position = 'm' if robot.axes_data.prismatic[axis] else 'rad'
-    units = {'position': '', 'velocity': '/s', 'acceleration': '/s^2', 'jerk': '/s^3'}
-    force = 'N' if robot.axes_data.prismatic[axis] else 'N m'
     return LimitUse(
         quantity=quantity,
         ratio=float(ratio[row, axis]),
@@ -255,7 +252,7 @@ def _worst(quantity: str, robot: BaseRobotModel, samples: _Samples) -> LimitUse:
         time=float(t[row] if t.ndim == 1 else t[row, axis]),
         value=float(value[row, axis]),
         limit=float(np.broadcast_to(limit, ratio.shape)[row, axis]),
-        unit=force if quantity == 'torque' else position + units[quantity],
+        unit=robot.axes_data.unit(int(axis), quantity),
     )
 
 

@@ -19,7 +19,7 @@ WRONG_PROGRAMS = {
     'runtime': ('local x = nil\nx.y = 1', 'wrong.lua:2: '),
     'limit': (
         'ptpJointSpaceAngles(0, 10, 45, 0, 45, 0)',
-        'A2 = 10.0 deg is outside its limits [-140.0, -5.0] deg',
+        'A2 = 10 deg is outside its limits [-140, -5] deg',
     ),
 }
 

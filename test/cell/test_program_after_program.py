@@ -24,7 +24,7 @@ WRONG = [
     ('local t = nil\nt.x = 1', "2: attempt to index a nil value (local 't')"),
     ('ptpCartesianSpace(9, 9, 9, 0, 0, 0)', '1: ptpCartesianSpace: '),
     ('ptpJointSpaceAngles(0/0, 0, 0, 0, 0, 0, 0)', '1: ptpJointSpaceAngles: '),
-    ('ptpJointSpaceAngles(0, 0, 0, 999, 0, 0, 0)', 'J4 = 999.0 deg is outside its limits ['),
+    ('ptpJointSpaceAngles(0, 0, 0, 999, 0, 0, 0)', 'J4 = 999 deg is outside its limits ['),
     ('ptpJointSpaceAngles(0, 0)', '1: ptpJointSpaceAngles: '),
     ('setDigitalOutput(99, 1)', '1: setDigitalOutput: '),
     ('error("my own words")', 'my own words'),

@@ -66,7 +66,7 @@ def test_status_names_line_source_and_error(ros_nodes: Any, tmp_path: Path):
     bench = LuaBench(ros_nodes, tmp_path)
     bench.on_command = lambda id_: bench.answer(
         id_,
-        'A2 = 0.2 rad is outside its limits [-2.4, -0.1] rad',
+        'A2 = 0.174532925 rad is outside its limits [-2.44346095, -0.0872664626] rad',
         ok=False,
         joint='A2',
         value=str(np.radians(10.0)),
@@ -81,7 +81,7 @@ def test_status_names_line_source_and_error(ros_nodes: Any, tmp_path: Path):
         'file': 'test.lua',
         'line': '2',
         'source': MOVE,
-        'error': 'test.lua:2: ptpJointSpaceAngles: A2 = 10.0 deg is outside its limits [-140.0, -5.0] deg',
+        'error': 'test.lua:2: ptpJointSpaceAngles: A2 = 10 deg is outside its limits [-140, -5] deg',
         'motion': bench.command_id(),
         'motion_file': 'test.lua',
         'motion_line': '2',

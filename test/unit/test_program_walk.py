@@ -48,7 +48,7 @@ def test_every_bad_motion_is_told_with_its_line_not_only_the_first(tmp_path: Pat
     lines = told(walk(tmp_path, program))
     assert len(lines) == 3
     assert lines[0].startswith('p.lua:2: ptpCartesianSpace: unreachable: ')
-    assert lines[1].startswith('p.lua:3: ptpJointSpaceAngles: A1 = 6.98132 rad is outside its limits')
+    assert lines[1].startswith('p.lua:3: ptpJointSpaceAngles: A1 = 400 deg is outside its limits')
     assert lines[2].startswith('p.lua:5: ')
     assert 'singular' in lines[2]
 
@@ -134,6 +134,6 @@ def test_the_command_walks_when_it_is_asked_to(tmp_path: Path, capsys: pytest.Ca
     assert main([str(program)]) == 0
     assert main([str(program), '--walk']) == 1
     shown = capsys.readouterr()
-    assert shown.out.startswith('p.lua:1: ptpJointSpaceAngles: A1 = 6.98132 rad')
+    assert shown.out.startswith('p.lua:1: ptpJointSpaceAngles: A1 = 400 deg')
     assert 'walked with 1 combinations' in shown.err
     assert main([str(program), '--scene', str(tmp_path / 'none.yaml')]) == 2

@@ -237,7 +237,7 @@ def test_an_error_names_the_line_as_in_a_live_cell(tmp_path: Path):
     run = run_text(tmp_path, 'wait(0.1)\nptpJointSpaceAngles(0, 500, 0, 0, 0, 0)')
     assert run.state == 'FAILED'
     assert str(run.error) == (
-        'program.lua:2: ptpJointSpaceAngles: A2 = 500.0 deg is outside its limits [-140.0, -5.0] deg'
+        'program.lua:2: ptpJointSpaceAngles: A2 = 500 deg is outside its limits [-140, -5] deg'
     )
     assert run.events[-1] == ProgramStateChanged(pytest.approx(0.1), 'FAILED')
     assert not run.motions[0].ok

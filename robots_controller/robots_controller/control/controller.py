@@ -315,9 +315,10 @@ class Controller:
         worst = int(error.argmax())
         if error[worst] <= self.settings.following_error:
             return None
+        unit = self._axes.unit(worst)
         return (
-            f'{self._axes.names[worst]} is {error[worst]:.4g} {self._axes.unit(worst)} behind its '
-            f'reference, allowed is {self.settings.following_error:g}: does the drive follow?'
+            f'{self._axes.names[worst]} is {error[worst]:.4g} {unit} behind its reference, allowed is '
+            f'{self.settings.following_error:g} {unit}: does the drive follow?'
         )
 
     def _settle(self, motion: FollowedMotion, now: float) -> None:
@@ -332,12 +333,13 @@ class Controller:
             self._finish(motion, now, 'reached', ok=True)
         elif now - motion.settling_since > self.settings.settling_time:
             worst = int(error.argmax())
+            unit = self._axes.unit(worst)
             self._finish(
                 motion,
                 now,
-                f'{self._axes.names[worst]} stands {error[worst]:.3g} {self._axes.unit(worst)} from its '
+                f'{self._axes.names[worst]} stands {error[worst]:.3g} {unit} from its '
                 f'target after {self.settings.settling_time:g} s, '
-                f'allowed is {self.settings.goal_tolerance:g}',
+                f'allowed is {self.settings.goal_tolerance:g} {unit}',
                 ok=False,
             )
 

@@ -66,8 +66,8 @@ class LimitGuard:
         n = self._axes.num_axes
         axis = index % n
         quantity = ('position', 'velocity', 'acceleration', 'velocity', 'acceleration')[index // n]
+        unit = self._axes.unit(axis, quantity)
         return (
-            f'{quantity} of {self._axes.names[axis]} is {self._values[index]:.6g}, '
-            f'allowed is [{self._low[index]:.6g}, {self._high[index]:.6g}] '
-            f'(unit: {self._axes.unit(axis)}, s)'
+            f'{quantity} of {self._axes.names[axis]} is {self._values[index]:.6g} {unit}, '
+            f'allowed is [{self._low[index]:.6g}, {self._high[index]:.6g}] {unit}'
         )

@@ -52,9 +52,10 @@ class StreamPoint:
             inside = np.abs(values) <= limit * (1.0 + TOLERANCE)
             if not inside.all():
                 worst = int(np.flatnonzero(~inside)[0])
+                unit, bound = axes.unit(worst, name), limit[worst]
                 raise InvalidInputError(
-                    f'{name} of {axes.names[worst]} is {values[worst]:.6g}, allowed is +-{limit[worst]:.6g} '
-                    f'({axes.unit(worst)}, s)',
+                    f'{name} of {axes.names[worst]} is {values[worst]:.6g} {unit}, allowed is '
+                    f'[{-bound:.6g}, {bound:.6g}] {unit}',
                     joint=axes.names[worst],
                 )
         if not self.due - now <= FARTHEST_DUE + TOLERANCE:

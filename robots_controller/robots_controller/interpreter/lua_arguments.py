@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from robots_controller.degrees import to_si
 from robots_controller.interpreter.lua_functions import (
     ANCHORS,
     COMPARISONS,
@@ -14,7 +15,6 @@ from robots_controller.interpreter.lua_functions import (
     Argument,
     Kind,
     LuaFunction,
-    to_si,
 )
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
 from robots_controller.program.motion_command import PathSwitch

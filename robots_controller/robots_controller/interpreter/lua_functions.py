@@ -1,22 +1,16 @@
 """The functions of robot programs (paper, table 2, and more in its style).
 
 `LUA_FUNCTIONS` describes each once: registration, argument checks, the reference, the editor's help and the
-check of a program are made from it. Programs speak degrees and metres; this is the one file that knows
-degrees.
+check of a program are made from it.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
 
-import numpy as np
-
-from robots_core.errors import RobotsError
-from robots_core.validation import Array
 from robots_planning.motion_kinds import KIND_OF_FUNCTION
 
 Kind = Literal[
@@ -344,52 +338,3 @@ PAPER_FUNCTIONS: Final = (
     'print',
 )
 """Those of the paper's table 2."""
-
-
-# -- degrees ------------------------------------------------------------------------------------------
-
-
-def to_si(value: float, unit: str, *, sliding: bool = False) -> float:
-    """A program's number in SI units: radians for degrees.
-
-    Args:
-        value: As the program wrote it.
-        unit: The argument's.
-        sliding: It belongs to an axis that slides, so that 'deg (m)' means metres.
-    """
-    return math.radians(value) if unit.startswith('deg') and not sliding else value
-
-
-def joints_to_program(q: Array, prismatic: tuple[bool, ...]) -> tuple[float, ...]:
-    """Joint positions (n,) as a program has them: degrees, metres for sliding axes."""
-    slides = prismatic or (False,) * q.size
-    return tuple(float(v) if s else math.degrees(v) for v, s in zip(q, slides, strict=True))
-
-
-def pose_to_program(r: Array, angles: Array) -> tuple[float, ...]:
-    """Position (3,) m and orientation angles (3,) rad as a program has them."""
-    return (*map(float, r), *map(math.degrees, angles))
-
-
-def in_degrees(error: RobotsError) -> str:
-    """The error's message as a program's author writes angles: in degrees.
-
-    An error with details `joint`, `value`, `lower`, `upper` and `unit` 'rad' is said anew; others keep
-    their words. The details may be text, as they are in messages.
-    """
-    details = error.details
-    if details.get('unit') != 'rad' or not {'joint', 'value', 'lower', 'upper'} <= details.keys():
-        return error.message
-    try:
-        value, lower, upper = np.degrees([float(details[key]) for key in ('value', 'lower', 'upper')])
-    except ValueError:
-        return error.message
-    return (
-        f'{details["joint"]} = {_angle(value)} deg is outside its limits '
-        f'[{_angle(lower)}, {_angle(upper)}] deg'
-    )
-
-
-def _angle(degrees: float) -> str:
-    # Six decimals are finer than any robot's resolution and hide the rounding of radians.
-    return str(round(float(degrees), 6))

@@ -9,13 +9,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from robots_controller.degrees import in_degrees, joints_to_program, pose_to_program
 from robots_controller.interpreter.lua_arguments import Arguments, Sizes, check_arguments
-from robots_controller.interpreter.lua_functions import (
-    LUA_FUNCTIONS,
-    in_degrees,
-    joints_to_program,
-    pose_to_program,
-)
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, Result, Waiting
 from robots_controller.program.cell_port import CellPort
 from robots_controller.program.guided_motion import GuidedMotion
@@ -129,7 +125,7 @@ class RobotFunctions:
             if isinstance(result, Generator):
                 result = yield from result
         except RobotsError as error:
-            raise LuaCallError(f'{name}: {error}') from error
+            raise LuaCallError(f'{name}: {in_degrees(str(error))}') from error
         return result
 
     def finish(self) -> Waiting:
@@ -251,7 +247,7 @@ class RobotFunctions:
     ) -> LuaCallError:
         self.target.forget()
         where = command.function if command is current else f'{command.function} of line {command.line}'
-        self.error, self.error_text = error, f'{where}: {in_degrees(error)}'
+        self.error, self.error_text = error, f'{where}: {in_degrees(error.message)}'
         return LuaCallError(self.error_text)
 
     # -- interrupts -----------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
-from robots_controller.interpreter.lua_functions import joints_to_program
+from robots_controller.degrees import in_degrees, joints_to_program
 from robots_controller.live_cell.cell_events import (
     Event,
     MotionCommanded,
@@ -108,7 +108,7 @@ class CellView:
             where = f'  [link={event.url}]{event.url}[/link]' if event.url else ''
             self._print(f'  [green]ready[/]  {event.node}{where}')
         elif not event.ok and event.node not in self._waiting and self._is_news(event):
-            self._print(f'  [yellow]{event.node}: {escape(event.message)}[/]')
+            self._print(f'  [yellow]{event.node}: {escape(in_degrees(event.message))}[/]')
 
     def _is_news(self, event: NodeHealth) -> bool:
         """Not said of this node within the last seconds; trouble tends to repeat itself."""
@@ -150,7 +150,7 @@ class CellView:
             duration = float(event.details.get('duration', 'nan'))
             self._print(f'{MARGIN}[green]{event.message}[/] after {duration:.2f} s')
         else:
-            self._print(f'{MARGIN}[yellow]stopped: {escape(event.message)}[/]')
+            self._print(f'{MARGIN}[yellow]stopped: {escape(in_degrees(event.message))}[/]')
 
     def _show_running(self) -> None:
         """A bar for the oldest motion that is planned and has not ended."""

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from robots_controller.degrees import in_degrees
 from robots_core.blocks.visualizer import reach
 from robots_core.errors import RobotsError, UnreachablePoseError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -30,7 +31,8 @@ def motion_problems(robot: BaseRobotModel, motion: PlannedMotion) -> Iterator[st
 
 def refusal(error: RobotsError) -> str:
     """Why a motion was refused, with the kind of the problem."""
-    return f'unreachable: {error}' if isinstance(error, UnreachablePoseError) else str(error)
+    reason = in_degrees(str(error))
+    return f'unreachable: {reason}' if isinstance(error, UnreachablePoseError) else reason
 
 
 def _singular_passage(robot: BaseRobotModel, motion: PlannedMotion) -> Iterator[str]:

@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from robots_controller.degrees import in_degrees
 from robots_controller.recording.motion_record import MotionRecord
 from robots_controller.report.deciding_limit import DecidingLimit, deciding_limit
 from robots_controller.report.path_accuracy import distance_to_path, line_deviation, zone_distances
@@ -129,7 +130,7 @@ def motion_figures(run: RecordedRun, signals: RunSignals) -> tuple[MotionFigures
         figures = _figures(run, signals, motion, after) if motion.moved else MotionFigures(motion)
         problems = _problems(figures)
         if not motion.ok and not run.finished:
-            problems.insert(0, motion.message)
+            problems.insert(0, in_degrees(motion.message))
         found.append(replace(figures, problem='; '.join(problems)))
     return tuple(found)
 

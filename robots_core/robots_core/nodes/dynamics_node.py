@@ -183,7 +183,7 @@ class DynamicsNode(RobotNode):
         axes = self.robot.axes_data
         part = np.abs(tau) / axes.effort
         worst = int(part.argmax())
-        name, unit = axes.names[worst], 'N' if axes.prismatic[worst] else 'N m'
+        name, unit = axes.names[worst], axes.unit(worst, 'torque')
         values: dict[str, Any] = {
             'joint': name,
             'torque': float(tau[worst]),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +14,12 @@ from robots_core.validation import Array, finite_vector, read_only
 
 # Limits are inclusive; a value computed to lie on a limit may exceed it by rounding.
 LIMIT_TOLERANCE = 1e-9
+_PER_TIME: Final[Mapping[str, str]] = {
+    'position': '',
+    'velocity': '/s',
+    'acceleration': '/s^2',
+    'jerk': '/s^3',
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,9 +117,17 @@ class AxesData:
         ratio = np.where(np.isnan(self.gear_ratio), 0.0, self.gear_ratio)
         return np.asarray(ratio**2 * self.rotor_inertia)
 
-    def unit(self, index: int) -> str:
-        """Unit of the position of axis `index`: 'rad' or 'm'."""
-        return 'm' if self.prismatic[index] else 'rad'
+    def unit(self, index: int, quantity: str = 'position') -> str:
+        """Unit of axis `index`: 'rad' or 'm' of its position, and so on.
+
+        Args:
+            index: Which axis.
+            quantity: 'position', 'velocity', 'acceleration', 'jerk' or 'torque'.
+        """
+        slides = self.prismatic[index]
+        if quantity == 'torque':
+            return 'N' if slides else 'N m'
+        return ('m' if slides else 'rad') + _PER_TIME[quantity]
 
     def check_position(self, q: ArrayLike, name: str = 'q') -> Array:
         """`q` as (n,) array, if it lies inside the limits.

@@ -344,7 +344,7 @@ class TimeOptimalTiming:
         tau = self._robot.rigid_dynamics(q, still, still)[2]
         axis = int(np.argmax(np.abs(tau / self._effort)))
         axes = self._robot.axes_data
-        unit = 'N' if axes.prismatic[axis] else 'N m'
+        unit = axes.unit(axis, 'torque')
         return PlanningError(
             f'{axes.names[axis]} cannot hold the robot at {100.0 * s:.1f} % of the path: gravity asks for '
             f'{abs(tau[axis]):.6g} {unit}, its limit is {self._effort[axis]:.6g} {unit}; choose another '

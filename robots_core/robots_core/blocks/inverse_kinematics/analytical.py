@@ -129,8 +129,8 @@ class AnalyticalInverseKinematic:
         name, value = axes.names[axis], float(branches[branch, axis])
         lower, upper = float(axes.lower[axis]), float(axes.upper[axis])
         return UnreachablePoseError(
-            f'{where}: no solution inside the limits{asked}; the nearest needs {name} = {value:.6g} rad, '
-            f'its limits are [{lower:.6g}, {upper:.6g}] rad',
+            f'{where}: no solution inside the limits{asked}; the nearest needs {name} = {value:.9g} rad, '
+            f'its limits are [{lower:.9g}, {upper:.9g}] rad',
             joint=name,
             value=value,
             lower=lower,

@@ -1,0 +1,57 @@
+"""Degrees: what robot programs write, and what is shown of them. Everything else counts in radians."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Final
+
+from robots_core.validation import Array
+
+_NUMBER: Final = r'[-+]?(?:inf|\d+(?:\.\d+)?(?:e[-+]?\d+)?)'
+# `rad (m)` is of axes that turn or slide, nobody says which.
+_ANGLE: Final = re.compile(
+    rf'(?P<value>{_NUMBER}|\[{_NUMBER}, {_NUMBER}\]) rad(?P<derivative>/s(?:\^\d)?)?(?!\w| \(m\))'
+)
+_FEWEST_DIGITS: Final = 5  # fewer are of numbers that end in zeros, which were dropped
+
+
+def to_si(value: float, unit: str, *, sliding: bool = False) -> float:
+    """A program's number in SI units: radians for degrees.
+
+    Args:
+        value: As the program wrote it.
+        unit: The argument's.
+        sliding: It belongs to an axis that slides, so that 'deg (m)' means metres.
+    """
+    return math.radians(value) if unit.startswith('deg') and not sliding else value
+
+
+def joints_to_program(q: Array, prismatic: tuple[bool, ...]) -> tuple[float, ...]:
+    """Joint positions (n,) as a program has them: degrees, metres for sliding axes."""
+    slides = prismatic or (False,) * q.size
+    return tuple(float(v) if s else math.degrees(v) for v, s in zip(q, slides, strict=True))
+
+
+def pose_to_program(r: Array, angles: Array) -> tuple[float, ...]:
+    """Position (3,) m and orientation angles (3,) rad as a program has them."""
+    return (*map(float, r), *map(math.degrees, angles))
+
+
+def in_degrees(text: str) -> str:
+    """A message with its angles in degrees.
+
+    Messages of planners and controllers count in radians; whatever shows one to a program or its author
+    passes it through here.
+    """
+    return _ANGLE.sub(
+        lambda found: f'{re.sub(_NUMBER, _converted, found["value"])} deg{found["derivative"] or ""}',
+        text,
+    )
+
+
+def _converted(found: re.Match[str]) -> str:
+    text = found.group()
+    digits = max(len(re.sub(r'e.*|\D', '', text).lstrip('0')) - 1, _FEWEST_DIGITS)
+    sign = '+' if text.startswith('+') else ''
+    return f'{math.degrees(float(text)):{sign}.{digits}g}'

@@ -1,0 +1,48 @@
+"""Degrees: messages that count in radians, as programs write angles."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from robots_controller.degrees import in_degrees
+from robots_core.errors import JointLimitError
+
+
+@pytest.mark.parametrize(
+    ('message', 'expected'),
+    [
+        (
+            str(JointLimitError('A2', *np.radians([10.0, -140.0, -5.0]).tolist())),
+            'A2 = 10 deg is outside its limits [-140, -5] deg',
+        ),
+        (
+            'the closest pose found is 20.1 mm and 0.0349 rad off',
+            'the closest pose found is 20.1 mm and 1.9996 deg off',
+        ),
+        ('A1 velocity 3.14159 rad/s at 0.2 s', 'A1 velocity 180 deg/s at 0.2 s'),
+        (
+            'jerk of A1 is -1.5708e+03 rad/s^3, allowed is [-inf, 0.5] rad/s^3',
+            'jerk of A1 is -90000 deg/s^3, allowed is [-inf, 28.648] deg/s^3',
+        ),
+        (
+            str(JointLimitError('A4', *np.radians([180.0004, -180.0, 180.0]).tolist())),
+            'A4 = 180.0004 deg is outside its limits [-180, 180] deg',
+        ),
+        ('starts +0.0174533 rad from where', 'starts +1 deg from where'),
+        ('at 12.5 % of its 0.300 m, 0.500 rad: it', 'at 12.5 % of its 0.300 m, 28.648 deg: it'),
+        ('position jumps by 0.01 rad (m) at 0.1 s', 'position jumps by 0.01 rad (m) at 0.1 s'),
+        ('J1 = 0.5 m of 3 radii, no_1 radar', 'J1 = 0.5 m of 3 radii, no_1 radar'),
+    ],
+)
+def test_angles_in_messages_are_shown_in_degrees(message: str, expected: str):
+    assert in_degrees(message) == expected
+    assert in_degrees(expected) == expected
+
+
+@given(st.floats(-1e4, 1e4))
+def test_an_angle_that_a_program_wrote_comes_back_to_five_digits(angle: float):
+    shown = in_degrees(f'A1 = {np.radians(angle):.6g} rad').removeprefix('A1 = ').removesuffix(' deg')
+    assert float(shown) == pytest.approx(angle, rel=5.1e-5, abs=1e-300)
