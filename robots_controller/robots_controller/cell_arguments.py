@@ -1,7 +1,5 @@
 """What the command lines of `cell` and `simulate` have in common."""
 
-from __future__ import annotations
-
 import argparse
 import atexit
 import gc

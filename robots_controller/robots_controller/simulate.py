@@ -1,7 +1,5 @@
 """simulate: run a robot program in a simulated cell, faster than real time."""
 
-from __future__ import annotations
-
 import signal
 import threading
 from collections.abc import Callable, Iterator

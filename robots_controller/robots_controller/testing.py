@@ -6,8 +6,6 @@ Example:
         assert_bag_matches(tmp_path / 'bag', 'expected/bag', 'expected/tolerances.yaml')
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """Orientations: matrices from and to orientation angles, quaternions and rotation vectors."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import atan2, cos, hypot, sin
 from types import MappingProxyType

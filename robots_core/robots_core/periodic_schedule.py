@@ -1,7 +1,5 @@
 """PeriodicSchedule: which multiples of a period are due, on a clock that is handed in."""
 
-from __future__ import annotations
-
 from typing import Final
 
 # Past this many missed periods a loop starts a new schedule instead of catching up in a burst.

@@ -1,7 +1,5 @@
 """A thread that calls a function on absolute deadlines."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Plugins of third parties, found through entry points."""
 
-from __future__ import annotations
-
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 

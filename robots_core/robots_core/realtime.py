@@ -1,7 +1,5 @@
 """What a thread that keeps time asks of the system, which may not permit it."""
 
-from __future__ import annotations
-
 import os
 import struct
 import threading

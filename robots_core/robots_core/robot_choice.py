@@ -1,7 +1,5 @@
 """The paper's robotChoice: robots by name, found through entry points."""
 
-from __future__ import annotations
-
 import inspect
 from pathlib import Path
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """Rounding that does not contradict a verdict."""
 
-from __future__ import annotations
-
 from typing import Final
 
 MOST_DIGITS: Final = 12

@@ -3,8 +3,6 @@
 Writes `allowed_pairs.yaml` into the robot's folder. To be run again when its shapes, axes or limits change.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections import Counter
 from collections.abc import Sequence

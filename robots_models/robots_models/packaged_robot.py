@@ -1,7 +1,5 @@
 """PackagedRobot: a robot whose folder holds `robot.urdf`, `joint_limits.yaml` and `meshes/`."""
 
-from __future__ import annotations
-
 from importlib.resources import as_file, files
 from typing import ClassVar
 

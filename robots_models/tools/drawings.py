@@ -1,7 +1,5 @@
 """The drawings of all robots of this package, in base coordinates."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from types import MappingProxyType

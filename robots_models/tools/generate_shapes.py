@@ -4,8 +4,6 @@ Writes the parts of its drawing to `meshes/` in the robot's folder and names the
 before is replaced. The meshes are installed, these tools are not.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Sequence
 from pathlib import Path

@@ -4,8 +4,6 @@ Every solid is a loft: outlines with equally many points, joined one to the next
 All lengths are in metres.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal

@@ -1,7 +1,5 @@
 """Jogging: a stream of references from a `TeachBox` while somebody jogs."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from functools import partial

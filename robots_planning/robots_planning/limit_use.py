@@ -1,7 +1,5 @@
 """LimitUse: how much of a limit a trajectory uses."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

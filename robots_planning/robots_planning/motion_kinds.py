@@ -1,7 +1,5 @@
 """MotionKind: the kinds of motion that can be commanded, in one table."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """SlowedRobot: a robot that is taken to be slower than it is."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from robots_core.robot_model.axes_data import AxesData

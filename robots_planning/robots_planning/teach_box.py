@@ -1,7 +1,5 @@
 """TeachBox: slow jogging of the axes or of the tool, as with the hand-held box of a robot."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """The speeds of a tool centre point on a trajectory, each part by the tool that moves on it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

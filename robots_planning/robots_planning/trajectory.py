@@ -1,7 +1,5 @@
 """Trajectory: joint positions, velocities and accelerations over time."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Trajectories of others: from waypoints with times to a Trajectory."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 

@@ -1,7 +1,5 @@
 """Brake: stops the robot off its path."""
 
-from __future__ import annotations
-
 import numpy as np
 from ruckig import ControlInterface, InputParameter, OutputParameter, Ruckig, Synchronization
 

@@ -1,7 +1,5 @@
 """ControlLoop: one period of the controller after the other, whatever the transport is."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from functools import partial

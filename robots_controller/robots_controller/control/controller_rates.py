@@ -1,7 +1,5 @@
 """ControllerRates: how often the controller does what need not be done in every period."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_controller.control.controller import Controller, ControllerState

@@ -1,7 +1,5 @@
 """ControllerSettings: how the controller works."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from robots_core.validation import positive

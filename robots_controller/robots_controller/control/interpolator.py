@@ -1,7 +1,5 @@
 """Interpolator: the moving average that makes a smooth reference of the sampled trajectory."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robots_core.errors import InvalidInputError

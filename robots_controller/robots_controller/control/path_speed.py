@@ -1,7 +1,5 @@
 """PathSpeed: how fast the path time runs, for override, pause and stop on the path."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

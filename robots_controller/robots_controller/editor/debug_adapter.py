@@ -5,8 +5,6 @@ type definitions that bring pydantic with them (dap-python, dap-types), or debug
 Protocol: https://microsoft.github.io/debug-adapter-protocol/specification
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import os

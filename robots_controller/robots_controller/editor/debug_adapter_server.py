@@ -1,7 +1,5 @@
 """DebugAdapterServer: the socket at which editors connect to debug a robot program."""
 
-from __future__ import annotations
-
 import contextlib
 import socket
 import threading

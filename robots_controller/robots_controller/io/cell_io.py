@@ -1,7 +1,5 @@
 """CellIo: with whom the inputs and outputs of a cell are connected, and what its channels are called."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Values between channels and messages: scale, bits, debounce and fail-safe; the time is handed in."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """IoMap: which channel of the robot is which field of which external topic, read from YAML."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

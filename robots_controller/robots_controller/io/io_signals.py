@@ -1,7 +1,5 @@
 """Names of inputs and outputs in files: `signals: {press_ready: digital_input.1}`."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from typing import Final, get_args

@@ -1,7 +1,5 @@
 """PlcCycle: a scripted PLC with an input image, as a PLC works: it reads, then it acts."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from robots_controller.io.io_image import Channel

@@ -1,7 +1,5 @@
 """PlcScript: what a scripted PLC does when outputs and inputs change, read from YAML."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """ScriptedPlc: plays a PlcScript against outputs; the time is handed in."""
 
-from __future__ import annotations
-
 import heapq
 import math
 from collections.abc import Mapping

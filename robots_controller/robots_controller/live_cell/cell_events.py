@@ -1,7 +1,5 @@
 """Events of a running cell: what the monitor hears and the view shows."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from robots_core.pose import Pose

@@ -1,7 +1,5 @@
 """CellListener: the nodes of the process `cell` itself, spun by a thread."""
 
-from __future__ import annotations
-
 import contextlib
 import sys
 import threading

@@ -1,7 +1,5 @@
 """CellMonitor: what happens in the cell, as a stream of plain events."""
 
-from __future__ import annotations
-
 import heapq
 import itertools
 import threading

@@ -4,8 +4,6 @@ Imports and compiled code make up most of a node's start and most of its memory;
 This module imports nothing of the suite, so that the server loads while the rest of `cell` loads too.
 """
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 from multiprocessing import forkserver

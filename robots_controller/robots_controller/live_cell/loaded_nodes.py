@@ -1,7 +1,5 @@
 """Loads the modules of all nodes and the compiled code of one robot, when the fork server imports it."""
 
-from __future__ import annotations
-
 import gc
 from importlib import import_module
 from importlib.metadata import distribution

@@ -1,7 +1,5 @@
 """The cell's processes: start them, notice when one dies, stop them cleanly."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select

@@ -1,7 +1,5 @@
 """guide_player_node: plays what guided or jogged a robot, when a program hands its robot over."""
 
-from __future__ import annotations
-
 import math
 import sys
 from typing import Any

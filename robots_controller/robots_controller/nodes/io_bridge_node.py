@@ -1,7 +1,5 @@
 """io_bridge_node: connects inputs and outputs with any topics of a PLC, as a YAML file says."""
 
-from __future__ import annotations
-
 import sys
 from functools import partial
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """The robot's image topics from the other side: inputs are published, outputs are subscribed to."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """LockstepTurns: the turns of a robot program in a lock-step run."""
 
-from __future__ import annotations
-
 from robots_controller.program.turn_clock import TurnClock
 from robots_core.ros.lockstep.participant import Participant
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase

@@ -1,7 +1,5 @@
 """The types of a message's fields."""
 
-from __future__ import annotations
-
 import re
 from typing import Any, Final
 

@@ -1,7 +1,5 @@
 """PathSwitchingMessages: plans and progress as messages to `PathSwitching`."""
 
-from __future__ import annotations
-
 import math
 import threading
 from functools import partial

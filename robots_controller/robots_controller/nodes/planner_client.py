@@ -1,7 +1,5 @@
 """PlannerClient: a program's motions as messages to planning_node."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial

@@ -1,7 +1,5 @@
 """PlannerSettings: the modal settings of a program as parameters of planning_node."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, Final

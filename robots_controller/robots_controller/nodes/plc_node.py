@@ -1,7 +1,5 @@
 """plc_node: a scripted PLC, for tests and demonstrations."""
 
-from __future__ import annotations
-
 import math
 import sys
 from typing import Any, Final

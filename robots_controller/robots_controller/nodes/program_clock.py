@@ -1,7 +1,5 @@
 """ProgramClock: a program's time in a node that follows the wall clock or `/clock`."""
 
-from __future__ import annotations
-
 import threading
 
 from rclpy.clock import JumpThreshold

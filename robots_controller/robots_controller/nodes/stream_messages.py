@@ -1,7 +1,5 @@
 """One-point trajectory_msgs/JointTrajectory to a StreamPoint."""
 
-from __future__ import annotations
-
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.control.streamed_reference import StreamPoint

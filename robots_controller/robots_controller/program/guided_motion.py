@@ -1,7 +1,5 @@
 """GuidedMotion: motion that a sensor or a person guides while a program waits."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Generator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """InputInterrupts: handlers that a digital input calls."""
 
-from __future__ import annotations
-
 from collections import deque
 
 import numpy as np

@@ -1,7 +1,5 @@
 """MotionCommand: one motion as a robot program commands it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """What a robot program sees of the robot, and where its last motion leads."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """OutputPulses: outputs of a program that switch off by themselves."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from robots_controller.program.program_state import ProgramState

@@ -1,7 +1,5 @@
 """PathSwitches: when outputs are switched that belong to places on a path."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 

@@ -1,7 +1,5 @@
 """ProgramState: the paper's data core, shared by the program's thread and the robot's side."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable, Generator, Mapping, Sequence
 from types import MappingProxyType

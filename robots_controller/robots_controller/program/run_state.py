@@ -1,7 +1,5 @@
 """RunState: what a robot program does, and what ends it."""
 
-from __future__ import annotations
-
 from enum import StrEnum
 
 

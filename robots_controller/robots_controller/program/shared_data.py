@@ -1,7 +1,5 @@
 """SharedData: what a running program shares with the robot's side (paper, table 1)."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

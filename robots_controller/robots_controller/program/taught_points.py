@@ -1,7 +1,5 @@
 """TaughtPoints: named positions of the robot in a YAML file beside the program."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 from dataclasses import dataclass

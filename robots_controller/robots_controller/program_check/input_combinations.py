@@ -1,7 +1,5 @@
 """InputCombination: one state of all inputs that a PLC script names, at the start of a program."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """walk_program: what a program meets, whatever its inputs are."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """WalkedCell: a simulated cell in which nothing guides the robot."""
 
-from __future__ import annotations
-
 from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_core.blocks.following.guide import Guide
 

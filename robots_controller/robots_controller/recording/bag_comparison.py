@@ -1,7 +1,5 @@
 """Compares a recorded bag with the expected one: the first difference of every topic."""
 
-from __future__ import annotations
-
 import bisect
 import math
 from collections.abc import Sequence

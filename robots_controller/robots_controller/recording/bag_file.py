@@ -1,7 +1,5 @@
 """Bag: all messages of a ROS 2 bag of any kind, also of one that was cut off."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 from functools import lru_cache

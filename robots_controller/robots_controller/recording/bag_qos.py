@@ -1,7 +1,5 @@
 """Quality of service as bags tell it."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime

@@ -1,7 +1,5 @@
 """ReplayPlan: what of a bag is published when."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """BagTolerances: how far a recorded bag may be from the expected one, read from YAML."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase

@@ -1,7 +1,5 @@
 """BagTopic: what a bag says of a topic."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """check_bag: compare a recorded bag with an expected one."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """CrashSafeWriter: an MCAP bag that is whole at any time, so that a kill loses its last second alone."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path

@@ -1,7 +1,5 @@
 """JointRows: the references or the feedback of a bag as arrays."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final

@@ -3,8 +3,6 @@
 Record layout: MCAP specification, https://mcap.dev/spec.
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, field

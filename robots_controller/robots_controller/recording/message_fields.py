@@ -1,7 +1,5 @@
 """Fields of a message as flat paths and values, to be compared."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """MessageRows: many messages that differ in their stamp and some numbers alone, written and read at once."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, Final
 

@@ -1,7 +1,5 @@
 """report: what a recorded run did, or what changed between two."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Comparison of two runs: what got slower, and where."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher

@@ -1,7 +1,5 @@
 """DecidingLimit: which axis and which limit make a motion last as long as it does."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

@@ -1,7 +1,5 @@
 """LineTimes: where the cycle time goes, line by line of the program."""
 
-from __future__ import annotations
-
 import re
 from bisect import bisect_right
 from collections import Counter

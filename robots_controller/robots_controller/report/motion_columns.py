@@ -1,7 +1,5 @@
 """The figures of motions as the columns of a table, the same in the terminal and on the page."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

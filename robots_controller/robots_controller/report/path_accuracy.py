@@ -1,7 +1,5 @@
 """Path accuracy: how far points are from a path of points, references from lines and targets."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -1,7 +1,5 @@
 """IoChannel: what an input or output of a recorded run showed over time."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """RecordedRun: a recorded program run as arrays on one time axis."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """RunReport: the analysis of a recorded run, which terminal, page, comparison and study show."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The tables of reports, as data that terminal and page show."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal

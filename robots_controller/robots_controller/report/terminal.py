@@ -1,7 +1,5 @@
 """The report in a terminal."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from rich.console import Console

@@ -1,7 +1,5 @@
 """CellParts: the blocks of a simulated cell, set up as the nodes of a live one set them up."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

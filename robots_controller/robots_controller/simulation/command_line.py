@@ -1,7 +1,5 @@
 """simulate: runs a robot program in a simulated cell and says how it went."""
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import signal

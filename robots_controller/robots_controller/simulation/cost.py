@@ -1,7 +1,5 @@
 """Cost: what a simulation costs of the machine's time, by part."""
 
-from __future__ import annotations
-
 from time import perf_counter, process_time
 from typing import Literal
 

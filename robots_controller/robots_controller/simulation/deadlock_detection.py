@@ -1,7 +1,5 @@
 """DeadlockDetection: finds a program that will never end."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_controller.simulation.record.recording import Recording

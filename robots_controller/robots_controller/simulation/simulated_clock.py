@@ -1,7 +1,5 @@
 """SimulatedClock: the time of a simulated cell."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_controller.program.turn_clock import CALLS_PERIOD, NANOSECONDS, TurnClock

@@ -1,7 +1,5 @@
 """SimulatedGuide: a recorded sensor or person guides the simulated robot, as in a live cell."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """SimulationRun: everything that was recorded of a simulated program."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Where the cases of a study run: on all cores of this machine, or on the workers of a Dask scheduler."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

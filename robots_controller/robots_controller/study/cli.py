@@ -1,7 +1,5 @@
 """study: simulate a program over a grid of robots, drives, speeds and parameters."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Program variants: a robot program with another speed and other values of its parameters."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from difflib import get_close_matches

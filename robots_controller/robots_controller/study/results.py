@@ -1,7 +1,5 @@
 """StudyResults: rows as they come, kept through interruptions; the table at the end."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from pathlib import Path

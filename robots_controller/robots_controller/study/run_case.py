@@ -1,7 +1,5 @@
 """run_case: simulate one case of a study; a row of its table."""
 
-from __future__ import annotations
-
 import math
 import tempfile
 from pathlib import Path

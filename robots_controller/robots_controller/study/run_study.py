@@ -1,7 +1,5 @@
 """run_study: all cases of a study that have no result yet."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """StudyCase: one simulation of a study, with all files that it needs."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Mapping

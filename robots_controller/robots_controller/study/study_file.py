@@ -1,7 +1,5 @@
 """Study: what shall be simulated, read from YAML."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """CollisionDetection: contacts and distances of a robot with itself and its surroundings."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Final

@@ -1,7 +1,5 @@
 """DirectKinematics: pose and Jacobian of a tool, for any robot (the paper's block of the same name)."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robots_core.pose import Pose

@@ -1,7 +1,5 @@
 """ToolTrace: the path of the tool as a line in the browser page."""
 
-from __future__ import annotations
-
 from collections import deque
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Visualizer: any robot in a browser page (the paper's Visualizer block)."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import socket

@@ -1,7 +1,5 @@
 """trajectory_msgs/MultiDOFJointTrajectory to the motion of a robot's base."""
 
-from __future__ import annotations
-
 from geometry_msgs.msg import Vector3
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 

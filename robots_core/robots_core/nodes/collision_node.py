@@ -1,7 +1,5 @@
 """collision_node: watches the robot and its path ahead, and stops it before it collides."""
 
-from __future__ import annotations
-
 import sys
 from typing import Any
 

@@ -1,7 +1,5 @@
 """direct_kinematics_node: joint positions in, pose of the tool out."""
 
-from __future__ import annotations
-
 import sys
 from typing import Any
 

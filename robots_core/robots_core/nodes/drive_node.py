@@ -1,7 +1,5 @@
 """drive_node: simulated drives that follow `joint_reference` and report `joint_states`."""
 
-from __future__ import annotations
-
 import sys
 from typing import Any
 

@@ -1,7 +1,5 @@
 """inverse_kinematics_node: a reference pose in, a stream of joint references to the controller out."""
 
-from __future__ import annotations
-
 import gc
 import math
 import sys

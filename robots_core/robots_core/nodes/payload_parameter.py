@@ -1,7 +1,5 @@
 """The payload of a node: its parameter, and what programs set."""
 
-from __future__ import annotations
-
 import json
 
 from diagnostic_msgs.msg import DiagnosticStatus

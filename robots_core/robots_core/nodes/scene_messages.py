@@ -1,7 +1,5 @@
 """visualization_msgs/MarkerArray to obstacles of a scene, and back."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Transforms of a robot's links, as they travel on /tf."""
 
-from __future__ import annotations
-
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
 from lxml import etree

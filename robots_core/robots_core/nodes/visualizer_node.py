@@ -1,7 +1,5 @@
 """visualizer_node: the robot moves in a browser page; its description and frames go out."""
 
-from __future__ import annotations
-
 import sys
 from importlib import import_module
 from typing import Any

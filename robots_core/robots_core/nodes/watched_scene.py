@@ -1,7 +1,5 @@
 """WatchedScene: the scene of a node, from a file and from `collision_objects`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from visualization_msgs.msg import MarkerArray

@@ -1,7 +1,5 @@
 """CollisionModel: the robot's body for collision checks, fixed to its axis frames."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from robots_core.robot_model.allowed_pairs import AllowedPairs

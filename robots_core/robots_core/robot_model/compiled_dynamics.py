@@ -1,7 +1,5 @@
 """The sum of a rigid robot's torques, compiled: faster than numpy for a few values."""
 
-from __future__ import annotations
-
 import numba as nb
 
 from robots_core.robot_model.analytic.compiled import compiled

@@ -1,7 +1,5 @@
 """Direct kinematics of a serial chain, compiled: faster than calling Pinocchio."""
 
-from __future__ import annotations
-
 from math import cos, sin
 
 import numba as nb

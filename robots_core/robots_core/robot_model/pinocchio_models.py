@@ -1,7 +1,5 @@
 """KinematicModel and RigidDynamicsModel computed by Pinocchio."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 

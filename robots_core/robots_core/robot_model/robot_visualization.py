@@ -1,7 +1,5 @@
 """RobotVisualization: the visual shapes of a robot, fixed to its axis frames."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from robots_core.robot_model.shapes import Shape

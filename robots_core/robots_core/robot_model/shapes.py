@@ -1,7 +1,5 @@
 """Shapes fixed to the frames of a robot, for display and for collision checks."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

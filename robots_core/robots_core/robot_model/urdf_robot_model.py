@@ -1,7 +1,5 @@
 """UrdfRobotModel: a robot model derived from a URDF and a file of limits."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 from importlib import import_module

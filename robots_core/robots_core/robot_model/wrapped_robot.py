@@ -1,7 +1,5 @@
 """WrappedRobot: a robot that differs from another one in some respect."""
 
-from __future__ import annotations
-
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.collision_model import CollisionModel

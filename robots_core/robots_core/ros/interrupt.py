@@ -1,7 +1,5 @@
 """Interrupt: Ctrl-C and terminate as an event that is asked for, not an exception out of nowhere."""
 
-from __future__ import annotations
-
 import contextlib
 import signal
 import socket

@@ -1,7 +1,5 @@
 """Joint positions out of serialized `sensor_msgs/JointState` messages, at little cost."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Sequence
 

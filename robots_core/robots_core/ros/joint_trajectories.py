@@ -1,7 +1,5 @@
 """Points of trajectory_msgs/JointTrajectory as arrays, joints matched by name."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, Final
 

@@ -1,7 +1,5 @@
 """LeanExecutor: takes messages and calls callbacks with a fraction of the cost of rclpy's executors."""
 
-from __future__ import annotations
-
 from contextlib import ExitStack
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Interrupts of a process that loads what its node is made of."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -1,7 +1,5 @@
 """Loops of a node: what is called in each period."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Protocol
 

@@ -1,7 +1,5 @@
 """The class of a message type, by its name."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import Any
 

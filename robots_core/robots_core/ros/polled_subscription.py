@@ -1,7 +1,5 @@
 """A subscription that a real-time loop empties itself, without the executor."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ The middleware finds nodes, and misses those that are gone, in its own time. In 
 count: all were found before the run began, and none may leave it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """ReferenceStream: publishes one-point JointTrajectory messages at a high rate, at little cost."""
 
-from __future__ import annotations
-
 import struct
 import time
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """RobotNode: what every node of the suite has: a robot, a health report, checked parameters."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """The one place that spins: start a node, serve it, and end it cleanly."""
 
-from __future__ import annotations
-
 import atexit
 import gc
 import inspect

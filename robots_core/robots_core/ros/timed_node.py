@@ -1,7 +1,5 @@
 """TimedNode: a node that takes its time from its clock, in lock-step with others if asked."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from typing import Any, ClassVar

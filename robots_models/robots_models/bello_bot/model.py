@@ -1,7 +1,5 @@
 """Bello Bot, a fictive robot with seven axes arranged like a human arm."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

@@ -1,7 +1,5 @@
 """Cello Bot, a fictive robot: a carriage that slides up a neck, with a bow arm of four axes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from robots_core import StructuralData

@@ -1,7 +1,5 @@
 """The debris arm: three axes on a chaser satellite, after the paper's section 5.3. Fictive."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from robots_core import StructuralData

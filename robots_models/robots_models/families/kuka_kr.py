@@ -1,7 +1,5 @@
 """KUKA's KR robots: six axes, in-line wrist."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 from typing import ClassVar

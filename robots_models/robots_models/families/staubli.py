@@ -1,7 +1,5 @@
 """Staubli's six-axis arms with a spherical wrist."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """Universal Robots' arms: six axes, three of them parallel."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 from typing import ClassVar

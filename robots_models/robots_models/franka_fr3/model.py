@@ -1,7 +1,5 @@
 """Franka Research 3, with seven axes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 from typing import Literal

@@ -1,7 +1,5 @@
 """Kinova Jaco 2 with six axes, a wrist that is not spherical, and a hand with three fingers (j2n6s300)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

@@ -1,7 +1,5 @@
 """KUKA KR 210 R2700-2 (KR QUANTEC-2), the welding robot of the paper's section 4.4."""
 
-from __future__ import annotations
-
 from robots_models.families.kuka_kr import KukaKr, KukaKrData
 
 

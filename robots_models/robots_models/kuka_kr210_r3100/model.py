@@ -1,7 +1,5 @@
 """KUKA KR 210 R3100-2 (KR QUANTEC-2), the robot of the paper's terramechanics laboratory."""
 
-from __future__ import annotations
-
 from robots_models.families.kuka_kr import KukaKr, KukaKrData
 
 

@@ -1,7 +1,5 @@
 """KUKA KR 500 R2830 (KR FORTEC, first generation), the robot of the paper's motion simulator."""
 
-from __future__ import annotations
-
 from robots_models.families.kuka_kr import KukaKr, KukaKrData
 
 

@@ -1,7 +1,5 @@
 """KUKA LBR iiwa 14 R820, with seven axes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

@@ -1,7 +1,5 @@
 """The motion and load of the Modelica Standard Library's example RobotR3.FullRobot, to compare with."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

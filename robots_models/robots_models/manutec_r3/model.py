@@ -1,7 +1,5 @@
 """Manutec r3, as the Modelica Standard Library's RobotR3."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf
 

@@ -1,7 +1,5 @@
 """Mitsubishi RV-7FRL."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

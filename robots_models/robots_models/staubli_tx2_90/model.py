@@ -1,7 +1,5 @@
 """Staubli TX2-90."""
 
-from __future__ import annotations
-
 from robots_models.families.staubli import Staubli, StaubliData
 
 

@@ -1,7 +1,5 @@
 """Universal Robots UR5e."""
 
-from __future__ import annotations
-
 from robots_models.families.universal_robots import UniversalRobots, UniversalRobotsData
 
 

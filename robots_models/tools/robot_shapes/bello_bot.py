@@ -1,7 +1,5 @@
 """What Bello Bot looks like: round and friendly, drawn with its arm straight up (all joints at zero)."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_models.bello_bot.model import BelloBotData

@@ -1,7 +1,5 @@
 """What Cello Bot looks like: a cello on its stand, its bow arm stretched forward (all joints at zero)."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_models.cello_bot.model import CelloBotData

@@ -1,7 +1,5 @@
 """What the debris arm looks like: a satellite with a long arm, straight up (all joints at zero)."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_models.debris_arm.model import DebrisArmData

@@ -1,7 +1,5 @@
 """What the Franka Research 3 looks like: our own drawing, arm upright (all joints at zero)."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_models.franka_fr3.model import FrankaFr3Data

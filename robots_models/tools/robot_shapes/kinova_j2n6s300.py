@@ -1,7 +1,5 @@
 """What Kinova's Jaco 2 looks like: our own drawing, arm upright (all joints at pi)."""
 
-from __future__ import annotations
-
 from math import cos, pi, sin
 from typing import Final
 

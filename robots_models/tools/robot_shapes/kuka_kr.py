@@ -1,7 +1,5 @@
 """What KUKA's KR robots look like: our own drawing, arm stretched forward (all joints at zero)."""
 
-from __future__ import annotations
-
 from robots_models.families.kuka_kr import KukaKrData
 from solids import Part, block, enlarged, hub, pedestal, plate, tapered_arm, tube
 

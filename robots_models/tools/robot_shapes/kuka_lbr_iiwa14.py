@@ -1,7 +1,5 @@
 """What the KUKA LBR iiwa 14 looks like: our own drawing, arm upright (all joints at zero)."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_models.kuka_lbr_iiwa14.model import KukaLbrIiwa14Data

@@ -1,7 +1,5 @@
 """What the Manutec r3 looks like: our own drawing, arm upright (all joints at zero)."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_models.manutec_r3.model import ManutecR3Data

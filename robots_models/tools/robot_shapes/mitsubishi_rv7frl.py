@@ -1,7 +1,5 @@
 """What the Mitsubishi RV-7FRL looks like: our own drawing, arm upright (all joints at zero)."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_models.mitsubishi_rv7frl.model import MitsubishiRv7frlData

@@ -1,7 +1,5 @@
 """What Staubli's arms look like: our own drawing, arm upright (all joints at zero)."""
 
-from __future__ import annotations
-
 from robots_models.families.staubli import StaubliData
 from solids import Part, block, enlarged, hub, tapered_arm, tube
 

@@ -1,7 +1,5 @@
 """What UR arms look like: our own drawing, arm stretched backwards along -x (all joints at zero)."""
 
-from __future__ import annotations
-
 from robots_core.robot_model.shapes import Mesh
 from robots_models.families.universal_robots import UniversalRobotsData
 from solids import Part, enlarged, hub, tube

@@ -1,7 +1,5 @@
 """CommandInbox: commands of several topics, in the order in which they were sent."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from builtin_interfaces.msg import Time

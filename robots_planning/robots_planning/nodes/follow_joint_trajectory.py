@@ -1,7 +1,5 @@
 """FollowJointTrajectory: what MoveIt and others send, served where control_msgs is installed."""
 
-from __future__ import annotations
-
 import concurrent.futures
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """JogStream: the messages of `Jogging` in planning_node."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Any

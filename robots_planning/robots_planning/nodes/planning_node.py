@@ -1,7 +1,5 @@
 """planning_node: motion commands to verified joint trajectories."""
 
-from __future__ import annotations
-
 import contextlib
 import sys
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """SettingsPublisher: tells on `motion_settings` what holds for the next motion."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue

@@ -1,7 +1,5 @@
 """ConfigurationGraph: the configurations that a robot takes along a path of the tool."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.interpolate import CubicSpline
 

@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917  # compiled functions take arrays, not objects
 """A path followed by a redundant robot, compiled: q' = J^+ x' with self-motion towards a guide."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robots_core.blocks.inverse_kinematics.jacobian_derivative import jacobian_der

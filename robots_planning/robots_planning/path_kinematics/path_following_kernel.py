@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917  # compiled functions take arrays, not objects
 """Inverse kinematics along a Cartesian path, compiled."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

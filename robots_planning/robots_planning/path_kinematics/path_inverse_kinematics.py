@@ -1,7 +1,5 @@
 """Inverse kinematics along a Cartesian path: from poses over s to a joint path over s."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The pose residual on a path, Newton's method on it, and derivatives of the solution, compiled."""
 
-from __future__ import annotations
-
 from math import sqrt
 from typing import NamedTuple
 

@@ -1,8 +1,6 @@
 # ruff: noqa: C901, PLR0912  # compiled loops over arrays
 """The pseudo-inverse of a Jacobian, and its product with a twist of the tool, compiled."""
 
-from __future__ import annotations
-
 from math import sqrt
 from typing import NamedTuple
 

@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917, SIM110  # compiled loops over arrays
 """Configurations of a redundant robot along a path, compiled: self-motion, search, smoothing."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """SingularityPassage: routes of six axes through a singularity, where the configuration may change."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

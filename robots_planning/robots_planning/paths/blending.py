@@ -1,7 +1,5 @@
 """Blending: consecutive joint paths joined to one, with corners rounded within zones."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """CartesianLine: a straight line of the tool with rotation about one axis."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robots_core.orientation import rotation_vector

@@ -1,7 +1,5 @@
 """Poses along a Cartesian path, compiled."""
 
-from __future__ import annotations
-
 from math import cos, sin, sqrt
 
 from robots_core.robot_model.analytic.compiled import compiled

@@ -1,7 +1,5 @@
 """CircularArc: an arc or a full circle of the tool."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

@@ -1,7 +1,5 @@
 """JointPath: joint positions over a path coordinate, twice continuously differentiable."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

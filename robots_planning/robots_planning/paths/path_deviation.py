@@ -1,7 +1,5 @@
 """Deviation of sampled tool poses from a straight line or from any path."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 import numpy as np

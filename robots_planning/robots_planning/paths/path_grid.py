@@ -1,7 +1,5 @@
 """The grid along a path on which a speed profile is made."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robots_core.validation import Array

@@ -1,7 +1,5 @@
 """PoseSpline: a smooth curve of the tool through poses."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """ReparametrisedPath: a joint path over a coordinate along which the axes move at about constant speed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Braking distance of an axis from any state, and checks of a moving start."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np

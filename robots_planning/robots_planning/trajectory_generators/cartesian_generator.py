@@ -1,7 +1,5 @@
 """CartesianGenerator: motions along a path of the tool, timed by two passes or by dynamic programming."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

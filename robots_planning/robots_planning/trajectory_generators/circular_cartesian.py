@@ -1,7 +1,5 @@
 """CircularCartesian: an arc or a full circle of the tool."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, ClassVar
 

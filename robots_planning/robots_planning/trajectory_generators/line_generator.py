@@ -1,7 +1,5 @@
 """LineGenerator: what motions on a straight line of the tool have in common."""
 
-from __future__ import annotations
-
 from typing import ClassVar
 
 from robots_core.pose import Pose

@@ -1,7 +1,5 @@
 """LinearCartesianDynamicProgramming: a straight line of the tool in the shortest time."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robots_core.pose import Pose

@@ -1,7 +1,5 @@
 """LinearCartesianLimited: point-to-point on a straight line of the tool, by the two-pass algorithm."""
 
-from __future__ import annotations
-
 from robots_planning.trajectory_generators.cartesian_generator import CartesianGenerator
 from robots_planning.trajectory_generators.line_generator import LineGenerator
 

@@ -1,7 +1,5 @@
 """LinearJoint: point-to-point on a straight line in joint space."""
 
-from __future__ import annotations
-
 from ruckig import Synchronization
 
 from robots_core.validation import Array

@@ -1,7 +1,5 @@
 """LinearJointAxes: point-to-point, every axis as fast as it can."""
 
-from __future__ import annotations
-
 from ruckig import Synchronization
 
 from robots_core.validation import Array

@@ -1,7 +1,5 @@
 """PathGenerator: the base class of motions along a path of the tool."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from typing import Any, ClassVar, Final, Self
 

@@ -1,7 +1,5 @@
 """PosesGenerator: the base class of motions through several poses."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, Self

@@ -1,7 +1,5 @@
 """BagPlayer: publishes a bag onto real topics, with its timing."""
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 from rclpy.clock import Clock

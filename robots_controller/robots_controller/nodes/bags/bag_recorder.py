@@ -1,7 +1,5 @@
 """BagRecorder: all topics of a cell into a rosbag2 bag (MCAP), through rosbags."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """LockstepTimes: the simulated time at which each message of a lock-step run was sent."""
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections.abc import Iterable
 from typing import Final

@@ -1,7 +1,5 @@
 """replay_bag: publish a recorded bag onto real topics."""
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import os

@@ -1,7 +1,5 @@
 """Two runs side by side: one HTML file, and a table for the terminal."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

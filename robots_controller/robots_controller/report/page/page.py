@@ -1,7 +1,5 @@
 """report_page: a run as one HTML file that needs nothing else, and no network."""
 
-from __future__ import annotations
-
 import json
 from importlib.resources import files
 from pathlib import Path

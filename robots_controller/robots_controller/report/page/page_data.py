@@ -1,7 +1,5 @@
 """PageArrays: the numbers of a page, small and exact enough to be looked at."""
 
-from __future__ import annotations
-
 import base64
 from typing import Any, Final
 

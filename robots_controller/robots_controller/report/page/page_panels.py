@@ -1,7 +1,5 @@
 """The plots of the page: joints against their limits, tool, torques, distances, inputs and outputs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 

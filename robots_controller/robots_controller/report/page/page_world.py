@@ -1,7 +1,5 @@
 """What the page's 3D view shows: meshes, the robot's poses over time, the scene."""
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 import numpy as np

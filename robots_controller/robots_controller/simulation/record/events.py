@@ -1,7 +1,5 @@
 """What happens in a simulated cell besides motion, each with its time in s since the start."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from robots_controller.io.io_image import Kind

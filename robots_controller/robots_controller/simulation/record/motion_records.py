@@ -1,7 +1,5 @@
 """MotionRecords: what became of each motion command of a simulated program."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace

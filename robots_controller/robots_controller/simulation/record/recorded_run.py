@@ -1,7 +1,5 @@
 """The SimulationRun of what was recorded."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from robots_controller.simulation.cell_parts import CellParts

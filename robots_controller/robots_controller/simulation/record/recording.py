@@ -1,7 +1,5 @@
 """Recording: collects the samples and events of a simulated cell."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -1,7 +1,5 @@
 """SimulatedBag: a bag with the topics of a live recording, stamped with the simulated time."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any, Final
 

@@ -1,7 +1,5 @@
 """Pairs of a robot's shapes that need no collision check, found by sampling joint positions."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import combinations
 

@@ -1,7 +1,5 @@
 """CoalEngine: collision checks by coal, which comes with Pinocchio."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import coal

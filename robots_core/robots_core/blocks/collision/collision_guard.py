@@ -1,7 +1,5 @@
 """CollisionGuard: watches the robot and its path ahead, and has it stopped before it collides."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal

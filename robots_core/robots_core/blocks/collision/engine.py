@@ -1,7 +1,5 @@
 """CollisionEngine: the interface of collision libraries, for contact and distance of two solids."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 

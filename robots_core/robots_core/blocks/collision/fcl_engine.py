@@ -1,7 +1,5 @@
 """FclEngine: collision checks by python-fcl."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import fcl

@@ -7,8 +7,6 @@ where both bounds meet the distance is proven. The subalgorithm checks all faces
 backup procedure of that paper and does not depend on the order of its points.
 """
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np

@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917, C901  # compiled loops over arrays
 """Broad phase, distances and motion bounds of many pairs of solids, compiled."""
 
-from __future__ import annotations
-
 from math import inf, sqrt
 
 import numpy as np

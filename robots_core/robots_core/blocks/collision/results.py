@@ -1,7 +1,5 @@
 """Results of collision checks."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from robots_core.blocks.collision.path_search import RESOLUTION

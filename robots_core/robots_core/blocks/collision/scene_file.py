@@ -1,7 +1,5 @@
 """Scenes from YAML files; errors name the line."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path

@@ -1,7 +1,5 @@
 """SolidSet: solids of a robot and its surroundings, placed and checked by compiled code."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

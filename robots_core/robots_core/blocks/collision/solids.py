@@ -1,7 +1,5 @@
 """Solids: convex pieces and concave surfaces for collision checks."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Levels of simulated drives: ideal, second-order, and rigid-body."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from importlib import import_module
 from typing import Final, Literal, get_args

@@ -1,7 +1,5 @@
 """DriveTrain: the interface of simulated drives, and ideal and second-order ones."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 
 import numpy as np

@@ -1,7 +1,5 @@
 """FeedForward: motor torques and positions for a reference, from the model of the robot."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robots_core.blocks.inverse_kinematics.chain_dynamics import DynamicsArrays, mass_matrix_and_bias

@@ -6,8 +6,6 @@ A w = b less the friction of the axes that move, and the others need no more tha
 stepping after Moreau 1988).
 """
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

@@ -1,7 +1,5 @@
 """RigidBodyDrive: simulation of controllers, motors, gears, friction and rigid bodies."""
 
-from __future__ import annotations
-
 from math import ceil
 from typing import Final
 

@@ -6,8 +6,6 @@ are taken at a predicted midpoint. Friction is implicit, see `friction_kernel`. 
 the joint: a motor with gear ratio i turns i times as fast, with 1/i of the torque.
 """
 
-from __future__ import annotations
-
 from typing import Final, NamedTuple
 
 import numpy as np

@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917  # compiled functions take arrays, not objects
 """AxisFollowing: every axis follows a moving reference inside its limits, able to brake at any time."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robots_core.blocks.inverse_kinematics.viability import fastest_stoppable, velocity_interval

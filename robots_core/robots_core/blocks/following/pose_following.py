@@ -1,7 +1,5 @@
 """Following of a reference pose, period by period, by each of the inverse kinematics blocks."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Final

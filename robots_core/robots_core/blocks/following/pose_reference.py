@@ -1,7 +1,5 @@
 """PoseReference: a moving reference pose from samples at any rate."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

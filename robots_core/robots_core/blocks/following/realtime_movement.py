@@ -1,7 +1,5 @@
 """RealtimeMovement: sensor-guided motion along a stream of reference poses, checked for feasibility."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from enum import StrEnum
 

@@ -1,7 +1,5 @@
 """ReferenceFollowing: a tool that follows a stream of poses, or of twists if there are no poses."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from numpy.typing import ArrayLike

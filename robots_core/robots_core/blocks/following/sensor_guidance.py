@@ -1,7 +1,5 @@
 """SensorGuidance: when a sensor guides the robot, from where, and how that ends."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final
 

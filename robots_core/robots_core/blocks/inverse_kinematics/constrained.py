@@ -1,7 +1,5 @@
 """ConstrainedInverseKinematics: follow a reference pose inside all limits (the paper's block)."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

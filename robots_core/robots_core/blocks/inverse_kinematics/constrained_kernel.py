@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917  # compiled functions take arrays, not objects
 """The step of the constrained inverse kinematics, compiled."""
 
-from __future__ import annotations
-
 from math import sqrt
 from typing import Any
 

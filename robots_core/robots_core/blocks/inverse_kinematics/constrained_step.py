@@ -1,7 +1,5 @@
 """ConstrainedStep: one step of the constrained inverse kinematics, and its active limits."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal
 

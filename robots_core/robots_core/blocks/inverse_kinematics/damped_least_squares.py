@@ -1,7 +1,5 @@
 """DampedLeastSquares: numerical inverse kinematics for any serial robot."""
 
-from __future__ import annotations
-
 import os
 from concurrent.futures import ThreadPoolExecutor
 from math import atan2, sqrt

@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917, C901, PLR0912  # compiled loops over arrays
 """The search of the damped least squares, compiled."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The time derivative of a serial chain's Jacobian, compiled."""
 
-from __future__ import annotations
-
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 

@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917, C901, PLR0912, PLR0915  # one compiled loop over arrays
 """A small dense quadratic program with bounds and rows, compiled."""
 
-from __future__ import annotations
-
 from math import inf, sqrt
 
 import numpy as np

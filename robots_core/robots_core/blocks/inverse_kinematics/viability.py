@@ -13,8 +13,6 @@ the axis does not pass the limit either, because where its speed changes sign wi
 less than dt v / 2 <= D(v).
 """
 
-from __future__ import annotations
-
 from math import floor, inf, sqrt
 
 from robots_core.robot_model.analytic.compiled import compiled

@@ -1,7 +1,5 @@
 """CarriedPayload: what a robot carries while a program says so."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 from robots_core.blocks.multibody.payload import Payload, payload_of

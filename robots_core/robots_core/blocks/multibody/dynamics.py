@@ -1,7 +1,5 @@
 """Dynamics: torques, mass matrix and forward dynamics of a robot with payload, friction and rotors."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 
 import numpy as np

@@ -1,7 +1,5 @@
 """FreeFloatingRobot: a robot on a floating base, such as a satellite."""
 
-from __future__ import annotations
-
 from math import ceil, sqrt
 from typing import Final
 

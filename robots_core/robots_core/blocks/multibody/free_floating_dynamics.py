@@ -1,7 +1,5 @@
 """FreeFloatingDynamics: torques of a robot on a floating base, such as a satellite."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 

@@ -1,7 +1,5 @@
 """FunctionDynamics: the dynamics of a robot by its own function."""
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A robot's bodies with a payload on an inclined or accelerated base, for compiled code."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

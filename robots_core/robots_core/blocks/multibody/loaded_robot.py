@@ -1,7 +1,5 @@
 """LoadedRobot: a robot that carries a payload."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """NumericalDynamics: the dynamics of a robot's bodies on a base with any motion."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

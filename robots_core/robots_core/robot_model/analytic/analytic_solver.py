@@ -1,7 +1,5 @@
 """AnalyticSolver: closed-form inverse kinematics of one robot, chosen by the lines of its axes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, Final, Literal
 

@@ -1,7 +1,5 @@
 """The parameters of one arm as a record for compiled code."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

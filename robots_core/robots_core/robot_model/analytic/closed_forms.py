@@ -4,8 +4,6 @@ Every angle is computed from sine and cosine together, which keeps full accuracy
 the arc cosine of textbooks is accurate to 1e-8 only where an arm is stretched or a wrist straight.
 """
 
-from __future__ import annotations
-
 from math import atan2, hypot, sqrt
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Compilation of functions to machine code by Numba, cached on disk."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, TypeVar
 

@@ -2,8 +2,6 @@
 
 # Compiled code takes positional arguments.
 # ruff: noqa: PLR0917, FBT001
-from __future__ import annotations
-
 from math import atan2, cos, floor, hypot, pi, sin
 from typing import Any
 

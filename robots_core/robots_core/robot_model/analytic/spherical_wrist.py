@@ -1,7 +1,5 @@
 """Arms with a spherical wrist: KUKA, Staubli, Mitsubishi, Manutec and most others with six axes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

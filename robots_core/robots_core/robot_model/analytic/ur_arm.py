@@ -1,7 +1,5 @@
 """Arms of the Universal Robots kind: three parallel axes, then two that meet."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from robots_core.robot_model.analytic.arm_record import arm_record, set_forearm, set_wrist

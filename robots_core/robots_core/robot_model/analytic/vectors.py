@@ -1,7 +1,5 @@
 """Vectors of three and 3x3 matrices as tuples, for compiled code: there they are registers and not memory."""
 
-from __future__ import annotations
-
 from math import cos, sin
 
 from robots_core.robot_model.analytic.compiled import compiled

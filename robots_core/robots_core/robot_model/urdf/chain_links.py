@@ -1,7 +1,5 @@
 """A serial chain as rows of numbers, for compiled direct kinematics."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 

@@ -1,7 +1,5 @@
 """Triangle meshes from files: STL, OBJ, PLY, COLLADA and further formats of trimesh."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

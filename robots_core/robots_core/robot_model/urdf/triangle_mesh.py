@@ -1,7 +1,5 @@
 """The surface of any geometry as triangles."""
 
-from __future__ import annotations
-
 import trimesh
 
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere

@@ -1,7 +1,5 @@
 """The serial chain inside a URDF, cut out and checked."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import dataclass
 from pathlib import Path

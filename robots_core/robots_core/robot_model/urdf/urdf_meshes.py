@@ -1,7 +1,5 @@
 """The mesh files of a URDF."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from urllib.parse import unquote, urlparse

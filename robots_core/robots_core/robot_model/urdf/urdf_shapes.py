@@ -1,7 +1,5 @@
 """Shapes of a URDF's links, each fixed to the axis frame that carries the link."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 from typing import Any, Literal

@@ -1,7 +1,5 @@
 """The tree of links in a URDF, and the serial chain that a robot is made of."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from lxml import etree

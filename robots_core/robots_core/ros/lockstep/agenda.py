@@ -1,7 +1,5 @@
 """Agenda: whose turn is next."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Coordinator: lets simulated time advance when every participant has done what was due."""
 
-from __future__ import annotations
-
 import struct
 import time
 from collections.abc import Callable, Iterable

@@ -1,7 +1,5 @@
 """Publishers, subscriptions, services and clients whose messages are counted."""
 
-from __future__ import annotations
-
 import inspect
 import threading
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Whether the endpoints of a roster have found each other."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Participant: a node's part in a lock-step run."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Phase: the order of things within one instant of simulated time."""
 
-from __future__ import annotations
-
 from enum import IntEnum
 from typing import Final
 

@@ -1,7 +1,5 @@
 """What a participant of a lock-step run does at given times."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Protocol
 

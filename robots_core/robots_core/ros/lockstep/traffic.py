@@ -1,7 +1,5 @@
 """Traffic: which messages between participants are still on their way."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Sequence
 from typing import Final

@@ -1,7 +1,5 @@
 """UncountedEndpoints: publishers and subscriptions that the lock-step protocol itself needs."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from rclpy.node import Node
