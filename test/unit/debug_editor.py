@@ -13,6 +13,7 @@ from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.program.cell_port import DetachedCell
 
 DEADLINE = 20.0  # s
+TOKEN = 'the token'  # noqa: S105
 
 
 class Editor:
@@ -86,7 +87,7 @@ class DebuggedProgram:
         self.path.write_text(text)
         cell = DetachedCell()
         self.program = LuaProgram(6, cell)
-        self.server = server = DebugAdapterServer(self.program)
+        self.server = server = DebugAdapterServer(self.program, token=TOKEN, folder=folder)
         cell.held_changed, cell.printed, cell.ended = server.on_held, server.on_print, server.on_finished
         self.server.start()
         self.editor = Editor(self.server.port)

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from robots_controller.editor.debug_adapter import DebugAdapter, read_messages
 from robots_controller.editor.debug_adapter_server import DebugAdapterServer
+from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.program.program_state import RunState
-from robots_core.errors import RobotsError
+from robots_core.errors import InvalidInputError, RobotsError
 
-from .debug_editor import DEADLINE, DebuggedProgram, Editor
+from .debug_editor import DEADLINE, TOKEN, DebuggedProgram, Editor
 
 PROGRAM = """\
 local function seam(n)
@@ -34,8 +41,8 @@ class Setup(DebuggedProgram):
     def launch(self, *lines: int, **options: object) -> None:
         editor = self.editor
         assert editor.do('initialize', adapterID='robots')['supportsConfigurationDoneRequest']
+        editor.do('launch', program=str(self.path), token=TOKEN, **options)
         editor.wait_for('initialized')
-        editor.do('launch', program=str(self.path), **options)
         answer = editor.do(
             'setBreakpoints', source={'path': str(self.path)}, breakpoints=[{'line': line} for line in lines]
         )
@@ -109,7 +116,7 @@ def test_stop_on_entry_and_step_in(setup: Setup):
 
 def test_breakpoint_on_a_line_without_code_moves_to_the_next(setup: Setup):
     editor = setup.editor
-    editor.do('initialize')
+    editor.do('attach', token=TOKEN)
     answer = editor.do(
         'setBreakpoints', source={'path': str(setup.path)}, breakpoints=[{'line': 6}, {'line': 99}]
     )
@@ -128,21 +135,65 @@ def test_pause_of_an_endless_program_and_disconnect_stops_it(setup: Setup):
     assert setup.program.run_state is RunState.STOPPED
 
 
-def test_editor_that_vanishes_leaves_a_program_that_goes_on_and_the_next_one_attaches(setup: Setup):
+def test_a_held_program_stays_held_when_its_editor_vanishes_and_the_next_one_attaches(setup: Setup):
     setup.launch(3)
     setup.editor.wait_for('stopped')
     setup.editor.close()
-    assert setup.program.join(DEADLINE)
-    assert setup.program.run_state is RunState.FINISHED
-    setup.program.run(hold=True)
     editor = setup.editor = Editor(setup.server.port)
     editor.do('initialize')
-    editor.do('attach')
+    editor.do('attach', token=TOKEN)
     editor.do('configurationDone')
-    assert editor.wait_for('stopped')['reason'] == 'entry'
+    assert editor.wait_for('stopped')['reason'] == 'breakpoint'
+    assert setup.program.run_state is RunState.PAUSED
+    editor.do('disconnect')  # that held nothing
+    assert setup.program.run_state is RunState.PAUSED
+
+
+def test_disconnecting_lets_go_what_the_editor_held_and_nothing_else(setup: Setup):
+    setup.path.write_text('while true do end')
+    setup.program.open(setup.path)
+    setup.program.run()
+    editor = setup.editor
+    editor.do('attach', token=TOKEN)
+    editor.do('pause')
     editor.do('disconnect')
-    assert setup.program.join(DEADLINE)
-    assert setup.program.run_state is RunState.FINISHED
+    assert setup.program.run_state is RunState.RUNNING
+    setup.program.pause()
+    editor = Editor(setup.server.port)
+    editor.do('attach', token=TOKEN)
+    editor.do('disconnect')
+    assert setup.program.run_state is RunState.PAUSED
+    editor.close()
+
+
+@pytest.mark.parametrize(
+    'command', ['threads', 'setBreakpoints', 'configurationDone', 'continue', 'pause', 'terminate']
+)
+def test_nothing_is_done_without_the_token(setup: Setup, command: str):
+    setup.editor.do('initialize')
+    response = setup.editor.ask(command)
+    assert not response['success']
+    assert response['message'] == f'{command} comes after launch or attach with the token'
+
+
+@pytest.mark.parametrize('command', ['launch', 'attach'])
+@pytest.mark.parametrize('arguments', [{}, {'token': ''}, {'token': TOKEN[:-1]}, {'token': [TOKEN]}])
+def test_a_wrong_token_ends_the_session(setup: Setup, command: str, arguments: dict[str, object]):
+    response = setup.editor.ask(command, program=str(setup.path), **arguments)
+    assert 'the token is wrong' in response['message']
+    assert setup.editor.stream.read() == b''
+    assert setup.program.path is None
+
+
+def test_programs_elsewhere_are_not_launched(setup: Setup, tmp_path_factory: pytest.TempPathFactory):
+    other = tmp_path_factory.mktemp('elsewhere') / 'test.lua'
+    other.write_text(PROGRAM)
+    response = setup.editor.ask('launch', program=str(other), token=TOKEN)
+    assert response['message'] == f'{other} is not below {setup.path.parent}, where programs are launched'
+    (setup.path.parent / 'link.lua').symlink_to(other)
+    response = setup.editor.ask('launch', program=str(setup.path.parent / 'link.lua'), token=TOKEN)
+    assert not response['success']
+    assert setup.program.path is None
 
 
 def test_failure_of_the_program_is_told(setup: Setup):
@@ -157,7 +208,7 @@ def test_failure_of_the_program_is_told(setup: Setup):
 @pytest.mark.parametrize(
     ('command', 'arguments', 'message'),
     [
-        ('launch', {'program': 'missing.lua'}, 'there is no program missing.lua'),
+        ('launch', {'program': 'missing.lua'}, 'missing.lua'),
         ('launch', {}, 'program'),
         ('teleport', {}, "'teleport' is not known here"),
         ('continue', {'threadId': 1}, 'not held'),
@@ -169,20 +220,69 @@ def test_failure_of_the_program_is_told(setup: Setup):
 def test_wrong_requests_are_answered_and_the_session_goes_on(
     setup: Setup, command: str, arguments: dict[str, object], message: str
 ):
-    response = setup.editor.ask(command, **arguments)
+    setup.editor.do('attach', token=TOKEN)
+    response = setup.editor.ask(command, **arguments, token=TOKEN)
     assert not response['success']
     assert message in response['message']
     assert setup.editor.do('threads')
 
 
-@pytest.mark.parametrize('data', [b'{', b'[]', b'{"type": "event"}', b'\xff'])
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8) | st.just('/dev/zero'),
+    lambda values: (
+        st.lists(values, max_size=3)
+        | st.dictionaries(
+            st.sampled_from(('source', 'path', 'line', 'breakpoints', 'frameId', 'startFrame', 'expression')),
+            values,
+            max_size=4,
+        )
+    ),
+    max_leaves=6,
+)
+HELD = ('stackTrace', 'scopes', 'variables', 'evaluate', 'continue', 'next', 'stepOut')
+COMMANDS = ('setBreakpoints', 'pause', 'threads', 'initialize', *HELD)
+
+
+@given(commands=st.lists(st.tuples(st.sampled_from(COMMANDS) | st.text(max_size=9), JSON), max_size=20))
+def test_no_request_ends_a_session(tmp_path_factory: pytest.TempPathFactory, commands: list[tuple[str, Any]]):
+    sent: list[dict[str, Any]] = []
+    program = LuaProgram(6)
+    folder = tmp_path_factory.getbasetemp()
+    adapter = DebugAdapter(program, sent.append, token=TOKEN, folder=folder)
+    adapter.handle({'command': 'attach', 'arguments': {'token': TOKEN}})
+    for number, (command, arguments) in enumerate(commands, 1):
+        adapter.admitted = True
+        adapter.handle({'seq': number, 'command': command, 'arguments': arguments})
+        (answer,) = (one for one in sent if one['type'] == 'response' and one['request_seq'] == number)
+        json.dumps(answer)
+        assert answer['success'] or answer['message']
+
+
+NONSENSE = [
+    b'POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 2\r\n\r\n{}',
+    b'GET / HTTP/1.1\r\n\r\n',
+    b'Content-Length: 200000\r\n\r\n' + 200_000 * b'[',
+    b'Content-Length: 99999999\r\n\r\n',
+    b'\r\n\r\n',
+    *(b'Content-Length: %d\r\n\r\n%b' % (len(data), data) for data in (b'{', b'[]', b'{"type": 1}', b'\xff')),
+]
+
+
+@pytest.mark.parametrize('data', NONSENSE, ids=lambda data: data[:30])
 def test_nonsense_ends_the_connection_and_the_next_editor_is_served(setup: Setup, data: bytes):
-    setup.editor.send_raw(data)
+    setup.editor.socket.sendall(data)
     assert setup.editor.stream.read() == b''
     editor = setup.editor = Editor(setup.server.port)
     editor.do('initialize')
 
 
+@given(data=st.binary(max_size=200))
+def test_any_bytes_are_messages_or_an_error(data: bytes):
+    for prefix in (b'', b'Content-Length: %d\r\n\r\n' % len(data)):
+        with contextlib.suppress(InvalidInputError):
+            assert all(isinstance(message, dict) for message in read_messages(io.BytesIO(prefix + data)))
+
+
 def test_port_that_is_taken_is_an_error(setup: Setup):
     with pytest.raises(RobotsError, match=f'port {setup.server.port} is not free'):
-        DebugAdapterServer(setup.program, port=setup.server.port)
+        DebugAdapterServer(setup.program, token=TOKEN, folder=setup.path.parent, port=setup.server.port)

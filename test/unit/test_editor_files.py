@@ -12,7 +12,7 @@ import pytest
 
 from robots_controller.program.program_state import RunState
 
-from .debug_editor import DEADLINE, DebuggedProgram
+from .debug_editor import DEADLINE, TOKEN, DebuggedProgram
 
 ROOT = Path(__file__).parents[2]
 CODE = ROOT / '.vscode'
@@ -74,9 +74,8 @@ class Session(DebuggedProgram):
 
     def begin(self, request: str) -> None:
         (configuration,) = (one for one in CONFIGURATIONS if one['request'] == request)
-        values = {
-            key: str(self.path) if value == '${file}' else value for key, value in configuration.items()
-        }
+        inputs = {'${file}': str(self.path), '${input:token}': TOKEN}
+        values = {key: inputs.get(str(value), value) for key, value in configuration.items()}
         self.editor.do(
             'initialize',
             clientID='vscode',
@@ -89,8 +88,8 @@ class Session(DebuggedProgram):
             supportsRunInTerminalRequest=True,
             locale='en',
         )
-        self.editor.wait_for('initialized')
         self.editor.do(request, **values, __sessionId='a1')
+        self.editor.wait_for('initialized')
         self.editor.do(
             'setBreakpoints',
             source={'name': 'test.lua', 'path': str(self.path)},

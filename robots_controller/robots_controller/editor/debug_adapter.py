@@ -5,6 +5,7 @@ type definitions that bring pydantic with them (dap-python, dap-types), or debug
 Protocol: https://microsoft.github.io/debug-adapter-protocol/specification
 """
 
+import hmac
 import itertools
 import json
 import os
@@ -18,10 +19,13 @@ from robots_controller.interpreter.debugger import CallStack, HoldReason, Variab
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.interpreter.lua_source import chunk_name
 from robots_controller.program.program_state import RunState
-from robots_core.errors import InvalidInputError, ProgramError, RobotsError
+from robots_core.errors import InvalidInputError, ProgramError
 
 THREAD: Final = 1
 MAX_MESSAGE: Final = 1_000_000  # bytes
+HEADERS: Final = ('content-length', 'content-type')
+# Before it has shown the token; what anything else says is refused.
+_OF_STRANGERS: Final = ('initialize', 'launch', 'attach', 'disconnect')
 _NO_CODE = re.compile(r'\s*(--.*)?$')
 _CAPABILITIES: Final = {
     'supportsConfigurationDoneRequest': True,
@@ -50,7 +54,9 @@ def read_messages(stream: BinaryIO) -> Iterator[Message]:
             if line == b'\r\n':
                 break
             key, _, value = line.decode('ascii', errors='replace').partition(':')
-            if key.strip().lower() == 'content-length' and value.strip().isdecimal():
+            if (header := key.strip().lower()) not in HEADERS:  # of HTTP, say, from a page in a browser
+                raise InvalidInputError(f'{key[:40]!r} is no header of the Debug Adapter Protocol')
+            if header == 'content-length' and value.strip().isdecimal():
                 length = int(value)
         else:
             return
@@ -61,7 +67,7 @@ def read_messages(stream: BinaryIO) -> Iterator[Message]:
             return
         try:
             message = json.loads(data)
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise InvalidInputError(f'a message is JSON: {error}') from None
         if not isinstance(message, dict) or message.get('type') != 'request':
             raise InvalidInputError('a message is an object of type request')
@@ -80,11 +86,16 @@ class DebugAdapter:
     Args:
         program: The program, which the editor may open, run, hold and stop.
         send: Sends a message to the editor; called by one thread at a time.
+        token: What `launch` or `attach` must give before anything else is done.
+        folder: Programs that the editor may launch are in it or below.
     """
 
-    def __init__(self, program: LuaProgram, send: Callable[[Message], None]) -> None:
+    def __init__(
+        self, program: LuaProgram, send: Callable[[Message], None], *, token: str, folder: Path
+    ) -> None:
         self._program = program
         self._send_message = send
+        self._token, self._launch_folder = token, folder.resolve()
         self._lock = threading.Lock()
         self._numbers = itertools.count(1)
         self._launch: Message | None = None
@@ -92,15 +103,18 @@ class DebugAdapter:
         self._stack = CallStack()
         self._references: list[tuple[Variable, ...]] = []
         self._released = False
+        self._asked: HoldReason = ''
+        self.admitted = False
+        """The editor has shown the token."""
         self.ended = False
-        """The editor has said goodbye."""
+        """The session is over: the editor has disconnected, or is refused."""
 
     # -- the editor's requests ----------------------------------------------------------------------
 
     def handle(self, request: Message) -> None:
         """Answer a request."""
         command, arguments = str(request.get('command', '')), request.get('arguments') or {}
-        handler = getattr(self, f'_do_{_snake(command)}', None)
+        announced = self.admitted
         response: Message = {
             'type': 'response',
             'request_seq': request.get('seq', 0),
@@ -109,44 +123,56 @@ class DebugAdapter:
         }
         after: Callable[[], None] | None = None
         try:
-            if handler is None:
-                raise InvalidInputError(f'the request {command!r} is not known here')
-            answer = handler(arguments)
+            answer = self._handler(command)(arguments)
             if callable(answer):
                 after = answer
             elif answer is not None:
                 response['body'] = answer
-        except (RobotsError, KeyError, IndexError, TypeError, ValueError) as error:
+        except Exception as error:  # noqa: BLE001  # whatever an editor sends, the next request is served
             response |= {'success': False, 'message': str(error) or type(error).__name__}
         self._send(response)
-        if command == 'initialize' and response['success']:
+        if self.admitted and not announced:
             self._event('initialized')
         if after is not None:
             after()
+
+    def _handler(self, command: str) -> Callable[[Message], Any]:
+        handler: Callable[[Message], Any] | None = getattr(self, f'_do_{_snake(command)}', None)
+        if handler is None:
+            raise InvalidInputError(f'the request {command!r} is not known here')
+        if not self.admitted and command not in _OF_STRANGERS:
+            raise InvalidInputError(f'{command} comes after launch or attach with the token')
+        return handler
 
     def _do_initialize(self, _: Message) -> Message:
         return dict(_CAPABILITIES)
 
     def _do_launch(self, arguments: Message) -> None:
-        self._program.open(str(arguments['program']))
-        self._apply_breakpoints()
+        self._admit(arguments)
+        path = Path(str(arguments['program'])).resolve()
+        if not path.is_relative_to(self._launch_folder):
+            raise InvalidInputError(f'{path} is not below {self._launch_folder}, where programs are launched')
+        self._program.open(path)
         self._launch = arguments
 
-    def _do_attach(self, _: Message) -> None:
-        self._apply_breakpoints()
+    def _do_attach(self, arguments: Message) -> None:
+        self._admit(arguments)
 
     def _do_configuration_done(self, _: Message) -> Callable[[], None] | None:
         if self._launch is not None:
             if self._launch.get('noDebug'):
                 self._clear_breakpoints()
-            self._program.run(hold=bool(self._launch.get('stopOnEntry')))
+            stop_on_entry = bool(self._launch.get('stopOnEntry'))
+            self._asked = 'entry' if stop_on_entry else ''
+            self._program.run(hold=stop_on_entry)
             return None
-        return self.on_held  # who attaches to a held program wants to know
+        return self.on_held  # the program may be held already
 
     def _do_set_breakpoints(self, arguments: Message) -> Message:
         path = Path(os.path.abspath(str(arguments['source']['path'])))  # noqa: PTH100  # as the editor has it
         wanted = [int(item['line']) for item in arguments.get('breakpoints', ())]
-        lines = [_code_line(path, line) for line in wanted]
+        allowed = path.resolve().is_relative_to(self._launch_folder)
+        lines = [_code_line(path, line) if allowed else None for line in wanted]
         self._breakpoints[path] = {line for line in lines if line is not None}
         self._apply_breakpoints()
         return {
@@ -202,19 +228,20 @@ class DebugAdapter:
         raise InvalidInputError(f'no variable is named {expression!r} here')
 
     def _do_continue(self, _: Message) -> Message:
-        self._release(self._program.resume)
+        self._release(self._program.resume, '')
         return {'allThreadsContinued': True}
 
     def _do_next(self, _: Message) -> None:
-        self._release(lambda: self._program.step('over'))
+        self._release(lambda: self._program.step('over'), 'step')
 
     def _do_step_in(self, _: Message) -> None:
-        self._release(lambda: self._program.step('in'))
+        self._release(lambda: self._program.step('in'), 'step')
 
     def _do_step_out(self, _: Message) -> None:
-        self._release(lambda: self._program.step('out'))
+        self._release(lambda: self._program.step('out'), 'step')
 
     def _do_pause(self, _: Message) -> None:
+        self._asked = 'pause'
         if not self._program.pause():
             raise ProgramError('no program is running')
 
@@ -223,7 +250,14 @@ class DebugAdapter:
 
     def _do_disconnect(self, arguments: Message) -> None:
         self.ended = True
-        self.leave(stop=bool(arguments.get('terminateDebuggee', self._launch is not None)))
+        if not self.admitted:
+            return
+        held = self._holds()
+        self.leave()
+        if arguments.get('terminateDebuggee', self._launch is not None):
+            self._program.stop()
+        elif held and not arguments.get('suspendDebuggee'):
+            self._program.resume()
 
     # -- what the program does ----------------------------------------------------------------------
 
@@ -251,18 +285,27 @@ class DebugAdapter:
         self._event('exited', exitCode=0 if error is None else 1)
         self._event('terminated')
 
-    def leave(self, *, stop: bool) -> None:
-        """The editor is gone: its breakpoints too, and the program goes on or is stopped."""
+    def leave(self) -> None:
+        """The editor is gone, and its breakpoints with it; a program that is held stays held."""
         self._clear_breakpoints()
-        if stop:
-            self._program.stop()
-        else:
-            self._program.resume()
 
     # -- inside ---------------------------------------------------------------------------------------
 
-    def _release(self, release: Callable[[], bool]) -> None:
-        self._released = True
+    def _admit(self, arguments: Message) -> None:
+        self.admitted = hmac.compare_digest(str(arguments.get('token', '')).encode(), self._token.encode())
+        if not self.admitted:
+            self.ended = True
+            raise InvalidInputError('the token is wrong: it is the one that the cell shows when it starts')
+
+    def _holds(self) -> bool:
+        """The program is held by this editor: its breakpoint, step or pause."""
+        reason, frames = self._program.hold_reason, self._program.call_stack.frames
+        if reason == 'breakpoint' and frames:
+            return frames[0].line in self._breakpoints.get(Path(self._path(frames[0].chunk)), ())
+        return reason != '' and reason == self._asked
+
+    def _release(self, release: Callable[[], bool], asked: HoldReason) -> None:
+        self._released, self._asked = True, asked
         if not release():
             self._released = False
             raise ProgramError('the program is not held')
@@ -298,7 +341,8 @@ class DebugAdapter:
         return {'value': variable.value, 'type': variable.type, 'variablesReference': reference}
 
     def _event(self, event: str, **body: object) -> None:
-        self._send({'type': 'event', 'event': event, 'body': body})
+        if self.admitted:
+            self._send({'type': 'event', 'event': event, 'body': body})
 
     def _send(self, message: Message) -> None:
         with self._lock:

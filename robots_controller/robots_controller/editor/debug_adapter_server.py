@@ -3,6 +3,7 @@
 import contextlib
 import socket
 import threading
+from pathlib import Path
 from typing import Final
 
 from robots_controller.editor.debug_adapter import DebugAdapter, Message, message_bytes, read_messages
@@ -12,21 +13,26 @@ from robots_core.errors import ProgramError, RobotsError
 HOST: Final = '127.0.0.1'
 # An editor that takes nothing must not hold the program.
 SEND_TIMEOUT: Final = 1.0  # s
+# A stranger must not keep editors out.
+TOKEN_TIMEOUT: Final = 10.0  # s
 
 
 class DebugAdapterServer:
-    """One editor at a time, on this machine only.
+    """One editor at a time, on this machine only, with the token.
 
     Args:
         program: The program to debug; its owner hands on `on_held`, `on_print` and `on_finished`.
+        token: What editors must give; see `DebugAdapter`.
+        folder: Where the programs are that editors may launch.
         port: TCP port; -1 for any free one.
 
     Raises:
         RobotsError: the port is taken.
     """
 
-    def __init__(self, program: LuaProgram, *, port: int = -1) -> None:
+    def __init__(self, program: LuaProgram, *, token: str, folder: Path, port: int = -1) -> None:
         self._program = program
+        self._token, self._folder = token, folder
         try:
             self._socket = socket.create_server((HOST, max(port, 0)))
         except (OSError, OverflowError) as error:
@@ -82,20 +88,22 @@ class DebugAdapterServer:
             with contextlib.suppress(OSError):
                 writer.sendall(message_bytes(message))
 
-        # Reading waits for ever, writing does not: two views of the same connection.
+        # Reading waits for ever once the editor is admitted, writing does not: two views of one connection.
         writer = connection.dup()
         writer.settimeout(SEND_TIMEOUT)
-        connection.setblocking(True)
-        adapter = self._adapter = DebugAdapter(self._program, send)
+        connection.settimeout(TOKEN_TIMEOUT)
+        adapter = self._adapter = DebugAdapter(self._program, send, token=self._token, folder=self._folder)
         try:
             with writer, connection.makefile('rb') as stream:
                 for message in read_messages(stream):
                     adapter.handle(message)
+                    if adapter.admitted:
+                        connection.settimeout(None)
                     if adapter.ended:
                         return
-        except (OSError, RobotsError):  # the editor is gone, or talks nonsense
+        except (OSError, RobotsError):  # the editor is gone, or what it sends is no protocol
             pass
         finally:
             self._adapter = None
-            if not adapter.ended:
-                adapter.leave(stop=False)
+            if adapter.admitted and not adapter.ended:
+                adapter.leave()

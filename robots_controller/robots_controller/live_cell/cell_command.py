@@ -24,6 +24,7 @@ from robots_controller.cell_arguments import (
     exit_code,
     take_from_program,
 )
+from robots_controller.editor.debug_token import new_token
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.live_cell.cell_events import (
     Event,
@@ -160,6 +161,8 @@ def run_cell(options: CellOptions, console: Console) -> int:
     robot = load_robot_model(options.robot)
     if options.program:
         LuaProgram(robot.num_axes).open(options.program)
+    # The launch file starts the described nodes in other processes, whose log shows a token of their own.
+    token = new_token() if options.debug_port and not options.describe else ''
     graph = cell_graph(
         robot=options.robot,
         program=options.program,
@@ -175,6 +178,7 @@ def run_cell(options: CellOptions, console: Console) -> int:
         guided=options.guided,
         references=options.references,
         debug_port=options.debug_port,
+        debug_token=token,
         lockstep=options.lockstep,
     )
     if options.describe:
@@ -186,6 +190,10 @@ def run_cell(options: CellOptions, console: Console) -> int:
     console.print(f'[bold]{options.robot}[/]{job}')
     if options.note:
         console.print(f'[yellow]{options.note}[/]')
+    if token:
+        console.print(
+            f'editors debug at port {options.debug_port} with token [bold]{token}[/]', highlight=False
+        )
     bag = folder / 'bag' if options.record else None
     with listen(options.namespace, bag, lockstep=options.lockstep) as listener:
         recorder = listener.recorder

@@ -88,6 +88,7 @@ def cell_graph(
     guided: str = '',
     references: str = '',
     debug_port: int = 0,
+    debug_token: str = '',
     lockstep: bool = False,
 ) -> tuple[NodeDescription, ...]:
     """All nodes of a cell with one simulated robot.
@@ -109,6 +110,7 @@ def cell_graph(
             none by default.
         references: Recording of what guides or jogs the robot (see `read_guide_recording`); none by default.
         debug_port: Port on this machine where editors debug the program; 0 for none.
+        debug_token: What editors must give there; the program node makes one if it is empty.
         lockstep: All nodes take part in a lock-step run.
 
     Raises:
@@ -139,6 +141,7 @@ def cell_graph(
             program=program,
             autostart=autostart,
             debug_port=debug_port,
+            debug_token=debug_token,
             **names,
         ),
         node('robots_core', 'direct_kinematics_node'),

@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import partial
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -20,6 +21,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robots_controller.cell.program_host import ProgramHost
 from robots_controller.control.control_loop import ControllerRequest
 from robots_controller.editor.debug_adapter_server import DebugAdapterServer
+from robots_controller.editor.debug_token import new_token
 from robots_controller.interpreter.debugger import STEPS, breakpoints_by_file
 from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.io.io_image import IMAGES
@@ -75,6 +77,7 @@ class LuaProgramNode(RobotNode):
         breakpoints: Lines to hold at, as 'file.lua:12'.
         step_mode: How far `~/step` goes: over, in, out (lines) or motion.
         debug_port: Port on this machine where editors connect (Debug Adapter Protocol); 0 for none.
+        debug_token: What editors must give there; a new one, shown in the log, if it is empty.
     """
 
     def __init__(self, **options: Any) -> None:
@@ -149,6 +152,9 @@ class LuaProgramNode(RobotNode):
         port = self.parameter(
             'debug_port', 0, 'port on this machine where editors connect; 0 for none', read_only=True
         )
+        token = self.parameter(
+            'debug_token', '', 'what editors must give; empty for a new one', read_only=True
+        )
         PathSwitchingMessages(self, self.host.switching, axes.names)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
         self.create_timer(WATCH_PERIOD, self.host.motions.watch)
@@ -171,12 +177,7 @@ class LuaProgramNode(RobotNode):
         self.command_state(self._program.command_state)
         self.guide(Guide.NONE)
         host.reporter.report()
-        self._debug_server = DebugAdapterServer(self._program, port=port) if port else None
-        if self._debug_server is not None:
-            self._debug_server.start()
-            self.get_logger().info(  # type: ignore[no-untyped-call]
-                f'editors debug programs at port {self._debug_server.port}'
-            )
+        self._debug_server = self._serve_editors(port, token) if port else None
         self._controller_works = False
         if autostart:
             self._autostart = self.create_timer(AUTOSTART_PERIOD, self._start)
@@ -212,6 +213,17 @@ class LuaProgramNode(RobotNode):
         if not stack.frames:
             raise ProgramError('no program is held; pause it, or set breakpoints')
         return json.dumps(asdict(stack))
+
+    def _serve_editors(self, port: int, token: str) -> DebugAdapterServer:
+        program = self.get_parameter('program').value
+        folder = Path(program).parent if program else Path.cwd()
+        shown = token or new_token()
+        server = DebugAdapterServer(self._program, token=shown, folder=folder, port=port)
+        server.start()
+        secret = '' if token else f' with token {shown}'
+        text = f'editors debug programs below {folder} at port {server.port}{secret}'
+        self.get_logger().info(text)  # type: ignore[no-untyped-call]
+        return server
 
     def _set_breakpoints(self) -> None:
         lines = breakpoints_by_file(self.get_parameter('breakpoints').value)
