@@ -116,6 +116,10 @@ function setTool(x, y, z, phi1, phi2, phi3) end
 ---@overload fun(pose: Pose)
 function setBase(x, y, z, phi1, phi2, phi3) end
 
+---Sets what orientation angles mean; without it they follow the robot's maker.
+---@param convention "zyx"|"xyz"|"zyz"|"XYZ"|"rotation_vector" one of zyx, xyz, zyz, XYZ, rotation_vector
+function setOrientationConvention(convention) end
+
 ---Sets what the flange carries, when the robot stands; it counts in all torques.
 ---@param mass number mass of what the flange carries: tool and workpiece (kg)
 ---@param x? number x of its centre of mass, seen from tool0 (m)

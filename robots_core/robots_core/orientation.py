@@ -18,9 +18,12 @@ ORIENTATION_CONVENTIONS: Final[Mapping[str, str]] = MappingProxyType(
         'xyz': 'Staubli and Modelica Cardan: about x, the new y, the new z',
         'zyz': 'Euler: about z, the new y, the new z',
         'XYZ': 'Mitsubishi: about the fixed x, y and z',
+        'rotation_vector': 'Universal Robots: the axis of one turn, as long as its angle',
     }
 )
 """Orientation-angle conventions: each one's name and meaning (capitals: about fixed axes)."""
+
+_ROTATION_VECTOR: Final = 'rotation_vector'
 
 # Closer to gimbal lock than this, rad, two angles are not told apart.
 _LOCKED = 1e-7
@@ -30,7 +33,7 @@ def orientation_from_angles(angles: ArrayLike, convention: str = 'zyx') -> Array
     """Orientation matrix of three orientation angles.
 
     Args:
-        angles: (3,) rad, in the order of the convention's name.
+        angles: (3,) rad, in the order of the convention's name, or the coordinates of a rotation vector.
         convention: One of `ORIENTATION_CONVENTIONS`.
 
     Returns:
@@ -39,8 +42,11 @@ def orientation_from_angles(angles: ArrayLike, convention: str = 'zyx') -> Array
     Raises:
         InvalidInputError: an unknown convention, or angles that are not three finite numbers.
     """
+    vector = finite_vector(angles, 3, 'orientation angles')
+    if convention == _ROTATION_VECTOR:
+        return rotation_from_vector(vector)
     i, j, k = _axes(convention)
-    a, b, c = finite_vector(angles, 3, 'orientation angles').tolist()
+    a, b, c = vector.tolist()
     if convention.isupper():
         return _about(k, c) @ _about(j, b) @ _about(i, a)
     return _about(i, a) @ _about(j, b) @ _about(k, c)
@@ -54,13 +60,15 @@ def angles_from_orientation(T: ArrayLike, convention: str = 'zyx') -> Array:
 
     Returns:
         (3,) rad; the second in [0, pi] where the first and the third axis are the same, else in
-        [-pi/2, pi/2].
+        [-pi/2, pi/2]. A rotation vector is at most pi long.
 
     Raises:
         InvalidInputError: an unknown convention, or `T` is not a rotation matrix.
     """
-    axes = _axes(convention)
     T = rotation_matrix(T)
+    if convention == _ROTATION_VECTOR:
+        return rotation_vector(T)
+    axes = _axes(convention)
     # T about fixed axes is the transpose of the turns back about the moved ones.
     angles = -_moved_axes_angles(T.T, *axes) if convention.isupper() else _moved_axes_angles(T, *axes)
     return angles + 0.0  # without the sign of zeros

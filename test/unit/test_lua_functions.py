@@ -11,6 +11,7 @@ import pytest
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, PAPER_FUNCTIONS
 from robots_core import load_robot_model
 from robots_core.errors import JointLimitError, PlanningError
+from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.pose import Pose
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, KIND_OF_FUNCTION, LINE, MotionKind
 
@@ -62,7 +63,7 @@ def test_sliding_axes_are_metres(tmp_path: Path):
     np.testing.assert_array_equal(host.commands[0].q, [np.pi / 2, 0.25, -np.pi])
 
 
-@pytest.mark.parametrize('convention', ['zyx', 'xyz', 'zyz', 'XYZ'])
+@pytest.mark.parametrize('convention', ORIENTATION_CONVENTIONS)
 @pytest.mark.parametrize(
     ('function', 'kind'),
     [
@@ -73,9 +74,14 @@ def test_sliding_axes_are_metres(tmp_path: Path):
 def test_poses_are_metres_and_degrees_of_the_convention(
     tmp_path: Path, function: str, kind: MotionKind, convention: str
 ):
-    host = LuaHost(tmp_path, orientation_convention=convention)
-    assert host.run(f'{function}(0.37, -1.78, 1.21, -42.03, 117.47, -35.89)') is None
+    call = f'{function}(0.37, -1.78, 1.21, -42.03, 117.47, -35.89)'
+    by_option = LuaHost(tmp_path, orientation_convention=convention)
+    assert by_option.run(call) is None
+    host = LuaHost(tmp_path)
+    assert host.run(f"setOrientationConvention('{convention}') {call}") is None
     (command,) = host.commands
+    assert by_option.commands[0].pose is not None
+    np.testing.assert_array_equal(by_option.commands[0].pose.T, command.pose.T)
     expected = Pose.from_angles(
         [0.37, -1.78, 1.21], np.radians([-42.03, 117.47, -35.89]), convention=convention
     )
@@ -85,6 +91,21 @@ def test_poses_are_metres_and_degrees_of_the_convention(
     np.testing.assert_array_equal(command.pose.r, expected.r)
     np.testing.assert_array_equal(command.pose.T, expected.T)
     assert host.program.reference_cartesian_position is command.pose
+
+
+def test_a_convention_ends_with_its_program_and_must_exist(tmp_path: Path):
+    flange = Pose.from_angles([1.0, 0.0, 1.0], [0.3, -0.7, 1.9], 'rotation_vector')
+    host = LuaHost(tmp_path, joint_position=lambda: np.zeros(6), direct_kinematics=lambda _: flange)
+    read = "print(string.format('%.6f %.6f %.6f', table.unpack(getCartesianPosition(), 4)))"
+    assert host.run(read) is None
+    assert host.run(f"setOrientationConvention('rotation_vector') {read}") is None
+    assert host.run(read) is None
+    as_vector = ' '.join(f'{angle:.6f}' for angle in np.degrees([0.3, -0.7, 1.9]))
+    assert host.printed[1] == as_vector
+    assert host.printed[2] == host.printed[0] != as_vector
+    host.refuses(
+        "setOrientationConvention('euler')", "valid is 'zyx', 'xyz', 'zyz', 'XYZ', 'rotation_vector'"
+    )
 
 
 def test_a_joint_motion_has_a_reference_pose_of_its_tool_and_base(tmp_path: Path):

@@ -21,6 +21,7 @@ from robots_core.orientation import (
 
 EXACT = 1e-12  # a handful of products of numbers of size one
 SCIPY_NAMES = {'zyx': 'ZYX', 'xyz': 'XYZ', 'zyz': 'ZYZ', 'XYZ': 'xyz'}
+VECTOR = 'rotation_vector'
 
 
 def _x(angle: float) -> np.ndarray:
@@ -43,18 +44,18 @@ def test_each_convention_turns_as_its_makers_say():
         'zyz': _z(a) @ _y(b) @ _z(c),
         'XYZ': _z(c) @ _y(b) @ _x(a),
     }
-    assert set(expected) == set(ORIENTATION_CONVENTIONS)
+    assert {*expected, VECTOR} == set(ORIENTATION_CONVENTIONS)
     for convention, T in expected.items():
         np.testing.assert_allclose(orientation_from_angles([a, b, c], convention), T, atol=EXACT)
 
 
 def test_unknown_convention_is_refused_with_the_known_ones():
     for call in (orientation_from_angles, lambda _, name: angles_from_orientation(np.eye(3), name)):
-        with pytest.raises(InvalidInputError, match=r"'abc'.*zyx, xyz, zyz, XYZ"):
+        with pytest.raises(InvalidInputError, match=r"'abc'.*zyx, xyz, zyz, XYZ, rotation_vector"):
             call([0, 0, 0], 'abc')
 
 
-@pytest.mark.parametrize('convention', ORIENTATION_CONVENTIONS)
+@pytest.mark.parametrize('convention', SCIPY_NAMES)
 @pytest.mark.parametrize('middle', [0.0, np.pi / 2, -np.pi / 2, np.pi])
 def test_gimbal_lock_gives_angles_of_the_same_orientation(convention: str, middle: float):
     T = orientation_from_angles([0.4, middle, 0.9], convention)
@@ -65,7 +66,7 @@ def test_gimbal_lock_gives_angles_of_the_same_orientation(convention: str, middl
     np.testing.assert_allclose(orientation_from_angles(angles, convention), T, atol=1e-7)
 
 
-@pytest.mark.parametrize('convention', ORIENTATION_CONVENTIONS)
+@pytest.mark.parametrize('convention', SCIPY_NAMES)
 def test_angles_are_those_of_scipy(convention: str):
     for phi in np.random.default_rng(3).uniform(-np.pi, np.pi, (200, 3)):
         reference = Rotation.from_euler(SCIPY_NAMES[convention], phi)
@@ -75,6 +76,13 @@ def test_angles_are_those_of_scipy(convention: str):
         # Angles near gimbal lock are known less well: by the inverse of the distance, 1e-3 here.
         turn = np.exp(1j * (angles_from_orientation(T, convention) - expected))
         np.testing.assert_allclose(turn, 1.0, atol=1e-9)
+
+
+def test_rotation_vectors_are_a_convention():
+    vector = np.array([0.3, -0.7, 1.9])
+    T = orientation_from_angles(vector, VECTOR)
+    np.testing.assert_allclose(T, Rotation.from_rotvec(vector).as_matrix(), atol=EXACT)
+    np.testing.assert_allclose(angles_from_orientation(T, VECTOR), vector, atol=EXACT)
 
 
 @pytest.mark.parametrize('angle', [0.0, 1e-15, 1e-9, 1e-4, 1.0, 3.0, np.pi - 1e-9])

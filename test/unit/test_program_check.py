@@ -70,6 +70,10 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
         ('local ready = waitDigitalInput(1, 1, 2) if ready == 0 then wait(1) end', 'ready, from waitDigit'),
         ('if getAnalogInput(1) == true then wait(1) end', 'getAnalogInput == true is always false'),
         ('if getJointAngles() == 90 then wait(1) end', 'getJointAngles returns a table'),
+        (
+            "setOrientationConvention('abc')",
+            "convention = the string 'abc'; valid is 'zyx', 'xyz', 'zyz', 'XYZ'",
+        ),
         ('wait(tiem)', 'tiem has no value: nothing gives it one'),
         ('local speed = 1 setSpeed(speeed)', 'speeed has no value: nothing gives it one; meant is speed'),
         ('local t = {f = function() x = 1 end, y = 2} wait(x) wait(y)', 'y has no value'),

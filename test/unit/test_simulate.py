@@ -20,6 +20,7 @@ from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core import load_robot_model
 from robots_core.blocks.multibody.loaded_robot import loaded_robot
 from robots_core.errors import RobotsError
+from robots_core.pose import Pose
 from robots_planning.motion_settings import NOTHING
 
 from .simulated_program import PERIOD, PROGRAMS, ROBOT, outputs, run_text
@@ -421,3 +422,22 @@ def test_drives_carry_the_cells_payload_and_then_that_of_the_program(tmp_path: P
     # Friction holds a part, which is small beside the weight of 80 kg.
     assert run.torque[first, 1] == pytest.approx(loaded, abs=0.2 * abs(loaded - empty))
     assert run.torque[-1, 1] == pytest.approx(empty, abs=0.2 * abs(loaded - empty))
+
+
+def test_ur_robots_are_programmed_with_rotation_vectors_as_their_maker_s(tmp_path: Path):
+    text = """
+        ptpJointSpacePosition(-0.45, -0.13, 0.45, 120, -125, 3)
+        local p = getCartesianPosition()
+        print(string.format('%.3f %.3f %.3f', p[4], p[5], p[6]))
+        setOrientationConvention('zyx')
+        ptpCartesianSpace(-0.45, -0.13, 0.4, table.unpack(getCartesianPosition(), 4))
+    """
+    run = run_text(tmp_path, text, robot='ur5e')
+    assert run.state == 'FINISHED'
+    assert run.printed == ('120.000 -125.000 3.000',)
+    robot = load_robot_model('ur5e')
+    T = [
+        robot.direct_kinematics(run.reference[-1, 0])[1],
+        Pose.from_angles(np.zeros(3), np.radians([120.0, -125.0, 3.0]), 'rotation_vector').T,
+    ]
+    np.testing.assert_allclose(T[0], T[1], atol=1e-6)

@@ -20,6 +20,7 @@ from robots_controller.interpreter.lua_functions import (
     LuaFunction,
 )
 from robots_core.errors import RobotsError
+from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.robot_choice import load_robot_model
 
 # Where no robot is named: what most arms have, and the others as overloads.
@@ -32,6 +33,7 @@ _TYPES: Final[dict[Kind, str]] = {
     'name': 'string',
     'frame': '|'.join(f'"{frame}"' for frame in FRAMES),
     'comparison': '|'.join(f'"{comparison}"' for comparison in COMPARISONS),
+    'convention': '|'.join(f'"{convention}"' for convention in ORIENTATION_CONVENTIONS),
     'function': 'fun(): "abort"|nil',
     'pose': 'Pose',
     'digital index': 'integer',

@@ -18,6 +18,7 @@ from robots_controller.interpreter.lua_functions import (
 )
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
 from robots_controller.program.motion_command import PathSwitch
+from robots_core.orientation import ORIENTATION_CONVENTIONS
 
 POSE_ARGUMENTS: Final = tuple(
     Argument(name, 'number', unit, '')
@@ -321,6 +322,7 @@ _TEXTS: Final[Mapping[Kind, Callable[[str], bool]]] = {
     'name': bool,
     'frame': lambda text: text in FRAMES,
     'comparison': lambda text: text in COMPARISONS,
+    'convention': lambda text: text in ORIENTATION_CONVENTIONS,
 }
 
 _VALID: Final[Mapping[Kind, str]] = {
@@ -334,6 +336,7 @@ _VALID: Final[Mapping[Kind, str]] = {
     'name': 'a string that is not empty',
     'frame': ' or '.join(f"'{frame}'" for frame in FRAMES),
     'comparison': ', '.join(f"'{comparison}'" for comparison in COMPARISONS),
+    'convention': ', '.join(f"'{convention}'" for convention in ORIENTATION_CONVENTIONS),
     'function': 'a function',
     'pose': 'a table {x, y, z, phi1, phi2, phi3}',
 }

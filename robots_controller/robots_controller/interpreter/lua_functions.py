@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
 
+from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_planning.motion_kinds import KIND_OF_FUNCTION
 
 Kind = Literal[
@@ -24,6 +25,7 @@ Kind = Literal[
     'name',
     'frame',
     'comparison',
+    'convention',
     'function',
     'pose',
     'digital index',
@@ -193,6 +195,11 @@ _FUNCTIONS: Final = (
     ),
     LuaFunction(
         'setBase', _FRAME, "Sets the base: a frame seen from the robot's base; poses are seen from it."
+    ),
+    LuaFunction(
+        'setOrientationConvention',
+        (Argument('convention', 'convention', '', f'one of {", ".join(ORIENTATION_CONVENTIONS)}'),),
+        "Sets what orientation angles mean; without it they follow the robot's maker.",
     ),
     LuaFunction(
         'setPayload',

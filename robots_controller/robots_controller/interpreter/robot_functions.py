@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Generator, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -85,6 +86,7 @@ class RobotFunctions:
             'ptpJointSpaceAnglesRelative': self._joints_relative,
             'setTool': self._set_tool,
             'setBase': self._set_base,
+            'setOrientationConvention': self._set_convention,
             'setPayload': self._set_payload,
             'setOverride': self._set_override,
             'setSpeed': self._set_limits('speed'),
@@ -285,6 +287,9 @@ class RobotFunctions:
     def _set_base(self, arguments: Arguments) -> None:
         self.target.base = self.view.pose(arguments.values)
         self._settings['base'] = _seven(self.target.base)
+
+    def _set_convention(self, arguments: Arguments) -> None:
+        self.view = replace(self.view, convention=arguments.values[0])
 
     def _set_payload(self, arguments: Arguments) -> Waiting:
         payload = tuple(value or 0.0 for value in arguments.values)

@@ -39,4 +39,4 @@ class UniversalRobots(PackagedRobot):
     DATA: ClassVar[UniversalRobotsData]
     # The maker's upright start posture is singular: elbow bent to the front, tool looking down.
     HOME = (0.0, -pi / 2, pi / 2, -pi / 2, -pi / 2, 0.0)
-    ORIENTATION_CONVENTION = 'zyx'
+    ORIENTATION_CONVENTION = 'rotation_vector'

@@ -20,4 +20,4 @@ class TemplateRobot(PackagedRobot):
 
     DATA = TemplateRobotData()
     HOME = (0.0, -0.5, 1.2)  # rad, one number per axis, inside the limits and free of collisions
-    ORIENTATION_CONVENTION = 'zyx'  # its maker's: zyx (KUKA), xyz (Staubli), zyz, XYZ (Mitsubishi)
+    ORIENTATION_CONVENTION = 'zyx'  # its maker's, one of ORIENTATION_CONVENTIONS: zyx is KUKA's
