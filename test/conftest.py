@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 if TYPE_CHECKING:
     from rclpy.context import Context  # noqa: TID251
@@ -20,8 +20,11 @@ if TYPE_CHECKING:
 
     from robots_core.ros.lockstep.coordinator import Coordinator
 
-# The same examples in every run: a failure is one of the change at hand, and comes again.
-settings.register_profile('robots', derandomize=True)
+# The same examples in every run: a failure is one of the change at hand, and comes again. How long one takes
+# depends on the machine.
+settings.register_profile(
+    'robots', derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.load_profile('robots')
 
 AnyNode = TypeVar('AnyNode')

@@ -141,19 +141,19 @@ def check_complete(robot: UrdfRobotModel, seed: int) -> None:
         assert apart.min() > 0.0
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(robot=drawn(spherical_wrist_arms()), seed=st.integers(0, 2**32 - 1))
 def test_any_arm_with_a_spherical_wrist_has_all_its_postures(robot: UrdfRobotModel, seed: int):
     check_complete(robot, seed)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(robot=drawn(ur_arms()), seed=st.integers(0, 2**32 - 1))
 def test_any_arm_with_three_parallel_axes_has_all_its_postures(robot: UrdfRobotModel, seed: int):
     check_complete(robot, seed)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(robot=drawn(spherical_wrist_arms()), seed=st.integers(0, 2**32 - 1))
 def test_poses_far_out_of_reach_have_none(robot: UrdfRobotModel, seed: int):
     random = np.random.default_rng(seed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robots_core import load_robot_model
@@ -22,7 +22,6 @@ def at(share: list[float]) -> np.ndarray:
     return np.clip(AXES.lower + np.array(share) * (AXES.upper - AXES.lower), AXES.lower, AXES.upper)
 
 
-@settings(deadline=None)
 @given(start=shares, end=shares, near=st.sampled_from([0.0, 1e-12, 1e-6, 1.0]))
 def test_a_resting_reference_is_reached_and_stood_at(
     start: list[float], end: list[float], near: float

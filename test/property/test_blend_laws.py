@@ -132,7 +132,7 @@ def build(
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-@settings(max_examples=12, deadline=None)  # planned, verified and sampled in full
+@settings(max_examples=12)  # planned, verified and sampled in full
 @given(
     moved=angles,
     motions=st.lists(motion, min_size=2, max_size=4),

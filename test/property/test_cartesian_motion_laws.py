@@ -42,7 +42,7 @@ def poses_from(pose: Pose, offsets: list[tuple[float, ...]], turns: list[tuple[f
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-@settings(max_examples=15, deadline=None)  # sampled and verified in full
+@settings(max_examples=15)  # sampled and verified in full
 @given(start=near_home, offsets=st.tuples(offset, offset), turns=st.tuples(turn, turn), planner=planners)
 def test_arcs_stay_on_their_circle_within_all_limits(
     name: str,
@@ -73,7 +73,7 @@ def test_arcs_stay_on_their_circle_within_all_limits(
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-@settings(max_examples=15, deadline=None)  # sampled and verified in full
+@settings(max_examples=15)  # sampled and verified in full
 @given(
     start=near_home,
     offsets=st.lists(offset, min_size=2, max_size=4),
@@ -112,7 +112,7 @@ def test_splines_pass_their_poses_within_all_limits(
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-@settings(max_examples=15, deadline=None)  # verified in full
+@settings(max_examples=15)  # verified in full
 @given(start=near_home, offset_r=offset, about=turn)
 def test_jerk_limited_lines_keep_jerk_everywhere_at_a_bearable_price(
     name: str, start: list[float], offset_r: tuple[float, ...], about: tuple[float, ...]
@@ -135,7 +135,7 @@ def test_jerk_limited_lines_keep_jerk_everywhere_at_a_bearable_price(
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-@settings(max_examples=10, deadline=None)  # several plans each
+@settings(max_examples=10)  # several plans each
 @given(
     start=near_home,
     offsets=st.lists(offset, min_size=2, max_size=2),

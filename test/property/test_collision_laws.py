@@ -120,7 +120,7 @@ def depth(geometry: Geometry, local: np.ndarray) -> float:
     raise AssertionError(geometry)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(geometries(), geometries(), poses(), st.sampled_from(ENGINES))
 def test_distance_agrees_with_points_all_over_both_surfaces(
     first: Geometry, second: Geometry, pose: Pose, engine: str
@@ -138,7 +138,7 @@ def test_distance_agrees_with_points_all_over_both_surfaces(
     assert found.in_contact == (('tool', 'obstacle') in detection.contacts(q))
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(geometries(), geometries(), poses(), st.sampled_from(ENGINES))
 def test_nearest_points_lie_on_both_bodies_at_their_distance(
     first: Geometry, second: Geometry, pose: Pose, engine: str
@@ -157,7 +157,7 @@ def test_nearest_points_lie_on_both_bodies_at_their_distance(
         assert abs(depth(geometry, local)) <= 2.0 * ENGINE_TOLERANCE
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(geometries(), geometries(), poses())
 def test_engines_agree(first: Geometry, second: Geometry, pose: Pose):
     fcl, coal = (pair(first, second, pose, engine) for engine in ENGINES)
@@ -167,7 +167,7 @@ def test_engines_agree(first: Geometry, second: Geometry, pose: Pose):
         assert fcl[0].contacts(fcl[1]) == coal[0].contacts(coal[1])
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(geometries(), geometries(), poses(), seeds)
 def test_distance_does_not_depend_on_where_both_stand(
     first: Geometry, second: Geometry, pose: Pose, seed: int
@@ -212,7 +212,7 @@ def paths(draw: st.DrawFn) -> JointPath:
     )
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(paths(), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_axes_turn_no_farther_than_told(path: JointPath, one: float, other: float):
     low, high = sorted((one * path.end, other * path.end))
@@ -223,7 +223,7 @@ def test_axes_turn_no_farther_than_told(path: JointPath, one: float, other: floa
     assert (np.abs(q - path.sample(middle)).max(axis=0) <= turn + 1e-12).all()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(paths(), st.floats(0.02, 0.98), poses(0.0), st.sampled_from((1e-3, 1e-4, 1e-5)))
 def test_no_obstacle_is_so_thin_that_it_is_jumped_over(
     path: JointPath, part: float, turned: Pose, thickness: float
@@ -241,7 +241,7 @@ def test_no_obstacle_is_so_thin_that_it_is_jumped_over(
     assert closest.proximity.distance <= 1e-3  # its tolerance
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(paths(), geometries(), poses(1.5), st.floats(0.0, 0.1))
 def test_what_passes_keeps_the_margin_everywhere(
     path: JointPath, geometry: Geometry, pose: Pose, margin: float
@@ -263,7 +263,7 @@ def test_what_passes_keeps_the_margin_everywhere(
         assert place.proximity.distance <= margin + 1e-3
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(paths(), geometries(), poses(1.5))
 def test_closest_approach_is_the_smallest_distance_of_the_path(
     path: JointPath, geometry: Geometry, pose: Pose

@@ -53,7 +53,7 @@ def alternations(accelerations: list[np.ndarray]) -> int:
 
 
 @pytest.mark.parametrize('name', ['kuka_kr500_r2830', 'bello_bot', 'franka_fr3', 'manutec_r3', 'cello_bot'])
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(
     seed=st.integers(0, 2**32 - 1),
     hold=st.integers(1, 80),
@@ -77,7 +77,7 @@ def test_no_reference_leads_out_of_the_limits(
 
 
 @pytest.mark.parametrize('name', ['kuka_kr500_r2830', 'bello_bot', 'franka_fr3'])
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_arrives_at_a_pose_near_by_and_stands_there(name: str, seed: int) -> None:
     ik, rng = solver(name), np.random.default_rng(seed)
@@ -96,7 +96,7 @@ def test_arrives_at_a_pose_near_by_and_stands_there(name: str, seed: int) -> Non
     assert np.abs(q_dot).max() < 1e-6
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(direction=st.floats(0.0, 2.0 * np.pi), speed=st.floats(0.01, 0.3), tilt=st.floats(-0.02, 0.02))
 def test_smooth_through_a_singular_wrist(direction: float, speed: float, tilt: float) -> None:
     """Axes 4 and 6 aligned: motion sideways; joint acceleration never alternates from step to step."""
@@ -114,7 +114,7 @@ def test_smooth_through_a_singular_wrist(direction: float, speed: float, tilt: f
     assert alternations(accelerations) <= 12
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(direction=st.floats(-0.6, 0.6), speed=st.floats(0.5, 1.5))
 def test_smooth_out_of_reach_and_back(direction: float, speed: float) -> None:
     """The arm stretches after a reference that leaves its workspace; it may come back with its elbow over."""
@@ -134,7 +134,7 @@ def test_smooth_out_of_reach_and_back(direction: float, speed: float) -> None:
     assert alternations(accelerations) <= 12
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_self_motion_of_seven_axes_leaves_the_tool_where_it_is(seed: int) -> None:
     robot = load_robot_model('bello_bot')

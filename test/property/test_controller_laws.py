@@ -95,7 +95,7 @@ targets = st.tuples(
 periods = st.sampled_from([0.001, 0.004, 0.01])
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     target=targets,
     period=periods,
@@ -124,7 +124,7 @@ def test_any_override_keeps_limits_and_path_and_reaches_the_target(
     assert np.all(rig.references[-1][1:] == 0.0)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(target=targets, after=st.integers(1, 400), how=st.sampled_from(['pause', 'stop', 'lost feedback']))
 def test_whatever_stops_it_stops_on_the_path(target: tuple[float, ...], after: int, how: str) -> None:
     goal = np.array(target)

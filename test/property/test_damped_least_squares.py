@@ -25,7 +25,7 @@ parts = st.lists(st.one_of(st.floats(0.0, 1.0), st.sampled_from([0.0, 0.5, 1.0])
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-@settings(max_examples=60, deadline=None)  # one example may need all restarts
+@settings(max_examples=60)  # one example may need all restarts
 @given(target=parts, start=parts)
 def test_round_trip(name: str, target: list[float], start: list[float]) -> None:
     robot = _LOADED[name]
@@ -43,7 +43,7 @@ def test_round_trip(name: str, target: list[float], start: list[float]) -> None:
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-@settings(max_examples=40, deadline=None)  # an unreachable pose needs all restarts
+@settings(max_examples=40)  # an unreachable pose needs all restarts
 @given(r=st.tuples(*[st.floats(-4.0, 4.0)] * 3), angles=st.tuples(*[st.floats(-3.0, 3.0)] * 3), start=parts)
 def test_any_pose_gives_joint_positions_inside_the_limits(
     name: str, r: tuple[float, ...], angles: tuple[float, ...], start: list[float]
@@ -59,7 +59,7 @@ def test_any_pose_gives_joint_positions_inside_the_limits(
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(target=parts, away=st.lists(st.floats(-1.0, 1.0), min_size=7, max_size=7))
 def test_a_pose_near_by_is_reached_near_by(name: str, target: list[float], away: list[float]) -> None:
     robot = _LOADED[name]

@@ -46,7 +46,7 @@ def line_from(
 
 
 @pytest.mark.parametrize('name', available_robot_models())
-@settings(max_examples=8, deadline=None)  # every plan is looked at 1000 times a second with inverse dynamics
+@settings(max_examples=8)  # every plan is looked at 1000 times a second with inverse dynamics
 @given(
     offsets=st.lists(st.floats(-0.7, 0.7), min_size=7, max_size=7),
     ways=st.tuples(direction, direction),
@@ -88,7 +88,7 @@ def search_finds(robot: BaseRobotModel, line: CartesianLine, start: np.ndarray) 
 
 
 @pytest.mark.parametrize('name', CLOSED_FORM)
-@settings(max_examples=15, deadline=None)  # the reference search takes its time
+@settings(max_examples=15)  # the reference search takes its time
 @given(
     offsets=st.lists(st.floats(-0.7, 0.7), min_size=6, max_size=6),
     wrist=bend,
@@ -110,7 +110,7 @@ def test_a_plan_wherever_a_search_finds_one(
 
 
 @pytest.mark.parametrize('name', CLOSED_FORM)
-@settings(max_examples=12, deadline=None)  # four plans each
+@settings(max_examples=12)  # four plans each
 @given(
     offsets=st.lists(st.floats(-0.5, 0.5), min_size=6, max_size=6),
     ways=st.tuples(direction, direction),

@@ -27,7 +27,7 @@ def near_home(move: list[float]) -> np.ndarray:
 
 
 @pytest.mark.parametrize('planner', PLANNERS)
-@settings(max_examples=20, deadline=None)  # thousands of steps of the controller each
+@settings(max_examples=20)  # thousands of steps of the controller each
 @given(
     targets=st.tuples(moves, moves, moves),
     when=st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)),

@@ -59,7 +59,7 @@ def assert_limits(trajectory: Trajectory, robot: BaseRobotModel) -> None:
 
 
 @CASES
-@settings(max_examples=60, deadline=None)  # the first example loads compiled code
+@settings(max_examples=60)  # the first example loads compiled code
 @given(start=parts, q_dot=motions, q_ddot=motions, target=parts, fraction=st.sampled_from([1.0, 0.3]))
 def test_from_any_motion_that_can_be_braked(
     name: str,
@@ -98,7 +98,7 @@ def test_from_any_motion_that_can_be_braked(
 
 
 @CASES
-@settings(max_examples=40, deadline=None)  # the first example loads compiled code
+@settings(max_examples=40)  # the first example loads compiled code
 @given(
     start=parts,
     targets=st.tuples(parts, parts, parts),
@@ -149,7 +149,7 @@ def arrivals(trajectory: Trajectory) -> np.ndarray:
 
 
 @pytest.mark.parametrize('name', ['kuka_kr210_r2700', 'bello_bot'])
-@settings(max_examples=60, deadline=None)  # the first example loads compiled code
+@settings(max_examples=60)  # the first example loads compiled code
 @given(start=parts, target=parts, scale=st.sampled_from([1.0, 0.1, 1e-3]))
 def test_every_axis_is_as_early_as_ruckig_knows(
     name: str, start: list[float], target: list[float], scale: float
@@ -168,7 +168,7 @@ def test_every_axis_is_as_early_as_ruckig_knows(
 
 
 @pytest.mark.parametrize('name', ['kuka_kr210_r2700', 'bello_bot'])
-@settings(max_examples=60, deadline=None)  # the first example loads compiled code
+@settings(max_examples=60)  # the first example loads compiled code
 @given(middle=parts, q_dot=motions, q_ddot=motions, target=parts)
 def test_from_motion_every_axis_is_nearly_as_early(
     name: str, middle: list[float], q_dot: list[float], q_ddot: list[float], target: list[float]
@@ -193,7 +193,7 @@ def test_from_motion_every_axis_is_nearly_as_early(
 
 
 @CASES
-@settings(max_examples=40, deadline=None)  # the first example loads compiled code
+@settings(max_examples=40)  # the first example loads compiled code
 @given(start=parts, target=parts, less=st.floats(0.05, 1.0))
 def test_reversal_and_larger_limits(
     name: str, planner: type[JointSpaceGenerator], start: list[float], target: list[float], less: float

@@ -59,7 +59,7 @@ def _comparison() -> Any:
 compare = _comparison()
 
 
-@settings(max_examples=1500, deadline=None)
+@settings(max_examples=1500)
 @given(
     name=st.sampled_from([b'find', b'match', b'gmatch']),
     subject=SUBJECTS,
@@ -71,7 +71,7 @@ def test_searches_agree(name: bytes, subject: str, pattern: str, init: int | Non
     assert ours == theirs
 
 
-@settings(max_examples=1500, deadline=None)
+@settings(max_examples=1500)
 @given(
     subject=SUBJECTS,
     pattern=WELL_FORMED,
@@ -82,7 +82,7 @@ def test_substitutions_agree(subject: str, pattern: str, by: bytes):
     assert ours == theirs
 
 
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=500)
 @given(subject=st.text(alphabet='ab', max_size=3), pattern=st.text(alphabet='a%[](b)^$f1*-.', max_size=8))
 def test_what_lua_refuses_is_refused(subject: str, pattern: str):
     theirs, ours = compare(b'match', subject.encode(), pattern.encode(), None)

@@ -48,7 +48,7 @@ def check_every_instant(trajectory: Trajectory, robot: BaseRobotModel) -> None:
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-@settings(max_examples=60, deadline=None)  # long moves are sampled at 10 kHz
+@settings(max_examples=60)  # long moves are sampled at 10 kHz
 @given(start=parts, target=parts)
 def test_linear_joint(name: str, start: list[float], target: list[float]) -> None:
     robot = _LOADED[name]
@@ -66,7 +66,7 @@ def test_linear_joint(name: str, start: list[float], target: list[float]) -> Non
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-@settings(max_examples=40, deadline=None)  # first use of a robot is slow
+@settings(max_examples=40)  # first use of a robot is slow
 @given(start=parts, target=parts, less=st.floats(0.05, 1.0))
 def test_linear_joint_is_never_slower_with_larger_limits(
     name: str, start: list[float], target: list[float], less: float
@@ -80,7 +80,7 @@ def test_linear_joint_is_never_slower_with_larger_limits(
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-@settings(max_examples=60, deadline=None)  # lines that fail look for the reason
+@settings(max_examples=60)  # lines that fail look for the reason
 @given(start=parts, directions=st.tuples(direction, direction), metres=length, radians=length)
 def test_linear_cartesian_limited(
     name: str, start: list[float], directions: tuple[tuple[float, ...], ...], metres: float, radians: float
@@ -102,7 +102,7 @@ def test_linear_cartesian_limited(
 
 
 @pytest.mark.parametrize('name', ROBOTS)
-@settings(max_examples=30, deadline=None)  # three plans each
+@settings(max_examples=30)  # three plans each
 @given(
     start=st.lists(st.floats(-0.5, 0.5), min_size=7, max_size=7),
     towards=direction,

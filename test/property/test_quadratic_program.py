@@ -12,7 +12,7 @@ from robots_core.blocks.inverse_kinematics.quadratic_program import (
 )
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 8), rows=st.integers(0, 16))
 @example(seed=514, n=8, rows=8)  # multipliers of 1e8 on the way to some of 1e2
 def test_solution_fulfils_the_optimality_conditions(seed: int, n: int, rows: int) -> None:

@@ -60,7 +60,7 @@ def energy(robot: BaseRobotModel, drive: RigidBodyDrive) -> float:
     return float(0.5 * drive.velocity @ M @ drive.velocity + rotors + springs)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.sampled_from(NAMES), st.integers(0, 2**32 - 1))
 def test_friction_only_takes_energy(name: str, seed: int):
     robot = weightless(name)
@@ -76,7 +76,7 @@ def test_friction_only_takes_energy(name: str, seed: int):
     assert before < start
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.sampled_from(NAMES), st.integers(0, 2**32 - 1))
 def test_without_friction_energy_stays(name: str, seed: int):
     robot = weightless(name)
@@ -88,7 +88,7 @@ def test_without_friction_energy_stays(name: str, seed: int):
     np.testing.assert_allclose(energy(robot, drive), start, rtol=1e-4)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.sampled_from(NAMES), st.integers(0, 2**32 - 1), st.booleans())
 def test_torques_stay_inside_their_limits_and_states_finite(name: str, seed: int, known: bool):  # noqa: FBT001
     """References that jump anywhere; the current control overshoots what is wanted, so it is ideal here."""

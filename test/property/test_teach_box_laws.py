@@ -20,7 +20,7 @@ command = st.tuples(
 
 
 @pytest.mark.parametrize('name', list(_LOADED))
-@settings(max_examples=25, deadline=None)  # hundreds of steps each
+@settings(max_examples=25)  # hundreds of steps each
 @given(
     start=st.lists(st.floats(0.0, 1.0), min_size=7, max_size=7),
     commands=st.lists(command, min_size=1, max_size=8),

@@ -23,7 +23,6 @@ def simulated_braking_distance(speed: float, deceleration: float, dt: float) -> 
     return way
 
 
-@settings(deadline=None)
 @given(speed=st.floats(0.0, 5.0), deceleration=decelerations, dt=periods)
 def test_braking_distance_is_that_of_a_simulation(speed: float, deceleration: float, dt: float) -> None:
     simulated = simulated_braking_distance(speed, deceleration, dt)
@@ -31,7 +30,6 @@ def test_braking_distance_is_that_of_a_simulation(speed: float, deceleration: fl
     np.testing.assert_allclose(braking_distance(speed, deceleration, dt), simulated, rtol=1e-9, atol=1e-12)
 
 
-@settings(deadline=None)
 @given(distance=st.floats(0.0, 10.0), deceleration=decelerations, dt=periods)
 def test_fastest_stoppable_uses_the_whole_distance(distance: float, deceleration: float, dt: float) -> None:
     speed = fastest_stoppable(distance, deceleration, dt)
@@ -39,7 +37,7 @@ def test_fastest_stoppable_uses_the_whole_distance(distance: float, deceleration
     np.testing.assert_allclose(used, distance, rtol=1e-9, atol=1e-14)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(
     start=st.floats(-1.0, 1.0),
     deceleration=st.floats(0.3, 1.0),

@@ -306,7 +306,7 @@ BASE = [
 ]
 
 
-@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=20, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.integers(0, len(BASE) - 1), st.data())
 def test_one_changed_field_of_one_message_is_found(tmp_path: Path, index: int, data: st.DataObject):
     time, topic, message = BASE[index]

@@ -158,7 +158,7 @@ def test_a_message_that_is_not_of_its_type_is_told(tmp_path: Path):
         read_bag(path).deserialized(['/a'])
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.integers(0, 10_000), st.binary(max_size=20))
 def test_any_damage_is_survived(tmp_path: Path, position: int, noise: bytes):
     path = tmp_path / 'bag'

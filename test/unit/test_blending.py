@@ -34,7 +34,7 @@ def check_smooth(path: JointPath) -> None:
         np.testing.assert_allclose(value[1:] - value[0], change, atol=1e-4 * (1.0 + scale))
 
 
-@settings(max_examples=60, deadline=None)  # a thousand evaluations each
+@settings(max_examples=60)  # a thousand evaluations each
 @given(
     corners=st.lists(
         st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3), min_size=3, max_size=5, unique_by=tuple

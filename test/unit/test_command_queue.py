@@ -29,7 +29,7 @@ def running(*ids: str) -> RunningMotion:
 
 
 @given(st.lists(st.sampled_from([STOPS, BLENDS, JOINT_BLENDS]), max_size=3 * LONGEST_CHAIN))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_every_command_is_planned_once_in_its_order_and_a_chain_ends_where_it_stops(
     kinds: list[MotionSettings],
 ) -> None:

@@ -50,7 +50,7 @@ STEPS = st.lists(
 )
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(STEPS)
 def test_after_every_flush_the_bag_is_whole(tmp_path: Path, steps: list[str | tuple[str, int]]):
     recording = Recording(tmp_path / str(len(list(tmp_path.iterdir()))))

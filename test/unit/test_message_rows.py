@@ -12,7 +12,7 @@ from robots_controller.simulation.record import ros_messages as ros
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     st.integers(1, 9).flatmap(
         lambda n: st.lists(

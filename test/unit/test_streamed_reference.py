@@ -78,7 +78,7 @@ def test_a_smooth_stream_is_followed_without_lag(rig: Rig) -> None:
     assert rig.controller.state is ControllerState.STREAMING
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(
     points=st.lists(
         st.tuples(

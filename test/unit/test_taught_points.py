@@ -27,7 +27,7 @@ names = st.text(min_size=1, max_size=12).filter(lambda text: text.isprintable())
 
 
 @given(st.dictionaries(names, points, max_size=4))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_what_is_written_is_read_again(taught: dict[str, TaughtPoint]) -> None:
     with tempfile.TemporaryDirectory() as folder:  # one per example, which pytest's tmp_path is not
         path = Path(folder) / 'part.points.yaml'
