@@ -2,7 +2,15 @@
 -- Robot programs: what every function does, for the Lua language server. Generated; do not edit:
 -- lua_meta > programs/library/robot_functions.lua, or lua_meta --robot NAME for one robot's axes.
 
----@alias Pose number[] {x, y, z, phi1, phi2, phi3}: metres and degrees
+---{x, y, z, phi1, phi2, phi3}: metres and degrees; `a * b` chains, b seen from a.
+---@class Pose: number[]
+---@field x number
+---@field y number
+---@field z number
+---@field phi1 number
+---@field phi2 number
+---@field phi3 number
+---@operator mul(Pose|number[]): Pose
 
 ---Switches an output while the robot moves: one place, one output, its value.
 ---@class PathSwitch
@@ -10,8 +18,8 @@
 ---@field distance_after_start? number m, on the way of the tool
 ---@field time_before_end? number s
 ---@field time_after_start? number s
----@field output? integer digital output
----@field analog_output? integer analog output
+---@field output? integer|string digital output
+---@field analog_output? integer|string analog output
 ---@field value boolean|number
 
 ---@class CartesianOptions
@@ -30,7 +38,7 @@
 ---@param phi2 number orientation angle 2 in the robot's convention (deg)
 ---@param phi3 number orientation angle 3 in the robot's convention (deg)
 ---@param options? CartesianOptions
----@overload fun(pose: Pose, options?: CartesianOptions)
+---@overload fun(pose: Pose|number[], options?: CartesianOptions)
 function ptpCartesianSpace(x, y, z, phi1, phi2, phi3, options) end
 
 ---Moves all axes together to joint angles; returns when the robot stands there.
@@ -56,17 +64,17 @@ function ptpJointSpaceAngles(q1, q2, q3, q4, q5, q6, options) end
 ---@param phi2 number orientation angle 2 in the robot's convention (deg)
 ---@param phi3 number orientation angle 3 in the robot's convention (deg)
 ---@param options? JointOptions
----@overload fun(pose: Pose, options?: JointOptions)
+---@overload fun(pose: Pose|number[], options?: JointOptions)
 function ptpJointSpacePosition(x, y, z, phi1, phi2, phi3, options) end
 
 ---Moves the tool on an arc through `via` to `target`, each {x, y, z, phi1, phi2, phi3}.
----@param via Pose pose on the arc: its position is passed
----@param target Pose pose at the end of the arc
+---@param via Pose|number[] pose on the arc: its position is passed
+---@param target Pose|number[] pose at the end of the arc
 ---@param options? CartesianOptions
 function circCartesianSpace(via, target, options) end
 
 ---Moves the tool on a smooth curve through poses, each {x, y, z, phi1, phi2, phi3}.
----@param ... Pose|CartesianOptions pose on the curve
+---@param ... Pose|number[]|CartesianOptions pose on the curve
 function splineCartesianSpace(...) end
 
 ---Moves the tool on a straight line, relative to the last target.
@@ -78,7 +86,7 @@ function splineCartesianSpace(...) end
 ---@param phi3 number turn by orientation angle 3 (deg)
 ---@param frame? "base"|"tool" 'base' (default) or 'tool': whose axes are meant
 ---@param options? CartesianOptions
----@overload fun(pose: Pose, frame?: "base"|"tool", options?: CartesianOptions)
+---@overload fun(pose: Pose|number[], frame?: "base"|"tool", options?: CartesianOptions)
 function linearRelative(x, y, z, phi1, phi2, phi3, frame, options) end
 
 ---Moves all axes together by joint angles, relative to the last target.
@@ -103,7 +111,7 @@ function ptpJointSpaceAnglesRelative(q1, q2, q3, q4, q5, q6, options) end
 ---@param phi1 number orientation angle 1 in the robot's convention (deg)
 ---@param phi2 number orientation angle 2 in the robot's convention (deg)
 ---@param phi3 number orientation angle 3 in the robot's convention (deg)
----@overload fun(pose: Pose)
+---@overload fun(pose: Pose|number[])
 function setTool(x, y, z, phi1, phi2, phi3) end
 
 ---Sets the base: a frame seen from the robot's base; poses are seen from it.
@@ -113,12 +121,24 @@ function setTool(x, y, z, phi1, phi2, phi3) end
 ---@param phi1 number orientation angle 1 in the robot's convention (deg)
 ---@param phi2 number orientation angle 2 in the robot's convention (deg)
 ---@param phi3 number orientation angle 3 in the robot's convention (deg)
----@overload fun(pose: Pose)
+---@overload fun(pose: Pose|number[])
 function setBase(x, y, z, phi1, phi2, phi3) end
 
 ---Sets what orientation angles mean; without it they follow the robot's maker.
 ---@param convention "zyx"|"xyz"|"zyz"|"XYZ"|"rotation_vector" one of zyx, xyz, zyz, XYZ, rotation_vector
 function setOrientationConvention(convention) end
+
+---Reads the tool.
+---@return Pose # a pose
+function getTool() end
+
+---Reads the base.
+---@return Pose # a pose
+function getBase() end
+
+---Reads what the flange carries: {mass, x, y, z}, kg and m.
+---@return number[] # a table of 4 numbers
+function getPayload() end
 
 ---Sets what the flange carries, when the robot stands; it counts in all torques.
 ---@param mass number mass of what the flange carries: tool and workpiece (kg)
@@ -147,61 +167,17 @@ function setAcceleration(fraction, cartesian, rotation) end
 ---@return number[] # a table of n numbers
 function getJointAngles() end
 
+---Reads how fast the joints move now, in degrees/s, in m/s for sliding axes; does not wait.
+---@return number[] # a table of n numbers
+function getJointSpeeds() end
+
+---Reads the torques of the motors now, at the joints, in N m (N); does not wait.
+---@return number[] # a table of n numbers
+function getJointTorques() end
+
 ---Reads where the tool is, seen from the base: {x, y, z, phi1, phi2, phi3}.
----@return number[] # a table of 6 numbers
+---@return Pose # a pose
 function getCartesianPosition() end
-
----Switches a digital output.
----@param index integer number of the output, from 1
----@param value boolean|0|1 0 or false: off, 1 or true: on
-function setDigitalOutput(index, value) end
-
----Reads a digital input.
----@param index integer number of the input, from 1
----@return boolean # true or false
-function getDigitalInput(index) end
-
----Sets an analog output.
----@param index integer number of the output, from 1
----@param value number value of the output
-function setAnalogOutput(index, value) end
-
----Reads an analog input.
----@param index integer number of the input, from 1
----@return number # a number
-function getAnalogInput(index) end
-
----Waits until a digital input has a value.
----@param index integer number of the input, from 1
----@param value boolean|0|1 0 or false: off, 1 or true: on
----@param timeout? number longest wait; without one it waits for ever (s)
----@return boolean # true, or false after `timeout`
-function waitDigitalInput(index, value, timeout) end
-
----Waits until an analog input compares: waitAnalogInput(1, '>', 2.5).
----@param index integer number of the input, from 1
----@param comparison "<"|"<="|">"|">="|"=="|"~=" one of < <= > >= == ~=
----@param value number what the input is compared with
----@param timeout? number longest wait; without one it waits for ever (s)
----@return boolean # true, or false after `timeout`
-function waitAnalogInput(index, comparison, value, timeout) end
-
----Switches a digital output on, and off again after a time; the program goes on meanwhile.
----@param index integer number of the output, from 1
----@param time number how long it is on (s)
-function pulseDigitalOutput(index, time) end
-
----Lets a change of an input interrupt the program: the robot brakes on its path, `handler` runs, the motion goes on, or ends there if it returned 'abort'.
----@param index integer number of the input, from 1
----@param value boolean|0|1 0 or false: off, 1 or true: on
----@param handler fun(): "abort"|nil called at the change; it may return 'abort'
-function onDigitalInput(index, value, handler) end
-
----Runs another program as subprogram; it has the same globals, and further arguments as `...`.
----@param program string file of the subprogram, seen from the folder of the main program
----@param ... any
----@return ... # what the subprogram returns
-function call(program, ...) end
 
 ---Writes where the robot is to the points file under a name.
 ---@param name string name of the point
@@ -209,22 +185,175 @@ function teach(name) end
 
 ---Reads a taught point: its joint angles, and the pose of the flange {x, y, z, phi1, phi2, phi3}.
 ---@param name string name of the point
----@return number[], number[] # two tables
+---@return number[], Pose # a table of n numbers, a pose
 function getTaughtPoint(name) end
+
+---Makes a pose: a table with its six numbers, also as `p.x` to `p.phi3`; `a * b` is compose(a, b).
+---@param x number x of the tool in the base frame (m)
+---@param y number y of the tool in the base frame (m)
+---@param z number z of the tool in the base frame (m)
+---@param phi1 number orientation angle 1 in the robot's convention (deg)
+---@param phi2 number orientation angle 2 in the robot's convention (deg)
+---@param phi3 number orientation angle 3 in the robot's convention (deg)
+---@return Pose # a pose
+---@overload fun(pose: Pose|number[])
+function pose(x, y, z, phi1, phi2, phi3) end
+
+---Chains poses: the last one, seen from where the first one is seen from.
+---@param ... Pose|number[] pose seen from the one before it
+---@return Pose # a pose
+function compose(...) end
+
+---Inverts a pose: where it was seen from, seen from it.
+---@param pose Pose|number[] pose of a frame
+---@return Pose # a pose
+function inverse(pose) end
+
+---Shifts and turns a pose along the axes of the base or, with 'tool', along its own.
+---@param pose Pose|number[] pose to start from
+---@param x number way along x (m)
+---@param y number way along y (m)
+---@param z number way along z (m)
+---@param phi1? number turn by orientation angle 1 (deg)
+---@param phi2? number turn by orientation angle 2 (deg)
+---@param phi3? number turn by orientation angle 3 (deg)
+---@param frame? "base"|"tool" 'base' (default) or 'tool': whose axes are meant
+---@return Pose # a pose
+function offset(pose, x, y, z, phi1, phi2, phi3, frame) end
+
+---Lays out a palette: its places row by row, layer by layer, all oriented as the first.
+---@param first Pose|number[] pose at the first place
+---@param row_end Pose|number[] pose at the end of the first row; its position counts
+---@param columns integer places in a row
+---@param column_end? Pose|number[] pose at the end of the first column
+---@param rows? integer rows
+---@param stack_end? Pose|number[] pose at the top of the first stack
+---@param layers? integer layers
+---@return Pose[] # a table of poses
+function grid(first, row_end, columns, column_end, rows, stack_end, layers) end
+
+---Computes where joint angles lead the tool.
+---@param q1 number joint angle, in metres for a sliding axis (deg (m))
+---@param q2 number joint angle, in metres for a sliding axis (deg (m))
+---@param q3 number joint angle, in metres for a sliding axis (deg (m))
+---@param q4 number joint angle, in metres for a sliding axis (deg (m))
+---@param q5 number joint angle, in metres for a sliding axis (deg (m))
+---@param q6 number joint angle, in metres for a sliding axis (deg (m))
+---@return Pose # a pose
+---@overload fun(q1: number, q2: number, q3: number)
+---@overload fun(q1: number, q2: number, q3: number, q4: number)
+---@overload fun(q1: number, q2: number, q3: number, q4: number, q5: number)
+---@overload fun(q1: number, q2: number, q3: number, q4: number, q5: number, q6: number, q7: number)
+---@overload fun(q: number[])
+function forwardKinematics(q1, q2, q3, q4, q5, q6) end
+
+---Computes the joint angles that ptpJointSpacePosition would lead to; fails where there are none.
+---@param x number x of the tool in the base frame (m)
+---@param y number y of the tool in the base frame (m)
+---@param z number z of the tool in the base frame (m)
+---@param phi1 number orientation angle 1 in the robot's convention (deg)
+---@param phi2 number orientation angle 2 in the robot's convention (deg)
+---@param phi3 number orientation angle 3 in the robot's convention (deg)
+---@param near? number[] joint angles to search from; the last target by default (deg (m))
+---@return number[] # a table of n numbers
+---@overload fun(pose: Pose|number[], near?: number[])
+function inverseKinematics(x, y, z, phi1, phi2, phi3, near) end
+
+---Looks whether joint angles inside the limits lead the tool to a pose.
+---@param x number x of the tool in the base frame (m)
+---@param y number y of the tool in the base frame (m)
+---@param z number z of the tool in the base frame (m)
+---@param phi1 number orientation angle 1 in the robot's convention (deg)
+---@param phi2 number orientation angle 2 in the robot's convention (deg)
+---@param phi3 number orientation angle 3 in the robot's convention (deg)
+---@param near? number[] joint angles to search from; the last target by default (deg (m))
+---@return boolean # true or false
+---@overload fun(pose: Pose|number[], near?: number[])
+function isReachable(x, y, z, phi1, phi2, phi3, near) end
+
+---Switches a digital output.
+---@param index integer|string number of the output, from 1, or its name
+---@param value boolean|0|1 0 or false: off, 1 or true: on
+function setDigitalOutput(index, value) end
+
+---Reads a digital input.
+---@param index integer|string number of the input, from 1, or its name
+---@return boolean # true or false
+function getDigitalInput(index) end
+
+---Reads a digital output back.
+---@param index integer|string number of the output, from 1, or its name
+---@return boolean # true or false
+function getDigitalOutput(index) end
+
+---Sets an analog output.
+---@param index integer|string number of the output, from 1, or its name
+---@param value number value of the output
+function setAnalogOutput(index, value) end
+
+---Reads an analog input.
+---@param index integer|string number of the input, from 1, or its name
+---@return number # a number
+function getAnalogInput(index) end
+
+---Reads an analog output back.
+---@param index integer|string number of the output, from 1, or its name
+---@return number # a number
+function getAnalogOutput(index) end
+
+---Waits until a digital input has a value.
+---@param index integer|string number of the input, from 1, or its name
+---@param value boolean|0|1 0 or false: off, 1 or true: on
+---@param timeout? number longest wait; without one it waits for ever (s)
+---@return boolean # true, or false after `timeout`
+function waitDigitalInput(index, value, timeout) end
+
+---Waits until an analog input compares: waitAnalogInput(1, '>', 2.5).
+---@param index integer|string number of the input, from 1, or its name
+---@param comparison "<"|"<="|">"|">="|"=="|"~=" one of < <= > >= == ~=
+---@param value number what the input is compared with
+---@param timeout? number longest wait; without one it waits for ever (s)
+---@return boolean # true, or false after `timeout`
+function waitAnalogInput(index, comparison, value, timeout) end
+
+---Switches a digital output on, and off again after a time; the program goes on meanwhile.
+---@param index integer|string number of the output, from 1, or its name
+---@param time number how long it is on (s)
+function pulseDigitalOutput(index, time) end
+
+---Lets a change of an input interrupt the program: the robot brakes on its path, `handler` runs, the motion goes on, or ends there if it returned 'abort'.
+---@param index integer|string number of the input, from 1, or its name
+---@param value boolean|0|1 0 or false: off, 1 or true: on
+---@param handler fun(): "abort"|nil called at the change; it may return 'abort'
+function onDigitalInput(index, value, handler) end
 
 ---Lets `reference_pose` guide the robot (state TRAJECTORY).
 ---@param time number longest time of it (s)
----@param index? integer number of a digital input that ends it
+---@param index? integer|string number or name of a digital input that ends it
 ---@param value? boolean|0|1 the value of it that does
 ---@return boolean # true if the input ended it, false after `time`
 function followReference(time, index, value) end
 
 ---Lets a person jog the robot (state TEACH).
 ---@param time number longest time of it (s)
----@param index? integer number of a digital input that ends it
+---@param index? integer|string number or name of a digital input that ends it
 ---@param value? boolean|0|1 the value of it that does
 ---@return boolean # true if the input ended it, false after `time`
 function jog(time, index, value) end
+
+---Runs another program as subprogram; it has the same globals, and further arguments as `...`.
+---@param program string file of the subprogram, seen from the folder of the main program
+---@param ... any
+---@return ... # what the subprogram returns
+function call(program, ...) end
+
+---Reads the time since the program's start; pauses count.
+---@return number # s, a number
+function getTime() end
+
+---Starts a timer: `local elapsed = timer()`, and `elapsed()` is the time since then.
+---@return fun(): number # a function that returns s
+function timer() end
 
 ---Waits.
 ---@param time number how long, not counting pauses (s)

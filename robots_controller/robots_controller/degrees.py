@@ -28,7 +28,7 @@ def to_si(value: float, unit: str, *, sliding: bool = False) -> float:
 
 
 def joints_to_program(q: Array, prismatic: tuple[bool, ...]) -> tuple[float, ...]:
-    """Joint positions (n,) as a program has them: degrees, metres for sliding axes."""
+    """Joint positions, or speeds, (n,) as a program has them: degrees, metres for sliding axes."""
     slides = prismatic or (False,) * q.size
     return tuple(float(v) if s else math.degrees(v) for v, s in zip(q, slides, strict=True))
 

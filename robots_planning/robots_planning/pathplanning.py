@@ -16,6 +16,7 @@ from robots_core.blocks.multibody.loaded_robot import loaded_robot
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE, MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.planner_choice import planner_for
@@ -125,6 +126,20 @@ class PathPlanning:
             RobotsError: as `plan`.
         """
         return self.generator(kind, settings).generate(q_start, in_base(kind, target, settings))
+
+    def reach(self, pose: Pose, q_start: Array, settings: MotionSettings) -> Array:
+        """Joint positions (n,) that a joint motion from `q_start` to a pose leads to, rad (m).
+
+        Args:
+            pose: Of the tool in the frame `base` of the settings.
+            q_start: Joint positions to start from, (n,), rad (m).
+            settings: Modal settings.
+
+        Raises:
+            UnreachablePoseError: none inside the limits reach the pose.
+        """
+        start = self.robot.axes_data.check_position(q_start, 'q_start')
+        return self.generator(JOINT_TO_POSE, settings).reach(settings.in_base(pose), start)
 
     def plan_moving(
         self,

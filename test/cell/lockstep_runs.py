@@ -71,8 +71,8 @@ class LockstepRuns:
         self._folder = folder
 
     def run(self, program: str, drive: str = 'second_order') -> LockstepRun:
-        """The run of a program, by its file name, with drives of a level."""
-        folder = self._folder / f'{program}_{drive}'
+        """The run of a program, by its file in programs/, with drives of a level."""
+        folder = self._folder / f'{program.replace("/", "_")}_{drive}'
         folder.mkdir(parents=True, exist_ok=True)
         result = folder / 'result.json'
         with (folder / 'lock').open('w') as lock:
@@ -84,17 +84,18 @@ class LockstepRuns:
 
 
 def _run(folder: Path, program: str, drive: str) -> tuple[str, int, str, str]:
-    path, out, text = _copy(folder / 'programs' / program), folder / 'out', io.StringIO()
+    path, out, text = _copy(folder / 'programs', program), folder / 'out', io.StringIO()
     options = ('--program', str(path), '--drive', drive, '--once', '--lockstep', '--port', '0')
     # In this process: the server that the nodes are forked from is started once for all runs.
     code = run_cell(parse_options([*options, '--record', str(out)]), Console(file=text, width=WIDTH))
     return str(path), code, text.getvalue(), str(next(out.glob('*/bag')))
 
 
-def _copy(path: Path) -> Path:
-    shutil.copytree(PROGRAMS, path.parent)
+def _copy(folder: Path, program: str) -> Path:
+    shutil.copytree(PROGRAMS, folder)
+    path = folder / program
     text = path.read_text()
-    for old, new in SHORTENED.get(path.name, {}).items():
+    for old, new in SHORTENED.get(program, {}).items():
         assert text.count(old) == 1
         text = text.replace(old, new)
     path.write_text(text)

@@ -21,6 +21,9 @@ from .lockstep_runs import PROGRAMS, LockstepRun, LockstepRuns
 
 NAMES = sorted(file.name for file in PROGRAMS.glob('*.lua'))
 CASES = [(name, drive) for name in NAMES for drive in DRIVE_LEVELS]
+# Of guidance without a recording there is nothing to compare.
+LANGUAGE = sorted(f'language/{file.name}' for file in (PROGRAMS / 'language').glob('*.lua'))
+CASES += [(name, 'rigid_body') for name in LANGUAGE if name != 'language/guided.lua']
 IMAGES = ('digital_outputs', 'analog_outputs', 'digital_inputs', 'analog_inputs')
 FIRST = 1.0  # s, of the first period
 

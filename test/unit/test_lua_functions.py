@@ -161,6 +161,65 @@ def test_inputs_are_booleans_and_numbers(tmp_path: Path):
     assert host.printed == ['false\ttrue\t2.5\t0.0', 'off']
 
 
+NAMES = {'digital_inputs': ['', 'ready'], 'digital_outputs': ['gripper'], 'analog_outputs': ['valve']}
+
+
+def test_inputs_and_outputs_have_names(tmp_path: Path):
+    host = LuaHost(tmp_path, io_labels=NAMES)
+    host.program.digital_inputs = [0, 1]
+    text = """
+        setDigitalOutput('gripper', true) setAnalogOutput('valve', 1.5)
+        print(getDigitalInput('ready'), getDigitalOutput('gripper'), getDigitalOutput(2))
+        print(getAnalogOutput(1))"""
+    assert host.run(text) is None
+    assert host.printed == ['true\ttrue\tfalse', '1.5']
+    assert [(change.kind, change.index) for change in host.outputs] == [('digital', 1), ('analog', 1)]
+
+
+def test_names_are_those_of_their_kind(tmp_path: Path):
+    host = LuaHost(tmp_path, io_labels=NAMES)
+    host.refuses(
+        "getDigitalInput('gripper')", "the string 'gripper'; valid is a whole number in 1..32 or 'ready'"
+    )
+
+
+def test_time_passes_from_the_start_of_the_program(tmp_path: Path):
+    host = LuaHost(tmp_path)
+    text = """
+        local before, elapsed = getTime(), timer()
+        wait(0.01)
+        assert(before >= 0 and elapsed() >= 0.01 and getTime() >= before + elapsed())"""
+    assert host.run(text) is None
+
+
+def test_poses_multiply_and_have_names(tmp_path: Path):
+    host = LuaHost(tmp_path)
+    text = """
+        local a, b = pose(1, 2, 3, 90, 0, 0), pose({1, 0, 0, 0, 0, 0})
+        print(a * b, a * b * inverse(b), {0, 0, 1, 0, 0, 0} * a)
+        print(offset(a, 1, 0, 0), offset(a, 1, 0, 0, nil, nil, nil, 'tool'))
+        a.z = a.z + 1
+        print(a, a.z, a[3], #a, a.w)"""
+    assert host.run(text) is None
+    assert host.printed == [
+        '{1, 3, 3, 90, 0, 0}\t{1, 2, 3, 90, 0, 0}\t{1, 2, 4, 90, 0, 0}',
+        '{2, 2, 3, 90, 0, 0}\t{1, 3, 3, 90, 0, 0}',
+        '{1, 2, 4, 90, 0, 0}\t4.0\t4.0\t6\tnil',
+    ]
+
+
+def test_a_grid_goes_row_by_row_and_layer_by_layer(tmp_path: Path):
+    host = LuaHost(tmp_path)
+    text = """
+        local first = pose(0, 0, 0, 0, 90, 0)
+        local places = grid(first, offset(first, 2, 0, 0), 3, offset(first, 0, 1, 0), 2)
+        for _, place in ipairs(places) do print(place.x, place.y) end
+        print(#grid(first, offset(first, 1, 0, 0), 2, nil, nil, offset(first, 0, 0, 1), 4))"""
+    assert host.run(text) is None
+    assert host.printed[:6] == [f'{x}.0\t{y}.0' for y in (0, 1) for x in (0, 1, 2)]
+    assert host.printed[6] == '8'
+
+
 def test_print_is_that_of_lua(tmp_path: Path):
     host = LuaHost(tmp_path)
     assert host.run("print() print('a', 1, 1.5, nil, true) print('ü')") is None
@@ -187,6 +246,23 @@ def test_print_is_that_of_lua(tmp_path: Path):
         ('getDigitalInput(true)', 'index = true; valid is a whole number in 1..32'),
         ('getAnalogInput(9)', 'index = 9; valid is a whole number in 1..8'),
         ('setAnalogOutput(1, -1/0)', 'value = -inf; valid is a finite number'),
+        ("pose(1, 2, 3, 4, 5, 'x')", "phi3 = the string 'x'; valid is a finite number"),
+        ('inverse({1, 2, 3})', 'pose = a table with 3 values; valid is a table {x, y, z, phi1, phi2, phi3}'),
+        (
+            "offset({1, 2, 3, 4, 5, 6}, 0, 0, 0, 0, 0, 0, 'world')",
+            "'world'; valid is 'base' or 'tool'",
+        ),
+        (
+            'grid({1, 2, 3, 4, 5, 6}, {1, 2, 3, 4, 5, 6}, 0)',
+            'columns = 0; valid is a whole number of at',
+        ),
+        ('grid({1, 2, 3, 4, 5, 6}, {1, 2, 3, 4, 5, 6}, 2, nil, 3)', 'rows need both a number and the pose'),
+        ('grid({1, 2, 3, 4, 5, 6}, {1, 2, 3, 4, 5, 6}, 1001)', '1001 places; valid are at most 1000'),
+        (
+            'isReachable(1, 2, 3, 4, 5, 6, {1, 2})',
+            'a table with 2 values; valid is a table with a',
+        ),
+        ('getJointTorques()', 'the torques of the joints are not known here'),
         ('wait(-1)', 'time = -1 s; valid is a finite number of at least 0'),
         ('wait(print)', 'time = a function; valid is a finite number of at least 0'),
         ('setAnalogOutput(table.unpack({}, 1, 200))', '200 arguments are too many'),

@@ -74,6 +74,7 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
             "setOrientationConvention('abc')",
             "convention = the string 'abc'; valid is 'zyx', 'xyz', 'zyz', 'XYZ'",
         ),
+        ('if #getJointAngles() == nil then wait(tiem) end', 'tiem has no value: nothing gives it one'),
         ('wait(tiem)', 'tiem has no value: nothing gives it one'),
         ('local speed = 1 setSpeed(speeed)', 'speeed has no value: nothing gives it one; meant is speed'),
         ('local t = {f = function() x = 1 end, y = 2} wait(x) wait(y)', 'y has no value'),

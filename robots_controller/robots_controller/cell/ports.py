@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from robots_controller.control.control_loop import ControllerRequest
+from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.program_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import PlanningError, ProgramError, RobotsError
-from robots_core.validation import Array
 from robots_planning.robot_command_state import RobotCommandState
 
 Configured = Callable[[PlanningError | None], None]
@@ -61,8 +61,8 @@ class ControllerPort(Protocol):
 class RobotPort(Protocol):
     """The robot as a program measures it."""
 
-    def joint_position(self) -> Array:
-        """Measured joint positions, (n,), rad (m).
+    def joint_feedback(self) -> JointFeedback:
+        """What the robot measures now.
 
         Raises:
             RobotsError: no feedback.

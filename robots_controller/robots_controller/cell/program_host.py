@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 from robots_controller.cell.path_switching import PathSwitching
 from robots_controller.cell.ports import ControllerPort, PlannerPort, ProgramObserver, RobotPort
@@ -20,6 +22,8 @@ from robots_core.errors import ProgramError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_planning.motion_settings import NOTHING, MotionSettings
+from robots_planning.pathplanning import PathPlanning
 from robots_planning.robot_command_state import STATE_OF_GUIDE, RobotCommandState
 
 
@@ -41,6 +45,7 @@ class ProgramHost:
         io_labels: Names of inputs and outputs, see `IoImage`.
         orientation_convention: Order of the angles phi; the robot's own by default.
         planner_timeout: Longest wait of a motion for a planner, s.
+        payload: What the robot carries until its program sets another payload, see `MotionSettings`.
 
     Raises:
         InvalidInputError: as `LuaProgram`.
@@ -60,7 +65,9 @@ class ProgramHost:
         io_labels: Mapping[str, Sequence[str]] = MappingProxyType({}),
         orientation_convention: str = '',
         planner_timeout: float = 5.0,
+        payload: tuple[float, ...] = NOTHING,
     ) -> None:
+        self.payload = payload
         self.clock = clock
         self._robot, self._robot_port = robot, robot_port
         self._controller, self._observer = controller, observer
@@ -203,11 +210,37 @@ class ProgramHost:
 
     def joint_position(self) -> Array:
         """See `CellPort`."""
-        return self._robot_port.joint_position()
+        return self._robot_port.joint_feedback().position
+
+    def joint_speeds(self) -> Array:
+        """See `CellPort`."""
+        velocity = self._robot_port.joint_feedback().velocity
+        if velocity is None:
+            raise ProgramError('the robot measures no joint speeds: its joint_states have no velocity')
+        return velocity
+
+    def joint_torques(self) -> Array:
+        """See `CellPort`."""
+        torque = self._robot_port.joint_feedback().torque
+        if torque is None:
+            raise ProgramError(
+                'the robot measures no torques: its joint_states have no effort; those of drives of level '
+                'rigid_body do'
+            )
+        return torque
 
     def direct_kinematics(self, q: Array) -> Pose:
         """See `CellPort`."""
         return Pose(*self._robot.direct_kinematics(q))
+
+    def inverse_kinematics(self, pose: Pose, near: Array, settings: Mapping[str, object]) -> Array:
+        """See `CellPort`."""
+        wanted: dict[str, Any] = dict(settings)
+        return self._planning.reach(pose, near, MotionSettings(**wanted))
+
+    @cached_property
+    def _planning(self) -> PathPlanning:
+        return PathPlanning(self._robot)
 
     def command(self, command: MotionCommand) -> None:
         """See `CellPort`."""

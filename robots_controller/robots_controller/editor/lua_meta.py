@@ -10,15 +10,16 @@ import sys
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from robots_controller.interpreter.lua_functions import (
+from robots_controller.interpreter.functions.lua_function import (
     ANCHORS,
     COMPARISONS,
     FRAMES,
-    LUA_FUNCTIONS,
     Argument,
     Kind,
     LuaFunction,
 )
+from robots_controller.interpreter.lua_arguments import CHANNELS
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_core.errors import RobotsError
 from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.robot_choice import load_robot_model
@@ -35,9 +36,10 @@ _TYPES: Final[dict[Kind, str]] = {
     'comparison': '|'.join(f'"{comparison}"' for comparison in COMPARISONS),
     'convention': '|'.join(f'"{convention}"' for convention in ORIENTATION_CONVENTIONS),
     'function': 'fun(): "abort"|nil',
-    'pose': 'Pose',
-    'digital index': 'integer',
-    'analog index': 'integer',
+    'pose': 'Pose|number[]',
+    'joints': 'number[]',
+    'count': 'integer',
+    **dict.fromkeys(CHANNELS, 'integer|string'),
 }
 _OPTIONS: Final = {'cartesian': 'CartesianOptions', 'joint': 'JointOptions'}
 
@@ -50,13 +52,21 @@ HEADER: Final = f"""---@meta
 -- Robot programs: what every function does, for the Lua language server. Generated; do not edit:
 -- lua_meta > programs/library/robot_functions.lua, or lua_meta --robot NAME for one robot's axes.
 
----@alias Pose number[] {{x, y, z, phi1, phi2, phi3}}: metres and degrees
+---{{x, y, z, phi1, phi2, phi3}}: metres and degrees; `a * b` chains, b seen from a.
+---@class Pose: number[]
+---@field x number
+---@field y number
+---@field z number
+---@field phi1 number
+---@field phi2 number
+---@field phi3 number
+---@operator mul(Pose|number[]): Pose
 
 ---Switches an output while the robot moves: one place, one output, its value.
 ---@class PathSwitch
 {_ANCHOR_FIELDS}
----@field output? integer digital output
----@field analog_output? integer analog output
+---@field output? integer|string digital output
+---@field analog_output? integer|string analog output
 ---@field value boolean|number
 
 ---@class CartesianOptions
@@ -84,7 +94,8 @@ def _function(function: LuaFunction, num_axes: int | None) -> Iterator[str]:
     names: list[str] = []
     for argument in function.arguments:
         if argument.repeated:  # whatever follows comes with them
-            yield f'---@param ... {_type(argument)}|{_OPTIONS[function.options]} {_meaning(argument)}'
+            options = f'|{_OPTIONS[function.options]}' if function.options else ''
+            yield f'---@param ... {_type(argument)}{options} {_meaning(argument)}'
             names.append('...')
             continue
         optional = '?' if argument.optional else ''
@@ -118,7 +129,7 @@ def _overloads(function: LuaFunction, num_axes: int | None) -> Iterator[str]:
         yield f'---@overload fun({first.name}: number[]{options})'
     elif sum(argument.kind == 'number' for argument in function.arguments) >= 6:
         rest = ''.join(f', {a.name}?: {_type(a)}' for a in function.arguments[6:])
-        yield f'---@overload fun(pose: Pose{rest}{options})'
+        yield f'---@overload fun(pose: {_TYPES["pose"]}{rest}{options})'
 
 
 def _names(argument: Argument, axes: int) -> list[str]:

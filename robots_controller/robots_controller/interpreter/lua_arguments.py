@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from robots_controller.degrees import to_si
-from robots_controller.interpreter.lua_functions import (
+from robots_controller.interpreter.functions.lua_function import (
     ANCHORS,
     COMPARISONS,
     FRAMES,
@@ -17,6 +17,7 @@ from robots_controller.interpreter.lua_functions import (
     LuaFunction,
 )
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
+from robots_controller.io.io_image import LABEL, IoImage
 from robots_controller.program.motion_command import PathSwitch
 from robots_core.orientation import ORIENTATION_CONVENTIONS
 
@@ -24,6 +25,9 @@ POSE_ARGUMENTS: Final = tuple(
     Argument(name, 'number', unit, '')
     for name, unit in (('x', 'm'), ('y', 'm'), ('z', 'm'), ('phi1', 'deg'), ('phi2', 'deg'), ('phi3', 'deg'))
 )
+
+
+CHANNELS: Final = ('digital input', 'digital output', 'analog input', 'analog output')
 
 
 @dataclass(frozen=True)
@@ -35,12 +39,28 @@ class Sizes:
         digital: Number of digital inputs, and of outputs.
         analog: Number of analog inputs, and of outputs.
         prismatic: (n,) which axes slide; () for none.
+        names: Indices of inputs and outputs by their names, for each of `CHANNELS`; None where names are not
+            known, and any may be valid.
     """
 
     num_axes: int
     digital: int
     analog: int
     prismatic: tuple[bool, ...] = ()
+    names: Mapping[str, Mapping[str, int]] | None = None
+
+    @classmethod
+    def of(cls, num_axes: int, io: IoImage, prismatic: tuple[bool, ...] = ()) -> Sizes:
+        """Those of a program with these inputs and outputs."""
+        names: dict[str, dict[str, int]] = {kind: {} for kind in CHANNELS}
+        for channel in io.channels:
+            if channel.label:
+                names[f'{channel.kind} {channel.direction}'][channel.label] = channel.index
+        return cls(num_axes, io.size('digital_inputs'), io.size('analog_inputs'), prismatic, names)
+
+    def count(self, kind: str) -> int:
+        """Number of inputs or outputs of a kind."""
+        return self.digital if kind.startswith('digital') else self.analog
 
 
 @dataclass(frozen=True)
@@ -151,29 +171,40 @@ def _spread(name: str, given: list[LuaArgument]) -> list[LuaArgument]:
 def _check(
     function: str, label: str, argument: Argument, given: LuaArgument, sizes: Sizes, *, sliding: bool
 ) -> Any:
-    kind, value = argument.kind, given.value
-    if kind == 'pose':
+    if argument.kind == 'pose':
         return _check_pose(function, label, given, sizes)
-    if kind == 'function' and given.type == 'function':
-        return None
-    if kind == 'switch' and isinstance(value, bool):
-        return float(value)
-    if isinstance(value, bytes) and kind in _TEXTS:
-        text = value.decode(errors='replace')
-        if _TEXTS[kind](text):
-            return text
-    elif (
-        kind not in _TEXTS
-        and given.type == 'number'
-        and isinstance(value, (int, float))
-        and kind != 'function'
-    ):
-        number = float(value)
-        high = {'digital index': sizes.digital, 'analog index': sizes.analog}.get(kind, math.inf)
-        if math.isfinite(number) and _NUMBERS[kind](number) and number <= high:
-            return to_si(number, argument.unit, sliding=sliding)
-    unit = f' {argument.unit}' if argument.unit and given.type == 'number' else ''
-    raise LuaCallError(f'{function}: {label} = {shown(given)}{unit}; valid is {_valid(kind, sizes)}')
+    if argument.kind == 'joints':
+        return _check_joints(function, label, given, sizes)
+    value = _converted(argument, given, sizes, sliding=sliding)
+    if value is None:
+        unit = f' {argument.unit}' if argument.unit and given.type == 'number' else ''
+        valid = _valid(argument.kind, sizes)
+        raise LuaCallError(f'{function}: {label} = {shown(given)}{unit}; valid is {valid}')
+    return value
+
+
+def _converted(argument: Argument, given: LuaArgument, sizes: Sizes, *, sliding: bool) -> Any:
+    """The value in SI, the index of an input or output, or the text; None if it is not valid."""
+    kind = argument.kind
+    match given.value:
+        case bool() as flag:
+            return float(flag) if kind == 'switch' else None
+        case bytes() as text:
+            return _text_value(kind, text.decode(errors='replace'), sizes)
+        case int() | float() as value if kind in _NUMBERS:
+            number = float(value)
+            high = sizes.count(kind) if kind in CHANNELS else math.inf
+            if math.isfinite(number) and _NUMBERS[kind](number) and number <= high:
+                return to_si(number, argument.unit, sliding=sliding)
+    return True if kind == given.type == 'function' else None
+
+
+def _text_value(kind: Kind, text: str, sizes: Sizes) -> Any:
+    if kind in CHANNELS:
+        if sizes.names is None:
+            return text if LABEL.fullmatch(text) else None
+        return sizes.names[kind].get(text)
+    return text if kind in _TEXTS and _TEXTS[kind](text) else None
 
 
 def _check_pose(function: str, label: str, given: LuaArgument, sizes: Sizes) -> list[float]:
@@ -184,6 +215,18 @@ def _check_pose(function: str, label: str, given: LuaArgument, sizes: Sizes) -> 
     return [
         _check(function, f'{label}.{argument.name}', argument, entry, sizes, sliding=False)
         for argument, entry in zip(POSE_ARGUMENTS, table.values, strict=True)
+    ]
+
+
+def _check_joints(function: str, label: str, given: LuaArgument, sizes: Sizes) -> list[float]:
+    table, n = given.value, sizes.num_axes
+    if not isinstance(table, LuaTable) or len(table.values) != n or table.fields:
+        came = f'a table with {len(table.values)} values' if isinstance(table, LuaTable) else shown(given)
+        raise LuaCallError(f'{function}: {label} = {came}; valid is {_valid("joints", sizes)}')
+    joint, prismatic = Argument('q', 'number', 'deg (m)', ''), sizes.prismatic or (False,) * n
+    return [
+        _check(function, f'{label}[{i}]', joint, entry, sizes, sliding=sliding)
+        for i, (entry, sliding) in enumerate(zip(table.values, prismatic, strict=True), 1)
     ]
 
 
@@ -251,6 +294,9 @@ def _check_switches(function: str, given: LuaArgument, sizes: Sizes) -> tuple[Pa
     )
 
 
+_OUTPUTS: Final[Mapping[str, Kind]] = {'output': 'digital output', 'analog_output': 'analog output'}
+
+
 def _check_switch(function: str, label: str, table: LuaTable | None, sizes: Sizes) -> PathSwitch:
     fields = dict(table.fields) if table is not None else {}
     if (problem := wrong_switch(label, fields)) is not None:
@@ -266,9 +312,7 @@ def _check_switch(function: str, label: str, table: LuaTable | None, sizes: Size
         anchor=anchor,  # type: ignore[arg-type]  # one of ANCHORS
         at=value(anchor, Argument(anchor, 'time', unit, '')),
         kind=kind,
-        index=int(
-            value(output, Argument(output, 'digital index' if kind == 'digital' else 'analog index', '', ''))
-        ),
+        index=int(value(output, Argument(output, _OUTPUTS[output], '', ''))),
         value=value('value', Argument('value', 'switch' if kind == 'digital' else 'number', '', '')),
     )
 
@@ -290,7 +334,7 @@ def _anchors(keys: Collection[str]) -> list[str]:
 
 
 def _outputs(keys: Collection[str]) -> list[str]:
-    return [key for key in keys if key in ('output', 'analog_output')]
+    return [key for key in keys if key in _OUTPUTS]
 
 
 def _valid_switch() -> str:
@@ -302,7 +346,7 @@ def _valid_switch() -> str:
 # -- values -------------------------------------------------------------------------------------------
 
 
-def _whole_index(value: float) -> bool:
+def _whole_number(value: float) -> bool:
     return value >= 1.0 and value.is_integer()
 
 
@@ -313,8 +357,8 @@ _NUMBERS: Final[Mapping[Kind, Callable[[float], bool]]] = {
     'scale': lambda value: 0.0 <= value <= 1.0,
     'positive': lambda value: value > 0.0,
     'switch': lambda value: value in (0.0, 1.0),
-    'digital index': _whole_index,
-    'analog index': _whole_index,
+    'count': _whole_number,
+    **dict.fromkeys(CHANNELS, _whole_number),
 }
 
 _TEXTS: Final[Mapping[Kind, Callable[[str], bool]]] = {
@@ -339,14 +383,17 @@ _VALID: Final[Mapping[Kind, str]] = {
     'convention': ', '.join(f"'{convention}'" for convention in ORIENTATION_CONVENTIONS),
     'function': 'a function',
     'pose': 'a table {x, y, z, phi1, phi2, phi3}',
+    'joints': 'a table with a number per axis',
+    'count': 'a whole number of at least 1',
 }
 
 _SHOWN_TEXT = 40
 
 
 def _valid(kind: Kind, sizes: Sizes) -> str:
-    if kind in ('digital index', 'analog index'):
-        return f'a whole number in 1..{sizes.digital if kind == "digital index" else sizes.analog}'
+    if kind in CHANNELS:
+        names = ''.join(f" or '{name}'" for name in (sizes.names or {}).get(kind, ()))
+        return f'a whole number in 1..{sizes.count(kind)}{names}'
     return _VALID[kind]
 
 

@@ -28,8 +28,8 @@ from typing import Any, Final, NoReturn, Protocol
 
 from lupa import lua54
 
-from robots_controller.interpreter.lua_patterns import PATTERNS
-from robots_controller.interpreter.lua_prelude import PRELUDE
+from robots_controller.interpreter.lua_side.patterns import PATTERNS
+from robots_controller.interpreter.lua_side.prelude import PRELUDE
 from robots_controller.interpreter.lua_source import LuaSource
 from robots_controller.program.program_state import ProgramStopped
 
@@ -76,6 +76,12 @@ class LuaArgument:
 
 class LuaCallError(Exception):
     """A call from Lua fails: the message becomes a Lua error."""
+
+
+class PoseValues(tuple[float, ...]):
+    """The six numbers of a pose, which become a pose in the program."""
+
+    __slots__ = ()
 
 
 Lists = tuple[tuple[float, ...], ...]
@@ -268,7 +274,8 @@ class LuaSandbox:
             self._put_text(result)
             return _TEXT, len(result), 0
         if isinstance(result, tuple):
-            self._values = tuple(itertools.chain.from_iterable((len(part), *part) for part in result))
+            parts = ((-6 if isinstance(part, PoseValues) else len(part), *part) for part in result)
+            self._values = tuple(itertools.chain.from_iterable(parts))
             return _LISTS, len(self._values), 0
         return (_NOTHING, 0, 0) if result is None else (_DONE, result, 0)
 

@@ -82,7 +82,9 @@ class ProgramRun:
         error: ProgramError | None
         if sandbox.host_error is not None:
             error = ProgramError(
-                f'internal error: {sandbox.host_error!r}', file=self._source.file, line=self._functions.line
+                f'internal error: {sandbox.host_error!r}',
+                file=self._source.file,
+                line=self._functions.run.line,
             )
             error.__cause__ = sandbox.host_error
         else:
@@ -166,15 +168,15 @@ class ProgramRun:
     def handled(self, *, abort: bool) -> None:
         """The handler of an input has ended."""
         try:
-            self._functions.handled(abort=abort)
+            self._functions.motions.handled(abort=abort)
         finally:
             self._tell_hold()
 
     # -- inside -----------------------------------------------------------------------------------
 
     def _set_line(self, chunk: str, line: int) -> None:
-        if (chunk, line) != (self._chunk, self._functions.line):
-            self._chunk, self._functions.line = chunk, line
+        if (chunk, line) != (self._chunk, self._functions.run.line):
+            self._chunk, self._functions.run.line = chunk, line
             self._tell_line(self._sources.get(chunk, self._source), line)
 
     def _motion_ended(self) -> None:
@@ -190,7 +192,7 @@ class ProgramRun:
     def _error(self, failure: LuaFailure | None) -> ProgramError | None:
         if failure is None or failure.stopped:
             return None
-        functions, source = self._functions, self._sources.get(failure.chunk, self._source)
+        functions, source = self._functions.motions, self._sources.get(failure.chunk, self._source)
         details: dict[str, str | float] = {}
         if functions.error is not None and failure.reason == functions.error_text:
             details |= functions.error.details

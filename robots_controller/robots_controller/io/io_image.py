@@ -22,7 +22,8 @@ Direction = Literal['input', 'output']
 IMAGES: Final = ('digital_inputs', 'digital_outputs', 'analog_inputs', 'analog_outputs')
 """Names of the four images, as their topics have them."""
 
-_LABEL = re.compile(r'[A-Za-z_][A-Za-z0-9_]*')
+LABEL: Final = re.compile(r'[A-Za-z_][A-Za-z0-9_]*')
+"""What can name a channel."""
 
 
 @dataclass(frozen=True)
@@ -276,7 +277,7 @@ def _channels(sizes: Mapping[Kind, int], labels: Mapping[str, Sequence[str]]) ->
             given += [''] * (sizes[kind] - len(given))
             for index, label in enumerate(given, 1):
                 channel = Channel(kind, direction, index, label)
-                if label and not _LABEL.fullmatch(label):
+                if label and not LABEL.fullmatch(label):
                     raise InvalidInputError(
                         f'{label!r} cannot name {channel.name}: a name has letters, digits and '
                         f'underscores, and begins with no digit'

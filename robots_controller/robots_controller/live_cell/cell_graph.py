@@ -142,6 +142,7 @@ def cell_graph(
             autostart=autostart,
             debug_port=debug_port,
             debug_token=debug_token,
+            payload=list(payload),
             **names,
         ),
         node('robots_core', 'direct_kinematics_node'),

@@ -30,9 +30,11 @@ from robots_controller.nodes.lockstep_turns import LockstepTurns
 from robots_controller.nodes.path_switching_messages import PathSwitchingMessages
 from robots_controller.nodes.planner_client import PlannerClient
 from robots_controller.nodes.program_clock import ProgramClock
+from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
+from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.ros.messages import (
     diagnostic_status,
@@ -44,7 +46,7 @@ from robots_core.ros.presence import is_served
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode, bounded
 from robots_core.ros.run import run
-from robots_core.validation import Array
+from robots_planning.motion_settings import NOTHING
 from robots_planning.robot_command_state import RobotCommandState
 
 AUTOSTART_PERIOD: Final = 0.1  # s
@@ -72,6 +74,7 @@ class LuaProgramNode(RobotNode):
         digital_input_names, digital_output_names, analog_input_names, analog_output_names: Names of the
             channels, from the first on; '' names none.
         planner_timeout: Longest wait of a motion for planning_node, s.
+        payload: What hangs on tool0 until a program sets it: kg, centre x y z (m), maybe inertia.
         autostart: Open and run the program as soon as a planner and a controller work.
         points_file: Where taught points stand; '' for the program's name with .points.yaml.
         breakpoints: Lines to hold at, as 'file.lua:12'.
@@ -106,6 +109,13 @@ class LuaProgramNode(RobotNode):
             check=bounded(0.1, 600.0, 's'),
             read_only=True,
         )
+        payload = self.parameter(
+            'payload',
+            list(NOTHING),
+            'what hangs on tool0 until a program sets it: kg, centre x y z (m), maybe inertia',
+            check=payload_of,
+            read_only=True,
+        )
         autostart = self.parameter(
             'autostart', False, 'open and run the program as soon as the robot can move', read_only=True
         )
@@ -118,7 +128,7 @@ class LuaProgramNode(RobotNode):
         self._feedback: PolledSubscription[JointState] = PolledSubscription(
             self, JointState, 'joint_states', SENSOR
         )
-        self._measured: Array | None = None
+        self._measured: JointFeedback | None = None
         self._waiting = threading.Condition()  # notified by the clock alone
         self._planner = PlannerClient(self, axes.names)
         self._controller = {
@@ -137,6 +147,7 @@ class LuaProgramNode(RobotNode):
             io_labels=labels,
             orientation_convention=convention,
             planner_timeout=timeout,
+            payload=tuple(payload),
         )
         self._program = self.host.program
         self.parameter('points_file', '', "where taught points stand; '' for a file beside the program")
@@ -264,22 +275,30 @@ class LuaProgramNode(RobotNode):
 
     # -- the program's robot and controller, from its thread ------------------------------------------
 
-    def joint_position(self) -> Array:
+    def joint_feedback(self) -> JointFeedback:
         """See `RobotPort`; waits for the first feedback."""
         clock = self.host.clock
         end = clock.now() + FEEDBACK_TIMEOUT
         while True:
             message = self._feedback.take()
             if message is not None:
-                self._measured = joint_values(
-                    message.name, message.position, self.robot.axes_data.names, 'joint_states'
-                )
+                self._measured = self._as_feedback(message)
             if self._measured is not None:
                 return self._measured
             if clock.now() > end or self._program.stopping:
                 raise ProgramError('no joint_states received: is drive_node running?')
             with self._waiting:
                 clock.wait(self._waiting, clock.now() + FEEDBACK_PERIOD)
+
+    def _as_feedback(self, message: JointState) -> JointFeedback:
+        wanted = self.robot.axes_data.names
+        position, velocity, torque = (
+            joint_values(message.name, values, wanted, 'joint_states') if values else None
+            for values in (message.position, message.velocity, message.effort)
+        )
+        if position is None:
+            raise ProgramError('joint_states have no position')
+        return JointFeedback(position, velocity, torque)
 
     def guide(self, guide: Guide) -> None:
         """See `RobotPort`."""

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 
 from robots_controller.interpreter.lua_arguments import Sizes
 from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
+from robots_controller.io.cell_io import read_cell_io
+from robots_controller.io.io_image import IoImage
 from robots_controller.program.program_header import ProgramHeader, read_program_header
 from robots_controller.program_check.program_check import check_program
 from robots_controller.program_check.walk import LONGEST_TIME, MOST_COMBINATIONS, walk_program
@@ -44,7 +46,12 @@ def _check(program: str, options: argparse.Namespace) -> bool:
         cell = ProgramHeader(**given)
     robot = cell.robot or DEFAULT_ROBOT
     axes = load_robot_model(robot).axes_data
-    problems = check_program(program, Sizes(axes.num_axes, options.digital, options.analog))
+    sizes = Sizes(axes.num_axes, options.digital, options.analog)
+    if cell.io or options.io_map:
+        labels = read_cell_io(cell.io, options.io_map).labels
+        image = IoImage(digital=options.digital, analog=options.analog, labels=labels)
+        sizes = Sizes.of(axes.num_axes, image)
+    problems = check_program(program, sizes)
     if not problems and (options.walk or options.scene or options.io):
         result = walk_program(
             program,
@@ -79,6 +86,12 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument('--scene', default='', metavar='FILE', help='walk; keep clear of this (YAML)')
     parser.add_argument(
         '--io', default='', metavar='FILE', help='walk with all combinations of the inputs of this PLC script'
+    )
+    parser.add_argument(
+        '--io-map',
+        default='',
+        metavar='FILE',
+        help='names of inputs and outputs: a map to the topics of a PLC',
     )
     parser.add_argument(
         '--combinations', type=int, default=MOST_COMBINATIONS, help='most combinations to walk'

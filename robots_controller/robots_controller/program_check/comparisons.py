@@ -6,13 +6,15 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Final
 
-from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, LuaFunction
+from robots_controller.interpreter.functions.lua_function import LuaFunction
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_tokens import Token
 from robots_controller.program_check.lua_calls import Call, lua_calls
 from robots_controller.program_check.program_names import declared_names
 
-_RESULTS: Final = {'boolean': 'true or false', 'number': 'a number', 'number[]': 'a table'}
+_RESULTS: Final = {'boolean': 'true or false', 'number': 'a number', 'number[]': 'a table', 'Pose': 'a pose'}
 _COMPARISONS: Final = {'==': 'false', '~=': 'true'}
+_UNARY: Final = frozenset({'#', '-', '~', 'not'})
 _ENDS: Final = frozenset({'==', '~=', '<', '>', '<=', '>=', '..', '[', '.', ':', '(', '{'})
 
 
@@ -64,6 +66,8 @@ def _wrong(
     if result is None:
         return
     left, right = _text(tokens, start - 1), _text(tokens, end + 1)
+    if left in _UNARY:  # another value is compared
+        return
     if right in _COMPARISONS:
         other, operator = tokens[end + 2 : end + 3], right
     elif left in _COMPARISONS and right not in _ENDS and _text(tokens, start - 3) not in _COMPARISONS:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
 from robots_controller.interpreter.lua_arguments import (
     Sizes,
     option_arguments,
@@ -12,7 +13,7 @@ from robots_controller.interpreter.lua_arguments import (
     wanted_arguments,
     wrong_switch,
 )
-from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, Argument, LuaFunction
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_tokens import Token
 from robots_controller.program_check.lua_calls import (
     closing,

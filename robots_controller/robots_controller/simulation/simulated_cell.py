@@ -14,6 +14,7 @@ from robots_controller.control.controller import ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles
 from robots_controller.io.io_image import image_sizes
 from robots_controller.io.plc_cycle import PlcCycle
+from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.turn_clock import NANOSECONDS
 from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.cost import Cost
@@ -33,7 +34,7 @@ from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
-from robots_core.validation import Array, read_only
+from robots_core.validation import read_only
 from robots_planning.trajectory import Trajectory
 
 WATCH_PERIOD = 0.1  # s between looks at motions that nothing would end
@@ -110,6 +111,7 @@ class SimulatedCell:
             controller=self,
             observer=self._log,
             io_labels=parts.io_labels,
+            payload=parts.payload,
         )
         link.on_result = self._motion_ended
         link.on_planned = self._motion_planned
@@ -385,9 +387,10 @@ class SimulatedCell:
 
     # -- ports of the program ---------------------------------------------------------------------
 
-    def joint_position(self) -> Array:
+    def joint_feedback(self) -> JointFeedback:
         """See `RobotPort`."""
-        return read_only(self._drives.position)
+        drives = self._drives
+        return JointFeedback(read_only(drives.position), read_only(drives.velocity), drives.torque)
 
     def guide(self, guide: Guide) -> None:
         """See `RobotPort`."""

@@ -158,7 +158,7 @@ class JointSpaceGenerator(TrajectoryGenerator):
             UnreachablePoseError: no joint positions inside the limits reach the pose.
         """
         if isinstance(target, Pose):
-            goal = self._joint_positions(target, start)
+            goal = self.reach(target, start)
         else:
             goal = self._inside(cast('ArrayLike', target), 'target')
         if self._continuous is not None:
@@ -203,7 +203,7 @@ class JointSpaceGenerator(TrajectoryGenerator):
 
     def plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
         """See `TrajectoryGenerator.plan_to_pose`."""
-        return self.plan_to_joints(start, self._joint_positions(target, start))
+        return self.plan_to_joints(start, self.reach(target, start))
 
     def plan_to_joints(self, start: Array, target: Array) -> Trajectory:
         """See `TrajectoryGenerator.plan_to_joints`."""
@@ -229,18 +229,18 @@ class JointSpaceGenerator(TrajectoryGenerator):
             shortest: Of a piece of constant jerk, ns.
         """
 
-    def _joint_positions(self, pose: Pose, start: Array) -> Array:
-        """Joint positions (n,) for a pose of the tool."""
+    def reach(self, pose: Pose, q_start: Array) -> Array:
+        """See `TrajectoryGenerator.reach`; in the configuration that is set, or that is nearest in time."""
         if self.tool is not None:
             pose = pose @ self.tool.inverse()
         if self._closed_form is not None:
             try:
-                return self._closed_form.solve(pose, start, configuration=self.configuration)
+                return self._closed_form.solve(pose, q_start, configuration=self.configuration)
             except UnreachablePoseError:
                 if self.configuration is not None:
                     raise
         # Its error names the distance to the closest reachable pose.
-        return self.reach(pose, start)
+        return super().reach(pose, q_start)
 
     @cached_property
     def inverse_kinematics(self) -> DampedLeastSquares:

@@ -5,9 +5,10 @@ One Lua chunk: what a part declares, the parts behind it use.
 
 from typing import Final
 
-from robots_controller.interpreter.lua_library import LIBRARY
-from robots_controller.interpreter.lua_snapshot import SNAPSHOT
-from robots_controller.interpreter.lua_texts import TEXTS
+from robots_controller.interpreter.lua_side.library import LIBRARY
+from robots_controller.interpreter.lua_side.own_functions import OWN_FUNCTIONS
+from robots_controller.interpreter.lua_side.snapshot import SNAPSHOT
+from robots_controller.interpreter.lua_side.texts import TEXTS
 
 _STOPPING: Final = rb"""
 local text, name, host, count, period, spell, pattern_steps, table_steps, max_arguments, patterns_text = ...
@@ -15,10 +16,11 @@ local robot_functions = {select(11, ...)}
 local serve, again, abandon, next_values, ask, computed, at_line, attention, held, handled = host()
 
 local error, getmetatable, ipairs, load, next, pairs = error, getmetatable, ipairs, load, next, pairs
-local pcall, xpcall, rawget, rawlen, select = pcall, xpcall, rawget, rawlen, select
+local pcall, xpcall, rawget, rawlen, rawset, select = pcall, xpcall, rawget, rawlen, rawset, select
 local setmetatable, tonumber, tostring, type = setmetatable, tonumber, tostring, type
 local byte, char, concat, format, rep = string.byte, string.char, table.concat, string.format, string.rep
-local gmatch, gsub, pack, unpack, math_type = string.gmatch, string.gsub, table.pack, table.unpack, math.type
+local gmatch, gsub, pack, unpack = string.gmatch, string.gsub, table.pack, table.unpack
+local floor, math_type = math.floor, math.type
 local getinfo, sethook, clock = debug.getinfo, debug.sethook, os.clock
 local getlocal, getupvalue = debug.getlocal, debug.getupvalue
 local string_pack, sub = string.pack, string.sub
@@ -275,10 +277,17 @@ local function received_text(bytes)
   return sub(concat(parts), 1, bytes)
 end
 
+-- Poses: tables of six numbers with operators, see OWN_FUNCTIONS.
+local POSE = {}
+
 local function received_lists(n)
   local values, lists, i = received(n), {}, 1
   while i <= n do
     local list, size = {}, values[i]
+    if size < 0 then
+      setmetatable(list, POSE)
+      size = -size
+    end
     for k = 1, size do list[k] = values[i + k] end
     lists[#lists + 1] = list
     i = i + 1 + size
@@ -322,39 +331,6 @@ local function robot_function(function_name)
   return function(...) return call(function_name, {...}, select('#', ...)) end
 end
 
-local special, MAX_PRINT = {}, 9900
-
-function special.print(...)
-  local words = pack(...)
-  for i = 1, words.n do words[i] = text_of(words[i]) end
-  local text = concat(words, '\t')
-  if #text > MAX_PRINT then text = sub(text, 1, MAX_PRINT) .. '... (' .. #text .. ' bytes)' end
-  call('print', {text}, 1)
-end
-
-function special.onDigitalInput(...)
-  local index, value, handler = ...
-  local id = call('onDigitalInput', {...}, select('#', ...))
-  handlers[id] = handler
-end
-
-local MAX_SUBPROGRAMS, nesting = 100, 0
-local leave_subprogram = setmetatable({}, {__close = function() nesting = nesting - 1 end})
-
-function special.call(...)
-  local answer = call('call', {...}, select('#', ...))
-  local chunk, text = string.match(answer, '^([^\n]*)\n(.*)$')
-  sources['=' .. chunk] = chunk
-  local program, problem = load(text, '=' .. chunk, 't', env)
-  if not program then error(problem, 0) end
-  if nesting == MAX_SUBPROGRAMS then
-    fail('call: subprograms call each other more than ' .. MAX_SUBPROGRAMS .. ' deep')
-  end
-  nesting = nesting + 1
-  local _ <close> = leave_subprogram
-  return program(select(2, ...))
-end
-
 """
 
 _RUN: Final = rb"""
@@ -395,4 +371,4 @@ return function()
 end
 """
 
-PRELUDE: Final = _STOPPING + SNAPSHOT + TEXTS + _CALLS + LIBRARY + _RUN
+PRELUDE: Final = _STOPPING + SNAPSHOT + TEXTS + _CALLS + OWN_FUNCTIONS + LIBRARY + _RUN

@@ -1,0 +1,57 @@
+"""OWN_FUNCTIONS: robot functions that need Lua: those that take or return functions, and poses."""
+
+from typing import Final
+
+OWN_FUNCTIONS: Final = rb"""
+local special, MAX_PRINT = {}, 9900
+
+function special.print(...)
+  local words = pack(...)
+  for i = 1, words.n do words[i] = text_of(words[i]) end
+  local text = concat(words, '\t')
+  if #text > MAX_PRINT then text = sub(text, 1, MAX_PRINT) .. '... (' .. #text .. ' bytes)' end
+  call('print', {text}, 1)
+end
+
+function special.timer(...)
+  local start = call('timer', {...}, select('#', ...))
+  return function() return call('getTime', {}, 0) - start end
+end
+
+local PLACES = {x = 1, y = 2, z = 3, phi1 = 4, phi2 = 5, phi3 = 6}
+POSE.__metatable = false
+function POSE.__index(pose, key) return rawget(pose, PLACES[key]) end
+function POSE.__newindex(pose, key, value) rawset(pose, PLACES[key] or key, value) end
+function POSE.__mul(a, b) return call('compose', {a, b}, 2) end
+function POSE.__tostring(pose)
+  local texts = {}
+  for i = 1, 6 do texts[i] = format('%.9g', floor(pose[i] * 1e6 + 0.5) / 1e6) end
+  return '{' .. concat(texts, ', ') .. '}'
+end
+
+function special.grid(...) return {call('grid', {...}, select('#', ...))} end
+
+function special.onDigitalInput(...)
+  local index, value, handler = ...
+  local id = call('onDigitalInput', {...}, select('#', ...))
+  handlers[id] = handler
+end
+
+local MAX_SUBPROGRAMS, nesting = 100, 0
+local leave_subprogram = setmetatable({}, {__close = function() nesting = nesting - 1 end})
+
+function special.call(...)
+  local answer = call('call', {...}, select('#', ...))
+  local chunk, text = string.match(answer, '^([^\n]*)\n(.*)$')
+  sources['=' .. chunk] = chunk
+  local program, problem = load(text, '=' .. chunk, 't', env)
+  if not program then error(problem, 0) end
+  if nesting == MAX_SUBPROGRAMS then
+    fail('call: subprograms call each other more than ' .. MAX_SUBPROGRAMS .. ' deep')
+  end
+  nesting = nesting + 1
+  local _ <close> = leave_subprogram
+  return program(select(2, ...))
+end
+
+"""
