@@ -5,8 +5,9 @@ from __future__ import annotations
 import contextlib
 import signal
 import subprocess
-import sys
 from collections.abc import Iterator
+
+from robots_controller.live_cell.cell_graph import NodeDescription
 
 END_TIME = 240.0  # s, on a slow and busy machine
 
@@ -16,11 +17,11 @@ def node_process(package: str, name: str, **parameters: object) -> Iterator[None
     """Run a node for a while; Ctrl-C ends it.
 
     Args:
-        package: The Python package that has it.
-        name: The node's name, also of its module.
+        package: The package that has it.
+        name: The node's name, also of its executable.
         parameters: Its ROS parameters.
     """
-    command = [sys.executable, '-P', '-m', f'{package}.nodes.{name}', '--ros-args']
+    command = [str(NodeDescription(package, name).executable_path()), '--ros-args']
     for parameter, value in parameters.items():
         command += ['-p', f'{parameter}:={value}']
     process = subprocess.Popen(command, start_new_session=True)

@@ -22,6 +22,7 @@ from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.nodes.drive_node import DriveNode
@@ -38,7 +39,7 @@ ROBOT = load_robot_model(NAME)
 HOME = np.array(ROBOT.home)
 AWAY = HOME + np.array([0.2, 0.1, -0.1, 0.3, 0.2, 0.1])
 NODES = ('controller_node', 'drive_node')
-MODULES = ('robots_controller.nodes.controller_node', 'robots_core.nodes.drive_node')
+EXECUTABLES = (('robots_controller', 'controller_node'), ('robots_core', 'drive_node'))
 PERIOD = 4_000_000
 SECONDS = 1.5
 
@@ -81,8 +82,9 @@ def processes() -> Iterator[list[subprocess.Popen[bytes]]]:
     parameters = ['--ros-args', '-p', 'lockstep:=true', '-p', f'robot_model:={NAME}']
     with ExitStack() as ending:
         started = []
-        for module in MODULES:
-            process = subprocess.Popen([sys.executable, '-m', module, *parameters])
+        for package, name in EXECUTABLES:
+            executable = NodeDescription(package, name).executable_path()
+            process = subprocess.Popen([str(executable), *parameters])
             ending.callback(process.wait)
             ending.callback(process.terminate)
             started.append(process)

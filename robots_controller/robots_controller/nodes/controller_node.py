@@ -6,7 +6,7 @@ import gc
 import math
 import sys
 from functools import partial
-from typing import Any
+from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -277,10 +277,4 @@ class ControllerNode(RobotNode):
         super().destroy_node()  # type: ignore[no-untyped-call]
 
 
-def main() -> None:
-    """Start the node."""
-    sys.exit(run(ControllerNode))
-
-
-if __name__ == '__main__':
-    main()
+main: Final = partial(run, ControllerNode)

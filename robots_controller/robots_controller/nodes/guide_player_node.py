@@ -1,8 +1,8 @@
 """guide_player_node: plays what guided or jogged a robot, when a program hands its robot over."""
 
 import math
-import sys
-from typing import Any
+from functools import partial
+from typing import Any, Final
 
 from std_msgs.msg import String
 
@@ -69,10 +69,4 @@ class GuidePlayerNode(RobotNode):
             self._timer.reset()
 
 
-def main() -> None:
-    """Start the node."""
-    sys.exit(run(GuidePlayerNode))
-
-
-if __name__ == '__main__':
-    main()
+main: Final = partial(run, GuidePlayerNode)

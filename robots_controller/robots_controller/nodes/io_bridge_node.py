@@ -1,6 +1,5 @@
 """io_bridge_node: connects inputs and outputs with any topics of a PLC, as a YAML file says."""
 
-import sys
 from functools import partial
 from typing import Any, Final
 
@@ -205,10 +204,4 @@ def _qos(qos: TopicQos) -> QoSProfile:
     )
 
 
-def main() -> None:
-    """Start the node."""
-    sys.exit(run(IoBridgeNode))
-
-
-if __name__ == '__main__':
-    main()
+main: Final = partial(run, IoBridgeNode)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
@@ -398,10 +397,4 @@ def _known_step(step: str) -> None:
         raise InvalidInputError(f'{step!r} is no step; steps are {", ".join(STEPS)}')
 
 
-def main() -> None:
-    """Start the node."""
-    sys.exit(run(LuaProgramNode))
-
-
-if __name__ == '__main__':
-    main()
+main: Final = partial(run, LuaProgramNode)

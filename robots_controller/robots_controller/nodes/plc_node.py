@@ -1,7 +1,7 @@
 """plc_node: a scripted PLC, for tests and demonstrations."""
 
 import math
-import sys
+from functools import partial
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -76,10 +76,4 @@ class PlcNode(RobotNode):
             self._timer.reset()
 
 
-def main() -> None:
-    """Start the node."""
-    sys.exit(run(PlcNode))
-
-
-if __name__ == '__main__':
-    main()
+main: Final = partial(run, PlcNode)

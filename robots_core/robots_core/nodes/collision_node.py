@@ -1,7 +1,7 @@
 """collision_node: watches the robot and its path ahead, and stops it before it collides."""
 
-import sys
-from typing import Any
+from functools import partial
+from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from sensor_msgs.msg import JointState
@@ -164,10 +164,4 @@ def _known_engine(name: Any) -> None:
         raise InvalidInputError(f'unknown engine {name!r}; engines are {", ".join(ENGINES)}')
 
 
-def main() -> None:
-    """Start the node."""
-    sys.exit(run(CollisionNode))
-
-
-if __name__ == '__main__':
-    main()
+main: Final = partial(run, CollisionNode)

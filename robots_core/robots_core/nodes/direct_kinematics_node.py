@@ -1,7 +1,7 @@
 """direct_kinematics_node: joint positions in, pose of the tool out."""
 
-import sys
-from typing import Any
+from functools import partial
+from typing import Any, Final
 
 from geometry_msgs.msg import PoseStamped
 from rclpy.parameter import Parameter
@@ -76,10 +76,4 @@ def pose_from_parameter(values: Any) -> Pose:
     return Pose.from_quaternion(numbers[:3], numbers[3:])
 
 
-def main() -> None:
-    """Start the node."""
-    sys.exit(run(DirectKinematicsNode))
-
-
-if __name__ == '__main__':
-    main()
+main: Final = partial(run, DirectKinematicsNode)

@@ -1,7 +1,7 @@
 """drive_node: simulated drives that follow `joint_reference` and report `joint_states`."""
 
-import sys
-from typing import Any
+from functools import partial
+from typing import Any, Final
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -193,10 +193,4 @@ class DriveNode(RobotNode):
         super().destroy_node()  # type: ignore[no-untyped-call]
 
 
-def main() -> None:
-    """Start the node."""
-    sys.exit(run(DriveNode))
-
-
-if __name__ == '__main__':
-    main()
+main: Final = partial(run, DriveNode)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import sys
-from typing import Any
+from functools import partial
+from typing import Any, Final
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -237,10 +237,4 @@ def _orientation(quaternion: Any) -> Array:
     return Pose.from_quaternion(np.zeros(3), finite_vector(quaternion, 4, 'quaternion x y z w')).T
 
 
-def main() -> None:
-    """Start the node."""
-    sys.exit(run(DynamicsNode))
-
-
-if __name__ == '__main__':
-    main()
+main: Final = partial(run, DynamicsNode)

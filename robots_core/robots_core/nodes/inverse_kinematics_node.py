@@ -5,7 +5,8 @@ import math
 import sys
 import time
 from collections import deque
-from typing import Any
+from functools import partial
+from typing import Any, Final
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -220,10 +221,4 @@ class InverseKinematicsNode(RobotNode):
         super().destroy_node()  # type: ignore[no-untyped-call]
 
 
-def main() -> None:
-    """Start the node."""
-    sys.exit(run(InverseKinematicsNode))
-
-
-if __name__ == '__main__':
-    main()
+main: Final = partial(run, InverseKinematicsNode)

@@ -1,8 +1,8 @@
 """visualizer_node: the robot moves in a browser page; its description and frames go out."""
 
-import sys
+from functools import partial
 from importlib import import_module
-from typing import Any
+from typing import Any, Final
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
@@ -97,10 +97,4 @@ class VisualizerNode(RobotNode):
         super().destroy_node()  # type: ignore[no-untyped-call]
 
 
-def main() -> None:
-    """Start the node."""
-    sys.exit(run(VisualizerNode))
-
-
-if __name__ == '__main__':
-    main()
+main: Final = partial(run, VisualizerNode)

@@ -5,30 +5,16 @@ from typing import Any, Final
 
 from rclpy.duration import Duration
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 
-STATE: Final = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+# By default a profile keeps the last samples, reliably, and latches none.
+STATE: Final = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """Publishers of state: late subscribers get the newest value."""
 
-STREAM: Final = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.VOLATILE,
-)
+STREAM: Final = QoSProfile(depth=1)
 """Subscribers to the newest sample alone, of which the last is never missed: fits publishers of state."""
 
-SENSOR: Final = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.BEST_EFFORT,
-    durability=DurabilityPolicy.VOLATILE,
-)
+SENSOR: Final = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Subscribers of a robot's sensors: fits every driver, those that send sensor data unacknowledged too."""
 
 REFERENCE: Final = SENSOR
@@ -37,18 +23,11 @@ REFERENCE: Final = SENSOR
 So its publisher need not ask them again and again what they have received.
 """
 
-COMMAND: Final = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=100,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.VOLATILE,
-)
+COMMAND: Final = QoSProfile(depth=100)
 """Commands and results: all of them, also of a program that blends many motions, and none from before."""
 
 PLANNER_ALIVE: Final = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
     depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
     liveliness=LivelinessPolicy.AUTOMATIC,
     liveliness_lease_duration=Duration(seconds=2.0),

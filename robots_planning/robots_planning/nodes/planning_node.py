@@ -1,11 +1,10 @@
 """planning_node: motion commands to verified joint trajectories."""
 
 import contextlib
-import sys
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
-from typing import Any
+from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
@@ -320,10 +319,4 @@ class PlanningNode(RobotNode):
         super().destroy_node()  # type: ignore[no-untyped-call]
 
 
-def main() -> None:
-    """Start the node."""
-    sys.exit(run(PlanningNode))
-
-
-if __name__ == '__main__':
-    main()
+main: Final = partial(run, PlanningNode)

@@ -2,17 +2,21 @@
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.blocks.following.pose_following import pose_following
-from robots_core.blocks.following.reference_following import ReferenceFollowing
+from robots_core.blocks.following.pose_reference import PoseReference, moved
 from robots_core.errors import UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, positive, read_only
+
+# Largest lead of the integrated pose over the robot while servoing.
+LARGEST_LEAD: Final = (0.01, 0.02)  # m, rad
 
 
 class MovementState(StrEnum):
@@ -68,9 +72,9 @@ class RealtimeStep:
 class RealtimeMovement:
     """Follows a reference that comes at any rate, by one of the inverse kinematics.
 
-    Poses are extrapolated between samples and a little beyond, twists alone lead the tool on
-    (`ReferenceFollowing`), inside all limits (`PoseFollowing`), and whatever is asked for, the robot can
-    always be braked. Without a fresh sample it is.
+    Poses are extrapolated between samples and a little beyond (`PoseReference`); a twist beside them is their
+    velocity. Without poses it leads the tool on from where it is (servoing). All limits are kept
+    (`PoseFollowing`), and the robot can be braked at any time. Without a fresh sample it is.
 
     An instance keeps scratch memory and the state of the motion: use one per thread.
 
@@ -108,7 +112,7 @@ class RealtimeMovement:
         self._following = pose_following(
             method, robot, positive(dt, 'dt', 's'), Pose.identity() if tool is None else tool
         )
-        self._reference = ReferenceFollowing(self._following, timeout=timeout)
+        self._reference = PoseReference(timeout=timeout)
         self.place(q)
 
     def place(self, q: ArrayLike, q_dot: ArrayLike | None = None) -> None:
@@ -119,7 +123,7 @@ class RealtimeMovement:
         moving = still if q_dot is None else finite_vector(q_dot, axes.num_axes, 'q_dot')
         self._state = np.array([start, moving, still])
         self._movement = MovementState.STALE if moving.any() else MovementState.IDLE
-        self._reference.place()
+        self._integrated: Pose | None = None
 
     def put(self, pose: Pose, time: float) -> None:
         """Take a reference pose of the tool in the base frame that was valid at a time, s."""
@@ -137,28 +141,41 @@ class RealtimeMovement:
 
     def let_go(self) -> None:
         """Forget the reference: the robot brakes to a stop, until another one comes."""
-        self._reference.forget()
+        self._reference = PoseReference(timeout=self._reference.timeout)
+        self._integrated = None
 
     def fresh(self, now: float) -> bool:
         """A sample came within the timeout; now in s."""
-        return self._reference.fresh(now)
+        return self._reference.fresh_pose(now) or self._reference.fresh_twist(now)
 
     def step(self, now: float) -> RealtimeStep:
         """Motion of the next period; now in s, on the clock of the poses."""
         q, q_dot = self._state[0], self._state[1]
-        if not self._reference.fresh(now):
+        if not self.fresh(now):
             return self._brake()
         self._movement = MovementState.FOLLOWING
+        target, twist = self._target(now, q)
         try:
-            step = self._reference.follow(now, q, q_dot)
+            step = self._following.follow(target, twist, q, q_dot)
         except UnreachablePoseError as error:
             braked = self._following.brake(q, q_dot)
-            assert self._reference.target is not None
-            errors = self._following.pose(braked[0]).distance_to(self._reference.target)
+            errors = self._following.pose(braked[0]).distance_to(target)
             return replace(self._result(braked, False, errors, 0.0, (error.message,)), error=error)
         errors = (step.position_error, step.orientation_error)
+        if errors[0] > LARGEST_LEAD[0] or errors[1] > LARGEST_LEAD[1]:
+            self._integrated = None
         near = errors[0] <= self._tolerances[0] and errors[1] <= self._tolerances[1]
         return self._result(step.state, near and step.slack <= 0.0, errors, step.slack, step.limits)
+
+    def _target(self, now: float, q: Array) -> tuple[Pose, Array]:
+        """Pose of the tool at the end of the period, and its twist (6,)."""
+        dt = self._following.dt
+        if self._reference.fresh_pose(now):
+            self._integrated = None
+            return self._reference.at(now + dt, now)
+        twist = self._reference.twist(now)
+        self._integrated = moved(self._integrated or self._following.pose(q), twist, dt)
+        return self._integrated, twist
 
     def _brake(self) -> RealtimeStep:
         moving = bool(self._state[1].any())

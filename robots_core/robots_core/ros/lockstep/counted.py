@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 DEPTH = 1000
 POLLED_DEPTH = 100
@@ -71,7 +71,6 @@ def reliable(qos: QoSProfile | int, depth: int) -> QoSProfile:
     """The profile with which nothing is lost; durability and liveliness stay."""
     profile = QoSProfile(depth=qos) if isinstance(qos, int) else qos
     return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
         depth=max(depth, profile.depth),
         reliability=ReliabilityPolicy.RELIABLE,
         durability=profile.durability,

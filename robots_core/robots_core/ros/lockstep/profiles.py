@@ -3,24 +3,14 @@
 from typing import Final
 
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from robots_core.ros.qos import STATE, STREAM
 
 LATCHED: Final = STATE
-LATCHED_BY_MANY: Final = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1000,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+LATCHED_BY_MANY: Final = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 NEWEST: Final = STREAM
-ALL: Final = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1000,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.VOLATILE,
-)
+ALL: Final = QoSProfile(depth=1000)
 
 # Every kind of event is one more thing to wait for; by default each endpoint warns of incompatible qualities.
 NO_PUBLISHER_EVENTS: Final = PublisherEventCallbacks(use_default_callbacks=False)
