@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots_controller.yaml_section import YamlSection, parse_yaml, read_yaml
 from robots_core.errors import InvalidInputError
+from robots_core.yaml_section import YamlSection, parse_yaml, read_yaml
 
 TEXT = """
 name: press

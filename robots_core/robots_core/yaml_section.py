@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import yaml
 from yaml.constructor import ConstructorError
 
-from robots_core.errors import InvalidInputError
+from robots_core.errors import InvalidInputError, RobotsError
+
+Made = TypeVar('Made')
 
 
 class YamlSection:
@@ -78,7 +80,7 @@ class YamlSection:
         Raises:
             InvalidInputError: missing without a default, or another value.
         """
-        value = self._scalar(key, default)
+        value = self._value(key, default)
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             raise self.error(f'{key} is {value!r}; valid is a finite number', key)
         if not low <= value <= high:
@@ -92,7 +94,7 @@ class YamlSection:
         Raises:
             InvalidInputError: missing without a default, or another value.
         """
-        value = self._scalar(key, default)
+        value = self._value(key, default)
         if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
             raise self.error(f'{key} is {value!r}; valid is a whole number in {low}..{high}', key)
         return value
@@ -103,10 +105,22 @@ class YamlSection:
         Raises:
             InvalidInputError: missing without a default, or another value.
         """
-        value = self._scalar(key, default)
+        value = self._value(key, default)
         if value not in (True, False):  # 1 and 0 are equal to these
             raise self.error(f'{key} is {value!r}; valid are true and false', key)
         return bool(value)
+
+    def made(self, key: str, make: Callable[[Any], Made]) -> Made:
+        """What `make` returns for the value, whatever its type.
+
+        Raises:
+            InvalidInputError: missing, or `make` has raised a RobotsError.
+        """
+        value = self._value(key, None)
+        try:
+            return make(value)
+        except RobotsError as error:
+            raise self.error(error.message, key) from error
 
     def section(self, key: str) -> YamlSection | None:
         """A mapping below a key; None if the key is missing.
@@ -142,6 +156,16 @@ class YamlSection:
                 raise self.error(f'{key} must be texts', node=item)
         return [(str(item.value), item.start_mark.line + 1) for item in items]
 
+    def values(self, key: str) -> list[tuple[Any, int]]:
+        """A list of values of any type, each with its line; none if the key is missing or empty.
+
+        Raises:
+            InvalidInputError: not a list.
+        """
+        node = self._take(key, needed=False)
+        items = [] if node is None else self._items(node, key)
+        return [(self._constructed(item, key), item.start_mark.line + 1) for item in items]
+
     def finish(self, valid: Collection[str] = ()) -> None:
         """Refuse keys that nobody asked for.
 
@@ -167,10 +191,13 @@ class YamlSection:
             raise self.error(f'{key} is missing')
         return None
 
-    def _scalar(self, key: str, default: Any) -> Any:
+    def _value(self, key: str, default: Any) -> Any:
         node = self._take(key, needed=default is None)
         if node is None:
             return default
+        return self._constructed(node, key)
+
+    def _constructed(self, node: yaml.Node, key: str) -> Any:
         try:
             return yaml.constructor.SafeConstructor().construct_object(node, deep=True)
         except (ConstructorError, ValueError) as error:
