@@ -104,6 +104,13 @@ function linearRelative(x, y, z, phi1, phi2, phi3, frame, options) end
 ---@overload fun(q: number[], options?: JointOptions)
 function ptpJointSpaceAnglesRelative(q1, q2, q3, q4, q5, q6, options) end
 
+---Moves until a condition holds: the robot brakes on its path. moveUntil({input = 1}, linearRelative, 0, 0, -0.1, 0, 0, 0).
+---@param condition table {input = index, value = true or false}, {analog_input = index, above | below = number}, or {joint_torque = joint, above | below = N m (N)}
+---@param motion function function that moves the robot; its arguments follow
+---@param ... any
+---@return boolean, Pose, Pose|nil # whether it held, the pose where the robot stands, the pose where it held
+function moveUntil(condition, motion, ...) end
+
 ---Sets the tool: its tip seen from the flange (tool0); poses are of the tip.
 ---@param x number x of the frame (m)
 ---@param y number y of the frame (m)
@@ -156,6 +163,19 @@ function setOverride(value) end
 ---@param cartesian? number speed of the tool on Cartesian paths (m/s)
 ---@param rotation? number angular speed of the tool on Cartesian paths (deg/s)
 function setSpeed(fraction, cartesian, rotation) end
+
+---Chooses the planners of the next motions; nil leaves one as it is.
+---@param joint? string planner of joint motions
+---@param cartesian? string planner of Cartesian motions
+function setPlanner(joint, cartesian) end
+
+---Chooses the configuration that joint motions to a pose end in; without one, the nearest.
+---@param configuration? "front/up/no_flip"|"front/up/flip"|"front/down/no_flip"|"front/down/flip"|"back/up/no_flip"|"back/up/flip"|"back/down/no_flip"|"back/down/flip" as 'front/up/no_flip'
+function setConfiguration(configuration) end
+
+---Keeps the jerk limits of the axes on Cartesian motions and in blended chains too, or not.
+---@param value boolean|0|1 0 or false: off, 1 or true: on
+function setJerkLimited(value) end
 
 ---Sets acceleration limits of the next motions; nil leaves one as it is.
 ---@param fraction? number part of the axes' limits of acceleration
@@ -271,10 +291,11 @@ function inverseKinematics(x, y, z, phi1, phi2, phi3, near) end
 ---@overload fun(pose: Pose|number[], near?: number[])
 function isReachable(x, y, z, phi1, phi2, phi3, near) end
 
----Switches a digital output.
+---Switches a digital output, now or when the robot is at the last target; the program goes on.
 ---@param index integer|string number of the output, from 1, or its name
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
-function setDigitalOutput(index, value) end
+---@param moment? "now"|"arrival" 'now' (default), or 'arrival': when the robot is at the last target, also where it runs through
+function setDigitalOutput(index, value, moment) end
 
 ---Reads a digital input.
 ---@param index integer|string number of the input, from 1, or its name
@@ -286,10 +307,11 @@ function getDigitalInput(index) end
 ---@return boolean # true or false
 function getDigitalOutput(index) end
 
----Sets an analog output.
+---Sets an analog output, now or when the robot is at the last target; the program goes on.
 ---@param index integer|string number of the output, from 1, or its name
 ---@param value number value of the output
-function setAnalogOutput(index, value) end
+---@param moment? "now"|"arrival" 'now' (default), or 'arrival': when the robot is at the last target, also where it runs through
+function setAnalogOutput(index, value, moment) end
 
 ---Reads an analog input.
 ---@param index integer|string number of the input, from 1, or its name
@@ -325,7 +347,22 @@ function pulseDigitalOutput(index, time) end
 ---@param index integer|string number of the input, from 1, or its name
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
 ---@param handler fun(): "abort"|nil called at the change; it may return 'abort'
-function onDigitalInput(index, value, handler) end
+---@param priority? integer 1 is the most urgent, 100 the default
+---@return integer # the interrupt's number
+function onDigitalInput(index, value, handler, priority) end
+
+---Lets an analog input interrupt the program when the comparison comes true, as 'onDigitalInput'.
+---@param index integer|string number of the input, from 1, or its name
+---@param comparison "<"|"<="|">"|">="|"=="|"~=" one of < <= > >= == ~=
+---@param value number what the input is compared with
+---@param handler fun(): "abort"|nil called at the change; it may return 'abort'
+---@param priority? integer 1 is the most urgent, 100 the default
+---@return integer # the interrupt's number
+function onAnalogInput(index, comparison, value, handler, priority) end
+
+---Takes an interrupt away.
+---@param number integer what onDigitalInput or onAnalogInput returned
+function removeInterrupt(number) end
 
 ---Lets `reference_pose` guide the robot (state TRAJECTORY).
 ---@param time number longest time of it (s)
@@ -354,6 +391,10 @@ function getTime() end
 ---Starts a timer: `local elapsed = timer()`, and `elapsed()` is the time since then.
 ---@return fun(): number # a function that returns s
 function timer() end
+
+---Holds the program where the robot stands, until an operator lets it go on; in simulated time it goes on at once.
+---@param string? string why, for the operator
+function halt(string) end
 
 ---Waits.
 ---@param time number how long, not counting pauses (s)

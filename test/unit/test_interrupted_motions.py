@@ -98,3 +98,36 @@ def test_outputs_switch_at_their_places_on_the_path(tmp_path: Path):
     late = (np.interp([time for time, _ in changes], run.time[here], way) - places) / speed  # s
     # The controller's moving average lags by 10 ms behind the plan by which outputs switch.
     assert np.abs(late).max() < 0.010 + 2 * PERIOD
+
+
+def test_a_more_urgent_handler_interrupts_another_and_the_motion_waits_for_both(tmp_path: Path):
+    (tmp_path / 'plc.yaml').write_text(
+        'rules:\n'
+        f'  - {{when: digital_output.8 rises, after: {SWITCHED}, set: {{digital_input.1: 1}}}}\n'
+        f'  - {{when: digital_output.8 rises, after: {SWITCHED + 0.5}, set: {{digital_input.2: 1}}}}\n'
+    )
+    text = f"""{HOME}
+        onDigitalInput(1, true, function() wait(1) setDigitalOutput(1, 1) end)
+        onDigitalInput(2, true, function() {HOME} setDigitalOutput(2, 1) end, 1)
+        setDigitalOutput(8, 1)
+        {AWAY}"""
+    run = run_text(tmp_path, text, io=tmp_path / 'plc.yaml')
+    assert run.ok, run.error
+    check(run)
+    _, (inner, _), (outer, _) = outputs(run)
+    between = (run.time > inner) & (run.time < outer)
+    assert outer - inner == pytest.approx(0.5, abs=0.01)  # the rest of its second
+    assert np.abs(parts(run)[between]).max() < 1e-12
+    np.testing.assert_allclose(np.degrees(run.reference[-1, 0]), TARGET, atol=1e-9)
+
+
+def test_an_output_at_the_arrival_switches_as_one_at_the_end_of_the_path(tmp_path: Path):
+    first, second = (
+        'linearRelative({0, 0, -0.2, 0, 0, 0}, {blend = 0.03',
+        'linearRelative(0, 0.2, 0, 0, 0, 0)',
+    )
+    on_path = f'{first}, on_path = {{time_before_end = 0, output = 1, value = 1}}}}) {second}'
+    arrival = f"{first}}}) setDigitalOutput(1, 1, 'arrival') {second} setDigitalOutput(1, 0, 'arrival')"
+    runs = [run_text(tmp_path, HOME + text) for text in (on_path, arrival)]
+    (at_end, _), (at_arrival, _), (standing, _) = (*outputs(runs[0]), *outputs(runs[1]))
+    assert at_arrival == at_end < standing == runs[1].motions[-1].ended

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, PAPER_FUNCTIONS
+from robots_controller.program.run_state import RunState
 from robots_core import load_robot_model
 from robots_core.errors import JointLimitError, PlanningError
 from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.pose import Pose
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, KIND_OF_FUNCTION, LINE, MotionKind
 
-from .lua_host import LuaHost
+from .lua_host import LuaHost, wait_until
 
 
 def test_functions_are_those_of_the_paper():
@@ -161,6 +162,7 @@ def test_inputs_are_booleans_and_numbers(tmp_path: Path):
     assert host.printed == ['false\ttrue\t2.5\t0.0', 'off']
 
 
+UP = 'linearRelative, 0, 0, 1, 0, 0, 0'
 NAMES = {'digital_inputs': ['', 'ready'], 'digital_outputs': ['gripper'], 'analog_outputs': ['valve']}
 
 
@@ -188,7 +190,8 @@ def test_time_passes_from_the_start_of_the_program(tmp_path: Path):
     text = """
         local before, elapsed = getTime(), timer()
         wait(0.01)
-        assert(before >= 0 and elapsed() >= 0.01 and getTime() >= before + elapsed())"""
+        local took = elapsed()
+        assert(before >= 0 and took >= 0.01 and getTime() >= before + took)"""
     assert host.run(text) is None
 
 
@@ -220,6 +223,16 @@ def test_a_grid_goes_row_by_row_and_layer_by_layer(tmp_path: Path):
     assert host.printed[6] == '8'
 
 
+def test_halt_holds_the_program_until_it_is_let_go_on(tmp_path: Path):
+    host = LuaHost(tmp_path)
+    host.start("halt('parts are missing') print('on')")
+    host.wait_for_print()
+    wait_until(lambda: host.program.run_state is RunState.PAUSED)
+    assert host.program.resume()
+    assert host.program.join(20.0)
+    assert host.printed == ['halt: parts are missing', 'on']
+
+
 def test_print_is_that_of_lua(tmp_path: Path):
     host = LuaHost(tmp_path)
     assert host.run("print() print('a', 1, 1.5, nil, true) print('ü')") is None
@@ -242,7 +255,7 @@ def test_print_is_that_of_lua(tmp_path: Path):
         ('setDigitalOutput(33, 1)', 'index = 33; valid is a whole number in 1..32'),
         ('setDigitalOutput(1.5, 1)', 'index = 1.5; valid is a whole number in 1..32'),
         ('setDigitalOutput(1, 2)', 'value = 2; valid is 0, 1, true or false'),
-        ('setDigitalOutput(1)', 'got 1 arguments, needed are 2: index, value'),
+        ('setDigitalOutput(1)', 'got 1 arguments, needed are 2 to 3: index, value, [moment]'),
         ('getDigitalInput(true)', 'index = true; valid is a whole number in 1..32'),
         ('getAnalogInput(9)', 'index = 9; valid is a whole number in 1..8'),
         ('setAnalogOutput(1, -1/0)', 'value = -inf; valid is a finite number'),
@@ -262,6 +275,18 @@ def test_print_is_that_of_lua(tmp_path: Path):
             'isReachable(1, 2, 3, 4, 5, 6, {1, 2})',
             'a table with 2 values; valid is a table with a',
         ),
+        ("setDigitalOutput(1, 1, 'later')", "moment = the string 'later'; valid is 'now' or 'arrival'"),
+        (
+            'moveUntil({input = 1, above = 2}, wait, 1)',
+            "the string 'wait'; valid is a function that moves",
+        ),
+        (f'moveUntil({{input = 1, above = 2}}, {UP})', 'condition has above, input; valid is {input = index'),
+        (f'moveUntil({{joint_torque = 7, above = 2}}, {UP})', 'joint_torque = 7; the robot has 6 axes'),
+        (f'moveUntil({{input = 1}}, {UP}, {{blend = 1}})', 'linearRelative has a blend; a search ends where'),
+        ('removeInterrupt(1)', 'there is no interrupt 1'),
+        ("onAnalogInput(1, '=', 2, print)", "comparison = the string '='; valid is '<'"),
+        ('onDigitalInput(1, 1, print, 0)', 'priority = 0; valid is a whole number of at least 1'),
+        ("setPlanner('limited')", "joint = the string 'limited'; valid is 'linear_joint'"),
         ('getJointTorques()', 'the torques of the joints are not known here'),
         ('wait(-1)', 'time = -1 s; valid is a finite number of at least 0'),
         ('wait(print)', 'time = a function; valid is a finite number of at least 0'),

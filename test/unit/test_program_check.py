@@ -8,8 +8,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from robots_controller.interpreter.lua_arguments import Sizes
 from robots_controller.interpreter.lua_tokens import lua_tokens
+from robots_controller.interpreter.lua_values import Sizes
 from robots_controller.program_check.check_program import main
 from robots_controller.program_check.program_check import check_program
 from robots_core import load_robot_model
@@ -49,7 +49,7 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
         ('ptpJointSpaceAngles {1, 2, 3, 4, 5, 6, 7}', '7 joint angles, needed are 6 for 6 axes'),
         (
             'setDigitalOutput(1)',
-            'setDigitalOutput: 1 arguments, needed are 2: setDigitalOutput(index, value)',
+            'setDigitalOutput: 1 arguments, needed are 2 to 3: setDigitalOutput(index, value, [m',
         ),
         ('setDigitalOutput(33, 1)', 'setDigitalOutput: index = 33; valid is a whole number in 1..32'),
         ('getAnalogInput(0)', 'getAnalogInput: index = 0; valid is a whole number in 1..8'),
@@ -75,6 +75,10 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
             "convention = the string 'abc'; valid is 'zyx', 'xyz', 'zyz', 'XYZ'",
         ),
         ('if #getJointAngles() == nil then wait(tiem) end', 'tiem has no value: nothing gives it one'),
+        ('moveUntil({input = 1}, linearRelative, 0, 0)', 'moveUntil: 2 arguments, needed are 6 to 7: linear'),
+        ('moveUntil({input = 1, below = 2}, linearRelative, 0, 0, 0, 0, 0, 0)', 'condition has below, input'),
+        ("setPlanner('limited')", "joint = the string 'limited'; valid is 'linear_joint'"),
+        ("setConfiguration('left')", "configuration = the string 'left'; valid is 'front/up/no_flip'"),
         ('wait(tiem)', 'tiem has no value: nothing gives it one'),
         ('local speed = 1 setSpeed(speeed)', 'speeed has no value: nothing gives it one; meant is speed'),
         ('local t = {f = function() x = 1 end, y = 2} wait(x) wait(y)', 'y has no value'),

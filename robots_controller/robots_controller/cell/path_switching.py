@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Final
 
 from robots_controller.program.motion_command import MotionCommand, OutputChange, PathSwitch
@@ -41,6 +42,7 @@ class PathSwitching:
         self._sent: dict[str, MotionCommand] = {}  # without a plan yet, oldest first
         self._planned: dict[str, PathSwitches | None] = {}  # oldest first: the controller follows the first
         self._lines: dict[PathSwitch, int] = {}
+        self._at_targets: dict[MotionCommand, list[OutputChange]] = {}  # of motions without a plan yet
         self._next_time = math.inf
 
     @property
@@ -62,6 +64,16 @@ class PathSwitching:
             self._sent[id_] = command
             self._lines |= dict.fromkeys(command.switches, command.line)
 
+    def switch_at_target(self, command: MotionCommand, change: OutputChange) -> None:
+        """Switch an output at the target of a motion under way; if it has its plan, `left` gives it back."""
+        with self._lock:
+            self._at_targets.setdefault(command, []).append(change)
+
+    def left(self, command: MotionCommand) -> list[OutputChange]:
+        """What is to be switched at the target of a motion and is on no plan, once."""
+        with self._lock:
+            return self._at_targets.pop(command, [])
+
     def awaits(self, id_: str) -> bool:
         """A motion was sent and has no plan yet."""
         with self._lock:
@@ -78,7 +90,11 @@ class PathSwitching:
             trajectory: Gives the plan, None if it is not valid; called only where outputs are switched.
         """
         with self._lock:
-            chain = [(end, self._sent.pop(one)) for one, end in ends.items() if one in self._sent]
+            chain = [
+                (end, self._with_targets(self._sent.pop(one)))
+                for one, end in ends.items()
+                if one in self._sent
+            ]
             if not chain:
                 return
             plan = trajectory() if any(command.switches for _, command in chain) else None
@@ -122,6 +138,12 @@ class PathSwitching:
                 self._switch_all(() if command is None else command.switches)
                 self._switch_all(() if switches is None else switches.due(1.0))
             self._next_time = math.inf
+
+    def _with_targets(self, command: MotionCommand) -> MotionCommand:
+        changes = self.left(command)
+        added = [PathSwitch('time_before_end', 0.0, one.kind, one.index, one.value) for one in changes]
+        self._lines |= {switch: one.line for switch, one in zip(added, changes, strict=True)}
+        return replace(command, switches=(*command.switches, *added)) if added else command
 
     def _switch_all(self, due: Iterable[PathSwitch]) -> None:
         for switch in due:

@@ -46,6 +46,7 @@ class ProgramHost:
         orientation_convention: Order of the angles phi; the robot's own by default.
         planner_timeout: Longest wait of a motion for a planner, s.
         payload: What the robot carries until its program sets another payload, see `MotionSettings`.
+        attended: Somebody can let a held program go on.
 
     Raises:
         InvalidInputError: as `LuaProgram`.
@@ -66,8 +67,9 @@ class ProgramHost:
         orientation_convention: str = '',
         planner_timeout: float = 5.0,
         payload: tuple[float, ...] = NOTHING,
+        attended: bool = True,
     ) -> None:
-        self.payload = payload
+        self.payload, self.attended = payload, attended
         self.clock = clock
         self._robot, self._robot_port = robot, robot_port
         self._controller, self._observer = controller, observer
@@ -205,6 +207,7 @@ class ProgramHost:
         if error is not None or command in self.program.motions[-1:]:
             self._observer.command_state(RobotCommandState.IDLE)
         self.program.finish_motion(error, command)
+        self._switch_left(command, ok=error is None)
 
     # -- the program's cell ---------------------------------------------------------------------------
 
@@ -276,6 +279,21 @@ class ProgramHost:
         """See `CellPort`."""
         self.reporter.report_if_due()
         self._observer.outputs_changed(change)
+
+    def switch_at_target(self, change: OutputChange) -> None:
+        """See `CellPort`."""
+        motions = self.program.motions
+        if not motions:
+            self.program.switch_output(change)
+            return
+        self.switching.switch_at_target(motions[-1], change)
+        if motions[-1] not in self.program.motions:  # it has ended meanwhile
+            self._switch_left(motions[-1], ok=True)
+
+    def _switch_left(self, command: MotionCommand, *, ok: bool) -> None:
+        left = self.switching.left(command)
+        for change in left if ok else ():
+            self.program.switch_output(change)
 
     def printed(self, text: str, line: int) -> None:
         """See `CellPort`."""

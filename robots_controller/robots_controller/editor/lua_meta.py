@@ -14,15 +14,17 @@ from robots_controller.interpreter.functions.lua_function import (
     ANCHORS,
     COMPARISONS,
     FRAMES,
+    MOMENTS,
     Argument,
     Kind,
     LuaFunction,
 )
-from robots_controller.interpreter.lua_arguments import CHANNELS
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
+from robots_controller.interpreter.lua_values import CHANNELS
 from robots_core.errors import RobotsError
 from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.robot_choice import load_robot_model
+from robots_core.robot_model.analytic.configuration import CONFIGURATIONS
 
 # Where no robot is named: what most arms have, and the others as overloads.
 USUAL_AXES: Final = 6
@@ -38,6 +40,12 @@ _TYPES: Final[dict[Kind, str]] = {
     'function': 'fun(): "abort"|nil',
     'pose': 'Pose|number[]',
     'joints': 'number[]',
+    'condition': 'table',
+    'motion': 'function',
+    'moment': '|'.join(f'"{moment}"' for moment in MOMENTS),
+    'joint_planner': 'string',
+    'cartesian_planner': 'string',
+    'configuration': '|'.join(f'"{configuration}"' for configuration in CONFIGURATIONS),
     'count': 'integer',
     **dict.fromkeys(CHANNELS, 'integer|string'),
 }

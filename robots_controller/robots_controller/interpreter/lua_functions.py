@@ -18,11 +18,13 @@ from robots_controller.interpreter.functions.lua_function import LuaFunction
 from robots_controller.interpreter.functions.motions import MOTIONS
 from robots_controller.interpreter.functions.poses import POSES
 from robots_controller.interpreter.functions.positions import POSITIONS
+from robots_controller.interpreter.functions.search import SEARCH
 from robots_controller.interpreter.functions.settings import SETTINGS
 from robots_controller.interpreter.functions.signals import SIGNALS
 
 _FAMILIES: Final = (
     MOTIONS,
+    SEARCH,
     SETTINGS,
     POSITIONS,
     POSES,

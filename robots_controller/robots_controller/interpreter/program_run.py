@@ -63,7 +63,7 @@ class ProgramRun:
         self._sources = {source.chunk_name: source}
         self._chunk = ''
         self._functions = RobotFunctions(
-            state, cell, view, subprogram=self._subprogram, motion_ended=self._motion_ended
+            state, cell, view, subprogram=self._subprogram, motion_ended=self._motion_ended, hold=hold
         )
 
     def run(self) -> tuple[ProgramError | None, bool]:
@@ -142,10 +142,9 @@ class ProgramRun:
                 return None
             if state.run_state is RunState.PAUSED:
                 return 0
-            if not state.interrupts.look(state.digital_inputs):
+            if not state.interrupts.look():
                 return None
-            handler = state.interrupts.begin()
-            state.set_braked(braked=bool(state.motions))
+            handler = self._functions.motions.begin_handler()
         self._tell_hold()
         return handler
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 
 from robots_controller.degrees import in_degrees
+from robots_controller.interpreter.debugger import HoldReason
 from robots_controller.interpreter.functions.flow import Flow, printed_text
 from robots_controller.interpreter.functions.guidance import Guidance
 from robots_controller.interpreter.functions.interrupts import Interrupts
@@ -13,11 +14,13 @@ from robots_controller.interpreter.functions.motions import Motions
 from robots_controller.interpreter.functions.poses import Poses
 from robots_controller.interpreter.functions.positions import Positions
 from robots_controller.interpreter.functions.run_context import Handlers, RunContext
+from robots_controller.interpreter.functions.search import Search
 from robots_controller.interpreter.functions.settings import Settings
 from robots_controller.interpreter.functions.signals import Signals
-from robots_controller.interpreter.lua_arguments import Sizes, check_arguments
+from robots_controller.interpreter.lua_arguments import Arguments, check_arguments
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, Waiting
+from robots_controller.interpreter.lua_values import Sizes
 from robots_controller.program.cell_port import CellPort
 from robots_controller.program.guided_motion import GuidedMotion
 from robots_controller.program.motion_target import MotionTarget, RobotView
@@ -35,6 +38,7 @@ class RobotFunctions:
         view: What the program sees of the robot.
         subprogram: Gives a subprogram's name and text.
         motion_ended: A motion that the program waited for has ended well.
+        hold: Holds the program.
     """
 
     def __init__(
@@ -45,6 +49,7 @@ class RobotFunctions:
         *,
         subprogram: Callable[[str], tuple[str, str]],
         motion_ended: Callable[[], None],
+        hold: Callable[[HoldReason], bool],
     ) -> None:
         run = self.run = RunContext(state, cell, view, MotionTarget(view))
         self.pulses = OutputPulses(state, lambda index, value: run.set_output('digital', index, value))
@@ -61,7 +66,8 @@ class RobotFunctions:
             **Signals(run, motions, self.pulses).handlers,
             **Interrupts(run).handlers,
             **Guidance(run, motions, guided).handlers,
-            **Flow(run, motions, subprogram).handlers,
+            **Flow(run, motions, subprogram, hold).handlers,
+            **Search(run, motions, self._sizes, self._check).handlers,
         }
 
     def serve(self, name: str, arguments: list[LuaArgument]) -> Waiting:
@@ -76,7 +82,7 @@ class RobotFunctions:
         if name == 'print':
             self.run.cell.printed(printed_text(arguments), self.run.line)
             return None
-        checked = check_arguments(LUA_FUNCTIONS[name], arguments, self._sizes)
+        checked = self._check(name, arguments)
         try:
             result = self._handlers[name](checked)
             if isinstance(result, Generator):
@@ -84,6 +90,9 @@ class RobotFunctions:
         except RobotsError as error:
             raise LuaCallError(f'{name}: {in_degrees(str(error))}') from error
         return result
+
+    def _check(self, name: str, arguments: Sequence[LuaArgument]) -> Arguments:
+        return check_arguments(LUA_FUNCTIONS[name], arguments, self._sizes)
 
     def finish(self) -> Waiting:
         """Wait until the robot stands and the last pulse is over."""

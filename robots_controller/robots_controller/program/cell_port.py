@@ -98,6 +98,13 @@ class CellPort(Protocol):
     def output_changed(self, change: OutputChange) -> None:
         """An output has changed; from any thread where an output is switched on the path."""
 
+    def switch_at_target(self, change: OutputChange) -> None:
+        """Switch an output when the robot is at the target of the last motion, or now if it stands."""
+
+    @property
+    def attended(self) -> bool:
+        """Somebody is there who can let a held program go on."""
+
     def printed(self, text: str, line: int) -> None:
         """The program printed a text on a line."""
 
@@ -170,6 +177,14 @@ class DetachedCell:
 
     def output_changed(self, change: OutputChange) -> None:
         """No effect."""
+
+    def switch_at_target(self, change: OutputChange) -> None:
+        """No effect."""
+
+    @property
+    def attended(self) -> bool:
+        """Yes."""
+        return True
 
     def printed(self, text: str, line: int) -> None:
         """No effect."""

@@ -1,61 +1,85 @@
-"""InputInterrupts: handlers that a digital input calls."""
+"""InputInterrupts: handlers that changes of inputs call."""
 
-from collections import deque
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from itertools import count
 
-import numpy as np
-from numpy.typing import NDArray
+DEFAULT_PRIORITY = 100
+Condition = Callable[[], bool]
+
+
+@dataclass
+class _Interrupt:
+    what: Hashable
+    holds: Condition
+    priority: int
+    held: bool
 
 
 class InputInterrupts:
-    """Which handlers are due; one is served at a time, in the order in which their inputs changed.
+    """Which handlers are due: the most urgent first, those of one priority in the order of their changes.
 
-    A handler is due when its input takes the value it waits for, not while it has it. Not safe by itself:
-    the program's state guards it.
+    A handler is due when its condition comes true, not while it is. One that runs is interrupted by more
+    urgent ones alone. Not safe by itself: the program's state guards it.
     """
 
     def __init__(self) -> None:
-        self._wanted: dict[int, tuple[int, bool]] = {}
-        self._seen: NDArray[np.bool_] | None = None
-        self._due: deque[int] = deque()
-        self.serving: int | None = None
-        """The handler that runs now."""
+        self._interrupts: dict[int, _Interrupt] = {}
+        self._numbers = count(1)
+        self._due: list[int] = []
+        self._serving: list[_Interrupt] = []
 
     @property
-    def any(self) -> bool:
-        """There is a handler."""
-        return bool(self._wanted)
+    def serving(self) -> bool:
+        """A handler runs now."""
+        return bool(self._serving)
 
-    def add(self, index: int, value: bool, inputs: NDArray[np.bool_]) -> int:  # noqa: FBT001  # an input's value
-        """A handler for an input, counted from 1; it replaces the one for the same change.
+    def add(self, what: Hashable, holds: Condition, priority: int = DEFAULT_PRIORITY) -> int:
+        """A handler for a condition that comes true; it replaces the one for the same.
+
+        Args:
+            what: The same for the same condition.
+            holds: The condition.
+            priority: From 1, the most urgent.
 
         Returns:
             The handler's number, from 1.
         """
-        for handler, wanted in list(self._wanted.items()):
-            if wanted == (index, value):
-                del self._wanted[handler]
-        if self._seen is None:
-            self._seen = inputs
-        handler = 1 + max(self._wanted, default=0)
-        self._wanted[handler] = (index, value)
-        return handler
+        for number, interrupt in list(self._interrupts.items()):
+            if interrupt.what == what:
+                self.remove(number)
+        number = next(self._numbers)
+        self._interrupts[number] = _Interrupt(what, holds, priority, holds())
+        return number
 
-    def look(self, inputs: NDArray[np.bool_]) -> bool:
-        """Note what has changed; True if a handler is due and none runs."""
-        if self._seen is not None:
-            changed = inputs != self._seen
-            if changed.any():
-                for handler, (index, value) in self._wanted.items():
-                    if changed[index - 1] and inputs[index - 1] == value and handler not in self._due:
-                        self._due.append(handler)
-                self._seen = inputs
-        return bool(self._due) and self.serving is None
+    def remove(self, number: int) -> bool:
+        """Take a handler away, also one that is due; False if there is none of this number."""
+        if number in self._due:
+            self._due.remove(number)
+        return self._interrupts.pop(number, None) is not None
+
+    def look(self) -> bool:
+        """Note what has changed; True if a handler is due and none as urgent runs."""
+        for number, interrupt in self._interrupts.items():
+            held, interrupt.held = interrupt.held, interrupt.holds()
+            if interrupt.held and not held and number not in self._due:
+                self._due.append(number)
+        return self._next() is not None
 
     def begin(self) -> int:
         """The next handler, which runs from now on."""
-        self.serving = self._due.popleft()
-        return self.serving
+        number = self._next()
+        assert number is not None
+        self._due.remove(number)
+        self._serving.append(self._interrupts[number])
+        return number
 
     def end(self) -> None:
-        """The handler has ended."""
-        self.serving = None
+        """The handler that began last has ended."""
+        self._serving.pop()
+
+    def _next(self) -> int | None:
+        number = min(self._due, key=lambda one: self._interrupts[one].priority, default=None)
+        if number is None or not self._serving:
+            return number
+        return number if self._interrupts[number].priority < self._serving[-1].priority else None

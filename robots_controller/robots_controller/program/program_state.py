@@ -170,7 +170,7 @@ class ProgramState:
         with self.condition:
             if self._stopping:
                 raise ProgramStopped
-            if self.interrupts.any and self.interrupts.look(self.digital_inputs):
+            if self.interrupts.look():
                 return True
             return self._run_state is RunState.PAUSED or self._alarm_is_due()
 

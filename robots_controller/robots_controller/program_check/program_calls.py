@@ -5,16 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
-from robots_controller.interpreter.lua_arguments import (
-    Sizes,
-    option_arguments,
-    unknown_option,
-    valid_text,
-    wanted_arguments,
-    wrong_switch,
-)
+from robots_controller.interpreter.functions.search import wrong_condition
+from robots_controller.interpreter.lua_arguments import wanted_arguments
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_tokens import Token
+from robots_controller.interpreter.lua_values import Sizes, valid_text
+from robots_controller.interpreter.motion_options import option_arguments, unknown_option, wrong_switch
 from robots_controller.program_check.lua_calls import (
     closing,
     is_table,
@@ -22,6 +18,7 @@ from robots_controller.program_check.lua_calls import (
     split_values,
     table_fields,
 )
+from robots_planning.motion_kinds import KIND_OF_FUNCTION
 
 
 def wrong_calls(tokens: Sequence[Token], sizes: Sizes, declared: set[str]) -> Iterator[tuple[int, str]]:
@@ -38,15 +35,19 @@ def _problems_of_call(function: LuaFunction, arguments: Sequence[list[Token]], s
     arguments = list(arguments)
     if function.options and arguments and len(arguments) > 1 and arguments[-1][0].text == '{':
         yield from _problems_of_options(function, arguments.pop(), sizes)
+    if function.name == 'moveUntil' and len(arguments) > 1:
+        yield from _problems_of_search(arguments, sizes)
+        return
     first = function.arguments[0] if function.arguments else None
     if first is not None and first.kind == 'number' and arguments and is_table(arguments[0]):
         arguments = [*split_values(arguments[0][1:-1], ',;'), *arguments[1:]]
     open_ended = bool(arguments) and not _single(arguments[-1])
     # A name alone may be a table with all values.
+    behind = sum(argument.kind != 'number' for argument in function.arguments)
     if (
         first is not None
         and first.kind == 'number'
-        and len(arguments) == 1
+        and 1 <= len(arguments) <= 1 + behind
         and arguments[0][0].kind == 'name'
     ):
         return
@@ -63,6 +64,14 @@ def _problems_of_call(function: LuaFunction, arguments: Sequence[list[Token]], s
         return
     for (label, argument), given in zip(wanted, arguments, strict=False):
         yield from _problem_of_value(label, argument, given, sizes)
+
+
+def _problems_of_search(arguments: Sequence[list[Token]], sizes: Sizes) -> Iterator[str]:
+    condition, motion, *more = arguments
+    if is_table(condition) and (problem := wrong_condition(table_fields(condition))) is not None:
+        yield problem
+    if len(motion) == 1 and motion[0].text in KIND_OF_FUNCTION:
+        yield from _problems_of_call(LUA_FUNCTIONS[motion[0].text], more, sizes)
 
 
 def _problem_of_value(label: str, argument: Argument, given: Sequence[Token], sizes: Sizes) -> Iterator[str]:

@@ -22,6 +22,13 @@ ANALOG_INPUT: Final = Argument('index', 'analog input', '', 'number of the input
 DIGITAL_OUTPUT: Final = Argument('index', 'digital output', '', 'number of the output, from 1, or its name')
 ANALOG_OUTPUT: Final = Argument('index', 'analog output', '', 'number of the output, from 1, or its name')
 COMPARISON: Final = Argument('comparison', 'comparison', '', f'one of {" ".join(COMPARISONS)}')
+MOMENT: Final = Argument(
+    'moment',
+    'moment',
+    '',
+    "'now' (default), or 'arrival': when the robot is at the last target, also where it runs through",
+    optional=True,
+)
 TIMEOUT: Final = Argument(
     'timeout', 'time', 's', 'longest wait; without one it waits for ever', optional=True
 )

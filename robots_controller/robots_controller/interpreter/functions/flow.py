@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final
 
+from robots_controller.interpreter.debugger import HoldReason
 from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
 from robots_controller.interpreter.functions.run_context import Handlers, RunContext, Waits
 from robots_controller.interpreter.lua_arguments import Arguments
@@ -33,6 +34,12 @@ FLOW: Final = (
         'a function that returns s',
         'fun(): number',
     ),
+    LuaFunction(
+        'halt',
+        (Argument('string', 'name', '', 'why, for the operator', optional=True),),
+        'Holds the program where the robot stands, until an operator lets it go on; in simulated time it '
+        'goes on at once.',
+    ),
     LuaFunction('wait', (Argument('time', 'time', 's', 'how long, not counting pauses'),), 'Waits.'),
     LuaFunction(
         'print',
@@ -50,17 +57,35 @@ class Flow:
         run: The run.
         waits: How its functions wait.
         subprogram: Gives a subprogram's name and text.
+        hold: Holds the program.
     """
 
-    def __init__(self, run: RunContext, waits: Waits, subprogram: Callable[[str], tuple[str, str]]) -> None:
-        self._run, self._waits, self._subprogram = run, waits, subprogram
+    def __init__(
+        self,
+        run: RunContext,
+        waits: Waits,
+        subprogram: Callable[[str], tuple[str, str]],
+        hold: Callable[[HoldReason], bool],
+    ) -> None:
+        self._run, self._waits, self._subprogram, self._hold = run, waits, subprogram, hold
         self._start = run.state.clock.now()
         self.handlers: Handlers = {
             'call': self._call,
             'wait': self._wait,
+            'halt': self._halt,
             'getTime': self._get_time,
             'timer': self._get_time,
         }
+
+    def _halt(self, arguments: Arguments) -> Waiting:
+        yield from self._waits.standstill()
+        reason = f': {arguments.values[0]}' if arguments.values[0] else ''
+        self._run.cell.printed(f'halt{reason}', self._run.line)
+        if self._run.cell.attended:
+            self._hold('pause')
+            while self._run.state.needs_attention():
+                yield
+        return None
 
     def _get_time(self, _: Arguments) -> Result:
         return self._run.state.clock.now() - self._start

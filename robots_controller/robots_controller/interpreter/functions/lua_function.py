@@ -22,6 +22,12 @@ Kind = Literal[
     'function',
     'pose',
     'joints',
+    'condition',
+    'motion',
+    'moment',
+    'joint_planner',
+    'cartesian_planner',
+    'configuration',
     'count',
     'digital input',
     'digital output',
@@ -31,6 +37,7 @@ Kind = Literal[
 Options = Literal['', 'cartesian', 'joint']
 
 FRAMES: Final = ('base', 'tool')
+MOMENTS: Final = ('now', 'arrival')
 COMPARISONS: Final = ('<', '<=', '>', '>=', '==', '~=')
 ANCHORS: Final = ('distance_before_end', 'distance_after_start', 'time_before_end', 'time_after_start')
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
 
@@ -73,6 +74,27 @@ MOTIONS: Final = (
 """Motions."""
 
 
+@dataclass(frozen=True)
+class Condition:
+    """What ends a search.
+
+    Attributes:
+        met: It holds.
+        period: How often it is looked at, s; None where changes of inputs are looked at alone.
+    """
+
+    met: Callable[[], bool]
+    period: float | None = None
+
+
+@dataclass
+class _Handler:
+    """A handler that runs: whether the robot was held before it, and motions to be commanded anew."""
+
+    held: bool
+    interrupted: list[MotionCommand] = field(default_factory=list)
+
+
 class Motions:
     """Commands motions, waits for them, and holds them for handlers of inputs.
 
@@ -91,7 +113,9 @@ class Motions:
         self.error: RobotsError | None = None
         """Why the last motion that failed did."""
         self.error_text = ''
-        self._interrupted: list[MotionCommand] = []
+        self._handlers: list[_Handler] = []
+        self._condition: Condition | None = None  # of the search that begins
+        self._found: Pose | None = None  # where it came true
         self.handlers: Handlers = {
             'ptpCartesianSpace': self._to_pose('ptpCartesianSpace'),
             'ptpJointSpaceAngles': self._to_joints,
@@ -142,6 +166,7 @@ class Motions:
         path: tuple[Pose, ...] = (),
     ) -> Waiting:
         kind = KIND_OF_FUNCTION[function]
+        condition, self._condition = self._condition, None
         blend, before = arguments.options.blend, self._state.motions
         chained = bool(before and before[-1].blend)
         if blend:
@@ -162,8 +187,8 @@ class Motions:
             blend=blend,
             switches=arguments.options.switches,
         )
-        if self._state.interrupts.serving is not None and self._state.braked:
-            self._interrupted += self._abort_motions()
+        if self._handlers and self._state.braked:
+            self._handlers[-1].interrupted += self._abort_motions()
         yield from self._guided_motion.interrupt()
         self._raise_failure(None)
         self._send(command)
@@ -172,9 +197,32 @@ class Motions:
             # Switched off before, blending would end the chain before its last motion.
             self._run.cell.flush()
         if not blend:
-            yield from self.standstill(command)
+            yield from self.standstill(command, condition)
             self._motion_ended()
         return None
+
+    def until(
+        self, condition: Condition, name: str, arguments: Arguments
+    ) -> Generator[None, None, Pose | None]:
+        """Make a motion until a condition holds.
+
+        Args:
+            condition: Holds not yet.
+            name: The motion's function.
+            arguments: Its arguments.
+
+        Returns:
+            Where the tool was when it came true, seen from the base; None if it did not.
+        """
+        self._condition, self._found = condition, None
+        motion = self.handlers[name](arguments)
+        assert isinstance(motion, Generator)
+        yield from motion
+        return self._found
+
+    def tool_pose(self) -> Pose:
+        """Where the tool is, seen from the base."""
+        return self._run.target.seen(self._run.view.flange(self._run.view.position()))
 
     def _send(self, command: MotionCommand) -> None:
         try:
@@ -195,7 +243,9 @@ class Motions:
         except RobotsError:  # a cell without kinematics; the motion itself needs none
             return None
 
-    def standstill(self, command: MotionCommand | None = None) -> Generator[None, None, None]:
+    def standstill(
+        self, command: MotionCommand | None = None, condition: Condition | None = None
+    ) -> Generator[None, None, None]:
         """Wait until the robot stands at its last target.
 
         Raises:
@@ -205,7 +255,16 @@ class Motions:
         motions = self._state.motions
         if motions and motions[-1].blend:
             self._run.cell.flush()
-        yield from self._state.waiting(lambda: not self._state.motions or self._state.braked)
+        met, period = (condition.met, condition.period) if condition else (lambda: False, None)
+
+        def ready() -> bool:
+            return not self._state.motions or self._state.braked or met()
+
+        while not (yield from self._state.waiting(ready, period)):
+            pass
+        if condition is not None and self._state.motions:
+            self._found = self.tool_pose()
+            self._abort_motions()
         self._raise_failure(command)
 
     def waiting(
@@ -227,19 +286,28 @@ class Motions:
         self.error, self.error_text = error, f'{where}: {in_degrees(error.message)}'
         return LuaCallError(self.error_text)
 
+    def begin_handler(self) -> int:
+        """Begin the handler that is due; the motion under way is held. Returns the handler's number."""
+        self._handlers.append(_Handler(self._state.braked))
+        self._state.set_braked(braked=bool(self._state.motions))
+        return self._state.interrupts.begin()
+
     def handled(self, *, abort: bool) -> None:
-        """The handler of an input has ended: the motion under way goes on, or ends there."""
-        interrupted, self._interrupted = self._interrupted, []
+        """The handler that began last has ended: the motion under way goes on, or ends there."""
+        handler = self._handlers.pop()
         if self._state.braked and abort:
             self._abort_motions()
         self._state.interrupts.end()
-        if not abort:
-            for command in interrupted:  # the handler moved the robot: from where it stands now
+        if handler.held and handler.interrupted and not abort:
+            self._handlers[-1].interrupted += handler.interrupted  # held for the handler outside too
+        elif not abort:
+            for command in handler.interrupted:  # the handler moved the robot: from where it stands now
                 self._send(command)
-            if interrupted:
+            if handler.interrupted:
                 self._run.cell.flush()  # what is held for a blend: the program waits for these already
-        self._guided_motion.handled(abort=abort)
-        self._state.set_braked(braked=False)
+        if not self._handlers or abort:
+            self._guided_motion.handled(abort=abort)
+        self._state.set_braked(braked=handler.held and bool(self._state.motions))
 
     def _abort_motions(self) -> list[MotionCommand]:
         motions = list(self._state.motions)

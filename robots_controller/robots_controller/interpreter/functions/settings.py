@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from robots_controller.interpreter.functions.common_arguments import FRAME
+from robots_controller.interpreter.functions.common_arguments import FRAME, SWITCH
 from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
 from robots_controller.interpreter.functions.run_context import Handlers, RunContext, Waits
 from robots_controller.interpreter.lua_arguments import Arguments
@@ -75,6 +75,24 @@ SETTINGS: Final = (
         'setSpeed', _speeds('speed', 's'), 'Sets speed limits of the next motions; nil leaves one as it is.'
     ),
     LuaFunction(
+        'setPlanner',
+        (
+            Argument('joint', 'joint_planner', '', 'planner of joint motions', optional=True),
+            Argument('cartesian', 'cartesian_planner', '', 'planner of Cartesian motions', optional=True),
+        ),
+        'Chooses the planners of the next motions; nil leaves one as it is.',
+    ),
+    LuaFunction(
+        'setConfiguration',
+        (Argument('configuration', 'configuration', '', "as 'front/up/no_flip'", optional=True),),
+        'Chooses the configuration that joint motions to a pose end in; without one, the nearest.',
+    ),
+    LuaFunction(
+        'setJerkLimited',
+        (SWITCH,),
+        'Keeps the jerk limits of the axes on Cartesian motions and in blended chains too, or not.',
+    ),
+    LuaFunction(
         'setAcceleration',
         _speeds('acceleration', 's^2'),
         'Sets acceleration limits of the next motions; nil leaves one as it is.',
@@ -104,6 +122,9 @@ class Settings:
             'setOverride': self._set_override,
             'setSpeed': self._set_limits('speed'),
             'setAcceleration': self._set_limits('acceleration'),
+            'setPlanner': self._set_planner,
+            'setConfiguration': lambda a: run.settings.update(configuration=a.values[0] or ''),
+            'setJerkLimited': lambda a: run.settings.update(jerk_limited=bool(a.values[0])),
         }
 
     def _set_tool(self, arguments: Arguments) -> None:
@@ -131,6 +152,10 @@ class Settings:
     def _set_override(self, arguments: Arguments) -> None:
         self._run.state.set_overrides(np.full(self._run.state.num_axes, arguments.values[0]))
         self._run.cell.set_override(arguments.values[0])
+
+    def _set_planner(self, arguments: Arguments) -> None:
+        given = zip(('joint_planner', 'cartesian_planner'), arguments.values, strict=True)
+        self._run.settings |= {name: value for name, value in given if value is not None}
 
     def _set_limits(self, what: str) -> Callable[[Arguments], None]:
         names = (f'{what}_fraction', f'cartesian_{what}', f'rotation_{what}')

@@ -12,6 +12,7 @@ from robots_controller.interpreter.functions.common_arguments import (
     COMPARISON,
     DIGITAL_INPUT,
     DIGITAL_OUTPUT,
+    MOMENT,
     SWITCH,
     TIMEOUT,
 )
@@ -19,6 +20,7 @@ from robots_controller.interpreter.functions.lua_function import Argument, LuaFu
 from robots_controller.interpreter.functions.run_context import Handlers, RunContext, Waits
 from robots_controller.interpreter.lua_arguments import Arguments
 from robots_controller.interpreter.lua_sandbox import Waiting
+from robots_controller.program.motion_command import Kind, OutputChange
 from robots_controller.program.output_pulses import OutputPulses
 
 COMPARE: Final[Mapping[str, Callable[[float, float], bool]]] = {
@@ -31,15 +33,19 @@ COMPARE: Final[Mapping[str, Callable[[float, float], bool]]] = {
 }
 
 SIGNALS: Final = (
-    LuaFunction('setDigitalOutput', (DIGITAL_OUTPUT, SWITCH), 'Switches a digital output.'),
+    LuaFunction(
+        'setDigitalOutput',
+        (DIGITAL_OUTPUT, SWITCH, MOMENT),
+        'Switches a digital output, now or when the robot is at the last target; the program goes on.',
+    ),
     LuaFunction('getDigitalInput', (DIGITAL_INPUT,), 'Reads a digital input.', 'true or false', 'boolean'),
     LuaFunction(
         'getDigitalOutput', (DIGITAL_OUTPUT,), 'Reads a digital output back.', 'true or false', 'boolean'
     ),
     LuaFunction(
         'setAnalogOutput',
-        (ANALOG_OUTPUT, Argument('value', 'number', '', 'value of the output')),
-        'Sets an analog output.',
+        (ANALOG_OUTPUT, Argument('value', 'number', '', 'value of the output'), MOMENT),
+        'Sets an analog output, now or when the robot is at the last target; the program goes on.',
     ),
     LuaFunction('getAnalogInput', (ANALOG_INPUT,), 'Reads an analog input.', 'a number', 'number'),
     LuaFunction('getAnalogOutput', (ANALOG_OUTPUT,), 'Reads an analog output back.', 'a number', 'number'),
@@ -83,16 +89,23 @@ class Signals:
     def __init__(self, run: RunContext, waits: Waits, pulses: OutputPulses) -> None:
         self._run, self._waits = run, waits
         self.handlers: Handlers = {
-            'setDigitalOutput': lambda a: run.set_output('digital', int(a.values[0]), a.values[1]),
+            'setDigitalOutput': lambda a: self._set_output('digital', a),
             'getDigitalInput': lambda a: bool(run.input('digital', a.values[0])),
             'getDigitalOutput': lambda a: bool(run.output('digital', a.values[0])),
-            'setAnalogOutput': lambda a: run.set_output('analog', int(a.values[0]), a.values[1]),
+            'setAnalogOutput': lambda a: self._set_output('analog', a),
             'getAnalogInput': lambda a: run.input('analog', a.values[0]),
             'getAnalogOutput': lambda a: run.output('analog', a.values[0]),
             'waitDigitalInput': self._wait_digital_input,
             'waitAnalogInput': self._wait_analog_input,
             'pulseDigitalOutput': lambda a: pulses.start(int(a.values[0]), a.values[1]),
         }
+
+    def _set_output(self, kind: Kind, arguments: Arguments) -> None:
+        index, value, moment = arguments.values
+        if moment == 'arrival':
+            self._run.cell.switch_at_target(OutputChange(kind, int(index), value, self._run.line))
+        else:
+            self._run.set_output(kind, int(index), value)
 
     def _wait_digital_input(self, arguments: Arguments) -> Waiting:
         index, value, timeout = arguments.values

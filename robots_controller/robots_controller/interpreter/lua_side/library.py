@@ -213,6 +213,7 @@ env = {
 env._G = env
 for _, key in ipairs(robot_functions) do
   env[key] = special[key] or robot_function(key)
+  motion_names[env[key]] = key
 end
 for key in pairs(env) do builtin[key] = true end
 

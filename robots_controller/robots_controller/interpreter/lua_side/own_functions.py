@@ -31,10 +31,21 @@ end
 
 function special.grid(...) return {call('grid', {...}, select('#', ...))} end
 
-function special.onDigitalInput(...)
-  local index, value, handler = ...
-  local id = call('onDigitalInput', {...}, select('#', ...))
-  handlers[id] = handler
+for function_name, place in pairs {onDigitalInput = 3, onAnalogInput = 4} do
+  special[function_name] = function(...)
+    local id = call(function_name, {...}, select('#', ...))
+    handlers[id] = {run = select(place, ...), function_name = function_name}
+    return id
+  end
+end
+
+-- Motions are named to Python: no function leaves Lua.
+local motion_names = {}
+
+function special.moveUntil(condition, motion, ...)
+  motion = motion_names[motion] or motion
+  local met, stands, place = call('moveUntil', {condition, motion, ...}, select('#', ...) + 2)
+  return met[1] == 1, stands, place
 end
 
 local MAX_SUBPROGRAMS, nesting = 100, 0

@@ -214,19 +214,19 @@ local handlers = {}
 local function run_handler(id, in_hook)
   local ok, verdict
   if in_hook then                       -- the hook itself runs without hooks: a coroutine has its own
-    local co = create(handlers[id])
+    local co = create(handlers[id].run)
     sethook(co, hook, tracing and 'l' or '', count)
     ok, verdict = resume(co)
     if ok and status(co) == 'suspended' then ok, verdict = false, 'the handler of an input cannot yield' end
   else
-    ok, verdict = pcall(handlers[id])
+    ok, verdict = pcall(handlers[id].run)
   end
   if stopped then error(STOP, 0) end
   local chunk, line = program_place()
   if ok and verdict ~= nil and verdict ~= 'abort' then
     ok = false
-    verdict = chunk .. ':' .. line .. ': onDigitalInput: the handler returned a ' .. type(verdict)
-      .. "; valid are nothing and 'abort'"
+    verdict = chunk .. ':' .. line .. ': ' .. handlers[id].function_name .. ': the handler returned a '
+      .. type(verdict) .. "; valid are nothing and 'abort'"
   end
   local problem = handled(id, not ok or verdict == 'abort')
   if problem == 1 then

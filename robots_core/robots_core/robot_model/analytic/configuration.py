@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any, Literal, get_args, get_type_hints
+from itertools import product
+from typing import Any, Final, Literal, get_args, get_type_hints
 
 from robots_core.errors import InvalidInputError
 
@@ -34,8 +35,7 @@ class Configuration:
         Raises:
             InvalidInputError: other words, or another number of them; names what is valid.
         """
-        hints = get_type_hints(cls)
-        choices = [get_args(hints[item.name]) for item in fields(cls)]
+        choices = _WORDS
         words: list[Any] = text.strip().split('/')
         if len(words) != len(choices) or any(word not in c for word, c in zip(words, choices, strict=True)):
             valid = ', '.join(f'{i.name} {" or ".join(c)}' for i, c in zip(fields(cls), choices, strict=True))
@@ -47,3 +47,8 @@ class Configuration:
     def __str__(self) -> str:
         """The words that `parse` takes."""
         return f'{self.shoulder}/{self.elbow}/{self.wrist}'
+
+
+_WORDS: Final = [get_args(get_type_hints(Configuration)[item.name]) for item in fields(Configuration)]
+CONFIGURATIONS: Final = tuple('/'.join(words) for words in product(*_WORDS))
+"""The texts of all configurations."""

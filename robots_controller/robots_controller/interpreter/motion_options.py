@@ -1,0 +1,125 @@
+"""MotionOptions: the table of options that a motion call may end with."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from robots_controller.interpreter.functions.lua_function import ANCHORS, Argument, Kind, LuaFunction
+from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
+from robots_controller.interpreter.lua_values import Sizes, check_value, shown
+from robots_controller.program.motion_command import PathSwitch
+
+
+@dataclass(frozen=True)
+class MotionOptions:
+    """The table of options of a motion call, SI.
+
+    Attributes:
+        blend: Zone of the corner, m or rad; 0 for none.
+        switches: Outputs to switch on the way.
+    """
+
+    blend: float = 0.0
+    switches: tuple[PathSwitch, ...] = ()
+
+
+_BLENDS: Final = {
+    'cartesian': Argument('blend', 'positive', 'm', ''),
+    'joint': Argument('jointBlend', 'positive', 'deg', ''),
+}
+
+
+def option_arguments(function: LuaFunction) -> dict[str, Argument]:
+    """Options of a motion with one value each, by their names; `on_path` is a table."""
+    blend = _BLENDS[function.options]
+    return {blend.name: blend}
+
+
+def unknown_option(function: LuaFunction, key: str) -> str:
+    """That there is no such option, and which there are."""
+    valid = ', '.join(f'{name} ({argument.unit})' for name, argument in option_arguments(function).items())
+    return f'options has no {key}; valid are {valid} and on_path'
+
+
+def check_options(function: LuaFunction, table: LuaTable, sizes: Sizes) -> MotionOptions:
+    """Check the options of a call.
+
+    Raises:
+        LuaCallError: naming the option, what came and what is valid.
+    """
+    blend_argument = _BLENDS[function.options]
+    blend = 0.0
+    switches: tuple[PathSwitch, ...] = ()
+    for key, given in table.fields.items():
+        if key == blend_argument.name:
+            blend = check_value(function.name, f'options.{key}', blend_argument, given, sizes)
+        elif key == 'on_path':
+            switches = _check_switches(function.name, given, sizes)
+        else:
+            raise LuaCallError(f'{function.name}: {unknown_option(function, key)}')
+    return MotionOptions(blend, switches)
+
+
+def _check_switches(function: str, given: LuaArgument, sizes: Sizes) -> tuple[PathSwitch, ...]:
+    table = given.value
+    if not isinstance(table, LuaTable):
+        raise LuaCallError(f'{function}: options.on_path = {shown(given)}; valid is {_valid_switch()}')
+    if table.fields:
+        return (_check_switch(function, 'on_path', table, sizes),)
+    return tuple(
+        _check_switch(
+            function, f'on_path[{i}]', entry.value if isinstance(entry.value, LuaTable) else None, sizes
+        )
+        for i, entry in enumerate(table.values, 1)
+    )
+
+
+_OUTPUTS: Final[Mapping[str, Kind]] = {'output': 'digital output', 'analog_output': 'analog output'}
+
+
+def _check_switch(function: str, label: str, table: LuaTable | None, sizes: Sizes) -> PathSwitch:
+    fields = dict(table.fields) if table is not None else {}
+    if (problem := wrong_switch(label, fields)) is not None:
+        raise LuaCallError(f'{function}: {problem}')
+    (anchor,), (output,) = _anchors(fields), _outputs(fields)
+    kind: Any = 'digital' if output == 'output' else 'analog'
+
+    def value(key: str, argument: Argument) -> float:
+        return float(check_value(function, f'options.{label}.{key}', argument, fields[key], sizes))
+
+    unit = 'm' if anchor.startswith('distance') else 's'
+    return PathSwitch(
+        anchor=anchor,  # type: ignore[arg-type]  # one of ANCHORS
+        at=value(anchor, Argument(anchor, 'time', unit, '')),
+        kind=kind,
+        index=int(value(output, Argument(output, _OUTPUTS[output], '', ''))),
+        value=value('value', Argument('value', 'switch' if kind == 'digital' else 'number', '', '')),
+    )
+
+
+def wrong_switch(label: str, keys: Collection[str]) -> str | None:
+    """What is wrong with the keys of a table that switches an output on the path; None if nothing is.
+
+    Args:
+        label: Of the table.
+        keys: Its keys.
+    """
+    if len(_anchors(keys)) == 1 and len(_outputs(keys)) == 1 and len(keys) == 3 and 'value' in keys:
+        return None
+    return f'options.{label} has {", ".join(sorted(keys)) or "nothing"}; valid is {_valid_switch()}'
+
+
+def _anchors(keys: Collection[str]) -> list[str]:
+    return [key for key in keys if key in ANCHORS]
+
+
+def _outputs(keys: Collection[str]) -> list[str]:
+    return [key for key in keys if key in _OUTPUTS]
+
+
+def _valid_switch() -> str:
+    return (
+        f'{{{ANCHORS[0]} (m) | {" | ".join(ANCHORS[1:])} = ..., output | analog_output = index, value = ...}}'
+    )
