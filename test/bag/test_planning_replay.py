@@ -13,9 +13,10 @@ from robots_controller.nodes.bags.bag_player import BagPlayer
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.recording.bag_replay import replay_plan
-from robots_controller.testing import BAG_TYPES, assert_bag_matches, write_bag
+from robots_controller.testing import assert_bag_matches
 from robots_core import Pose, load_robot_model
 from robots_core.ros.lockstep.phases import START
+from written_bags import BAG_TYPES, write_bag
 
 from .node_process import node_process
 

@@ -15,11 +15,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from full_robot import DURATION, LOAD, SWING_TIME, simulate
 from rich.console import Console
 from rich.table import Table
 
 from robots_core.blocks import RigidBodyDrive
-from robots_models.manutec_r3.full_robot import DURATION, LOAD, SWING_TIME, simulate
 from robots_models.manutec_r3.model import ManutecR3
 
 

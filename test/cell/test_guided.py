@@ -11,8 +11,8 @@ import pytest
 
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.simulate import simulate
-from robots_controller.testing import BAG_START, BAG_TYPES, write_bag
 from robots_core import load_robot_model
+from written_bags import BAG_START, BAG_TYPES, write_bag
 
 from .cell_process import CellProcess
 

@@ -11,11 +11,11 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from robots_controller.nodes.guide_player_node import GuidePlayerNode
-from robots_controller.testing import BAG_START, BAG_TYPES, write_bag
 from robots_core import load_robot_model
 from robots_core.blocks.following.guide import Guide
 from robots_core.ros.messages import nanoseconds
 from robots_core.ros.qos import COMMAND, STATE
+from written_bags import BAG_START, BAG_TYPES, write_bag
 
 from .bench import Bench
 

@@ -16,11 +16,11 @@ from robots_controller.nodes.bags.bag_player import BagPlayer
 from robots_controller.nodes.bags.replay_bag import replay_bag
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_replay import replay_plan
-from robots_controller.testing import BAG_TYPES, write_bag
 from robots_core.errors import RobotsError
 from robots_core.ros.lockstep.phases import START
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
+from written_bags import BAG_TYPES, write_bag
 
 from .bench import Bench
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from robots_controller.testing import BAG_START, BAG_TYPES, write_bag
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.trajectory import Trajectory
+from written_bags import BAG_START, BAG_TYPES, write_bag
 
 PERIOD = 0.004  # s
 TYPES = BAG_TYPES.types

@@ -17,8 +17,9 @@ from robots_controller.recording.bag_comparison import Comparison, compare_bags
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_tolerances import BagTolerances, TopicTolerance, read_tolerances
 from robots_controller.recording.check_bag import check_bag
-from robots_controller.testing import BAG_START, BAG_TYPES, assert_bag_matches, write_bag
+from robots_controller.testing import assert_bag_matches
 from robots_core.errors import InvalidInputError, RobotsError
+from written_bags import BAG_START, BAG_TYPES, write_bag
 
 SECOND = 1_000_000_000
 ANOTHER_DAY = BAG_START + 987_654_321_012  # ns

@@ -13,8 +13,8 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from robots_controller.recording.bag_file import read_bag
-from robots_controller.testing import BAG_START, BAG_TYPES, write_bag
 from robots_core.errors import RobotsError
+from written_bags import BAG_START, BAG_TYPES, write_bag
 
 SECOND = 1_000_000_000
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.recording.bag_replay import replay_plan
 from robots_controller.recording.bag_topic import BagTopic
-from robots_controller.testing import BAG_TYPES, write_bag
 from robots_core.errors import RobotsError
+from written_bags import BAG_TYPES, write_bag
 
 T = BAG_TYPES.types
 

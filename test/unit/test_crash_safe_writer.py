@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from rosbags.rosbag2 import Reader
 
 from robots_controller.recording.crash_safe_writer import CHUNK_SIZE, CrashSafeWriter
-from robots_controller.testing import BAG_START, BAG_TYPES
+from written_bags import BAG_START, BAG_TYPES
 
 TEXT = 'std_msgs/msg/String'
 

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks import DampedLeastSquares, Redundancy
-from robots_core.blocks.inverse_kinematics.damped_least_squares import pose_error
+from robots_core.blocks.inverse_kinematics.serial_chain import error_between
 from robots_core.errors import InvalidInputError, JointLimitError
 
 
@@ -74,7 +74,8 @@ def test_pose_error_is_the_rotation_vector(angle: float) -> None:
     axis = np.array([2.0, -3.0, 6.0]) / 7.0
     T = Rotation.from_rotvec([0.3, 0.2, -0.4]).as_matrix()
     target = Rotation.from_rotvec(angle * axis).as_matrix() @ T
-    error = pose_error(np.zeros(3), T, np.array([1.0, 2.0, 3.0]), target)
+    error = np.empty(6)
+    error_between(np.zeros(3), T, np.array([1.0, 2.0, 3.0]), target, error)
     np.testing.assert_array_equal(error[:3], [1.0, 2.0, 3.0])
     # Rounding of a rotation matrix is 1e-16; half a turn has two rotation vectors.
     vector = error[3:] if error[3:] @ axis >= 0.0 else -error[3:]

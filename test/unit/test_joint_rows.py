@@ -12,9 +12,9 @@ from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.joint_rows import JointRows, joint_rows, late_references, seconds
 from robots_controller.recording.message_rows import MessageRows
 from robots_controller.simulation.record import ros_messages as ros
-from robots_controller.testing import write_bag
 from robots_core import load_robot_model
 from robots_core.errors import RobotsError
+from written_bags import write_bag
 
 ROBOT = load_robot_model('kuka_kr210_r2700')
 NAMES = ROBOT.axes_data.names

@@ -6,15 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-
-from robots_core import available_robot_models, load_robot_model
-from robots_core.blocks.drives.rigid_body_drive import RigidBodyDrive
-from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
-from robots_core.blocks.multibody.payload import Payload
-from robots_core.errors import InvalidInputError
-from robots_core.robot_model.drive_data import DriveData
-from robots_models.manutec_r3.full_robot import (
+from full_robot import (
     ACCELERATION,
     DURATION,
     END,
@@ -24,6 +16,14 @@ from robots_models.manutec_r3.full_robot import (
     reference,
     simulate,
 )
+from scipy.integrate import solve_ivp
+
+from robots_core import available_robot_models, load_robot_model
+from robots_core.blocks.drives.rigid_body_drive import RigidBodyDrive
+from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
+from robots_core.blocks.multibody.payload import Payload
+from robots_core.errors import InvalidInputError
+from robots_core.robot_model.drive_data import DriveData
 from robots_models.manutec_r3.model import ManutecR3
 from robots_planning import LinearJoint
 

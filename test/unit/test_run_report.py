@@ -11,8 +11,8 @@ from robots_controller.report.line_times import time_spans
 from robots_controller.report.page.page import report_page
 from robots_controller.report.run_report import RunReport, run_report
 from robots_controller.report.run_signals import energy
-from robots_controller.testing import BAG_TYPES, write_bag
 from robots_core.errors import RobotsError
+from written_bags import BAG_TYPES, write_bag
 
 from .recorded_program import PERIOD, RecordedProgram
 from .report_bags import HEARD, LINE_SPEED, WAIT, tending_bag

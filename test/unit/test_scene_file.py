@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from robots_core.blocks import Scene, read_scene
+from robots_core.blocks import read_scene
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Mesh, Sphere
 
@@ -107,16 +107,3 @@ def test_a_missing_or_empty_file_is_told(tmp_path: Path):
         read_scene(tmp_path / 'missing.yaml')
     with pytest.raises(InvalidInputError, match='must be a mapping'):
         read_scene(write(tmp_path, '# nothing\n'))
-
-
-def test_objects_are_added_replaced_and_removed(tmp_path: Path):
-    scene = read_scene(write(tmp_path, GOOD))
-    ball = scene.objects[1]
-    smaller = type(ball)('ball', Sphere(0.1), ball.pose)
-    changed = scene.updated([smaller], removed=['table'])
-    assert [item.name for item in changed.objects] == ['ball', 'pole', 'hose', 'part']
-    assert changed.objects[0].geometry == Sphere(0.1)
-    assert changed.attached == scene.attached
-    with pytest.raises(InvalidInputError, match="'torch'"):
-        scene.updated([type(ball)('torch', Sphere(0.1), ball.pose)])
-    assert Scene().updated([]).objects == ()

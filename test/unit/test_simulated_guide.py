@@ -13,10 +13,10 @@ from robots_controller.recording.bag_file import read_bag
 from robots_controller.simulation.record import ros_messages as ros
 from robots_controller.simulation.record.events import CommandStateChanged
 from robots_controller.simulation.simulation_run import SimulationRun
-from robots_controller.testing import BAG_START, write_bag
 from robots_core import Pose, load_robot_model
 from robots_core.errors import RobotsError
 from robots_planning.teach_box import JogAxes
+from written_bags import BAG_START, write_bag
 
 from .simulated_program import PERIOD, ROBOT, run_text
 

@@ -306,25 +306,11 @@ class ProgramState:
                 self._command_state = RobotCommandState.IDLE
             self.condition.notify_all()
 
-    def forget_motions(self) -> None:
-        """End all motions without an error."""
-        with self.condition:
-            self._motions.clear()
-            self._motion_error = None
-            self._command_state = RobotCommandState.IDLE
-            self.condition.notify_all()
-
     def take_motion_error(self) -> tuple[MotionCommand, RobotsError] | None:
         """The first motion that failed and why, once."""
         with self.condition:
             error, self._motion_error = self._motion_error, None
             return error
-
-    @property
-    def motion_failed(self) -> bool:
-        """A motion failed, and the program was not told yet."""
-        with self.condition:
-            return self._motion_error is not None
 
     # -- inputs, outputs, overrides ----------------------------------------------------------------
 

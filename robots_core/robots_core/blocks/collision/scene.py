@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
@@ -72,14 +71,3 @@ class Scene:
             for a in {first, first.partition('/')[0]}
             for b in {second, second.partition('/')[0]}
         )
-
-    def updated(self, objects: Iterable[SceneObject], removed: Iterable[str] = ()) -> Scene:
-        """The scene with objects added, or replaced if the name exists, and others removed.
-
-        Raises:
-            InvalidInputError: an object with the name of an attached one.
-        """
-        gone = set(removed)
-        kept = {item.name: item for item in self.objects if item.name not in gone}
-        kept.update((item.name, item) for item in objects)
-        return replace(self, objects=tuple(kept.values()))

@@ -2,16 +2,14 @@
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from math import atan2, sqrt
+from math import sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.inverse_kinematics.damped_least_squares_kernel import (
-    PATIENT,
     PROGRESS_STEPS,
     reached,
-    search,
     solve_pose,
     solve_poses,
 )
@@ -19,7 +17,6 @@ from robots_core.blocks.inverse_kinematics.ik_result import IkBatch, IkResult
 from robots_core.blocks.inverse_kinematics.redundancy import Redundancy, redundancy_arrays
 from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.errors import InvalidInputError
-from robots_core.orientation import rotation_vector
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import ROTATION_TOLERANCE, Array, positive, read_only
@@ -107,13 +104,6 @@ class DampedLeastSquares:
             q,
             error,
         )
-        return self._result(q, error, steps)
-
-    def refine(self, pose: Pose, q_near: Array, max_iterations: int = 8) -> IkResult:
-        """Like `solve` from a point close to the solution: few steps, no restarts, no checks."""
-        q, error = np.array(q_near, dtype=np.float64), np.empty(6)
-        options = (*self._options[:2], max_iterations, PATIENT)
-        steps = search(self._chain, self._limits, options, self._as_arrays(pose), q, error)
         return self._result(q, error, steps)
 
     def solve_many(self, r: ArrayLike, T: ArrayLike, q_start: ArrayLike) -> IkBatch:
@@ -206,19 +196,3 @@ def _checked_poses(r: ArrayLike, T: ArrayLike) -> tuple[Array, Array]:
         worst = int(np.flatnonzero(~right)[0])
         raise InvalidInputError(f'pose {worst} is not a finite position with a rotation matrix', index=worst)
     return positions, orientations
-
-
-def pose_error(r: Array, T: Array, r_target: Array, T_target: Array) -> Array:
-    """As `Pose.error_to`, fast: translation (m), then rotation vector (rad), (6,), base frame."""
-    E = T_target @ T.T
-    error = np.empty(6)
-    error[:3] = r_target - r
-    x, y, z = E[2, 1] - E[1, 2], E[0, 2] - E[2, 0], E[1, 0] - E[0, 1]
-    sine = sqrt(x * x + y * y + z * z)  # twice the sine and twice the cosine of the angle
-    cosine = E[0, 0] + E[1, 1] + E[2, 2] - 1.0
-    if cosine < -1.9 and sine < 0.6:  # near half a turn the axis is lost in rounding
-        error[3:] = rotation_vector(E)
-        return error
-    factor = atan2(sine, cosine) / sine if sine > 1e-12 else 0.5
-    error[3], error[4], error[5] = factor * x, factor * y, factor * z
-    return error

@@ -167,21 +167,7 @@ def _number(where: str, key: str, value: object) -> float:
 def _axes_data(
     root: etree._Element, moving: list[etree._Element], limits: dict[str, dict[str, float]]
 ) -> AxesData:
-    columns: dict[str, list[float]] = {
-        key: []
-        for key in (
-            'lower',
-            'upper',
-            'velocity',
-            'acceleration',
-            'jerk',
-            'effort',
-            'gear',
-            'rotor',
-            'coulomb',
-            'viscous',
-        )
-    }
+    rows: list[dict[str, float]] = []
     reductions = _transmissions(root)
     for joint in moving:
         name = str(joint.get('name'))
@@ -204,30 +190,25 @@ def _axes_data(
         continuous = joint.get('type') == 'continuous'
         velocity = given['velocity']
         acceleration = extra.get('max_acceleration', velocity / DEFAULT_RAMP_TIME)
-        columns['lower'].append(extra.get('min_position', -np.inf if continuous else given.get('lower', 0.0)))
-        columns['upper'].append(extra.get('max_position', np.inf if continuous else given.get('upper', 0.0)))
-        columns['velocity'].append(velocity)
-        columns['acceleration'].append(acceleration)
-        columns['jerk'].append(extra.get('max_jerk', acceleration / DEFAULT_JERK_TIME))
-        columns['effort'].append(given['effort'])
-        columns['gear'].append(extra.get('gear_ratio', reductions.get(name, np.nan)))
-        columns['rotor'].append(extra.get('rotor_inertia', 0.0))
         resistance = _dynamics(joint)
-        columns['coulomb'].append(extra.get('coulomb_friction', resistance.get('friction', 0.0)))
-        columns['viscous'].append(extra.get('viscous_friction', resistance.get('damping', 0.0)))
+        rows.append(
+            {
+                'lower': extra.get('min_position', -np.inf if continuous else given.get('lower', 0.0)),
+                'upper': extra.get('max_position', np.inf if continuous else given.get('upper', 0.0)),
+                'velocity': velocity,
+                'acceleration': acceleration,
+                'jerk': extra.get('max_jerk', acceleration / DEFAULT_JERK_TIME),
+                'effort': given['effort'],
+                'gear_ratio': extra.get('gear_ratio', reductions.get(name, np.nan)),
+                'rotor_inertia': extra.get('rotor_inertia', 0.0),
+                'coulomb_friction': extra.get('coulomb_friction', resistance.get('friction', 0.0)),
+                'viscous_friction': extra.get('viscous_friction', resistance.get('damping', 0.0)),
+            }
+        )
     return AxesData(
         names=tuple(str(joint.get('name')) for joint in moving),
-        lower=np.array(columns['lower']),
-        upper=np.array(columns['upper']),
-        velocity=np.array(columns['velocity']),
-        acceleration=np.array(columns['acceleration']),
-        jerk=np.array(columns['jerk']),
-        effort=np.array(columns['effort']),
-        gear_ratio=np.array(columns['gear']),
-        rotor_inertia=np.array(columns['rotor']),
-        coulomb_friction=np.array(columns['coulomb']),
-        viscous_friction=np.array(columns['viscous']),
         prismatic=tuple(joint.get('type') == 'prismatic' for joint in moving),
+        **{key: np.array([row[key] for row in rows]) for key in rows[0]},
     )
 
 
