@@ -21,9 +21,6 @@ class GuidePlayerNode(RobotNode):
     """Publishes a recording's guiding messages from the first SENSOR or PERSON of `guide` on.
 
     Their stamps are on the node's clock.
-
-    Parameters:
-        references: Bag of what guides the robot (see `read_guide_recording`); nothing is played without one.
     """
 
     phase = Phase.ENVIRONMENT

@@ -21,11 +21,7 @@ WATCH_PERIOD: Final = 0.02  # s
 
 
 class IoBridgeNode(RobotNode):
-    """Inputs from topics, outputs to topics.
-
-    Parameters:
-        io_map: The YAML file; nothing is connected without one.
-    """
+    """Inputs from topics, outputs to topics."""
 
     phase = Phase.ENVIRONMENT
 

@@ -22,10 +22,6 @@ class PlcNode(RobotNode):
 
     On the wall clock it acts at once. In simulated time it acts as a PLC does, once per cycle, on the outputs
     that have come since the last one, in their order.
-
-    Parameters:
-        script: The YAML file; without one nothing is set.
-        cycle: Of the PLC in simulated time, s.
     """
 
     phase = Phase.OBSERVE  # after the controller: in the cycle in which outputs are switched on the path

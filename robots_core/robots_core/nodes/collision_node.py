@@ -43,14 +43,6 @@ class CollisionNode(RobotNode):
     """Publishes `collision_status` and `min_distance`, and stops the controller when the margin is undercut.
 
     Every `joint_trajectory` goes to a `CollisionGuard`, which sees the robot `rate` times a second.
-
-    Parameters:
-        scene: Scene file; further objects come on `collision_objects`.
-        collision_margin: Distance to keep, m.
-        collision_engine: 'fcl' or 'coal'.
-        lookahead: How far ahead on the path a place may be, s, when the controller is stopped.
-        rate: Looks at the robot per second, Hz.
-        controller: Node whose `~/stop` is called.
     """
 
     def __init__(self, **options: Any) -> None:

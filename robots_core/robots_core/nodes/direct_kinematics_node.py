@@ -22,12 +22,7 @@ NO_TOOL = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
 
 
 class DirectKinematicsNode(RobotNode):
-    """Publishes `tcp_pose` for the newest `joint_states`, at most `rate` times a second.
-
-    Parameters:
-        tool: Pose of the tool centre point in tool0: x, y, z in metres, then quaternion x, y, z, w.
-        rate: Highest publishing rate, Hz.
-    """
+    """Publishes `tcp_pose` for the newest `joint_states`, at most `rate` times a second."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__('direct_kinematics_node', **options)

@@ -44,14 +44,6 @@ class InverseKinematicsNode(RobotNode):
     limits. Their stamps tell when they were valid. `reference_twist` beside fresh poses says how they move;
     alone it is followed itself (servoing). When neither comes for `timeout` the robot brakes to a stop. Where
     `guide` is published, only while it is SENSOR.
-
-    Parameters:
-        method: constrained (all limits, torques too), damped_least_squares or analytical.
-        rate: Joint references per second, Hz.
-        timeout: A reference older than this is stale, s.
-        tool: Pose of the tool centre point in tool0: x, y, z in metres, then quaternion x, y, z, w.
-        largest_deviation: The controller's reference may be this far from the one sent, rad (m), before this
-            node starts again from there.
     """
 
     phase = Phase.GUIDANCE

@@ -27,12 +27,6 @@ class VisualizerNode(RobotNode):
 
     Shows the obstacles and attached objects of a scene too, from its file and from `collision_objects`.
     Where tf2_msgs is installed, the links' transforms are published on /tf too.
-
-    Parameters:
-        host: Network address of the page; '0.0.0.0' for the whole network.
-        port: First port to try; 0 lets the system choose.
-        scene: Scene file; empty for none.
-        rate: Highest rate of the page's updates, Hz.
     """
 
     takes_part = False  # who looks on does not hold time

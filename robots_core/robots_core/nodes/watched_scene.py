@@ -19,9 +19,6 @@ class WatchedScene:
         node: Whose scene.
         on_change: Called with the scene, now and at every change; a RobotsError leaves it as it was.
 
-    Parameters:
-        scene: Scene file; empty for none.
-
     Raises:
         InvalidInputError: a scene file that is missing or wrong; names its line.
     """
