@@ -1,11 +1,10 @@
 """CartesianGenerator: motions along a path of the tool, timed by two passes or by dynamic programming."""
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from robots_core.errors import InvalidInputError
-from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.path_kinematics.configuration_graph import ConfigurationGraph
 from robots_planning.timing.dynamic_programming_timing import DynamicProgrammingTiming
@@ -27,8 +26,6 @@ class CartesianGenerator(PathGenerator):
 
     Args:
         robot: The robot.
-        speed_fraction: Part of the axes' velocity limits to use, in (0, 1].
-        acceleration_fraction: Part of the axes' acceleration and jerk limits to use, in (0, 1].
         cartesian_speed: Highest speed of the tool, m/s.
         cartesian_acceleration: Highest acceleration of the tool, m/s^2; on a curve its magnitude, with the
             centripetal part.
@@ -39,20 +36,18 @@ class CartesianGenerator(PathGenerator):
             'limited' only.
         smoothing: Longest smoothing of acceleration without jerk limits, s; at most a two-hundredth of the
             duration is used, and the motion is longer by that much.
-        tool: Pose of the tool centre point in tool0; poses commanded are its poses. tool0 itself by default.
         planner: 'limited' for the two passes, 'dynamic_programming' for the fastest motion, which keeps the
             axes' torque limits too and chooses among configurations (see `ConfigurationGraph`).
+        options: See `TrajectoryGenerator`.
 
     Raises:
-        InvalidInputError: a fraction outside (0, 1], or another option that is not above 0.
+        InvalidInputError: an option that is not valid.
     """
 
     def __init__(
         self,
         robot: BaseRobotModel,
         *,
-        speed_fraction: float = 1.0,
-        acceleration_fraction: float = 1.0,
         cartesian_speed: float = 0.5,
         cartesian_acceleration: float = 2.0,
         rotation_speed: float = 1.5,
@@ -60,12 +55,10 @@ class CartesianGenerator(PathGenerator):
         jerk_limited: bool = False,
         cartesian_jerk: float | None = None,
         smoothing: float = 0.008,
-        tool: Pose | None = None,
         planner: Planner = 'limited',
+        **options: Any,
     ) -> None:
-        super().__init__(
-            robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction, tool=tool
-        )
+        super().__init__(robot, **options)
         limits = ToolLimits(
             cartesian_speed, cartesian_acceleration, rotation_speed, rotation_acceleration, cartesian_jerk
         )
@@ -81,7 +74,7 @@ class CartesianGenerator(PathGenerator):
         if planner == 'limited':
             self.timing = TwoPassTiming(self.velocity, self.acceleration, jerk, limits, smoothing=smoothing)
         else:
-            self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, tool)
+            self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, self.tool)
             self.timing = DynamicProgrammingTiming(
                 robot,
                 self.velocity,

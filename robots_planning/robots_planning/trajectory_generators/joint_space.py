@@ -55,13 +55,11 @@ class JointSpaceGenerator(TrajectoryGenerator):
 
     Args:
         robot: The robot.
-        speed_fraction: Part of the axes' velocity limits to use, in (0, 1].
-        acceleration_fraction: Part of the axes' acceleration and jerk limits to use, in (0, 1].
-        tool: Pose of the tool centre point in tool0, to which target poses refer; tool0 by default.
         configuration: Configuration in which a target pose is reached; the nearest by default.
+        options: See `TrajectoryGenerator`.
 
     Raises:
-        InvalidInputError: a fraction outside (0, 1], or a configuration of a robot without a closed form.
+        InvalidInputError: an option that is not valid, or a configuration of a robot without a closed form.
     """
 
     kinds: ClassVar[tuple[str, ...]] = ('joint', 'joint_to_pose')
@@ -69,17 +67,9 @@ class JointSpaceGenerator(TrajectoryGenerator):
     synchronization: Synchronization
 
     def __init__(
-        self,
-        robot: BaseRobotModel,
-        *,
-        speed_fraction: float = 1.0,
-        acceleration_fraction: float = 1.0,
-        tool: Pose | None = None,
-        configuration: Configuration | None = None,
+        self, robot: BaseRobotModel, *, configuration: Configuration | None = None, **options: Any
     ) -> None:
-        super().__init__(
-            robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction, tool=tool
-        )
+        super().__init__(robot, **options)
         self.configuration = configuration
         if configuration is not None and self._closed_form is None:
             raise InvalidInputError(

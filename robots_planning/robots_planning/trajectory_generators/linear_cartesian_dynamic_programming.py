@@ -1,8 +1,9 @@
 """LinearCartesianDynamicProgramming: a straight line of the tool in the shortest time."""
 
+from typing import Any
+
 import numpy as np
 
-from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import positive
 from robots_planning.path_kinematics.configuration_graph import ConfigurationGraph
@@ -22,18 +23,16 @@ class LinearCartesianDynamicProgramming(LineGenerator):
 
     Args:
         robot: The robot.
-        speed_fraction: Part of the axes' velocity limits to use, in (0, 1].
-        acceleration_fraction: Part of the axes' acceleration limits to use, in (0, 1].
         torque: Keep the axes' torque limits too.
         cartesian_speed: Highest speed of the tool, m/s; none by default.
         cartesian_acceleration: Highest acceleration of the tool along the line, m/s^2; none by default.
         rotation_speed: Highest angular speed of the tool, rad/s; none by default.
         rotation_acceleration: Highest angular acceleration of the tool, rad/s^2; none by default.
         jerk_limited: Keep the axes' jerk limits too, by smoothing the time law; no longer the shortest time.
-        tool: Pose of the tool centre point in tool0; poses commanded are its poses. tool0 itself by default.
+        options: See `TrajectoryGenerator`.
 
     Raises:
-        InvalidInputError: a fraction outside (0, 1], or another option that is not above 0.
+        InvalidInputError: an option that is not valid.
     """
 
     keeps_torque = True
@@ -42,21 +41,17 @@ class LinearCartesianDynamicProgramming(LineGenerator):
         self,
         robot: BaseRobotModel,
         *,
-        speed_fraction: float = 1.0,
-        acceleration_fraction: float = 1.0,
         torque: bool = True,
         cartesian_speed: float | None = None,
         cartesian_acceleration: float | None = None,
         rotation_speed: float | None = None,
         rotation_acceleration: float | None = None,
         jerk_limited: bool = False,
-        tool: Pose | None = None,
+        **options: Any,
     ) -> None:
-        super().__init__(
-            robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction, tool=tool
-        )
+        super().__init__(robot, **options)
         self.keeps_torque = torque
-        self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, tool)
+        self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, self.tool)
         self.timing = DynamicProgrammingTiming(
             robot,
             self.velocity,

@@ -36,25 +36,16 @@ class PathGenerator(TrajectoryGenerator):
 
     Args:
         robot: The robot.
-        speed_fraction: Part of the axes' velocity limits to use, in (0, 1].
-        acceleration_fraction: Part of the axes' acceleration and jerk limits to use, in (0, 1].
-        tool: Pose of the tool centre point in tool0, which follows the path; tool0 itself by default.
-
-    Raises:
-        InvalidInputError: a fraction outside (0, 1].
+        options: See `TrajectoryGenerator`; the tool centre point follows the path.
     """
 
     accepts_joints: ClassVar[bool] = False
     timing: PathTiming
     configuration_graph: ConfigurationGraph | None = None
 
-    def __init__(
-        self, robot: BaseRobotModel, *, speed_fraction: float, acceleration_fraction: float, tool: Pose | None
-    ) -> None:
-        super().__init__(
-            robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction, tool=tool
-        )
-        self.path_kinematics = PathInverseKinematics(robot, tool)
+    def __init__(self, robot: BaseRobotModel, **options: Any) -> None:
+        super().__init__(robot, **options)
+        self.path_kinematics = PathInverseKinematics(robot, self.tool)
 
     @classmethod
     def from_settings(cls, robot: BaseRobotModel, settings: MotionSettings, **options: Any) -> Self:
