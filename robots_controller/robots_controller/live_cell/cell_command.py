@@ -10,7 +10,6 @@ import signal
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
@@ -50,34 +49,14 @@ SETTLING_TIME = 2.0  # s after all are ready, in which another cell would have b
 REST_TIMEOUT = 5.0  # s, for the robot to stop on its path
 POLL = 0.05  # s between looks at processes and events
 
+FILES = ('program', 'io', 'io_map', 'scene', 'references')  # options
+GRAPH_OPTIONS = (
+    *FILES,
+    *('robot', 'drive', 'rate', 'goal_tolerance', 'payload', 'guided', 'port', 'debug_port', 'lockstep'),
+)
+
 # What a report needs; the recorder is subscribed to these before the program starts.
 REPORTED_TOPICS = (*MOTION_TOPICS, 'command_state', 'digital_outputs', 'joint_reference', 'joint_states')
-
-
-@dataclass(frozen=True)
-class CellOptions:
-    """What `cell` is asked to do; see its command line for the meaning."""
-
-    robot: str
-    note: str
-    program: str
-    namespace: str
-    record: Path | None
-    once: bool
-    view: bool
-    rate: float
-    drive: str
-    goal_tolerance: float | None
-    payload: tuple[float, ...]
-    port: int
-    io: str
-    io_map: str
-    scene: str
-    guided: str
-    references: str
-    debug_port: int
-    describe: bool
-    lockstep: bool
 
 
 def main() -> None:
@@ -90,7 +69,7 @@ def main() -> None:
     sys.exit(exit_code(lambda console: run_cell(parse_options(sys.argv[1:]), console)))
 
 
-def parse_options(arguments: Sequence[str]) -> CellOptions:
+def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     """Options from a command line.
 
     Raises:
@@ -123,31 +102,16 @@ def parse_options(arguments: Sequence[str]) -> CellOptions:
     if options.once and not options.program:
         raise RobotsError('--once needs a --program to run')
     take_from_program(options)
-    return CellOptions(
-        robot=options.robot or DEFAULT_ROBOT,
-        note=options.note,
-        program=str(Path(options.program).resolve()) if options.program else '',
-        namespace='/' + options.namespace.strip('/'),
-        record=options.record,
-        once=options.once,
-        view=options.view,
-        rate=options.rate,
-        drive=options.drive,
-        goal_tolerance=options.goal_tolerance,
-        payload=options.payload,
-        port=options.port,
-        io=str(Path(options.io).resolve()) if options.io else '',
-        io_map=str(Path(options.io_map).resolve()) if options.io_map else '',
-        scene=str(Path(options.scene).resolve()) if options.scene else '',
-        guided=options.guided or (METHODS[0] if options.references else ''),
-        references=str(Path(options.references).resolve()) if options.references else '',
-        debug_port=options.debug_port,
-        describe=options.describe,
-        lockstep=options.lockstep,
-    )
+    options.robot = options.robot or DEFAULT_ROBOT
+    options.namespace = '/' + options.namespace.strip('/')
+    options.guided = options.guided or (METHODS[0] if options.references else '')
+    for name in FILES:
+        path = getattr(options, name)
+        setattr(options, name, str(Path(path).resolve()) if path else '')
+    return options
 
 
-def run_cell(options: CellOptions, console: Console) -> int:
+def run_cell(options: argparse.Namespace, console: Console) -> int:
     """Run a cell until its program has ended (`once`), a node dies, or Ctrl-C.
 
     Returns:
@@ -164,22 +128,9 @@ def run_cell(options: CellOptions, console: Console) -> int:
     # The launch file starts the described nodes in other processes, whose log shows a token of their own.
     token = new_token() if options.debug_port and not options.describe else ''
     graph = cell_graph(
-        robot=options.robot,
-        program=options.program,
         autostart=options.describe and bool(options.program),  # there is no cell that would start it
-        rate=options.rate,
-        drive=options.drive,
-        goal_tolerance=options.goal_tolerance,
-        payload=options.payload,
-        port=options.port,
-        io=options.io,
-        io_map=options.io_map,
-        scene=options.scene,
-        guided=options.guided,
-        references=options.references,
-        debug_port=options.debug_port,
         debug_token=token,
-        lockstep=options.lockstep,
+        **{name: getattr(options, name) for name in GRAPH_OPTIONS},
     )
     if options.describe:
         print(json.dumps([node.as_dict() for node in graph], indent=2))
@@ -224,7 +175,7 @@ def run_cell(options: CellOptions, console: Console) -> int:
 
 def _close_recording(
     recorder: BagRecorder,
-    options: CellOptions,
+    options: argparse.Namespace,
     console: Console,
     program_ended: bool,  # noqa: FBT001
 ) -> int:
@@ -247,7 +198,7 @@ class _Cell:
 
     def __init__(
         self,
-        options: CellOptions,
+        options: argparse.Namespace,
         processes: NodeProcesses,
         listener: CellListener,
         view: CellView,
@@ -365,7 +316,7 @@ class _Cell:
                 self._failed = state in ('FAILED', 'STOPPED')
 
 
-def _run_folder(root: Path, options: CellOptions) -> Path:
+def _run_folder(root: Path, options: argparse.Namespace) -> Path:
     program = Path(options.program).stem or 'cell'
     robot = Path(options.robot.removeprefix('urdf:')).stem
     stamp = time.strftime('%Y%m%d-%H%M%S')

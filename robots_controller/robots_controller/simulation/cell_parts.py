@@ -81,22 +81,7 @@ def cell_parts(
     references: Path | str = '',
     guided: str = METHODS[0],
 ) -> CellParts:
-    """The parts of a cell.
-
-    Args:
-        program: Lua robot program.
-        robot: The robot's name, or urdf:/path/to/robot.urdf.
-        drive: Level of the drives, one of `DRIVE_LEVELS`.
-        scene: What the robot keeps clear of (see `read_scene`).
-        io: Script of a PLC (see `plc_script`).
-        io_map: Map of inputs and outputs to topics of a PLC, which nobody publishes here (see `io_map`).
-        rate: References per second, Hz.
-        goal_tolerance: Largest error of an axis that has reached its target, rad (m).
-        payload: What the robot carries until its program sets another payload, see `MotionSettings`.
-        collision_margin: Distance that motions keep, m.
-        points_file: Taught points; '' for the file beside the program.
-        references: Recording of what guides the robot (see `read_guide_recording`); '' for none.
-        guided: Inverse kinematics that follows `reference_pose`, one of `METHODS`.
+    """The parts of a cell; the arguments are those of `simulate`.
 
     Raises:
         RobotsError: an unknown robot or level, a file that is not valid, a number out of range.

@@ -30,6 +30,10 @@ from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
 
+SIMULATED = (  # options
+    *('robot', 'drive', 'scene', 'io', 'io_map', 'rate', 'goal_tolerance', 'payload'),
+    *('references', 'guided', 'longest'),
+)
 DRAW_PERIOD = 0.1  # s of the machine's time between two drawings of the bar
 
 
@@ -91,20 +95,10 @@ def run(options: argparse.Namespace, console: Console) -> int:
         with _bar(console) as on_progress:
             result = simulate(
                 options.program,
-                robot=options.robot,
-                drive=options.drive,
-                scene=options.scene,
-                io=options.io,
-                io_map=options.io_map,
                 bag=bag,
-                rate=options.rate,
-                goal_tolerance=options.goal_tolerance,
-                payload=options.payload,
                 points_file=options.points,
-                references=options.references,
-                guided=options.guided,
-                longest=options.longest,
                 on_progress=on_progress,
+                **{name: getattr(options, name) for name in SIMULATED},
             )
         return _show(result, options, console)
 
