@@ -135,6 +135,10 @@ function setBase(x, y, z, phi1, phi2, phi3) end
 ---@param convention "zyx"|"xyz"|"zyz"|"XYZ"|"rotation_vector" one of zyx, xyz, zyz, XYZ, rotation_vector
 function setOrientationConvention(convention) end
 
+---Sets what motions to poses hold: 'pose'; 'directions': the position, and of the orientation what the arm can; or 'position'. Without it an arm holds what it can.
+---@param hold "pose"|"directions"|"position" one of pose, directions, position
+function setHold(hold) end
+
 ---Reads the tool.
 ---@return Pose # a pose
 function getTool() end

@@ -57,7 +57,7 @@ class Jogging:
             tool_speed=tool_speed,
             timeout=timeout,
         )
-        self._tool = Pose.identity()
+        self._tool, self._hold = Pose.identity(), ''
         # Made at the start: whoever jogs does not wait for it.
         self._next_box: TeachBox | None = self._make_box(q=robot.home)
         self._box = self._next_box
@@ -68,10 +68,10 @@ class Jogging:
         self.limits: tuple[str, ...] = ()
         """What stops or slows it, as in `TeachStep`."""
 
-    def use_tool(self, tool: Pose) -> None:
-        """Jog this tool centre point, a pose in tool0, from the next jog on."""
-        if self._tool.distance_to(tool) != (0.0, 0.0):
-            self._tool, self._next_box = tool, None
+    def use_tool(self, tool: Pose, hold: str = '') -> None:
+        """Jog this tool centre point, a pose in tool0, and hold what `held_by` says, from the next jog on."""
+        if self._tool.distance_to(tool) != (0.0, 0.0) or self._hold != hold:
+            self._tool, self._hold, self._next_box = tool, hold, None
 
     def jog_axes(self, velocity: ArrayLike, age: float, now: float) -> None:
         """Take a command for the axes.
@@ -132,7 +132,7 @@ class Jogging:
             raise PlanningError('a motion runs; the robot can be jogged when it has ended')
         q = self._standing()
         if self._next_box is None:
-            self._next_box = self._make_box(q=q, tool=self._tool)
+            self._next_box = self._make_box(q=q, tool=self._tool, hold=self._hold)
         self._box = self._next_box
         self._box.place(q)
         self._reference()  # older than this jog

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from robots_core.blocks.inverse_kinematics.hold import check_hold
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_from_quaternion
@@ -41,6 +42,8 @@ class MotionSettings:
         cartesian_planner: Planner of Cartesian motions: 'limited' (two-pass, fast), 'dynamic_programming'
             (time-optimal, torque limits too), or another that is installed.
         configuration: Posture that joint motions to a pose end in, as 'front/up/no_flip'; '' for the nearest.
+        hold: What motions to poses hold: 'pose', 'directions' (the position, and of the orientation what the
+            arm can) or 'position'; '' for what the arm can.
         tool: Tool centre point in tool0: x, y, z (m) and quaternion x, y, z, w.
         base: Frame of all poses in the robot's base: the same seven numbers.
         payload: What tool0 carries: mass (kg), centre of mass x, y, z in tool0 (m), and maybe its inertia
@@ -64,6 +67,7 @@ class MotionSettings:
     joint_planner: str = DEFAULT_PLANNERS['joint_planner']
     cartesian_planner: str = DEFAULT_PLANNERS['cartesian_planner']
     configuration: str = ''
+    hold: str = ''
     tool: tuple[float, ...] = IDENTITY
     base: tuple[float, ...] = IDENTITY
     payload: tuple[float, ...] = NOTHING
@@ -146,6 +150,7 @@ CHECKS: Final[dict[str, Callable[[Any, str], object]]] = {
     'joint_planner': _planner,
     'cartesian_planner': _planner,
     'configuration': known_configuration,
+    'hold': check_hold,
     'tool': frame,
     'base': frame,
     'payload': payload_of,
@@ -165,6 +170,7 @@ DESCRIPTIONS: Final = {
     'joint_planner': 'planner of joint motions: the name of an installed one',
     'cartesian_planner': 'planner of Cartesian motions: the name of an installed one',
     'configuration': "posture for a pose, as 'front/up/no_flip'; '' for the nearest",
+    'hold': "what of poses is held: 'pose', 'directions' or 'position'; '' for what the arm can",
     'tool': 'tool centre point in tool0: x y z (m), quaternion x y z w',
     'base': "frame of poses in the robot's base: x y z (m), quaternion x y z w",
     'payload': 'on tool0: kg, centre x y z (m), maybe inertia xx xy xz yy yz zz (kg m^2)',

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
+from robots_core.blocks.inverse_kinematics.hold import POSE, held_by
 from robots_core.blocks.multibody.loaded_robot import loaded_robot
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.pose import Pose
@@ -108,10 +109,13 @@ class PathPlanning:
         settings = settings or MotionSettings()
         trajectory = self.trajectory(kind, q_start, target, settings)
         geometry: ToolGeometry = {}
+        tools: tuple[ToolSection, ...] = ()
         if kind.cartesian:
+            if held_by(self.robot.num_axes, settings.hold) != POSE:  # the tool turns as the arm must
+                tools = (tool_section(kind, settings, trajectory.duration),)
             start = Pose(*self.robot.direct_kinematics(trajectory.position[0])) @ settings.tool_pose
             geometry = self.generator(kind, settings).geometry(start, in_base(kind, target, settings))
-        return self.checked(trajectory, kind, settings, geometry=geometry)
+        return self.checked(trajectory, kind, settings, geometry=geometry, tools=tools)
 
     def trajectory(
         self,
@@ -250,6 +254,12 @@ class PathPlanning:
         if kind.target == 'joints':  # which need no configuration, and every robot has them
             settings = replace(settings, configuration='')
         return planner.from_settings(self.loaded(settings), settings)
+
+
+def tool_section(kind: MotionKind, settings: MotionSettings, until: float) -> ToolSection:
+    """The speed limits of the tool in a motion that ends at `until`, s."""
+    speeds = (settings.cartesian_speed, settings.rotation_speed) if kind.cartesian else (np.inf, np.inf)
+    return ToolSection(until, settings.tool_pose.r, *speeds)
 
 
 def in_base(kind: MotionKind, target: Target, settings: MotionSettings) -> Target:

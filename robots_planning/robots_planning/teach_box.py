@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from robots_core.blocks.following.axis_following import AxisFollowing
 from robots_core.blocks.following.pose_reference import moved
 from robots_core.blocks.inverse_kinematics.constrained import ConstrainedInverseKinematics
+from robots_core.blocks.inverse_kinematics.hold import POSE, POSITION, held_by, weights_of
 from robots_core.blocks.inverse_kinematics.viability import velocity_interval
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
@@ -105,6 +106,7 @@ class TeachBox:
         rotation_speed: Highest angular speed of a jogged tool, rad/s.
         tool: Pose of the tool centre point in tool0.
         world: Pose of the robot's base in the world.
+        hold: What a jogged tool holds, see `held_by`; what the arm can by default.
         timeout: Age of a command at which the robot stops, s.
 
     Raises:
@@ -124,8 +126,10 @@ class TeachBox:
         rotation_speed: float = 0.5,
         tool: Pose | None = None,
         world: Pose | None = None,
+        hold: str = '',
         timeout: float = 0.1,
     ) -> None:
+        self.hold = held_by(robot.num_axes, hold)
         self.robot = SlowedRobot(
             robot, speed_fraction=speed_fraction, acceleration_fraction=acceleration_fraction
         )
@@ -138,7 +142,7 @@ class TeachBox:
         )
         axes = self.robot.axes_data
         self._ik = ConstrainedInverseKinematics(
-            self.robot, dt, tool=self.tool, gain=min(RETURN_GAIN, 1.0 / dt)
+            self.robot, dt, tool=self.tool, gain=min(RETURN_GAIN, 1.0 / dt), weights=weights_of(self.hold)
         )
         braking = self._ik.deceleration
         self._axes = AxisFollowing(axes, dt, deceleration=braking)
@@ -261,7 +265,11 @@ class TeachBox:
         self._led = self._twist if released else max(0.0, 1.0 - self._behind) * self._twist
         pose = moved(self._pose or here, self._led, dt)
         step = self._ik.step(pose, q, q_dot, self._led)
-        self._behind = max(step.position_error / LEASH[0], step.orientation_error / LEASH[1])
+        self._behind = step.position_error / LEASH[0]
+        if self.hold == POSE:
+            self._behind = max(self._behind, step.orientation_error / LEASH[1])
+        else:  # it turns as the arm must, and is led on from there
+            pose = Pose(pose.r, self._tool_pose(step.q).T)
         self._pose = pose
         limits = tuple(f'{item.joint} {item.quantity} {item.side}' for item in step.active_limits)
         if not limits and self._behind > 0.9:
@@ -278,7 +286,9 @@ class TeachBox:
         q, q_dot, dt = self._state[0], self._state[1], self.dt
         J = np.array(self.robot.jacobian(q + dt * q_dot))
         J[:3] += np.cross(J[3:], here.T @ self.tool.T.T @ self.tool.r, axisa=0, axisc=0)
-        missing = self._led - J @ q_dot
+        rows = slice(None, 3 if self.hold == POSITION else 6)
+        J, change = J[rows], change[rows]
+        missing = self._led[rows] - J @ q_dot
         (going_on, further), room = (
             np.linalg.lstsq(J, np.column_stack([missing, change]), rcond=None)[0].T,
             FOLLOWED * self.robot.axes_data.acceleration * dt,

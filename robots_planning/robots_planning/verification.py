@@ -14,7 +14,13 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
 from robots_planning.limit_use import LimitUse
-from robots_planning.paths.path_deviation import SampledPath, line_deviation, path_deviation
+from robots_planning.paths.path_deviation import (
+    PositionsOfPath,
+    SampledPath,
+    line_deviation,
+    path_deviation,
+    unturned,
+)
 from robots_planning.tool_speeds import ToolSection, tool_speeds
 from robots_planning.trajectory import Trajectory
 
@@ -143,6 +149,7 @@ def verify(
     *,
     line: tuple[Pose, Pose] | None = None,
     path: SampledPath | None = None,
+    oriented: bool = True,
     tool: Pose | None = None,
     tools: Sequence[ToolSection] = (),
     torque: bool = True,
@@ -160,6 +167,7 @@ def verify(
         robot: Whose limits hold.
         line: First and last pose of a straight tool line with rotation about one axis to stay on.
         path: Any other path of the tool to stay on.
+        oriented: The tool keeps the orientations of line or path, and not its positions alone.
         tool: Pose of what follows line or path in tool0; tool0 itself by default.
         tools: Limits of the tool on the parts of the trajectory, in order.
         torque: Compute torques too.
@@ -219,7 +227,7 @@ def verify(
     if torque:
         ratios['torque'] = _torques(trajectory, robot)
     uses = {quantity: _worst(quantity, robot, values) for quantity, values in ratios.items()}
-    deviation, turned = _deviation(trajectory, robot, line, path, tool)
+    deviation, turned = _deviation(trajectory, robot, line, path, tool, oriented=oriented)
     jumps, jump_time = _jumps(trajectory, robot)
     return VerificationReport(
         duration=trajectory.duration,
@@ -318,8 +326,10 @@ def _deviation(
     line: tuple[Pose, Pose] | None,
     path: SampledPath | None,
     tool: Pose | None,
+    *,
+    oriented: bool,
 ) -> tuple[float | None, float | None]:
-    """Largest distance (m) and angle (rad) of the tool from the line or path, its ends included."""
+    """Largest distance (m) and angle (rad; None if not `oriented`) from the line or path, ends included."""
     if line is None and path is None:
         return None, None
     # Interpolation errors are largest in the middle between points.
@@ -330,6 +340,11 @@ def _deviation(
     T = np.array([frame[1] for frame in frames])
     if tool is not None:
         r, T = r + T @ tool.r, T @ tool.T
+    if not oriented:
+        T = unturned(len(r))
+        line = None if line is None else (Pose(line[0].r, T[0]), Pose(line[1].r, T[0]))
+        path = None if path is None else PositionsOfPath(path)
     found = [] if line is None else [line_deviation(r, T, *line)]
     found += [] if path is None else [path_deviation(r, T, path)]
-    return max(item[0] for item in found), max(item[1] for item in found)
+    turned = max(item[1] for item in found) if oriented else None
+    return max(item[0] for item in found), turned

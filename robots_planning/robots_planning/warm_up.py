@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from robots_core.blocks.inverse_kinematics.held_inverse_kinematics import HeldInverseKinematics
+from robots_core.blocks.inverse_kinematics.hold import POSITION
 from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.validation import Array
@@ -58,5 +60,19 @@ def paths_at_the_limits_of_the_axes() -> None:
     SplineCartesian(robot, planner='dynamic_programming').generate(start, [near, pose])
 
 
+def paths_that_hold_a_position() -> None:
+    """Of arms that hold less than a pose; what is compiled does not depend on the number of axes."""
+    robot, start, (pose, near) = robot_in_use(), _start(), _poses()
+    LinearCartesianLimited(robot, hold=POSITION).generate(start, near)
+    HeldInverseKinematics(robot, hold=POSITION).solve(pose, start)
+
+
 if __name__ == '__main__':
-    compile_in_parallel((paths_at_the_limits_of_the_axes, lines_at_limited_speed, joint_motions))
+    compile_in_parallel(
+        (
+            paths_at_the_limits_of_the_axes,
+            paths_that_hold_a_position,
+            lines_at_limited_speed,
+            joint_motions,
+        )
+    )

@@ -79,6 +79,7 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
         ('moveUntil({input = 1, below = 2}, linearRelative, 0, 0, 0, 0, 0, 0)', 'condition has below, input'),
         ("setPlanner('limited')", "joint = the string 'limited'; valid is 'linear_joint'"),
         ("setConfiguration('left')", "configuration = the string 'left'; valid is 'front/up/no_flip'"),
+        ("setHold('all')", "hold = the string 'all'; valid is 'pose', 'directions', 'position'"),
         ('wait(tiem)', 'tiem has no value: nothing gives it one'),
         ('local speed = 1 setSpeed(speeed)', 'speeed has no value: nothing gives it one; meant is speed'),
         ('local t = {f = function() x = 1 end, y = 2} wait(x) wait(y)', 'y has no value'),
@@ -123,6 +124,8 @@ def test_problems_name_file_line_and_what_is_valid(tmp_path: Path, text: str, pr
         'local wait = print wait(1, 2, 3)',
         'goto done ::done:: local x <const> = 1',
         'setSpeed(nil, 0.1) setSpeed()',
+        'circCartesianSpace({1, 2, 3, 4, 5, 6}, {1, 2, 3, 4, 5, 6})',
+        'splineCartesianSpace({1, 2, 3, 4, 5, 6}, {1, 2, 3, 4, 5, 6}, {blend = 0.1})',
         'wait(-1)',  # computed, though simply
         'local v = getAnalogInput(1) if v == 1 or getDigitalInput(1) == getDigitalInput(2) then wait(1) end',
         'local on = getDigitalInput(1) on = 1 if on == 1 then wait(1) end',

@@ -90,6 +90,7 @@ def test_the_topics_of_motion_commands_are_those_of_the_table() -> None:
 def test_the_motion_settings_are_those_of_the_planner() -> None:
     listed = {names(row[0])[0]: row[1] for row in table('Motion settings')}
     said = {'': 'nearest', False: 'false', 'tool': 'tool0', 'base': "the robot's base", 'payload': 'nothing'}
+    said['hold'] = 'what the arm can'
     for field in fields(MotionSettings):
         number = isinstance(field.default, float)
         expected = f'{field.default:g}' if number else said.get(field.name) or said.get(field.default)

@@ -21,6 +21,7 @@ from robots_controller.interpreter.functions.lua_function import (
 )
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_values import CHANNELS
+from robots_core.blocks.inverse_kinematics.hold import HOLDS
 from robots_core.errors import RobotsError
 from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.robot_choice import load_robot_model
@@ -36,6 +37,7 @@ _TYPES: Final[dict[Kind, str]] = {
     'name': 'string',
     'frame': '|'.join(f'"{frame}"' for frame in FRAMES),
     'comparison': '|'.join(f'"{comparison}"' for comparison in COMPARISONS),
+    'hold': '|'.join(f'"{hold}"' for hold in HOLDS),
     'convention': '|'.join(f'"{convention}"' for convention in ORIENTATION_CONVENTIONS),
     'function': 'fun(): "abort"|nil',
     'pose': 'Pose|number[]',

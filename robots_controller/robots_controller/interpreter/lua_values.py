@@ -11,6 +11,7 @@ from robots_controller.degrees import to_si
 from robots_controller.interpreter.functions.lua_function import COMPARISONS, FRAMES, MOMENTS, Argument, Kind
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
 from robots_controller.io.io_image import LABEL, IoImage
+from robots_core.blocks.inverse_kinematics.hold import HOLDS
 from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.robot_model.analytic.configuration import CONFIGURATIONS
 from robots_planning.motion_kinds import KIND_OF_FUNCTION
@@ -172,6 +173,7 @@ _TEXTS: Final[Mapping[Kind, Callable[[str], bool]]] = {
     'frame': lambda text: text in FRAMES,
     'comparison': lambda text: text in COMPARISONS,
     'convention': lambda text: text in ORIENTATION_CONVENTIONS,
+    'hold': lambda text: text in HOLDS,
     'motion': lambda text: text in KIND_OF_FUNCTION,
     'moment': lambda text: text in MOMENTS,
     'joint_planner': lambda text: text in available_planners('joint_planner'),
@@ -190,6 +192,7 @@ _VALID: Final[Mapping[Kind, str]] = {
     'name': 'a string that is not empty',
     'frame': ' or '.join(f"'{frame}'" for frame in FRAMES),
     'comparison': ', '.join(f"'{comparison}'" for comparison in COMPARISONS),
+    'hold': ', '.join(f"'{hold}'" for hold in HOLDS),
     'convention': ', '.join(f"'{convention}'" for convention in ORIENTATION_CONVENTIONS),
     'function': 'a function',
     'motion': f'a function that moves the robot: {", ".join(KIND_OF_FUNCTION)}',

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from robots_controller.degrees import in_degrees
+from robots_core.blocks.inverse_kinematics.hold import POSITION, held_by
 from robots_core.blocks.visualizer import reach
 from robots_core.errors import RobotsError, UnreachablePoseError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -20,13 +21,13 @@ SINGULAR: Final = 0.01
 SAMPLE_PERIOD: Final = 0.01  # s
 
 
-def motion_problems(robot: BaseRobotModel, motion: PlannedMotion) -> Iterator[str]:
-    """What is wrong with a planned motion, a sentence each."""
+def motion_problems(robot: BaseRobotModel, motion: PlannedMotion, hold: str) -> Iterator[str]:
+    """What is wrong with a planned motion that holds `hold` of its poses, a sentence each."""
     use = verify(motion.trajectory, robot).uses['torque']
     if use.ratio > 1.0 + RATIO_TOLERANCE:
         yield f'limit: {use.describe()}'
     if motion.kind is not None and motion.kind.cartesian:
-        yield from _singular_passage(robot, motion)
+        yield from _singular_passage(robot, motion, held_by(robot.num_axes, hold))
 
 
 def refusal(error: RobotsError) -> str:
@@ -35,13 +36,15 @@ def refusal(error: RobotsError) -> str:
     return f'unreachable: {reason}' if isinstance(error, UnreachablePoseError) else reason
 
 
-def _singular_passage(robot: BaseRobotModel, motion: PlannedMotion) -> Iterator[str]:
+def _singular_passage(robot: BaseRobotModel, motion: PlannedMotion, hold: str) -> Iterator[str]:
     count = max(2, int(np.ceil(motion.duration / SAMPLE_PERIOD)) + 1)
     times = np.linspace(0.0, motion.duration, count)
     length = reach(robot)
     scale = np.array([1.0 / length] * 3 + [1.0] * 3)[:, None]
+    held = 3 if hold == POSITION else 6
     values = [
-        np.linalg.svd(robot.jacobian(q) * scale, compute_uv=False) for q in motion.trajectory.sample(times)[0]
+        np.linalg.svd((robot.jacobian(q) * scale)[:held], compute_uv=False)
+        for q in motion.trajectory.sample(times)[0]
     ]
     ratios = np.array([found[-1] / found[0] for found in values])
     worst = int(np.argmin(ratios))

@@ -33,7 +33,7 @@ def wrong_calls(tokens: Sequence[Token], sizes: Sizes, declared: set[str]) -> It
 
 def _problems_of_call(function: LuaFunction, arguments: Sequence[list[Token]], sizes: Sizes) -> Iterator[str]:
     arguments = list(arguments)
-    if function.options and arguments and len(arguments) > 1 and arguments[-1][0].text == '{':
+    if function.options and len(arguments) > 1 and _is_options(arguments[-1]):
         yield from _problems_of_options(function, arguments.pop(), sizes)
     if function.name == 'moveUntil' and len(arguments) > 1:
         yield from _problems_of_search(arguments, sizes)
@@ -72,6 +72,11 @@ def _problems_of_search(arguments: Sequence[list[Token]], sizes: Sizes) -> Itera
         yield problem
     if len(motion) == 1 and motion[0].text in KIND_OF_FUNCTION:
         yield from _problems_of_call(LUA_FUNCTIONS[motion[0].text], more, sizes)
+
+
+def _is_options(argument: Sequence[Token]) -> bool:
+    """A table without values of its own, which a target has."""
+    return is_table(argument) and len(table_fields(argument)) == len(split_values(argument[1:-1], ',;'))
 
 
 def _problem_of_value(label: str, argument: Argument, given: Sequence[Token], sizes: Sizes) -> Iterator[str]:

@@ -117,7 +117,9 @@ def _walk(walk: _Walk) -> list[ProgramProblem]:
         reasons = (
             [refusal(error)]
             if error is not None
-            else motion_problems(loaded_robot(parts.robot, motion.settings.payload), motion.plan)
+            else motion_problems(
+                loaded_robot(parts.robot, motion.settings.payload), motion.plan, motion.settings.hold
+            )
         )
         for reason in reasons:
             found[ProgramProblem(file, command.line, f'{command.function}: {reason}')] = None

@@ -16,6 +16,7 @@ from robots_controller.report.deciding_limit import DecidingLimit, deciding_limi
 from robots_controller.report.path_accuracy import distance_to_path, line_deviation, zone_distances
 from robots_controller.report.recorded_run import RecordedRun
 from robots_controller.report.run_signals import LIMITS, QUANTITIES, RunSignals, energy
+from robots_core.blocks.inverse_kinematics.hold import POSE, held_angle, held_by
 from robots_core.pose import Pose
 from robots_core.rounding import apart
 from robots_core.validation import Array
@@ -86,7 +87,7 @@ class MotionFigures:
         motion: The motion.
         position_error: Distance of the tool to its target at the end, m; that of the references where the
             next motion followed at once; NaN where it was passed.
-        orientation_error: Angle to its target at the end, rad.
+        orientation_error: Angle to its target at the end, rad, in the directions that it holds.
         passing: How the target was passed; None where the robot stood there.
         line_deviation: Largest distance of the references to the straight line outside the zones at its ends,
             m; None of other paths.
@@ -139,12 +140,14 @@ def _figures(
     run: RecordedRun, signals: RunSignals, motion: MotionRecord, after: MotionRecord | None
 ) -> MotionFigures:
     part = run.window(motion.start, motion.end)
-    tool = signals.tool[part]
+    way = signals.tool[part]
     passing, errors, deviation = None, (math.nan, math.nan), None
     if motion.ok and motion.own:
         stood = (run.reference if motion.followed else run.feedback)[0][part][-1]
-        flange = Pose(*run.robot.direct_kinematics(stood))
-        errors = (flange @ motion.settings.tool_pose).distance_to(motion.tool_target)
+        tool, target = motion.settings.tool_pose, motion.tool_target
+        position, _ = (Pose(*run.robot.direct_kinematics(stood)) @ tool).distance_to(target)
+        hold = POSE if motion.q is not None else held_by(run.robot.num_axes, motion.settings.hold)
+        errors = position, held_angle(run.robot, stood, tool, target, hold)
     elif motion.ok:
         passing = _passing(run, signals, motion, after)
     if motion.straight:
@@ -156,7 +159,7 @@ def _figures(
         passing=passing,
         line_deviation=deviation,
         uses={quantity: _worst(run, signals.use[quantity], part) for quantity in QUANTITIES},
-        length=float(np.linalg.norm(np.diff(tool, axis=0), axis=1).sum()),
+        length=float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum()),
         fastest=float(signals.tool_speed[part].max()),
         deciding=deciding_limit(
             run.time[part],
@@ -165,8 +168,8 @@ def _figures(
             signals.reference_speed[part],
             cartesian=motion.kind.cartesian,
         ),
-        path_deviation=float(distance_to_path(tool, _planned_path(run, motion)).max()),
-        lag=float(np.linalg.norm(tool - signals.tool_reference[part], axis=1).max()),
+        path_deviation=float(distance_to_path(way, _planned_path(run, motion)).max()),
+        lag=float(np.linalg.norm(way - signals.tool_reference[part], axis=1).max()),
         energy=float(energy(run.time[part], signals.power[part]).sum()),
     )
 

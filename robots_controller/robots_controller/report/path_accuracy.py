@@ -8,7 +8,8 @@ from scipy.spatial import cKDTree
 from robots_controller.recording.motion_record import MotionRecord
 from robots_controller.report.recorded_run import RecordedRun
 from robots_controller.report.run_signals import RunSignals
-from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
+from robots_core.blocks.inverse_kinematics.held_inverse_kinematics import inverse_kinematics_for
+from robots_core.blocks.inverse_kinematics.hold import held_by
 from robots_core.validation import Array
 
 NEIGHBOURS: Final = 3
@@ -68,7 +69,9 @@ def zone_distances(
         )
     q, corner = run.reference[0][part], motion.q
     if corner is None:
-        corner = DampedLeastSquares(run.robot).solve(motion.pose, q[row]).q
+        hold = held_by(run.robot.num_axes, motion.settings.hold)
+        ik = inverse_kinematics_for(run.robot, tool=motion.settings.tool_offset, hold=hold)
+        corner = ik.solve(motion.tool_target, q[row]).q
     return np.asarray(np.abs(q - corner).max(axis=1))
 
 

@@ -103,7 +103,7 @@ class SimulatedGuide:
             return
         self._replay.hand_over(guide, nanoseconds)
         self._sensor.hand_over(handed_over=guide is Guide.SENSOR)
-        self._jogging.use_tool(self._planner.settings.tool_pose)
+        self._jogging.use_tool(self._planner.settings.tool_pose, self._planner.settings.hold)
         self._take_messages(self._replay, nanoseconds)
 
     def step(self, nanoseconds: int) -> None:

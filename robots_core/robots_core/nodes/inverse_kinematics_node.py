@@ -18,6 +18,7 @@ from robots_core.blocks.following.following_methods import LARGEST_DEVIATION, ME
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.following.realtime_movement import RealtimeStep
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
+from robots_core.blocks.inverse_kinematics.hold import check_hold
 from robots_core.errors import RobotsError
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
 from robots_core.ros.joint_trajectories import single_point
@@ -51,6 +52,13 @@ class InverseKinematicsNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('inverse_kinematics_node', **options)
         method = self.parameter('method', METHODS[0], f'one of {", ".join(METHODS)}', read_only=True)
+        hold = self.parameter(
+            'hold',
+            '',
+            "one of pose, directions, position; '' for what the arm can",
+            check=check_hold,
+            read_only=True,
+        )
         rate = self.parameter(
             'rate', RATE, 'joint references per second, Hz', bounds=(10.0, 1000.0), read_only=True
         )
@@ -86,6 +94,7 @@ class InverseKinematicsNode(RobotNode):
             refused=self._refuse_input,
             tool=pose_from_parameter(tool),
             method=method,
+            hold=hold,
             timeout=timeout,
             largest_deviation=largest_deviation,
         )

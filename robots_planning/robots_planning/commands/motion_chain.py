@@ -15,13 +15,12 @@ from robots_core.validation import Array
 from robots_planning.commands.command_queue import QueuedCommand
 from robots_planning.motion_kinds import LINE
 from robots_planning.motion_settings import MotionSettings
-from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base
+from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base, tool_section
 from robots_planning.paths.blending import Measure, blend_with_corners, joint_distance
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.planner_choice import planner_for
 from robots_planning.timing.chain_limits import SectionLimits, chain_limits
 from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits
-from robots_planning.tool_speeds import ToolSection
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 
@@ -71,7 +70,10 @@ class MotionChain:
         trajectory, ends = min(plans, key=lambda plan: plan[0].duration)
         last = commands[-1]
         ends = (*ends, trajectory.duration)
-        tools = [_tool_section(command, end) for command, end in zip(commands, ends, strict=True)]
+        tools = [
+            tool_section(command.kind, command.settings, end)
+            for command, end in zip(commands, ends, strict=True)
+        ]
         return self._planning.checked(trajectory, last.kind, last.settings, tools=tools), ends
 
     def _paths(self, commands: tuple[QueuedCommand, ...], q_start: Array) -> list[JointPath]:
@@ -161,8 +163,3 @@ def _section(command: QueuedCommand) -> SectionLimits:
     return SectionLimits(
         settings.speed_fraction, settings.acceleration_fraction, velocity, acceleration, settings.tool_pose.r
     )
-
-
-def _tool_section(command: QueuedCommand, end: float) -> ToolSection:
-    velocity = _section(command).tool_velocity
-    return ToolSection(end, command.settings.tool_pose.r, float(velocity[0]), float(velocity[1]))

@@ -105,7 +105,7 @@ class PlanningNode(RobotNode):
             standing=self.planner.standing,
             busy=lambda: self.planner.moving,
         )
-        self._jogging.jogging.use_tool(self.planner.settings.tool_pose)
+        self._jogging.jogging.use_tool(self.planner.settings.tool_pose, self.planner.settings.hold)
         self.add_post_set_parameters_callback(self._on_settings)
         self._action: FollowJointTrajectory | None = None
         with contextlib.suppress(ImportError):  # control_msgs is no part of the common interfaces
@@ -213,7 +213,7 @@ class PlanningNode(RobotNode):
             elif parameter.name == 'collision_margin':
                 self.planner.planning.collision_margin = float(parameter.value)
         settings = self._settings()
-        self._jogging.jogging.use_tool(settings.tool_pose)
+        self._jogging.jogging.use_tool(settings.tool_pose, settings.hold)
         self.planner.configure(settings)
 
     def _release(self) -> None:

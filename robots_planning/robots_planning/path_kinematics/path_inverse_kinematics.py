@@ -5,11 +5,25 @@ from functools import cached_property
 import numpy as np
 
 from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
+from robots_core.blocks.inverse_kinematics.held_inverse_kinematics import (
+    HeldInverseKinematics,
+    inverse_kinematics_for,
+)
+from robots_core.blocks.inverse_kinematics.hold import (
+    DIRECTIONS,
+    POSE,
+    POSITION,
+    condition_rows,
+    describe_miss,
+    held_by,
+    missing_directions,
+)
 from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_planning.path_kinematics.held_following_kernel import follow_held
 from robots_planning.path_kinematics.path_following_kernel import (
     BLOCKED,
     FOLLOWED,
@@ -37,13 +51,15 @@ class PathInverseKinematics:
     Args:
         robot: The robot.
         tool: Pose of the tool centre point in tool0, which follows the path; tool0 itself by default.
+        hold: What of the poses is held, see `held_by`; what the arm can by default.
 
     Raises:
-        InvalidInputError: a robot whose axes are coupled.
+        InvalidInputError: a robot whose axes are coupled, or a `hold` that does not exist.
     """
 
-    def __init__(self, robot: BaseRobotModel, tool: Pose | None = None) -> None:
+    def __init__(self, robot: BaseRobotModel, tool: Pose | None = None, *, hold: str = '') -> None:
         self._robot = robot
+        self.hold = held_by(robot.num_axes, hold)
         self._axes = robot.axes_data
         self._tool = tool
         self._chain = SerialChain.of(robot, tool)
@@ -58,8 +74,8 @@ class PathInverseKinematics:
         )
 
     @cached_property
-    def _closest(self) -> DampedLeastSquares:
-        return DampedLeastSquares(self._robot, tool=self._tool)
+    def _closest(self) -> DampedLeastSquares | HeldInverseKinematics:
+        return inverse_kinematics_for(self._robot, tool=self._tool, hold=self.hold)
 
     def pose(self, q: Array) -> Pose:
         """Pose of the tool centre point at joint positions `q`, (n,)."""
@@ -101,7 +117,10 @@ class PathInverseKinematics:
     def _fill(self, path: CartesianPath, start: Array, limits: Array) -> tuple[int, int]:
         """Fill the samples; return what the kernel's `follow` returns."""
         begin = np.array(start, dtype=np.float64)
-        return follow(self._chain.arrays, limits, path.arrays, begin, self._samples)
+        if self.hold == POSE:
+            return follow(self._chain.arrays, limits, path.arrays, begin, self._samples)
+        rows = condition_rows(self.hold, begin.size)
+        return follow_held(self._chain.arrays, limits, path.arrays, begin, rows, self._samples)
 
     def _filled(self, count: int) -> JointSamples:
         """Copy of the first samples, with s scaled to [0, 1]."""
@@ -140,17 +159,27 @@ class PathInverseKinematics:
         return PlanningError(
             f'the {path.kind} leaves the reach of {self._robot.name} at {100.0 * fraction:.1f} % of its '
             f'{path.describe_length()}: the closest pose found for {100.0 * s:.1f} % is '
-            f'{near.position_error * 1e3:.3g} mm and {near.orientation_error:.3g} rad off; move the '
-            f'{path.kind} closer to the robot or turn the tool',
+            f'{describe_miss(near, self.hold)} off; move the {path.kind} closer to the robot or turn the tool'
+            f'{missing_directions(self._robot, near.q, self.hold)}',
             fraction=fraction,
             position_error=near.position_error,
             orientation_error=near.orientation_error,
         )
 
     def _singular(self, path: CartesianPath, fraction: float, q: Array) -> PlanningError:
-        _, values, directions = np.linalg.svd(self._robot.jacobian(q))
+        J = self._robot.jacobian(q)
+        _, values, directions = np.linalg.svd(J[:3] if self.hold == POSITION else J)
         axis = int(np.argmax(np.abs(directions[len(values) - 1])))
         name = self._axes.names[axis]
+        if self.hold == DIRECTIONS:
+            return PlanningError(
+                f'the orientation closest to that of the {path.kind} ends or jumps at '
+                f'{100.0 * fraction:.1f} % of its {path.describe_length()}: {self._robot.name} cannot turn '
+                f"the tool as it should there; hold the 'position' alone, or turn the tool less",
+                fraction=fraction,
+                joint=name,
+                value=float(q[axis]),
+            )
         return PlanningError(
             f'the {path.kind} meets a singularity at {100.0 * fraction:.1f} % of its '
             f'{path.describe_length()}: {name} would have to turn without bound at {q[axis]:.6g} '

@@ -1,5 +1,6 @@
 """Deviation of sampled tool poses from a straight line or from any path."""
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -34,6 +35,33 @@ class SampledPath(Protocol):
 
     def sample(self, s: Array, /) -> PosesOnPath:
         """Poses at `s` (m,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Poses:
+    r: Array
+    T: Array
+
+
+@dataclass(frozen=True, eq=False)
+class PositionsOfPath:
+    """A path without its orientations: they are those of the base frame.
+
+    Attributes:
+        path: Whose positions it has.
+    """
+
+    path: SampledPath
+
+    def sample(self, s: Array, /) -> PosesOnPath:
+        """See `SampledPath`."""
+        r = self.path.sample(s).r
+        return _Poses(r, unturned(len(r)))
+
+
+def unturned(count: int) -> Array:
+    """Orientations of the base frame, (count, 3, 3)."""
+    return np.tile(np.eye(3), (count, 1, 1))
 
 
 def line_deviation(r: Array, T: Array, start: Pose, end: Pose) -> tuple[float, float]:

@@ -11,6 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
+from robots_core.blocks.inverse_kinematics.held_inverse_kinematics import (
+    HeldInverseKinematics,
+    inverse_kinematics_for,
+)
+from robots_core.blocks.inverse_kinematics.hold import POSE, describe_miss, held_by, missing_directions
 from robots_core.errors import InvalidInputError, PlanningError, UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -35,6 +40,7 @@ class ToolGeometry(TypedDict, total=False):
 
     line: tuple[Pose, Pose]
     path: SampledPath
+    oriented: bool
 
 
 class TrajectoryGenerator(ABC):
@@ -45,9 +51,10 @@ class TrajectoryGenerator(ABC):
         speed_fraction: Part of the axes' velocity limits to use, in (0, 1].
         acceleration_fraction: Part of the axes' acceleration and jerk limits to use, in (0, 1].
         tool: Pose of the tool centre point in tool0, which target poses are meant for; tool0 by default.
+        hold: What of target poses is held, see `held_by`; what the arm can by default.
 
     Raises:
-        InvalidInputError: a fraction outside (0, 1].
+        InvalidInputError: a fraction outside (0, 1], or a `hold` that does not exist.
     """
 
     kinds: ClassVar[tuple[str, ...]] = ()
@@ -65,8 +72,10 @@ class TrajectoryGenerator(ABC):
         speed_fraction: float = 1.0,
         acceleration_fraction: float = 1.0,
         tool: Pose | None = None,
+        hold: str = '',
     ) -> None:
         self.robot = robot
+        self.hold = held_by(robot.num_axes, hold)
         self.tool = tool
         self.speed_fraction = usable_fraction(speed_fraction, 'speed_fraction')
         self.acceleration_fraction = usable_fraction(acceleration_fraction, 'acceleration_fraction')
@@ -92,13 +101,14 @@ class TrajectoryGenerator(ABC):
             speed_fraction=settings.speed_fraction,
             acceleration_fraction=settings.acceleration_fraction,
             tool=settings.tool_offset,
+            **({'hold': settings.hold} if settings.hold else {}),
             **options,
         )
 
     @cached_property
-    def inverse_kinematics(self) -> DampedLeastSquares:
+    def inverse_kinematics(self) -> DampedLeastSquares | HeldInverseKinematics:
         """Of the tool centre point; made when it is first needed."""
-        return DampedLeastSquares(self.robot, tool=self.tool)
+        return inverse_kinematics_for(self.robot, tool=self.tool, hold=self.hold)
 
     def generate(self, q_start: ArrayLike, target: Target) -> Trajectory:
         """Plan a motion from rest to rest.
@@ -191,10 +201,11 @@ class TrajectoryGenerator(ABC):
         result = self.inverse_kinematics.solve(pose, q_start)
         if not result.converged:
             x, y, z = (float(value) for value in pose.r)
+            oriented = ' with the commanded orientation' if self.hold == POSE else ''
             raise UnreachablePoseError(
-                f'{self.robot.name} cannot reach position ({x:.4f}, {y:.4f}, {z:.4f}) m with the commanded '
-                f'orientation inside its axis limits: the closest pose found is '
-                f'{result.position_error * 1e3:.3g} mm and {result.orientation_error:.3g} rad off',
+                f'{self.robot.name} cannot reach position ({x:.4f}, {y:.4f}, {z:.4f}) m{oriented} inside its '
+                f'axis limits: the closest pose found is {describe_miss(result, self.hold)} off'
+                f'{missing_directions(self.robot, result.q, self.hold)}',
                 x=x,
                 y=y,
                 z=z,

@@ -4,6 +4,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from robots_core.blocks.inverse_kinematics.hold import POSE
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.path_kinematics.configuration_graph import ConfigurationGraph
@@ -22,7 +23,8 @@ class CartesianGenerator(PathGenerator):
 
     By default, a forward and a backward pass over the path speed hold the limits on a grid; the time law is
     then smoothed, so that acceleration is continuous, and slowed down where it would break a limit. Near a
-    singularity the motion becomes slow. Axis torque is not limited.
+    singularity the motion becomes slow. Axis torque is not limited. An arm that holds less than a pose turns
+    the tool as it must; its motions are timed by dynamic programming, without `smoothing`.
 
     Args:
         robot: The robot.
@@ -71,16 +73,18 @@ class CartesianGenerator(PathGenerator):
             )
         self.keeps_torque = planner == 'dynamic_programming'
         jerk = self.jerk if jerk_limited else None
-        if planner == 'limited':
+        if planner == 'limited' and self.hold == POSE:
             self.timing = TwoPassTiming(self.velocity, self.acceleration, jerk, limits, smoothing=smoothing)
         else:
-            self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, self.tool)
+            if self.hold == POSE:
+                self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, self.tool)
             self.timing = DynamicProgrammingTiming(
                 robot,
                 self.velocity,
                 self.acceleration,
-                robot.axes_data.effort * (1.0 - LIMIT_MARGIN),
+                robot.axes_data.effort * (1.0 - LIMIT_MARGIN) if self.keeps_torque else None,
                 tool_velocity=np.array([limits.speed, limits.rotation_speed]),
                 tool_acceleration=np.array([limits.acceleration, limits.rotation_acceleration]),
                 jerk=jerk,
+                turning_tool=None if self.hold == POSE else self.tool_position,
             )

@@ -12,6 +12,8 @@ from ruckig import Synchronization
 
 from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKinematic
 from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
+from robots_core.blocks.inverse_kinematics.held_inverse_kinematics import HeldInverseKinematics
+from robots_core.blocks.inverse_kinematics.hold import POSE
 from robots_core.errors import (
     InvalidInputError,
     NoAnalyticInverseKinematicsError,
@@ -221,6 +223,8 @@ class JointSpaceGenerator(TrajectoryGenerator):
 
     def reach(self, pose: Pose, q_start: Array) -> Array:
         """See `TrajectoryGenerator.reach`; in the configuration that is set, or that is nearest in time."""
+        if self.hold != POSE:
+            return super().reach(pose, q_start)
         if self.tool is not None:
             pose = pose @ self.tool.inverse()
         if self._closed_form is not None:
@@ -233,9 +237,9 @@ class JointSpaceGenerator(TrajectoryGenerator):
         return super().reach(pose, q_start)
 
     @cached_property
-    def inverse_kinematics(self) -> DampedLeastSquares:
-        """Of tool0; made when it is first needed."""
-        return DampedLeastSquares(self.robot)
+    def inverse_kinematics(self) -> DampedLeastSquares | HeldInverseKinematics:
+        """Of tool0; where less than a pose is held, of the tool centre point. Made when first needed."""
+        return DampedLeastSquares(self.robot) if self.hold == POSE else super().inverse_kinematics
 
     @cached_property
     def _closed_form(self) -> AnalyticalInverseKinematic | None:

@@ -2,6 +2,7 @@
 
 from typing import ClassVar
 
+from robots_core.blocks.inverse_kinematics.hold import POSE, POSITION
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.paths.cartesian_line import CartesianLine
@@ -23,11 +24,12 @@ class LineGenerator(PathGenerator):
     def geometry(self, start: Pose, target: Target) -> ToolGeometry:
         """See `TrajectoryGenerator.geometry`."""
         assert isinstance(target, Pose)
-        return {'line': (start, target)}
+        return {'line': (start, target), 'oriented': self.hold == POSE}
 
     def plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
         """See `TrajectoryGenerator.plan_to_pose`."""
         line = self.path(self.path_kinematics.pose(start), target)
-        if line.length < COINCIDENT_DISTANCE and line.angle < COINCIDENT_ANGLE:
+        turns = self.hold != POSITION and line.angle >= COINCIDENT_ANGLE
+        if line.length < COINCIDENT_DISTANCE and not turns:
             return rest_trajectory(start, start)
         return self.plan_path(line, start)

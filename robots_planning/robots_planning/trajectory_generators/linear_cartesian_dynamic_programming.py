@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from robots_core.blocks.inverse_kinematics.hold import POSE
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import positive
 from robots_planning.path_kinematics.configuration_graph import ConfigurationGraph
@@ -51,7 +52,8 @@ class LinearCartesianDynamicProgramming(LineGenerator):
     ) -> None:
         super().__init__(robot, **options)
         self.keeps_torque = torque
-        self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, self.tool)
+        if self.hold == POSE:
+            self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, self.tool)
         self.timing = DynamicProgrammingTiming(
             robot,
             self.velocity,
@@ -70,6 +72,7 @@ class LinearCartesianDynamicProgramming(LineGenerator):
                 ]
             ),
             jerk=self.jerk if jerk_limited else None,
+            turning_tool=None if self.hold == POSE else self.tool_position,
         )
 
 

@@ -5,6 +5,7 @@ from typing import Any, ClassVar, Final, Self
 
 import numpy as np
 
+from robots_core.blocks.inverse_kinematics.hold import POSE
 from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -17,7 +18,12 @@ from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.path_timing import PathTiming, TooSlowError
 from robots_planning.trajectory import Trajectory, one_after_another
-from robots_planning.trajectory_generators.base import Target, ToolGeometry, TrajectoryGenerator
+from robots_planning.trajectory_generators.base import (
+    Target,
+    ToolGeometry,
+    TrajectoryGenerator,
+    rest_trajectory,
+)
 
 LIMITS: Final = (
     'cartesian_speed',
@@ -27,6 +33,8 @@ LIMITS: Final = (
     'jerk_limited',
 )
 """Settings of Cartesian motions, which are arguments of these planners."""
+
+STILL: Final = 1e-9  # rad (m)
 
 
 class PathGenerator(TrajectoryGenerator):
@@ -45,7 +53,12 @@ class PathGenerator(TrajectoryGenerator):
 
     def __init__(self, robot: BaseRobotModel, **options: Any) -> None:
         super().__init__(robot, **options)
-        self.path_kinematics = PathInverseKinematics(robot, self.tool)
+        self.path_kinematics = PathInverseKinematics(robot, self.tool, hold=self.hold)
+
+    @property
+    def tool_position(self) -> Array:
+        """Position of the tool centre point in tool0, (3,) m."""
+        return np.zeros(3) if self.tool is None else self.tool.r
 
     @classmethod
     def from_settings(cls, robot: BaseRobotModel, settings: MotionSettings, **options: Any) -> Self:
@@ -67,7 +80,7 @@ class PathGenerator(TrajectoryGenerator):
 
     def geometry(self, start: Pose, target: Target) -> ToolGeometry:
         """See `TrajectoryGenerator.geometry`."""
-        return {'path': self.path(start, target)}
+        return {'path': self.path(start, target), 'oriented': self.hold == POSE}
 
     def plan_path(self, path: CartesianPath, start: Array) -> Trajectory:
         """The motion along a path that begins at joint positions `start`, (n,).
@@ -76,15 +89,20 @@ class PathGenerator(TrajectoryGenerator):
             PlanningError: the path leaves the axis limits or the reach, or crosses a singularity; says where.
             UnreachablePoseError: the end of the path cannot be reached at all.
         """
-        return self._fastest(self._routes(path, start), path)[0]
+        routes = self._routes(path, start)
+        if stands_still(routes[0]):
+            return rest_trajectory(start, start)
+        return self._fastest(routes, path)[0]
 
     def follow(self, path: CartesianPath, start: Array) -> JointPath | None:
         """The joint path that `plan_path` would take along a path; raises as `plan_path`.
 
         Returns:
-            The joint path; None if the tool stands still in a singularity on it.
+            The joint path; None if the tool stands still in a singularity on it, or the axes stand still.
         """
         routes = self._routes(path, start)
+        if stands_still(routes[0]):
+            return None
         route = routes[0] if len(routes) == 1 else self._fastest(routes, path)[1]
         return route[0].joints if len(route) == 1 else None
 
@@ -144,3 +162,8 @@ class PathGenerator(TrajectoryGenerator):
                 timed[piece] = self.timing.trajectory(piece.joints, piece.tool(path), left)
                 times[piece] = timed[piece].duration
         return one_after_another([timed[piece] for piece in route])
+
+
+def stands_still(route: Route) -> bool:
+    """An arm that holds less than a pose may have nothing to do for a path that only turns."""
+    return all(float(np.ptp(piece.joints.q, axis=0).max()) < STILL for piece in route)

@@ -19,6 +19,7 @@ Kind = Literal[
     'frame',
     'comparison',
     'convention',
+    'hold',
     'function',
     'pose',
     'joints',

@@ -13,6 +13,7 @@ from robots_controller.interpreter.functions.lua_function import Argument, LuaFu
 from robots_controller.interpreter.functions.run_context import Handlers, RunContext, Waits
 from robots_controller.interpreter.lua_arguments import Arguments
 from robots_controller.interpreter.lua_sandbox import Result, Waiting
+from robots_core.blocks.inverse_kinematics.hold import HOLDS
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.pose import Pose
@@ -45,6 +46,12 @@ SETTINGS: Final = (
         'setOrientationConvention',
         (Argument('convention', 'convention', '', f'one of {", ".join(ORIENTATION_CONVENTIONS)}'),),
         "Sets what orientation angles mean; without it they follow the robot's maker.",
+    ),
+    LuaFunction(
+        'setHold',
+        (Argument('hold', 'hold', '', f'one of {", ".join(HOLDS)}'),),
+        "Sets what motions to poses hold: 'pose'; 'directions': the position, and of the orientation what "
+        "the arm can; or 'position'. Without it an arm holds what it can.",
     ),
     LuaFunction('getTool', (), 'Reads the tool.', 'a pose', 'Pose'),
     LuaFunction('getBase', (), 'Reads the base.', 'a pose', 'Pose'),
@@ -115,6 +122,7 @@ class Settings:
             'setTool': self._set_tool,
             'setBase': self._set_base,
             'setOrientationConvention': self._set_convention,
+            'setHold': lambda a: run.settings.update(hold=a.values[0]),
             'setPayload': self._set_payload,
             'getTool': lambda _: (run.shown(run.target.tool),),
             'getBase': lambda _: (run.shown(run.target.base),),

@@ -14,6 +14,8 @@ from robots_core.blocks.inverse_kinematics.constrained import (
     braking_deceleration,
 )
 from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
+from robots_core.blocks.inverse_kinematics.held_inverse_kinematics import HeldInverseKinematics
+from robots_core.blocks.inverse_kinematics.hold import POSE, held_by, weights_of
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -48,10 +50,15 @@ class PoseFollowing(ABC):
         robot: The robot.
         dt: Period, s.
         tool: Pose of the tool centre point in tool0, which follows the reference.
+        hold: What of the reference is followed, see `held_by`.
+
+    Raises:
+        InvalidInputError: a `hold` that does not exist.
     """
 
-    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose) -> None:
+    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose, hold: str = '') -> None:
         self.robot, self.dt, self.tool = robot, dt, tool
+        self.hold = held_by(robot.num_axes, hold)
         self._axes = AxisFollowing(robot.axes_data, dt, deceleration=braking_deceleration(robot))
 
     @abstractmethod
@@ -74,9 +81,9 @@ class PoseFollowing(ABC):
 class ConstrainedFollowing(PoseFollowing):
     """By `ConstrainedInverseKinematics`: inside all limits, torques included, along the reference's path."""
 
-    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose) -> None:
-        super().__init__(robot, dt, tool)
-        self._ik = ConstrainedInverseKinematics(robot, dt, tool=tool)
+    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose, hold: str = '') -> None:
+        super().__init__(robot, dt, tool, hold)
+        self._ik = ConstrainedInverseKinematics(robot, dt, tool=tool, weights=weights_of(self.hold))
 
     def follow(self, pose: Pose, twist: Array, q: Array, q_dot: Array) -> FollowedStep:
         """See `PoseFollowing.follow`."""
@@ -92,12 +99,12 @@ class _JointFollowing(PoseFollowing):
 
     @abstractmethod
     def _solution(self, pose: Pose, q: Array) -> Array:
-        """Joint positions (n,) for a pose of tool0, near `q`."""
+        """Joint positions (n,) for a pose of the tool, near `q`."""
 
     def follow(self, pose: Pose, twist: Array, q: Array, q_dot: Array) -> FollowedStep:
         """See `PoseFollowing.follow`."""
         del twist
-        solution = self._solution(pose @ self.tool.inverse(), q)
+        solution = self._solution(pose, q)
         velocity = np.zeros_like(q) if self._last is None else (solution - self._last) / self.dt
         if (np.abs(velocity) > self.robot.axes_data.velocity).any():  # a jump of the reference
             velocity = np.zeros_like(q)
@@ -109,10 +116,14 @@ class _JointFollowing(PoseFollowing):
 class DampedLeastSquaresFollowing(_JointFollowing):
     """By `DampedLeastSquares` from the last solution; for an unreachable pose, the closest one found."""
 
-    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose) -> None:
-        super().__init__(robot, dt, tool)
-        self._ik = DampedLeastSquares(robot, tolerances=TOLERANCES, restarts=0)
-        self._solution(Pose(*robot.direct_kinematics(robot.home)), np.array(robot.home))
+    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose, hold: str = '') -> None:
+        super().__init__(robot, dt, tool, hold)
+        self._ik: DampedLeastSquares | HeldInverseKinematics
+        if self.hold == POSE:
+            self._ik = DampedLeastSquares(robot, tolerances=TOLERANCES, restarts=0, tool=tool)
+        else:
+            self._ik = HeldInverseKinematics(robot, tool=tool, hold=self.hold, restarts=0)
+        self._solution(self.pose(robot.home), np.array(robot.home))
 
     def _solution(self, pose: Pose, q: Array) -> Array:
         return self._ik.solve(pose, q).q
@@ -121,25 +132,32 @@ class DampedLeastSquaresFollowing(_JointFollowing):
 class AnalyticalFollowing(_JointFollowing):
     """By `AnalyticalInverseKinematic`, on the branch nearest to the last solution."""
 
-    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose) -> None:
-        super().__init__(robot, dt, tool)
+    def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose, hold: str = '') -> None:
+        super().__init__(robot, dt, tool, hold)
+        if self.hold != POSE:
+            raise InvalidInputError(
+                f"method 'analytical' follows whole poses; for hold = {self.hold!r} use 'constrained' or "
+                f"'damped_least_squares'"
+            )
         self._ik = AnalyticalInverseKinematic(robot)
 
     def _solution(self, pose: Pose, q: Array) -> Array:
-        return self._ik.solve(pose, q)
+        return self._ik.solve(pose @ self.tool.inverse(), q)
 
 
-def pose_following(method: str, robot: BaseRobotModel, dt: float, tool: Pose) -> PoseFollowing:
+def pose_following(
+    method: str, robot: BaseRobotModel, dt: float, tool: Pose, hold: str = ''
+) -> PoseFollowing:
     """The following by a method, one of METHODS.
 
     Raises:
-        InvalidInputError: no such method.
+        InvalidInputError: no such method, or a `hold` that it does not have.
         NoAnalyticInverseKinematicsError: the robot has no closed form.
     """
     if method == 'constrained':
-        return ConstrainedFollowing(robot, dt, tool)
+        return ConstrainedFollowing(robot, dt, tool, hold)
     if method == 'damped_least_squares':
-        return DampedLeastSquaresFollowing(robot, dt, tool)
+        return DampedLeastSquaresFollowing(robot, dt, tool, hold)
     if method == 'analytical':
-        return AnalyticalFollowing(robot, dt, tool)
+        return AnalyticalFollowing(robot, dt, tool, hold)
     raise InvalidInputError(f'unknown method {method!r}; methods are {", ".join(METHODS)}')

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.blocks.following.pose_following import pose_following
 from robots_core.blocks.following.pose_reference import PoseReference, moved
+from robots_core.blocks.inverse_kinematics.hold import POSE
 from robots_core.errors import UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -84,8 +85,10 @@ class RealtimeMovement:
         q: Where it stands, (n,), rad (m).
         tool: Pose of the tool centre point in tool0, which follows the reference.
         method: 'constrained' (all limits, torques too), 'damped_least_squares' or 'analytical'.
+        hold: What of the reference is followed, see `held_by`; what the arm can by default.
         timeout: Without a sample for this long the reference is stale, s.
-        tolerances: A reference that is further away (m, rad) than this is not feasible.
+        tolerances: A reference that is further away (m, rad) than this is not feasible; the angle counts
+            where whole poses are followed.
 
     Raises:
         InvalidInputError: an option out of its range.
@@ -101,6 +104,7 @@ class RealtimeMovement:
         *,
         tool: Pose | None = None,
         method: str = METHODS[0],
+        hold: str = '',
         timeout: float = 0.2,
         tolerances: tuple[float, float] = (1e-3, 5e-3),
     ) -> None:
@@ -110,7 +114,7 @@ class RealtimeMovement:
             positive(tolerances[1], 'orientation tolerance', 'rad'),
         )
         self._following = pose_following(
-            method, robot, positive(dt, 'dt', 's'), Pose.identity() if tool is None else tool
+            method, robot, positive(dt, 'dt', 's'), Pose.identity() if tool is None else tool, hold
         )
         self._reference = PoseReference(timeout=timeout)
         self.place(q)
@@ -162,9 +166,10 @@ class RealtimeMovement:
             errors = self._following.pose(braked[0]).distance_to(target)
             return replace(self._result(braked, False, errors, 0.0, (error.message,)), error=error)
         errors = (step.position_error, step.orientation_error)
-        if errors[0] > LARGEST_LEAD[0] or errors[1] > LARGEST_LEAD[1]:
+        turns_freely = self._following.hold != POSE
+        if errors[0] > LARGEST_LEAD[0] or (errors[1] > LARGEST_LEAD[1] and not turns_freely):
             self._integrated = None
-        near = errors[0] <= self._tolerances[0] and errors[1] <= self._tolerances[1]
+        near = errors[0] <= self._tolerances[0] and (turns_freely or errors[1] <= self._tolerances[1])
         return self._result(step.state, near and step.slack <= 0.0, errors, step.slack, step.limits)
 
     def _target(self, now: float, q: Array) -> tuple[Pose, Array]:

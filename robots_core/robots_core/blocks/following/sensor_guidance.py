@@ -30,6 +30,7 @@ class SensorGuidance:
         refused: Gets the topic and the error of what cannot be followed.
         tool: Pose of the tool centre point in tool0, which follows the reference.
         method: One of `METHODS`.
+        hold: What of the reference is followed, see `held_by`.
         timeout: Without a sample for this long the reference is stale, s.
         largest_deviation: The controller's reference may be this far from the one sent, rad (m).
 
@@ -46,10 +47,13 @@ class SensorGuidance:
         refused: Callable[[str, RobotsError], None],
         tool: Pose | None = None,
         method: str = METHODS[0],
+        hold: str = '',
         timeout: float = 0.2,
         largest_deviation: float = LARGEST_DEVIATION,
     ) -> None:
-        self._movement = RealtimeMovement(robot, dt, robot.home, tool=tool, method=method, timeout=timeout)
+        self._movement = RealtimeMovement(
+            robot, dt, robot.home, tool=tool, method=method, hold=hold, timeout=timeout
+        )
         self._reference, self._refused = reference, refused
         self._timeout, self._largest_deviation = timeout, largest_deviation
         self._every = max(1, round(1.0 / (dt * CONTROLLER_RATE)))

@@ -6,6 +6,7 @@ from numpy.typing import ArrayLike
 from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics
 from robots_core.blocks.inverse_kinematics.constrained_kernel import NOT_FINITE, constrained_step
 from robots_core.blocks.inverse_kinematics.constrained_step import ConstrainedStep
+from robots_core.blocks.inverse_kinematics.hold import held_by, weights_of
 from robots_core.blocks.inverse_kinematics.quadratic_program import SOLVED
 from robots_core.blocks.inverse_kinematics.redundancy import Redundancy, redundancy_arrays
 from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
@@ -56,6 +57,7 @@ class ConstrainedInverseKinematics:
         dt: Period, s.
         tool: Pose of the tool centre point in tool0, which follows the reference; tool0 itself by default.
         weights: Of position (per m) and orientation (per rad) if both are not reachable; 0 leaves one free.
+            By default those of what the arm can hold, see `held_by`.
         gain: Fraction of the pose error removed per second, 1/s, at most 1/dt; 0.5/dt by default.
         redundancy: Secondary criterion for the degrees of freedom that the pose leaves; none by default.
 
@@ -70,7 +72,7 @@ class ConstrainedInverseKinematics:
         dt: float,
         *,
         tool: Pose | None = None,
-        weights: tuple[float, float] = (1.0, 0.5),
+        weights: tuple[float, float] | None = None,
         gain: float | None = None,
         redundancy: Redundancy | None = None,
     ) -> None:
@@ -80,6 +82,8 @@ class ConstrainedInverseKinematics:
         gain = DEFAULT_GAIN / dt if gain is None else positive(gain, 'gain', '1/s')
         if gain * dt > 1.0:
             raise InvalidInputError(f'gain = {gain:g} 1/s must be at most 1/dt = {1.0 / dt:g} 1/s')
+        if weights is None:
+            weights = weights_of(held_by(axes.num_axes))
         if not (min(weights) >= 0.0 and 0.0 < max(weights) < np.inf):
             raise InvalidInputError(
                 f'weights {weights} must be finite, not negative and not both 0: (per m, per rad)'

@@ -18,6 +18,7 @@ from robots_core.blocks.inverse_kinematics.redundancy import Redundancy, redunda
 from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
+from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import ROTATION_TOLERANCE, Array, positive, read_only
 
@@ -76,7 +77,8 @@ class DampedLeastSquares:
         self._chain = SerialChain.of(robot, tool).arrays
         self._limits = np.array([self._axes.lower, self._axes.upper])
         self._redundancy = redundancy_arrays(redundancy, self._axes)
-        self._starts = self._low_discrepancy(restarts, seed)
+        offset = np.random.default_rng(seed).uniform(size=self._axes.num_axes)
+        self._starts = low_discrepancy(self._axes, restarts, offset)
         self._target = (np.empty(3), np.empty((3, 3)))
 
     def solve(self, pose: Pose, q_start: ArrayLike) -> IkResult:
@@ -168,17 +170,17 @@ class DampedLeastSquares:
             sqrt(a * a + b * b + c * c),
         )
 
-    def _low_discrepancy(self, count: int, seed: int) -> Array:
-        """Points that fill the joint space evenly, (count, n); continuous axes within half a turn of 0."""
-        axes, n = self._axes, self._axes.num_axes
-        low = np.where(axes.continuous, -np.pi, axes.lower)
-        high = np.where(axes.continuous, np.pi, axes.upper)
-        ratio = 2.0  # the positive root of x^(n+1) = x + 1
-        for _ in range(60):
-            ratio = (1.0 + ratio) ** (1.0 / (n + 1.0))
-        offset = np.random.default_rng(seed).uniform(size=n)
-        points = (offset + np.outer(np.arange(1, count + 1), ratio ** -np.arange(1.0, n + 1.0))) % 1.0
-        return read_only(low + points * (high - low))
+
+def low_discrepancy(axes: AxesData, count: int, offset: Array | float) -> Array:
+    """Points that fill the joint space evenly, (count, n); continuous axes within half a turn of 0."""
+    n = axes.num_axes
+    low = np.where(axes.continuous, -np.pi, axes.lower)
+    high = np.where(axes.continuous, np.pi, axes.upper)
+    ratio = 2.0  # the positive root of x^(n+1) = x + 1
+    for _ in range(60):
+        ratio = (1.0 + ratio) ** (1.0 / (n + 1.0))
+    points = (offset + np.outer(np.arange(1, count + 1), ratio ** -np.arange(1.0, n + 1.0))) % 1.0
+    return read_only(low + points * (high - low))
 
 
 def _checked_poses(r: ArrayLike, T: ArrayLike) -> tuple[Array, Array]:
