@@ -407,3 +407,19 @@ function wait(time) end
 ---Writes a line to the program's output.
 ---@param string any any values; several are separated by tabs
 function print(string) end
+
+---Keeps a value over runs, in a file beside the program; in simulated time until the end of the run.
+---@param name string name of the value
+---@param value? number|string|boolean|number[] number, string, boolean, list of numbers; nil for none
+function setPersistent(name, value) end
+
+---Reads a value that was kept.
+---@param name string name of the value
+---@param default? number|string|boolean|number[] what is returned if there is none
+---@return any # the value, or `default`
+function getPersistent(name, default) end
+
+---Runs a program beside this one, until it ends: with the same globals, and further arguments as `...`, for all that neither moves the robot nor sets what holds for motions.
+---@param program string file of the task, seen from the folder of the main program
+---@param ... any
+function startTask(program, ...) end

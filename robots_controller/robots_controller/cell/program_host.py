@@ -46,7 +46,7 @@ class ProgramHost:
         orientation_convention: Order of the angles phi; the robot's own by default.
         planner_timeout: Longest wait of a motion for a planner, s.
         payload: What the robot carries until its program sets another payload, see `MotionSettings`.
-        attended: Somebody can let a held program go on.
+        simulated: Time is simulated.
 
     Raises:
         InvalidInputError: as `LuaProgram`.
@@ -67,9 +67,9 @@ class ProgramHost:
         orientation_convention: str = '',
         planner_timeout: float = 5.0,
         payload: tuple[float, ...] = NOTHING,
-        attended: bool = True,
+        simulated: bool = False,
     ) -> None:
-        self.payload, self.attended = payload, attended
+        self.payload, self.simulated = payload, simulated
         self.clock = clock
         self._robot, self._robot_port = robot, robot_port
         self._controller, self._observer = controller, observer

@@ -43,6 +43,7 @@ _TYPES: Final[dict[Kind, str]] = {
     'pose': 'Pose|number[]',
     'joints': 'number[]',
     'condition': 'table',
+    'value': 'number|string|boolean|number[]',
     'motion': 'function',
     'moment': '|'.join(f'"{moment}"' for moment in MOMENTS),
     'joint_planner': 'string',

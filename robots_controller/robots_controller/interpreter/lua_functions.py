@@ -16,11 +16,13 @@ from robots_controller.interpreter.functions.interrupts import INTERRUPTS
 from robots_controller.interpreter.functions.kinematics import KINEMATICS
 from robots_controller.interpreter.functions.lua_function import LuaFunction
 from robots_controller.interpreter.functions.motions import MOTIONS
+from robots_controller.interpreter.functions.persistence import PERSISTENCE
 from robots_controller.interpreter.functions.poses import POSES
 from robots_controller.interpreter.functions.positions import POSITIONS
 from robots_controller.interpreter.functions.search import SEARCH
 from robots_controller.interpreter.functions.settings import SETTINGS
 from robots_controller.interpreter.functions.signals import SIGNALS
+from robots_controller.interpreter.functions.tasks import TASKS
 
 _FAMILIES: Final = (
     MOTIONS,
@@ -33,6 +35,8 @@ _FAMILIES: Final = (
     INTERRUPTS,
     GUIDANCE,
     FLOW,
+    PERSISTENCE,
+    TASKS,
 )
 LUA_FUNCTIONS: Final[Mapping[str, LuaFunction]] = MappingProxyType(
     {function.name: function for family in _FAMILIES for function in family}

@@ -18,6 +18,7 @@ from robots_controller.interpreter.lua_source import LuaSource, check_syntax, re
 from robots_controller.interpreter.program_run import ProgramRun
 from robots_controller.program.cell_port import CellPort, DetachedCell
 from robots_controller.program.motion_target import RobotView
+from robots_controller.program.persistent_values import SUFFIX as VALUES_SUFFIX
 from robots_controller.program.program_state import ProgramState, RunState
 from robots_controller.program.shared_data import SharedData
 from robots_controller.program.taught_points import SUFFIX
@@ -281,6 +282,7 @@ class LuaProgram(SharedData):
             self._prismatic,
             self._cell,
             self.points_file or source.path.with_suffix(SUFFIX),
+            source.path.with_suffix(VALUES_SUFFIX),
         )
         run = ProgramRun(
             source,

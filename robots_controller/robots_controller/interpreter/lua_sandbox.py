@@ -120,8 +120,12 @@ class SandboxHost(Protocol):
     def at_line(self, chunk: str, line: int, depth: int) -> Attention:
         """The program begins a line; asked while it is traced."""
 
-    def attention(self) -> int | None:
-        """What the program shall attend to: None for nothing, 0 to hold, n to run handler n."""
+    def attention(self, task: int) -> int | None:
+        """What the program shall attend to: None for nothing, 0 to hold, n for handler n, -n for task n.
+
+        Args:
+            task: A task that begins; the negative of one that has ended; 0 for none.
+        """
 
     def held(self, records: list[str]) -> Attention:
         """Hold the program, which looks like this (see `call_stack`)."""
@@ -315,14 +319,16 @@ class LuaSandbox:
         except BaseException as error:  # noqa: BLE001  # told apart there
             return self._stop(error)
 
-    def _attention(self) -> tuple[int, int]:
+    def _attention(self, task: int) -> tuple[int, int]:
         try:
-            wanted = self._host.attention()
+            wanted = self._host.attention(task)
         except BaseException as error:  # noqa: BLE001  # told apart there
             return self._stop(error), 0
         if wanted is None:
             return 0, 0
-        return (3, 0) if wanted == 0 else (2, wanted)
+        if wanted == 0:
+            return 3, 0
+        return (2, wanted) if wanted > 0 else (4, -wanted)
 
     def _held(self, *records: bytes) -> int:
         try:

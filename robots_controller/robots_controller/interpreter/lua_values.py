@@ -79,6 +79,8 @@ def check_value(
         return _check_pose(function, label, given, sizes)
     if argument.kind == 'condition' and isinstance(given.value, LuaTable) and given.value.fields:
         return given.value
+    if argument.kind == 'value':
+        return _check_plain_value(function, label, given, sizes)
     if argument.kind == 'joints':
         return _check_joints(function, label, given, sizes)
     value = _converted(argument, given, sizes, sliding=sliding)
@@ -134,6 +136,21 @@ def _check_joints(function: str, label: str, given: LuaArgument, sizes: Sizes) -
         check_value(function, f'{label}[{i}]', joint, entry, sizes, sliding=sliding)
         for i, (entry, sliding) in enumerate(zip(table.values, prismatic, strict=True), 1)
     ]
+
+
+def _check_plain_value(function: str, label: str, given: LuaArgument, sizes: Sizes) -> Any:
+    value = given.value
+    if isinstance(value, LuaTable) and not value.fields:
+        number = Argument('', 'number', '', '')
+        return tuple(
+            check_value(function, f'{label}[{i}]', number, entry, sizes)
+            for i, entry in enumerate(value.values, 1)
+        )
+    if isinstance(value, bytes):
+        return value.decode(errors='replace')
+    if isinstance(value, bool) or (isinstance(value, (int, float)) and math.isfinite(value)):
+        return value
+    raise LuaCallError(f'{function}: {label} = {shown(given)}; valid is {_valid("value", sizes)}')
 
 
 def valid_text(argument: Argument, value: bytes | float, sizes: Sizes) -> str | None:
@@ -199,6 +216,7 @@ _VALID: Final[Mapping[Kind, str]] = {
     'moment': ' or '.join(f"'{moment}'" for moment in MOMENTS),
     'configuration': ', '.join(f"'{configuration}'" for configuration in CONFIGURATIONS),
     'condition': 'a table with a condition',
+    'value': 'a finite number, a string, true, false, nil or a list of numbers',
     'pose': 'a table {x, y, z, phi1, phi2, phi3}',
     'joints': 'a table with a number per axis',
     'count': 'a whole number of at least 1',

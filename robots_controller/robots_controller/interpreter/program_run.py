@@ -104,6 +104,8 @@ class ProgramRun:
         """Serve a call of a robot function."""
         if not name:
             return self._functions.finish()
+        if self._state.tasks.current is not None:
+            return self._functions.serve_task(name, line, arguments)
         self._set_line(chunk, line)
         self._state.clock.called()
         return self._functions.serve(name, arguments)
@@ -133,9 +135,14 @@ class ProgramRun:
             self._hold(reason)
         return self.poll()
 
-    def attention(self) -> int | None:
+    def attention(self, task: int) -> int | None:
         """What the program shall attend to."""
         state = self._state
+        state.tasks.current = None
+        if task > 0:
+            state.tasks.begin(task)
+        else:
+            state.tasks.end(-task)
         self._functions.pulses.end()
         with state.condition:
             if not state.needs_attention():
@@ -143,7 +150,11 @@ class ProgramRun:
             if state.run_state is RunState.PAUSED:
                 return 0
             if not state.interrupts.look():
-                return None
+                due = state.tasks.next()
+                if due is None:
+                    return None
+                state.tasks.run(due)
+                return -due
             handler = self._functions.motions.begin_handler()
         self._tell_hold()
         return handler

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
+from dataclasses import replace
 
 from robots_controller.degrees import in_degrees
 from robots_controller.interpreter.debugger import HoldReason
-from robots_controller.interpreter.functions.flow import Flow, printed_text
+from robots_controller.interpreter.functions.flow import Flow, Halt, Subprogram, printed_text
 from robots_controller.interpreter.functions.guidance import Guidance
 from robots_controller.interpreter.functions.interrupts import Interrupts
 from robots_controller.interpreter.functions.kinematics import Kinematics
 from robots_controller.interpreter.functions.motions import Motions
+from robots_controller.interpreter.functions.persistence import Persistence
 from robots_controller.interpreter.functions.poses import Poses
 from robots_controller.interpreter.functions.positions import Positions
-from robots_controller.interpreter.functions.run_context import Handlers, RunContext
+from robots_controller.interpreter.functions.run_context import Handlers, RunContext, Waits
 from robots_controller.interpreter.functions.search import Search
 from robots_controller.interpreter.functions.settings import Settings
 from robots_controller.interpreter.functions.signals import Signals
+from robots_controller.interpreter.functions.tasks import Tasks
 from robots_controller.interpreter.lua_arguments import Arguments, check_arguments
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, Waiting
@@ -25,6 +28,7 @@ from robots_controller.program.cell_port import CellPort
 from robots_controller.program.guided_motion import GuidedMotion
 from robots_controller.program.motion_target import MotionTarget, RobotView
 from robots_controller.program.output_pulses import OutputPulses
+from robots_controller.program.persistent_values import PersistentValues
 from robots_controller.program.program_state import ProgramState
 from robots_core.errors import RobotsError
 
@@ -47,7 +51,7 @@ class RobotFunctions:
         cell: CellPort,
         view: RobotView,
         *,
-        subprogram: Callable[[str], tuple[str, str]],
+        subprogram: Subprogram,
         motion_ended: Callable[[], None],
         hold: Callable[[HoldReason], bool],
     ) -> None:
@@ -57,17 +61,31 @@ class RobotFunctions:
         motions = self.motions = Motions(run, guided, motion_ended)
         self._guided_motion = guided
         self._sizes = Sizes.of(state.num_axes, state.io, view.prismatic)
+        values = PersistentValues(view.values_file, kept=not cell.simulated)
         self._handlers: Handlers = {
+            **self._anywhere(run, motions, values, subprogram),
             **motions.handlers,
+            **Search(run, motions, self._sizes, self._check).handlers,
             **Settings(run, motions).handlers,
-            **Positions(run, motions).handlers,
-            **Poses(run).handlers,
-            **Kinematics(run).handlers,
-            **Signals(run, motions, self.pulses).handlers,
             **Interrupts(run).handlers,
             **Guidance(run, motions, guided).handlers,
-            **Flow(run, motions, subprogram, hold).handlers,
-            **Search(run, motions, self._sizes, self._check).handlers,
+            **Halt(run, motions, hold).handlers,
+            **Tasks(run, subprogram).handlers,
+        }
+        self._task_run = replace(run)
+        self._task_handlers = self._anywhere(self._task_run, state.tasks, values, subprogram)
+
+    def _anywhere(
+        self, run: RunContext, waits: Waits, values: PersistentValues, subprogram: Subprogram
+    ) -> Handlers:
+        """What tasks may do too."""
+        return {
+            **Positions(run, waits).handlers,
+            **Poses(run).handlers,
+            **Kinematics(run).handlers,
+            **Signals(run, waits, self.pulses).handlers,
+            **Persistence(run, values).handlers,
+            **Flow(run, waits, subprogram).handlers,
         }
 
     def serve(self, name: str, arguments: list[LuaArgument]) -> Waiting:
@@ -82,9 +100,25 @@ class RobotFunctions:
         if name == 'print':
             self.run.cell.printed(printed_text(arguments), self.run.line)
             return None
+        return (yield from self._serve(self._handlers, name, arguments))
+
+    def serve_task(self, name: str, line: int, arguments: list[LuaArgument]) -> Waiting:
+        """Serve one call from the task that runs; arguments and errors as for `serve`."""
+        yield from self.run.state.tasks.called()
+        self._task_run.line, self._task_run.view = line, self.run.view
+        if name == 'print':
+            self.run.cell.printed(printed_text(arguments), line)
+            return None
+        if name not in self._task_handlers:
+            raise LuaCallError(
+                f'{name}: not in a task; the main program moves the robot and sets what holds for motions'
+            )
+        return (yield from self._serve(self._task_handlers, name, arguments))
+
+    def _serve(self, handlers: Handlers, name: str, arguments: list[LuaArgument]) -> Waiting:
         checked = self._check(name, arguments)
         try:
-            result = self._handlers[name](checked)
+            result = handlers[name](checked)
             if isinstance(result, Generator):
                 result = yield from result
         except RobotsError as error:

@@ -147,7 +147,7 @@ class LuaProgramNode(RobotNode):
             orientation_convention=convention,
             planner_timeout=timeout,
             payload=tuple(payload),
-            attended=self._turns is None,
+            simulated=self._turns is not None,
         )
         self._program = self.host.program
         self.parameter('points_file', '', "where taught points stand; '' for a file beside the program")

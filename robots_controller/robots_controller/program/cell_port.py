@@ -102,8 +102,8 @@ class CellPort(Protocol):
         """Switch an output when the robot is at the target of the last motion, or now if it stands."""
 
     @property
-    def attended(self) -> bool:
-        """Somebody is there who can let a held program go on."""
+    def simulated(self) -> bool:
+        """Time is simulated: nobody lets a held program go on, and no value is kept after the run."""
 
     def printed(self, text: str, line: int) -> None:
         """The program printed a text on a line."""
@@ -182,9 +182,9 @@ class DetachedCell:
         """No effect."""
 
     @property
-    def attended(self) -> bool:
-        """Yes."""
-        return True
+    def simulated(self) -> bool:
+        """No."""
+        return False
 
     def printed(self, text: str, line: int) -> None:
         """No effect."""

@@ -35,7 +35,7 @@ class InputInterrupts:
         return bool(self._serving)
 
     def add(self, what: Hashable, holds: Condition, priority: int = DEFAULT_PRIORITY) -> int:
-        """A handler for a condition that comes true; it replaces the one for the same.
+        """A handler for a condition that comes true; it replaces the one for the same, and has its number.
 
         Args:
             what: The same for the same condition.
@@ -45,10 +45,9 @@ class InputInterrupts:
         Returns:
             The handler's number, from 1.
         """
-        for number, interrupt in list(self._interrupts.items()):
-            if interrupt.what == what:
-                self.remove(number)
-        number = next(self._numbers)
+        same = (number for number, interrupt in self._interrupts.items() if interrupt.what == what)
+        number = next(same, None) or next(self._numbers)
+        self.remove(number)
         self._interrupts[number] = _Interrupt(what, holds, priority, holds())
         return number
 

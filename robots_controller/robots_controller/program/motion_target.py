@@ -18,12 +18,14 @@ class RobotView:
         prismatic: (n,) which axes slide; () for none.
         cell: Measures joint positions and computes kinematics.
         points_file: Where taught points stand.
+        values_file: Where persistent values stand.
     """
 
     convention: str
     prismatic: tuple[bool, ...]
     cell: CellPort
     points_file: Path
+    values_file: Path
 
     def pose(self, values: Sequence[float]) -> Pose:
         """A pose of position (m) and orientation angles (rad)."""

@@ -1,5 +1,6 @@
 """ProgramState: the paper's data core, shared by the program's thread and the robot's side."""
 
+import math
 import threading
 from collections.abc import Callable, Generator, Mapping, Sequence
 from types import MappingProxyType
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robots_controller.io.io_image import IoImage, check_count
+from robots_controller.program.background_tasks import BackgroundTasks
 from robots_controller.program.clock import Clock
 from robots_controller.program.input_interrupts import InputInterrupts
 from robots_controller.program.motion_command import MotionCommand, OutputChange
@@ -59,6 +61,7 @@ class ProgramState:
         self._reference_pose: Pose | None = None
         self._overrides = read_only(np.ones(num_axes))
         self.interrupts = InputInterrupts()
+        self.tasks = BackgroundTasks(clock)
         self._braked = False
         self._alarm: float | None = None
 
@@ -88,6 +91,7 @@ class ProgramState:
                 self._stopping = False
                 self._motion_error = None
                 self.interrupts = InputInterrupts()
+                self.tasks = BackgroundTasks(self.clock)
                 self._braked, self._alarm = False, None
             self._run_state = state
             self.condition.notify_all()
@@ -162,7 +166,7 @@ class ProgramState:
                 raise ProgramStopped
 
     def needs_attention(self) -> bool:
-        """The program is paused, the handler of an input is due, or the alarm.
+        """The program is paused, the handler of an input is due, a task can go on, or the alarm is due.
 
         Raises:
             ProgramStopped: the program shall stop.
@@ -170,7 +174,7 @@ class ProgramState:
         with self.condition:
             if self._stopping:
                 raise ProgramStopped
-            if self.interrupts.look():
+            if self.interrupts.look() or self.tasks.next() is not None:
                 return True
             return self._run_state is RunState.PAUSED or self._alarm_is_due()
 
@@ -203,6 +207,7 @@ class ProgramState:
                         return False
                     start = self.clock.now()
                     ends = [] if remaining is None else [start + remaining]
+                    ends += [] if self.tasks.next_time == math.inf else [self.tasks.next_time]
                     ends += [] if self._alarm is None else [self._alarm]
                     self.clock.wait(self.condition, min(ends, default=None))
                     if remaining is not None:

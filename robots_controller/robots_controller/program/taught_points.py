@@ -1,13 +1,10 @@
 """TaughtPoints: named positions of the robot in a YAML file beside the program."""
 
-import os
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-import yaml
-
+from robots_controller.program.whole_file import read_file, write_file
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector, read_only
@@ -16,6 +13,7 @@ HEADER: Final = (
     '# Taught points. q: joint positions, rad (m for sliding axes), in the order of the axes.\n'
     '# r: position of the flange (tool0) in the robot base frame, m. quaternion: its orientation, x y z w.\n'
 )
+WHAT: Final = 'points file'
 SUFFIX: Final = '.points.yaml'
 
 
@@ -38,15 +36,7 @@ def read_points(path: Path, num_axes: int) -> dict[str, TaughtPoint]:
     Raises:
         ProgramError: the file cannot be read, or holds something else.
     """
-    try:
-        data = yaml.safe_load(path.read_text())
-    except FileNotFoundError:
-        return {}
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ProgramError(f'the points file cannot be read: {error}', file=path.name) from None
-    entries = data.get('points') if isinstance(data, dict) else None
-    if not isinstance(entries, dict):
-        raise ProgramError("a points file has one key 'points' with a point per name", file=path.name)
+    entries = read_file(path, 'points', WHAT)
     return {str(name): _point(str(name), entry, num_axes, path) for name, entry in entries.items()}
 
 
@@ -64,15 +54,7 @@ def write_points(path: Path, points: dict[str, TaughtPoint]) -> None:
         }
         for name, point in sorted(points.items())
     }
-    text = HEADER + yaml.safe_dump({'points': entries}, sort_keys=False, default_flow_style=None, width=200)
-    try:
-        with tempfile.NamedTemporaryFile('w', dir=path.parent, prefix=f'.{path.name}.', delete=False) as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        Path(file.name).replace(path)
-    except OSError as error:
-        raise ProgramError(f'the points file cannot be written: {error.strerror}', file=path.name) from None
+    write_file(path, {'points': entries}, WHAT, HEADER)
 
 
 def _point(name: str, entry: Any, num_axes: int, path: Path) -> TaughtPoint:

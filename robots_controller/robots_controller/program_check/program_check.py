@@ -77,7 +77,7 @@ def _collect(main: LuaSource, source: LuaSource, checked: _Checked) -> None:
     tokens = list(lua_tokens(source.text))
     checked.sources[source.file] = (source, tokens)
     for call in lua_calls(tokens):
-        if call.name.text != 'call' or not call.arguments or len(call.arguments[0]) != 1:
+        if call.name.text not in ('call', 'startTask') or not call.arguments or len(call.arguments[0]) != 1:
             continue
         (token,) = call.arguments[0]
         if token.kind != 'string':
@@ -85,7 +85,7 @@ def _collect(main: LuaSource, source: LuaSource, checked: _Checked) -> None:
         try:
             subprogram = find_subprogram(main, token.text)
         except ProgramError as error:
-            checked.problems.append(ProgramProblem(source.file, token.line, f'call: {error}'))
+            checked.problems.append(ProgramProblem(source.file, token.line, f'{call.name.text}: {error}'))
             continue
         if subprogram.file not in checked.sources:
             _collect(main, subprogram, checked)

@@ -112,7 +112,7 @@ class SimulatedCell:
             observer=self._log,
             io_labels=parts.io_labels,
             payload=parts.payload,
-            attended=False,
+            simulated=True,
         )
         link.on_result = self._motion_ended
         link.on_planned = self._motion_planned

@@ -50,6 +50,10 @@ FLOW: Final = (
 """The course of the program."""
 
 
+Subprogram = Callable[[str], tuple[str, str]]
+"""Gives the name and the text of a program."""
+
+
 class Flow:
     """Calls subprograms, and lets time pass.
 
@@ -57,35 +61,17 @@ class Flow:
         run: The run.
         waits: How its functions wait.
         subprogram: Gives a subprogram's name and text.
-        hold: Holds the program.
     """
 
-    def __init__(
-        self,
-        run: RunContext,
-        waits: Waits,
-        subprogram: Callable[[str], tuple[str, str]],
-        hold: Callable[[HoldReason], bool],
-    ) -> None:
-        self._run, self._waits, self._subprogram, self._hold = run, waits, subprogram, hold
+    def __init__(self, run: RunContext, waits: Waits, subprogram: Subprogram) -> None:
+        self._run, self._waits, self._subprogram = run, waits, subprogram
         self._start = run.state.clock.now()
         self.handlers: Handlers = {
             'call': self._call,
             'wait': self._wait,
-            'halt': self._halt,
             'getTime': self._get_time,
             'timer': self._get_time,
         }
-
-    def _halt(self, arguments: Arguments) -> Waiting:
-        yield from self._waits.standstill()
-        reason = f': {arguments.values[0]}' if arguments.values[0] else ''
-        self._run.cell.printed(f'halt{reason}', self._run.line)
-        if self._run.cell.attended:
-            self._hold('pause')
-            while self._run.state.needs_attention():
-                yield
-        return None
 
     def _get_time(self, _: Arguments) -> Result:
         return self._run.state.clock.now() - self._start
@@ -98,6 +84,30 @@ class Flow:
     def _call(self, arguments: Arguments) -> Result:
         name, text = self._subprogram(arguments.values[0])
         return f'{name}\n{text}'.encode()
+
+
+class Halt:
+    """Holds the program.
+
+    Args:
+        run: The run.
+        waits: How its functions wait.
+        hold: Holds it.
+    """
+
+    def __init__(self, run: RunContext, waits: Waits, hold: Callable[[HoldReason], bool]) -> None:
+        self._run, self._waits, self._hold = run, waits, hold
+        self.handlers: Handlers = {'halt': self._halt}
+
+    def _halt(self, arguments: Arguments) -> Waiting:
+        yield from self._waits.standstill()
+        reason = f': {arguments.values[0]}' if arguments.values[0] else ''
+        self._run.cell.printed(f'halt{reason}', self._run.line)
+        if not self._run.cell.simulated:
+            self._hold('pause')
+            while self._run.state.needs_attention():
+                yield
+        return None
 
 
 def printed_text(arguments: list[LuaArgument]) -> str:

@@ -24,6 +24,7 @@ Kind = Literal[
     'pose',
     'joints',
     'condition',
+    'value',
     'motion',
     'moment',
     'joint_planner',

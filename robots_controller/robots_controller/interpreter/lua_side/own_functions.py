@@ -39,6 +39,11 @@ for function_name, place in pairs {onDigitalInput = 3, onAnalogInput = 4} do
   end
 end
 
+function special.removeInterrupt(...)
+  call('removeInterrupt', {...}, select('#', ...))
+  handlers[floor((...))] = nil
+end
+
 -- Motions are named to Python: no function leaves Lua.
 local motion_names = {}
 
@@ -51,12 +56,33 @@ end
 local MAX_SUBPROGRAMS, nesting = 100, 0
 local leave_subprogram = setmetatable({}, {__close = function() nesting = nesting - 1 end})
 
-function special.call(...)
-  local answer = call('call', {...}, select('#', ...))
+local function loaded(answer)
   local chunk, text = string.match(answer, '^([^\n]*)\n(.*)$')
   sources['=' .. chunk] = chunk
   local program, problem = load(text, '=' .. chunk, 't', env)
   if not program then error(problem, 0) end
+  return program
+end
+
+local describe
+local FAILURE = {__tostring = function(failure) return failure.reason end}
+
+function special.startTask(...)
+  local answer = call('startTask', {...}, select('#', ...))
+  local number, rest = string.match(answer, '^(%d+)\n(.*)$')
+  local program, arguments = loaded(rest), pack(select(2, ...))
+  local co = create(function()
+    local ok, failure = xpcall(program, describe, unpack(arguments, 1, arguments.n))
+    if not ok then return failure end
+  end)
+  sethook(co, hook, '', count)
+  tasks[tonumber(number)] = co
+  task_news = tonumber(number)
+  attend_now()
+end
+
+function special.call(...)
+  local program = loaded(call('call', {...}, select('#', ...)))
   if nesting == MAX_SUBPROGRAMS then
     fail('call: subprograms call each other more than ' .. MAX_SUBPROGRAMS .. ' deep')
   end

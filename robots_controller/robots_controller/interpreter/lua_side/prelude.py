@@ -26,6 +26,7 @@ local getlocal, getupvalue = debug.getlocal, debug.getupvalue
 local string_pack, sub = string.pack, string.sub
 local running = coroutine.running
 local create, resume, status, close = coroutine.create, coroutine.resume, coroutine.status, coroutine.close
+local yield = coroutine.yield
 
 -- Stopping, holding, interrupts -----------------------------------------------------------------------
 
@@ -37,6 +38,7 @@ local tracing, wants_depth = false, false
 local traced = setmetatable({}, {__mode = 'k'})
 local attend, sources, hook, program_place
 local instructions = 0
+local MAX_TASK_INSTRUCTIONS, current_task, task_instructions = 1000000, nil, 0
 
 -- Lines are told while somebody debugs: each costs a call of Python.
 local function trace(code)
@@ -53,9 +55,11 @@ local function obey(code)
     stopped = true
     error(STOP, 0)
   end
+  if current_task then return end       -- the main program attends, when the task waits
   trace(code)
   if code & ATTEND_BIT ~= 0 then
     local ok, failed, problem = pcall(attend, true)
+    current_task = nil
     if stopped then error(STOP, 0) end
     if not ok then held() end           -- no room on the stack to look around: hold all the same
     if ok and failed then error(problem, 0) end
@@ -87,6 +91,14 @@ function hook(event, line)
     if chunk then obey(at_line(chunk, line, wants_depth and depth() or 0)) end
     -- Instructions of the hook count too: a loop in step with them would never see a count of its own.
   elseif event == 'count' then
+    if current_task then
+      task_instructions = task_instructions + count
+      if task_instructions > MAX_TASK_INSTRUCTIONS then
+        local chunk, at = program_place()
+        error(chunk .. ':' .. at .. ': a task computes without end; it must wait now and then', 0)
+      end
+      return
+    end
     instructions = instructions + count
     if instructions >= spell then
       instructions = 0
@@ -212,20 +224,20 @@ end
 local handlers = {}
 
 local function run_handler(id, in_hook)
-  local ok, verdict
+  local handler, ok, verdict = handlers[id], nil, nil
   if in_hook then                       -- the hook itself runs without hooks: a coroutine has its own
-    local co = create(handlers[id].run)
+    local co = create(handler.run)
     sethook(co, hook, tracing and 'l' or '', count)
     ok, verdict = resume(co)
     if ok and status(co) == 'suspended' then ok, verdict = false, 'the handler of an input cannot yield' end
   else
-    ok, verdict = pcall(handlers[id].run)
+    ok, verdict = pcall(handler.run)
   end
   if stopped then error(STOP, 0) end
   local chunk, line = program_place()
   if ok and verdict ~= nil and verdict ~= 'abort' then
     ok = false
-    verdict = chunk .. ':' .. line .. ': ' .. handlers[id].function_name .. ': the handler returned a '
+    verdict = chunk .. ':' .. line .. ': ' .. handler.function_name .. ': the handler returned a '
       .. type(verdict) .. "; valid are nothing and 'abort'"
   end
   local problem = handled(id, not ok or verdict == 'abort')
@@ -236,10 +248,28 @@ local function run_handler(id, in_hook)
   return not ok, verdict
 end
 
--- Serves what came up: returns true and a problem where a handler failed.
+local tasks = {}
+local task_news = 0                     -- for `attention`: which task begins, or minus which one has ended
+
+-- Lets a task go on until it waits; returns what is wrong if it failed.
+local function run_task(id)
+  local co = tasks[id]
+  current_task, task_instructions = co, 0
+  local _, failure = resume(co)
+  current_task = true
+  if stopped then error(STOP, 0) end
+  if status(co) ~= 'dead' then return nil end
+  tasks[id], task_news = nil, -id
+  return failure
+end
+
+-- Serves what came up: returns true and a problem where a handler or a task failed.
 function attend(in_hook)
   while true do
-    local kind, id = attention()
+    current_task = true                 -- no hook attends before the task that goes on has done so
+    local kind, id = attention(task_news)
+    task_news = 0
+    if kind ~= 4 then current_task = nil end
     if kind == 0 then return false end
     if kind == 1 then
       stopped = true
@@ -247,6 +277,12 @@ function attend(in_hook)
     elseif kind == 2 then
       local failed, problem = run_handler(id, in_hook)
       if failed then return true, problem end
+    elseif kind == 4 then
+      local failure = run_task(id)
+      if failure then
+        current_task = nil
+        return true, failure
+      end
     else
       local records = snapshot()
       local code = held(unpack(records, 1, #records))
@@ -295,6 +331,17 @@ local function received_lists(n)
   return unpack(lists)
 end
 
+-- Attends at a call; `token` is that of the call that fails with what comes up.
+local function attend_now(token)
+  local ok, failed, problem = pcall(attend, false)
+  current_task = nil
+  if not ok or failed then
+    if token then abandon(token) end
+    if stopped then error(STOP, 0) end
+    error(ok and problem or failed, 0)
+  end
+end
+
 local function call(function_name, arguments, n)
   local chunk, line = program_place()
   if n > max_arguments then
@@ -304,11 +351,14 @@ local function call(function_name, arguments, n)
   for i = 1, n do describe_argument(function_name, items, arguments[i], 1) end
   local outcome, result, token = serve(function_name, chunk, line, unpack(items, 1, #items))
   while outcome == 4 do
-    local ok, failed, problem = pcall(attend, false)
-    if not ok or failed then
-      abandon(token)
-      if stopped then error(STOP, 0) end
-      error(ok and problem or failed, 0)
+    if current_task then
+      if running() ~= current_task then
+        abandon(token)
+        fail(function_name .. ': a coroutine of a task cannot wait')
+      end
+      yield()
+    else
+      attend_now(token)
     end
     outcome, result, token = again(token)
   end
@@ -336,8 +386,9 @@ end
 _RUN: Final = rb"""
 local MAX_MESSAGE = 1000
 
-local function describe(problem)
+function describe(problem)
   if stopped then return STOP end
+  if getmetatable(problem) == FAILURE then return problem end
   local kind, message = type(problem), nil
   if kind == 'string' then
     message = own_words(problem)
@@ -349,7 +400,7 @@ local function describe(problem)
   -- Whoever is told would be busy for seconds with one as long as the memory allows.
   if #message > MAX_MESSAGE then message = sub(message, 1, MAX_MESSAGE) .. '...' end
   local chunk, line = program_place()
-  return {chunk = chunk, line = line, reason = message, stack = program_stack()}
+  return setmetatable({chunk = chunk, line = line, reason = message, stack = program_stack()}, FAILURE)
 end
 
 return function()

@@ -1,0 +1,56 @@
+"""Files that programs keep beside them: whole at any time, whatever happens while they are written."""
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from robots_core.errors import ProgramError
+
+
+def read_file(path: Path, key: str, what: str) -> dict[Any, Any]:
+    """The entries below the one key of a YAML file; none if there is no file.
+
+    Args:
+        path: The file.
+        key: Its key.
+        what: What the file is, for messages.
+
+    Raises:
+        ProgramError: the file cannot be read, or holds something else.
+    """
+    try:
+        data = yaml.safe_load(path.read_text())
+    except FileNotFoundError:
+        return {}
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ProgramError(f'the {what} cannot be read: {error}', file=path.name) from None
+    entries = data.get(key) if isinstance(data, dict) else None
+    if not isinstance(entries, dict):
+        raise ProgramError(f"a {what} has one key '{key}' with an entry per name", file=path.name)
+    return entries
+
+
+def write_file(path: Path, data: dict[str, Any], what: str, header: str) -> None:
+    """Write a YAML file: the whole new one or, whatever happens, the whole old one.
+
+    Args:
+        path: The file.
+        data: What to write.
+        what: What the file is, for messages.
+        header: Comments at its top.
+
+    Raises:
+        ProgramError: it cannot be written.
+    """
+    text = header + yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=200)
+    try:
+        with tempfile.NamedTemporaryFile('w', dir=path.parent, prefix=f'.{path.name}.', delete=False) as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        Path(file.name).replace(path)
+    except OSError as error:
+        raise ProgramError(f'the {what} cannot be written: {error.strerror}', file=path.name) from None
