@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 settings.register_profile(
     'robots', derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
+# For `make fuzz`: more of them, and others each time.
+settings.register_profile(
+    'fuzz', settings.get_profile('robots'), derandomize=False, max_examples=1_500, print_blob=True
+)
 settings.load_profile('robots')
 
 AnyNode = TypeVar('AnyNode')

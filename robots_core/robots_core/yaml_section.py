@@ -6,13 +6,15 @@ import math
 from collections.abc import Callable, Collection, Iterator
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 import yaml
 from yaml.constructor import ConstructorError
 
 from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.files import read_text
 
+MAX_NODES: Final = 1_000_000
 Made = TypeVar('Made')
 
 
@@ -164,7 +166,7 @@ class YamlSection:
         """
         node = self._take(key, needed=False)
         items = [] if node is None else self._items(node, key)
-        return [(self._constructed(item, key), item.start_mark.line + 1) for item in items]
+        return [(yaml_value(item, self.file), item.start_mark.line + 1) for item in items]
 
     def finish(self, valid: Collection[str] = ()) -> None:
         """Refuse keys that nobody asked for.
@@ -195,13 +197,7 @@ class YamlSection:
         node = self._take(key, needed=default is None)
         if node is None:
             return default
-        return self._constructed(node, key)
-
-    def _constructed(self, node: yaml.Node, key: str) -> Any:
-        try:
-            return yaml.constructor.SafeConstructor().construct_object(node, deep=True)
-        except (ConstructorError, ValueError) as error:
-            raise self.error(f'{key} is not valid: {error}', key) from None
+        return yaml_value(node, self.file)
 
     def _items(self, node: yaml.Node, key: str) -> list[yaml.Node]:
         if isinstance(node, yaml.SequenceNode):
@@ -216,25 +212,37 @@ class YamlSection:
         return YamlSection(self.file, node)
 
 
-def read_yaml(path: Path | str) -> YamlSection:
+def read_yaml(path: Path | str, what: str = 'file') -> YamlSection:
     """The mapping that a YAML file is.
 
     Raises:
         InvalidInputError: no file, not YAML, or not a mapping; with its line.
     """
-    return parse_yaml(read_text(path), Path(path).name)
+    return parse_yaml(read_text(path, what), Path(path).name)
 
 
-def read_text(path: Path | str) -> str:
-    """The text of a file.
+def read_yaml_data(path: Path | str, what: str = 'file') -> Any:
+    """What a YAML file holds, as lists, mappings and scalars of Python; None for an empty file.
 
     Raises:
-        InvalidInputError: it cannot be read.
+        InvalidInputError: no file, or not YAML; with its line.
+    """
+    file = Path(path).name
+    node = compose_yaml(read_text(path, what), file)
+    return None if node is None else yaml_value(node, file)
+
+
+def yaml_value(node: yaml.Node, file: str) -> Any:
+    """A node as lists, mappings and scalars of Python.
+
+    Raises:
+        InvalidInputError: a tag or a key that such values do not have; with its line.
     """
     try:
-        return Path(path).read_text(encoding='utf-8')
-    except (OSError, UnicodeDecodeError) as error:
-        raise InvalidInputError(f'{path} cannot be read: {error}') from error
+        return yaml.constructor.SafeConstructor().construct_document(node)
+    except (ConstructorError, ValueError, TypeError) as error:
+        reason = error.problem if isinstance(error, ConstructorError) else error
+        raise located(file, node.start_mark.line + 1, f'not valid: {reason}') from None
 
 
 def parse_yaml(text: str, file: str) -> YamlSection:
@@ -247,16 +255,45 @@ def parse_yaml(text: str, file: str) -> YamlSection:
     Raises:
         InvalidInputError: not YAML, or not a mapping; with its line.
     """
-    try:
-        node = yaml.compose(text, Loader=yaml.SafeLoader)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        raise located(file, 1 if mark is None else mark.line + 1, f'not YAML: {error.problem}') from None
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        raise located(file, 1, f'not YAML: {error}'.replace('\n', ' ')) from None
+    node = compose_yaml(text, file)
     if not isinstance(node, yaml.MappingNode):
         raise located(file, 1, 'the file must be a mapping (key: value)')
     return YamlSection(file, node)
+
+
+def compose_yaml(text: str, file: str) -> yaml.Node | None:
+    """The nodes of a YAML text, each with its line; None if it is empty.
+
+    Raises:
+        InvalidInputError: not YAML, nested too deeply, or aliases that stand for more than a file holds.
+    """
+    try:
+        node: yaml.Node | None = yaml.compose(text, Loader=yaml.SafeLoader)
+        if node is not None and _expanded_size(node, {}) > MAX_NODES:
+            raise located(file, 1, f'not YAML of this suite: its aliases stand for over {MAX_NODES} values')
+    except (yaml.YAMLError, RecursionError) as error:
+        raise _not_yaml(file, error) from None
+    return node
+
+
+def _expanded_size(node: yaml.Node, known: dict[int, float]) -> float:
+    """Number of nodes with every alias in full; infinite where a node contains itself."""
+    if isinstance(node, yaml.ScalarNode):
+        return 1
+    if id(node) not in known:
+        known[id(node)] = math.inf
+        listed = isinstance(node, yaml.SequenceNode)
+        values = node.value if listed else [part for pair in node.value for part in pair]
+        known[id(node)] = 1 + sum(_expanded_size(value, known) for value in values)
+    return known[id(node)]
+
+
+def _not_yaml(file: str, error: Exception) -> InvalidInputError:
+    if isinstance(error, yaml.MarkedYAMLError):
+        mark = error.problem_mark or error.context_mark
+        return located(file, 1 if mark is None else mark.line + 1, f'not YAML: {error.problem}')
+    reason = 'nested too deeply' if isinstance(error, RecursionError) else str(error).replace('\n', ' ')
+    return located(file, 1, f'not YAML: {reason}')
 
 
 def located(file: str, line: int, message: str, **details: str | float) -> InvalidInputError:

@@ -87,7 +87,7 @@ def test_every_kind_of_object_is_read(tmp_path: Path):
         ('sphere: {radius: 0.2}', 'sphere: {radius: 1}\n    box: {size: [1, 1, 1]}', 7, 'box and sphere'),
         ('cylinder: {radius: 0.05, length: 2.0}', 'cylinder: {radius: 1}', 10, 'length is missing'),
         ('[0, 0, 0, 2]', '[0, 0, 0, 0]', 11, 'length 0'),
-        ('part.stl', 'missing.stl', 15, 'cannot be read'),
+        ('part.stl', 'missing.stl', 15, 'there is no mesh file'),
         ('[torch, ball]', '[torch]', 21, 'must be a pair of names'),
         ('[torch, ball]', '[torch, ball', 22, 'expected'),
     ],
@@ -103,7 +103,7 @@ def test_a_mistake_is_told_with_its_line(tmp_path: Path, good: str, bad: str, li
 
 
 def test_a_missing_or_empty_file_is_told(tmp_path: Path):
-    with pytest.raises(InvalidInputError, match='cannot be read'):
+    with pytest.raises(InvalidInputError, match='there is no scene'):
         read_scene(tmp_path / 'missing.yaml')
     with pytest.raises(InvalidInputError, match='must be a mapping'):
         read_scene(write(tmp_path, '# nothing\n'))

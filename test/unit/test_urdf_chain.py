@@ -196,7 +196,7 @@ def test_broken_limits_file_is_refused(tmp_path: Path, text: str, message: str):
 
 
 def test_missing_limits_file_is_refused(tmp_path: Path):
-    with pytest.raises(UnknownRobotError, match='not found'):
+    with pytest.raises(UnknownRobotError, match='there is no limits file'):
         read_urdf_chain(CHAIN, joint_limits=tmp_path / 'none.yaml')
 
 
@@ -219,3 +219,16 @@ def test_continuous_axis_with_a_range_in_the_limits_file_turns_within_it(tmp_pat
     chain = read_urdf_chain(xml, joint_limits=file)
     assert not chain.axes_data.continuous[0]
     assert read_urdf_chain(chain.xml).axes_data.upper[0] == 3.0
+
+
+def test_links_beside_a_loop_are_refused_too():
+    loop = robot(joint('one', 'a', 'b'), joint('two', 'b', 'a'), joint('three', 'b', 'c'), links='c base a b')
+    with pytest.raises(UnknownRobotError, match='hangs on itself'):
+        read_urdf_chain(loop)
+
+
+def test_endless_chains_are_refused():
+    names = [f'l{i}' for i in range(300)]
+    joints = [joint(f'j{i}', *names[i : i + 2]) for i in range(299)]
+    with pytest.raises(UnknownRobotError, match='over 200 links hang on each other'):
+        read_urdf_chain(robot(*joints, links=' '.join(names)))

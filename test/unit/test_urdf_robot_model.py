@@ -175,7 +175,7 @@ def test_shapes_on_demand_are_read_when_they_are_asked_for(tmp_path: Path):
 
 
 def test_missing_urdf_is_refused():
-    with pytest.raises(UnknownRobotError, match=r"'/no/where\.urdf' not found"):
+    with pytest.raises(UnknownRobotError, match=r'there is no URDF file /no/where\.urdf'):
         UrdfRobotModel('/no/where.urdf')
 
 
@@ -317,3 +317,34 @@ def test_positions_of_any_layout_give_the_same_pose():
         found_r, found_T = robot.direct_kinematics(same)
         np.testing.assert_array_equal(found_r, r)
         np.testing.assert_array_equal(found_T, T)
+
+
+def body(mass: object = 1.0, moments: str = 'ixx="1" iyy="1" izz="1"') -> str:
+    return f'<inertial><mass value="{mass}"/><inertia ixy="0" ixz="0" iyz="0" {moments}/></inertial>'
+
+
+def write_hand(folder: Path, inertial: str) -> Path:
+    hand = f'<link name="hand">{INERTIAL.format(mass=0.5)}</link>'
+    assert hand in ARM
+    return write_arm(folder, text=ARM.replace(hand, f'<link name="hand">{inertial}</link>'))
+
+
+@pytest.mark.parametrize(
+    ('inertial', 'message'),
+    [
+        (body(-1.0), "the links that joint 'three' moves have a mass of -1 kg; a body has more than 0 kg"),
+        (body(0.0), 'have a mass of 0 kg'),
+        (body(moments='ixx="-1" iyy="1" izz="1"'), 'moments of inertia of -1, 1 and 1 kg m'),
+        (body('heavy'), 'heavy'),
+    ],
+)
+def test_masses_and_inertias_of_no_body_are_refused(tmp_path: Path, inertial: str, message: str):
+    with pytest.raises(UnknownRobotError, match=message):
+        UrdfRobotModel(write_hand(tmp_path, inertial))
+
+
+@pytest.mark.parametrize(
+    'inertial', ['', body(), body(moments='ixx="1" iyy="1" izz="2"'), body(0, 'ixx="0" iyy="0" izz="0"')]
+)
+def test_links_may_be_bodies_or_frames(tmp_path: Path, inertial: str):
+    UrdfRobotModel(write_hand(tmp_path, inertial))

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from robots_core.errors import ProgramError
+from robots_core.errors import InvalidInputError, ProgramError
+from robots_core.files import read_bytes
 
 MAX_PROGRAM_SIZE = 1_000_000  # bytes; the interpreter's memory is bounded too
 # Lua shortens longer chunk names in its messages.
@@ -73,17 +74,9 @@ def read_source(path: Path | str) -> LuaSource:
     file = Path(path)
     name = file.name or str(file)
     try:
-        if file.is_dir():
-            raise ProgramError(f'{file} is a directory; a program is a Lua file', file=name)
-        size = file.stat().st_size
-        if size > MAX_PROGRAM_SIZE:
-            raise ProgramError(f'{size} bytes; a program has at most {MAX_PROGRAM_SIZE}', file=name)
-        data = file.read_bytes()
-    except FileNotFoundError:
-        raise ProgramError(f'there is no program {file}', file=name) from None
-    except (OSError, ValueError) as error:  # ValueError: a null character in the path
-        reason = getattr(error, 'strerror', None) or error
-        raise ProgramError(f'the program {file} cannot be read: {reason}', file=name) from None
+        data = read_bytes(file, 'program', largest=MAX_PROGRAM_SIZE)
+    except InvalidInputError as error:
+        raise ProgramError(error.message, file=name) from None
     if data.startswith(b'\x1b'):
         raise ProgramError('this is compiled Lua; a program is Lua text', file=name)
     try:

@@ -11,7 +11,8 @@ from robots_controller.io.field_path import FieldPath
 from robots_controller.io.io_image import Channel, Direction
 from robots_controller.io.io_signals import channel_at, read_signals
 from robots_core.errors import InvalidInputError
-from robots_core.yaml_section import YamlSection, located, parse_yaml, read_text
+from robots_core.files import read_text
+from robots_core.yaml_section import YamlSection, located, parse_yaml
 
 HIGHEST_BIT: Final = 63
 LONGEST_TIME: Final = 3600.0  # s

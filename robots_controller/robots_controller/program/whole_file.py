@@ -7,7 +7,8 @@ from typing import Any
 
 import yaml
 
-from robots_core.errors import ProgramError
+from robots_core.errors import InvalidInputError, ProgramError
+from robots_core.yaml_section import read_yaml_data
 
 
 def read_file(path: Path, key: str, what: str) -> dict[Any, Any]:
@@ -21,11 +22,11 @@ def read_file(path: Path, key: str, what: str) -> dict[Any, Any]:
     Raises:
         ProgramError: the file cannot be read, or holds something else.
     """
-    try:
-        data = yaml.safe_load(path.read_text())
-    except FileNotFoundError:
+    if not path.exists():
         return {}
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+    try:
+        data = read_yaml_data(path, what)
+    except InvalidInputError as error:
         raise ProgramError(f'the {what} cannot be read: {error}', file=path.name) from None
     entries = data.get(key) if isinstance(data, dict) else None
     if not isinstance(entries, dict):

@@ -9,7 +9,7 @@ from typing import Final
 
 from robots_controller.study.program_variant import Value, program_variant
 from robots_core.errors import InvalidInputError
-from robots_core.yaml_section import read_text
+from robots_core.files import read_text
 
 PROGRAM_SUFFIXES: Final = ('.lua', '.points.yaml')
 MOST_FILES: Final = 1000

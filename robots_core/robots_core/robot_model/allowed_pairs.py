@@ -8,9 +8,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-import yaml
-
 from robots_core.errors import InvalidInputError
+from robots_core.yaml_section import read_yaml_data
 
 REASONS: Final = {
     'adjacent': 'bodies with one axis between them: its limits keep them apart',
@@ -54,14 +53,13 @@ class AllowedPairs:
         Raises:
             InvalidInputError: not such a file; names the mistake.
         """
-        try:
-            content = yaml.safe_load(path.read_text())
-        except (yaml.YAMLError, OSError, UnicodeDecodeError) as error:
-            raise InvalidInputError(f'allowed pairs {str(path)!r} cannot be read: {error}') from error
+        content = read_yaml_data(path, 'table of allowed pairs')
         if not isinstance(content, dict):
             raise InvalidInputError(f'{path}: expected lists of pairs under {", ".join(REASONS)}')
         reasons: dict[Pair, str] = {}
         for reason, pairs in content.items():
+            if not isinstance(pairs or [], list):
+                raise InvalidInputError(f'{path}: {reason} must be a list of pairs')
             for pair in pairs or ():
                 if not (isinstance(pair, list) and len(pair) == 2):
                     raise InvalidInputError(f'{path}: {reason}: {pair!r} is no pair of shape names')

@@ -12,7 +12,8 @@ import pinocchio as pin
 from numpy import empty
 from numpy.typing import ArrayLike
 
-from robots_core.errors import UnknownRobotError
+from robots_core.errors import InvalidInputError, UnknownRobotError
+from robots_core.files import read_text
 from robots_core.robot_model.allowed_pairs import AllowedPairs
 from robots_core.robot_model.analytic.analytic_solver import AnalyticSolver
 from robots_core.robot_model.axes_data import AxesData
@@ -24,6 +25,7 @@ from robots_core.robot_model.shapes import Shape
 from robots_core.robot_model.structural_data import StructuralData
 from robots_core.robot_model.urdf.chain_links import links_of
 from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
+from robots_core.robot_model.urdf.urdf_inertia import check_inertia
 from robots_core.robot_model.urdf.urdf_meshes import with_absolute_meshes
 from robots_core.validation import FLOAT64, Array, finite_motion, finite_state, finite_vector, read_only
 
@@ -73,10 +75,11 @@ class UrdfRobotModel(BaseRobotModel):
         shapes_on_demand: bool = False,
     ) -> None:
         path = Path(urdf)
-        if not path.is_file():
-            raise UnknownRobotError(f'URDF file {str(path)!r} not found')
         limits = Path(joint_limits) if joint_limits is not None else path.with_name('joint_limits.yaml')
-        xml = path.read_text()
+        try:
+            xml = read_text(path, 'URDF file')
+        except InvalidInputError as error:
+            raise UnknownRobotError(error.message, **error.details) from None
         chain = read_urdf_chain(
             xml, base=base, tip=tip, joint_limits=limits if joint_limits or limits.is_file() else None
         )
@@ -85,12 +88,17 @@ class UrdfRobotModel(BaseRobotModel):
         self._structural_data = structural_data or StructuralData(source=path.name)
         self._orientation_convention = orientation_convention
 
-        model = pin.buildModelFromXML(pinocchio_xml(chain))
+        try:
+            model = pin.buildModelFromXML(pinocchio_xml(chain))
+        except (ValueError, RuntimeError) as error:
+            raise UnknownRobotError(f'{path.name}: not a URDF that Pinocchio reads: {error}') from error
         self._name = name or model.name
         if tuple(model.names)[1:] != chain.joints:
             raise UnknownRobotError(
                 f'joints {list(model.names)[1:]} do not form one chain {list(chain.joints)}'
             )
+        for joint, body in zip(chain.joints, list(model.inertias)[1:], strict=True):
+            check_inertia(joint, body)
         model.gravity.linear = finite_vector(gravity, 3, 'gravity')
         self._model = model
         self._data = model.createData()

@@ -7,10 +7,11 @@ from typing import Any, Final, TypeVar
 
 from robots_core.blocks.collision.scene import OBJECT_COLOUR, AttachedObject, PlacedObject, Scene, SceneObject
 from robots_core.errors import RobotsError
+from robots_core.files import read_text
 from robots_core.pose import Pose
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
 from robots_core.validation import finite_vector, fraction
-from robots_core.yaml_section import YamlSection, located, parse_yaml, read_text
+from robots_core.yaml_section import YamlSection, located, parse_yaml
 
 ROUND: Final[dict[str, tuple[Callable[..., Geometry], tuple[str, ...]]]] = {
     'sphere': (Sphere, ('radius',)),
@@ -30,7 +31,7 @@ def read_scene(path: Path | str) -> Scene:
     Raises:
         InvalidInputError: a file that is missing or not such a scene; names the file and the line.
     """
-    section = parse_yaml(read_text(path), str(path))
+    section = parse_yaml(read_text(path, 'scene'), str(path))
     lines: dict[str, int] = {}
 
     def placed(key: str, kind: type[Placed]) -> tuple[Placed, ...]:

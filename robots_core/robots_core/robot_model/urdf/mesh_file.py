@@ -7,6 +7,7 @@ import trimesh
 from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError
+from robots_core.files import MAX_MESH, check_file
 from robots_core.robot_model.shapes import Mesh
 
 
@@ -21,13 +22,19 @@ def read_mesh(path: Path, scale: ArrayLike = 1.0) -> Mesh:
     Raises:
         InvalidInputError: a file that cannot be read or holds no triangles.
     """
+    check_file(path, 'mesh file', largest=MAX_MESH)
     try:
         mesh = trimesh.load_mesh(path)
-    except (ValueError, NotImplementedError, OSError) as error:
+        faces, vertices = np.asarray(mesh.faces), np.asarray(mesh.vertices)
+        factor = np.asarray(scale, dtype=np.float64)
+        if path.suffix.lower() == '.dae' and mesh.units:
+            factor = factor * trimesh.units.unit_conversion(mesh.units, 'meters')
+    except Exception as error:  # the readers of trimesh raise whatever a damaged file leads to
         raise InvalidInputError(f'mesh file {str(path)!r} cannot be read: {error}') from error
-    if len(mesh.faces) == 0:
+    if len(faces) == 0:
         raise InvalidInputError(f'mesh file {str(path)!r} cannot be read: it holds no triangles')
-    factor = np.asarray(scale, dtype=np.float64)
-    if path.suffix.lower() == '.dae' and mesh.units:
-        factor = factor * trimesh.units.unit_conversion(mesh.units, 'meters')
-    return Mesh(np.asarray(mesh.vertices) * factor, np.asarray(mesh.faces))
+    if not np.isfinite(vertices).all():
+        raise InvalidInputError(f'mesh file {str(path)!r} cannot be read: a corner is not finite')
+    if not 0 <= faces.min() <= faces.max() < len(vertices):
+        raise InvalidInputError(f'mesh file {str(path)!r} cannot be read: a triangle lacks a corner')
+    return Mesh(vertices * factor, faces)

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-import yaml
 from lxml import etree
 
-from robots_core.errors import UnknownRobotError
+from robots_core.errors import InvalidInputError, UnknownRobotError
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.urdf.urdf_tree import MOVING_JOINTS, TOOL, LinkTree
+from robots_core.yaml_section import read_yaml_data
 
 # Defaults for limits that the files lack: full speed within half a second, full acceleration within a tenth.
 DEFAULT_RAMP_TIME = 0.5  # s
@@ -133,12 +133,10 @@ def _parse(xml: str) -> etree._Element:
 def _extra_limits(path: Path | None) -> dict[str, dict[str, float]]:
     if path is None:
         return {}
-    if not path.is_file():
-        raise UnknownRobotError(f'limits file {str(path)!r} not found')
     try:
-        content = yaml.safe_load(path.read_text())
-    except yaml.YAMLError as error:
-        raise UnknownRobotError(f'{path.name}: not YAML: {error}') from error
+        content = read_yaml_data(path, 'limits file')
+    except InvalidInputError as error:
+        raise UnknownRobotError(error.message, **error.details) from None
     joints = content.get('joint_limits') if isinstance(content, dict) else None
     if not isinstance(joints, dict) or not all(isinstance(joint, dict) for joint in joints.values()):
         raise UnknownRobotError(f'{path.name}: expected a mapping `joint_limits:` of joint names')

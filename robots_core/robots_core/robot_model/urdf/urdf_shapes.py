@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 import yourdfpy
 
-from robots_core.errors import InvalidInputError, UnknownRobotError
+from robots_core.errors import InvalidInputError, RobotsError, UnknownRobotError
 from robots_core.pose import Pose
 from robots_core.robot_model.shapes import Box, Cylinder, Geometry, Shape, Sphere
 from robots_core.robot_model.urdf.mesh_file import read_mesh
@@ -27,8 +27,18 @@ def urdf_shapes(xml: str, model: pin.Model, kind: Literal['visual', 'collision']
         kind: Which of a link's shapes.
 
     Raises:
-        UnknownRobotError: a mesh file that is missing or cannot be read.
+        UnknownRobotError: a mesh file that is missing or cannot be read, or a shape that is none.
     """
+    try:
+        return _shapes(xml, model, kind)
+    except RobotsError:
+        raise
+    except Exception as error:
+        # The parser of yourdfpy raises whatever a wrong number or a missing element leads to.
+        raise UnknownRobotError(f'the {kind} shapes of the URDF cannot be read: {error}') from error
+
+
+def _shapes(xml: str, model: pin.Model, kind: Literal['visual', 'collision']) -> tuple[Shape, ...]:
     description = yourdfpy.URDF.load(
         io.BytesIO(xml.encode()), build_scene_graph=False, load_meshes=False, load_collision_meshes=False
     )

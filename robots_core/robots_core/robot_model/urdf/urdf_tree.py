@@ -8,6 +8,8 @@ from robots_core.errors import UnknownRobotError
 
 MOVING_JOINTS: Final = ('revolute', 'continuous', 'prismatic')
 TOOL: Final = 'tool0'
+# A serial robot has about ten links in a row; functions that read the tree call themselves once per link.
+MAX_DEPTH: Final = 200
 
 
 class LinkTree:
@@ -128,11 +130,14 @@ class LinkTree:
         return joints[::-1]
 
     def _refuse_circle(self, start: str) -> None:
-        link = start
+        link, passed = start, {start}
         while link in self._parent_joint:
             link = link_of(self._parent_joint[link], 'parent')
-            if link == start:
-                raise UnknownRobotError(f'link {start!r} hangs on itself: a closed loop is no tree')
+            if link in passed:
+                raise UnknownRobotError(f'link {link!r} hangs on itself: a closed loop is no tree')
+            passed.add(link)
+            if len(passed) > MAX_DEPTH:
+                raise UnknownRobotError(f'over {MAX_DEPTH} links hang on each other, down to link {start!r}')
 
     def _known(self, link: str, role: str) -> str:
         if link not in self.links:

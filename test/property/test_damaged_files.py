@@ -1,0 +1,137 @@
+"""Whatever a file of a user holds: it is read, or refused by a RobotsError."""
+
+import contextlib
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
+
+from robots_core import UrdfRobotModel
+from robots_core.blocks import read_scene
+from robots_core.errors import RobotsError
+from robots_core.robot_model.urdf.mesh_file import read_mesh
+
+SCENE = """\
+objects:
+  - name: table
+    box: {size: [1.0, 2.0, 0.1]}
+    pose: {position: [1.0, 0.0, 0.5], angles: [1.5, 0, 0]}
+    colour: [0.1, 0.2, 0.3]
+  - name: pole
+    cylinder: {radius: 0.05, length: 2.0}
+    pose: {position: [0, 1, 1], quaternion: [0, 0, 0, 2]}
+  - name: part
+    mesh: {file: part.stl, scale: 0.001}
+attached:
+  - name: torch
+    capsule: {radius: 0.02, length: 0.3}
+may_touch:
+  - [torch, pole]
+"""
+URDF = """\
+<robot name="arm">
+  <material name="green"><color rgba="0 1 0 0.5"/></material>
+  <link name="base"/>
+  <link name="upper">
+    <inertial><origin xyz="0.5 0 0" rpy="0 0 0"/><mass value="2"/>
+      <inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><origin xyz="0.5 0 0"/><geometry><box size="1 0.1 0.1"/></geometry>
+      <material name="green"/></visual>
+    <collision><geometry><cylinder radius="0.1" length="0.5"/></geometry></collision>
+  </link>
+  <link name="tool0">
+    <collision><geometry><mesh filename="part.stl" scale="1 1 1"/></geometry></collision></link>
+  <joint name="one" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+    <origin xyz="1 0 0" rpy="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="100"/>
+    <dynamics damping="1" friction="2"/></joint>
+  <joint name="two" type="continuous"><parent link="upper"/><child link="tool0"/><axis xyz="0 1 0"/>
+    <limit velocity="1" effort="100"/></joint>
+  <transmission name="t"><joint name="one"/>
+    <actuator><mechanicalReduction>50</mechanicalReduction></actuator></transmission>
+</robot>
+"""
+LIMITS = """\
+joint_limits:
+  one: {max_acceleration: 10.0, has_jerk_limits: true, max_jerk: 50, min_position: -1, gear_ratio: 100}
+  two: {max_velocity: 2, rotor_inertia: 0.001, coulomb_friction: 1}
+"""
+PIECES = re.compile(r'[\w.-]+|\s+|.')
+NUMBERS = ['0', '-1', '1e999', '-1e308', 'nan', '.nan', '.inf', 'null', '9' * 5000]
+SIGNS = ['', '[]', '{}', '[[', ']', '"', '<', '>', '/>', '&a', '*a', '?', '\t', '\n', '\r', '\0', '\ud800']
+TAGS = ['!!int x', '!!binary x', '2001-01-01', '..', '/', 'fixed', 'floating', 'mimic', 'link']
+NAMES = ['table', 'base', 'upper', 'tool0', 'one', 'two']
+NASTY = st.sampled_from([*NUMBERS, *SIGNS, *TAGS, *NAMES])
+
+
+@st.composite
+def damaged(draw: st.DrawFn, text: str) -> bytes:
+    """A text of which some pieces are replaced, repeated, exchanged or lost, or that ends early."""
+    pieces = PIECES.findall(text)
+    places = st.integers(0, len(pieces) - 1)
+    for _ in range(draw(st.integers(1, 4))):
+        place, other = draw(places), draw(places)
+        match draw(st.sampled_from(('replace', 'repeat', 'exchange', 'end'))):
+            case 'replace':
+                pieces[place] = draw(NASTY)
+            case 'repeat':
+                pieces[place] = ' '.join([pieces[place], *pieces[other : other + 9]])
+            case 'exchange':
+                pieces[place], pieces[other] = pieces[other], pieces[place]
+            case _:
+                pieces[place:] = [''] * (len(pieces) - place)
+    return ''.join(pieces).encode(errors='surrogatepass')
+
+
+@pytest.fixture(scope='module')
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp('files')
+    trimesh.creation.box((1.0, 2.0, 3.0)).export(made / 'part.stl')
+    return made
+
+
+def read_robot(path: Path) -> None:
+    UrdfRobotModel(path)
+
+
+def refused(read: Callable[[Path], object], path: Path, data: bytes) -> None:
+    path.write_bytes(data)
+    with contextlib.suppress(RobotsError):
+        read(path)
+
+
+@given(data=damaged(SCENE))
+def test_damaged_scenes(folder: Path, data: bytes):
+    refused(read_scene, folder / 'scene.yaml', data)
+
+
+@given(data=damaged(URDF))
+def test_damaged_urdfs(folder: Path, data: bytes):
+    (folder / 'joint_limits.yaml').unlink(missing_ok=True)
+    refused(read_robot, folder / 'robot.urdf', data)
+
+
+@given(data=damaged(LIMITS))
+def test_damaged_limits(folder: Path, data: bytes):
+    (folder / 'joint_limits.yaml').write_bytes(data)
+    refused(read_robot, folder / 'robot.urdf', URDF.encode())
+
+
+MESHES = {
+    kind: trimesh.creation.box((1.0, 2.0, 3.0)).export(file_type=kind)
+    for kind in ('stl', 'obj', 'ply', 'dae', 'glb')
+}
+
+
+@pytest.mark.parametrize('kind', MESHES)
+@given(data=st.data())
+def test_damaged_meshes(folder: Path, kind: str, data: st.DataObject):
+    whole = MESHES[kind]
+    mesh = bytearray(whole.encode() if isinstance(whole, str) else whole)
+    for _ in range(data.draw(st.integers(1, 4))):
+        place = data.draw(st.integers(0, len(mesh) - 1))
+        mesh[place : place + data.draw(st.integers(0, 4))] = data.draw(st.binary(max_size=6))
+    refused(read_mesh, folder / f'part_of_its_own.{kind}', bytes(mesh))
