@@ -202,7 +202,7 @@ def verify(
     all_q = np.concatenate([q, turning_q])
     q_times = np.concatenate([np.broadcast_to(t[:, None], q.shape), turning_times])
 
-    middle, half = _range(axes.lower, axes.upper)
+    middle, half = axes.middle_and_half
     ratios = {
         'position': _Samples(
             q_times,
@@ -241,13 +241,6 @@ def verify(
         line_deviation=deviation,
         orientation_deviation=turned,
     )
-
-
-def _range(lower: Array, upper: Array) -> tuple[Array, Array]:
-    """Middle and half width of the position limits; a continuous axis is never near one."""
-    bounded = np.isfinite(lower) & np.isfinite(upper)
-    low, high = np.where(bounded, lower, -1.0), np.where(bounded, upper, 1.0)
-    return np.where(bounded, 0.5 * (low + high), 0.0), np.where(bounded, 0.5 * (high - low), np.inf)
 
 
 def _worst(quantity: str, robot: BaseRobotModel, samples: _Samples) -> LimitUse:

@@ -116,8 +116,7 @@ class Comparison:
 def compare(robot: BaseRobotModel, rounds: int, seed: int) -> Comparison:
     """Medians over rounds of random poses."""
     axes = robot.axes_data
-    lower = np.where(axes.continuous, -np.pi, axes.lower)
-    upper = np.where(axes.continuous, np.pi, axes.upper)
+    lower, upper = axes.one_turn
     postures = np.random.default_rng(seed).uniform(lower, upper, (POSES, 6))
     poses = [robot.direct_kinematics(q) for q in postures]
     solvers = our_solver(robot, poses), unlimited_solver(robot, poses), eaik_solver(robot, poses)

@@ -60,8 +60,7 @@ class Row:
 def motions(robot: BaseRobotModel) -> list[tuple[np.ndarray, ...]]:
     axes = robot.axes_data
     rng = np.random.default_rng(5)
-    low = np.where(axes.continuous, -np.pi, axes.lower)
-    high = np.where(axes.continuous, np.pi, axes.upper)
+    low, high = axes.one_turn
     q = rng.uniform(low, high, (SAMPLES, axes.num_axes))
     v, a = rng.uniform(-1.0, 1.0, (2, SAMPLES, axes.num_axes))
     return list(zip(q, v, a, strict=True))

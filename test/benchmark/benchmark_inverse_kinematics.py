@@ -43,7 +43,7 @@ STEPS = 500
 
 def ranges(robot: BaseRobotModel) -> tuple[np.ndarray, np.ndarray]:
     axes = robot.axes_data
-    return np.where(axes.continuous, -np.pi, axes.lower), np.where(axes.continuous, np.pi, axes.upper)
+    return axes.one_turn
 
 
 def elementary_transforms(robot: BaseRobotModel) -> ETS:

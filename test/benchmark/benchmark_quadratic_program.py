@@ -36,7 +36,7 @@ class Program:
 def programs_of(robot: BaseRobotModel, dt: float, count: int, rng: np.random.Generator) -> list[Program]:
     """A robot at rest somewhere that is wanted to move somehow: accelerations and torques are limited."""
     axes, n = robot.axes_data, robot.num_axes
-    low, high = np.where(axes.continuous, -np.pi, axes.lower), np.where(axes.continuous, np.pi, axes.upper)
+    low, high = axes.one_turn
     programs = []
     for q in rng.uniform(low, high, (count, n)):
         J = robot.jacobian(q)

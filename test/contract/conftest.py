@@ -50,7 +50,6 @@ _loaded = cache(load_robot_model)
 def postures(robot: BaseRobotModel) -> np.ndarray:
     """Joint positions all over the robot's range, (k, n), the home posture among them."""
     axes = robot.axes_data
-    lower = np.where(axes.continuous, -np.pi, axes.lower)
-    upper = np.where(axes.continuous, np.pi, axes.upper)
+    lower, upper = axes.one_turn
     random = np.random.default_rng(7).uniform(lower, upper, (POSTURES, axes.num_axes))
     return np.vstack([robot.home, random])

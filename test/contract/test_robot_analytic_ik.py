@@ -38,8 +38,7 @@ def analytic_robot(robot: BaseRobotModel) -> BaseRobotModel | None:
 
 def random_postures(robot: BaseRobotModel, count: int, seed: int) -> np.ndarray:
     axes = robot.axes_data
-    lower = np.where(axes.continuous, -np.pi, axes.lower)
-    upper = np.where(axes.continuous, np.pi, axes.upper)
+    lower, upper = axes.one_turn
     return np.random.default_rng(seed).uniform(lower, upper, (count, robot.num_axes))
 
 
@@ -84,8 +83,7 @@ def test_every_posture_is_found_and_reaches_its_pose(analytic_robot: BaseRobotMo
 def singular_postures(robot: BaseRobotModel) -> Iterator[tuple[int, np.ndarray]]:
     """Postures where the determinant of the Jacobian changes its sign along one axis, and that axis."""
     axes = robot.axes_data
-    lower = np.where(axes.continuous, -np.pi, axes.lower)
-    upper = np.where(axes.continuous, np.pi, axes.upper)
+    lower, upper = axes.one_turn
     for start in random_postures(robot, SINGULAR_POSTURES, seed=6):
         for axis in range(1, robot.num_axes - 1):
 

@@ -16,7 +16,7 @@ _LOADED = {name: load_robot_model(name) for name in ROBOTS}
 def positions(robot: BaseRobotModel, parts: list[float]) -> np.ndarray:
     """Joint positions at parts 0..1 of their ranges; 0.5 of a symmetric range is a singular wrist."""
     axes = robot.axes_data
-    low, high = np.where(axes.continuous, -np.pi, axes.lower), np.where(axes.continuous, np.pi, axes.upper)
+    low, high = axes.one_turn
     return low + np.array(parts[: robot.num_axes]) * (high - low)
 
 

@@ -30,7 +30,7 @@ motions = st.lists(signed, min_size=7, max_size=7)
 def positions(robot: BaseRobotModel, values: list[float]) -> np.ndarray:
     """Joint positions at parts 0..1 of their ranges; axes without a range have one turn."""
     axes = robot.axes_data
-    low, high = np.where(axes.continuous, -np.pi, axes.lower), np.where(axes.continuous, np.pi, axes.upper)
+    low, high = axes.one_turn
     return low + np.array(values[: robot.num_axes]) * (high - low)
 
 

@@ -31,7 +31,7 @@ def test_limits_hold_whatever_is_commanded(
 ) -> None:
     robot = _LOADED[name]
     axes, n = robot.axes_data, robot.num_axes
-    low, high = np.where(axes.continuous, -np.pi, axes.lower), np.where(axes.continuous, np.pi, axes.upper)
+    low, high = axes.one_turn
     box = TeachBox(robot, DT, low + np.array(start[:n]) * (high - low), speed_fraction=fraction)
     velocity, acceleration = fraction * axes.velocity, 0.3 * axes.acceleration
     before, now = np.zeros(n), 0.0

@@ -24,8 +24,7 @@ def robot(request: pytest.FixtureRequest) -> BaseRobotModel:
 @pytest.fixture
 def positions(robot: BaseRobotModel) -> np.ndarray:
     axes = robot.axes_data
-    lower = np.where(axes.continuous, -np.pi, axes.lower)
-    upper = np.where(axes.continuous, np.pi, axes.upper)
+    lower, upper = axes.one_turn
     return np.random.default_rng(11).uniform(lower, upper, (10, axes.num_axes))
 
 

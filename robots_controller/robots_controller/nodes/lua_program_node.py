@@ -43,7 +43,7 @@ from robots_core.ros.messages import (
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import is_served
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
-from robots_core.ros.robot_node import RobotNode, bounded
+from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_planning.motion_settings import NOTHING
 from robots_planning.robot_command_state import RobotCommandState
@@ -105,7 +105,7 @@ class LuaProgramNode(RobotNode):
             'planner_timeout',
             5.0,
             'longest wait of a motion for planning_node, s',
-            check=bounded(0.1, 600.0, 's'),
+            bounds=(0.1, 600.0),
             read_only=True,
         )
         payload = self.parameter(

@@ -59,7 +59,7 @@ class RunSignals:
         offset = _offset(run)
         (r, T), (r_ref, T_ref) = _frames(robot, q), _frames(robot, q_ref)
         lever, lever_ref = (np.einsum('mij,mj->mi', turned, offset) for turned in (T, T_ref))
-        middle, half = axes_range(robot)
+        middle, half = axes.middle_and_half
         rate, change = _steps(run)
         return cls(
             flange_reference=(read_only(r_ref), read_only(T_ref)),
@@ -77,14 +77,6 @@ class RunSignals:
                 'torque': read_only(np.abs(needed) / axes.effort),
             },
         )
-
-
-def axes_range(robot: BaseRobotModel) -> tuple[Array, Array]:
-    """Middle and half of each axis's range, (n,) rad (m) each; 0 and infinity of an endless one."""
-    axes = robot.axes_data
-    bounded = np.isfinite(axes.lower) & np.isfinite(axes.upper)
-    half = np.where(bounded, 0.5 * (axes.upper - axes.lower), np.inf)
-    return np.where(bounded, axes.lower + np.where(bounded, half, 0.0), 0.0), half
 
 
 def _needed(run: RecordedRun) -> Array:

@@ -31,7 +31,7 @@ from robots_core.ros.messages import (
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import is_served
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
-from robots_core.ros.robot_node import RobotNode, bounded
+from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 
 MAX_RATE = 250.0  # Hz
@@ -54,10 +54,10 @@ class CollisionNode(RobotNode):
             'collision_engine', 'fcl', f'one of {", ".join(ENGINES)}', check=_known_engine, read_only=True
         )
         lookahead = self.parameter(
-            'lookahead', LOOKAHEAD, 'stop this long before, s', check=bounded(0.0, 60.0, 's'), read_only=True
+            'lookahead', LOOKAHEAD, 'stop this long before, s', bounds=(0.0, 60.0), read_only=True
         )
         rate = self.parameter(
-            'rate', LOOK_RATE, 'looks per second, Hz', check=bounded(0.1, MAX_RATE, 'Hz'), read_only=True
+            'rate', LOOK_RATE, 'looks per second, Hz', bounds=(0.1, MAX_RATE), read_only=True
         )
         controller = self.parameter(
             'controller', 'controller_node', 'node whose ~/stop is called', read_only=True

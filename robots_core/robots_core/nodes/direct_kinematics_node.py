@@ -13,7 +13,7 @@ from robots_core.pose import Pose
 from robots_core.ros.messages import joint_values, pose_stamped_message
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import SENSOR, STATE
-from robots_core.ros.robot_node import RobotNode, bounded
+from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import finite_vector
 
@@ -30,7 +30,7 @@ class DirectKinematicsNode(RobotNode):
             'tool', NO_TOOL, 'tool in tool0: x y z (m), quaternion x y z w', check=pose_from_parameter
         )
         rate = self.parameter(
-            'rate', 50.0, 'highest publishing rate, Hz', check=bounded(0.1, MAX_RATE, 'Hz'), read_only=True
+            'rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE), read_only=True
         )
         self._kinematics = DirectKinematics(self.robot, tool=pose_from_parameter(tool))
         self._kinematics.forward(self.robot.home)  # a ready node has loaded what it needs

@@ -20,7 +20,7 @@ from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import doubles
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, STATE
-from robots_core.ros.robot_node import RobotNode, bounded
+from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
 
@@ -121,7 +121,7 @@ class DriveNode(RobotNode):
             'fault_noise',
             0.0,
             'for tests: standard deviation of the reported positions, rad',
-            check=bounded(0.0, np.pi, 'rad'),
+            bounds=(0.0, np.pi),
         )
         self._use_faults([])
         self.add_post_set_parameters_callback(self._use_faults)

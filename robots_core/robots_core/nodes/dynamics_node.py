@@ -27,7 +27,7 @@ from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.messages import doubles, joint_indices, seconds
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, SENSOR, STATE, subscribe_state
-from robots_core.ros.robot_node import RobotNode, bounded
+from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array, finite_vector
 
@@ -57,13 +57,13 @@ class DynamicsNode(RobotNode):
             'source', 'joint_states', f'{" or ".join(SOURCES)}', check=_check_source, read_only=True
         )
         rate = self.parameter(
-            'rate', 50.0, 'highest publishing rate, Hz', check=bounded(0.1, MAX_RATE, 'Hz'), read_only=True
+            'rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE), read_only=True
         )
         self._filter_time: float = self.parameter(
             'filter_time',
             0.02,
             'time constant of the accelerations estimated from velocities, s',
-            check=bounded(0.0, 10.0, 's'),
+            bounds=(0.0, 10.0),
         )
         orientation = self.parameter(
             'base_orientation', UPRIGHT, 'of the base in the world, quaternion x y z w', check=_orientation

@@ -16,7 +16,7 @@ from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import joint_values
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, SENSOR, STATE
-from robots_core.ros.robot_node import RobotNode, bounded
+from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 
 MAX_RATE = 100.0  # Hz
@@ -41,7 +41,7 @@ class VisualizerNode(RobotNode):
             'rate',
             30.0,
             "highest rate of the page's updates, Hz",
-            check=bounded(0.1, MAX_RATE, 'Hz'),
+            bounds=(0.1, MAX_RATE),
             read_only=True,
         )
         self._visualizer = Visualizer(self.robot, host=host, port=port)

@@ -112,6 +112,18 @@ class AxesData:
         return np.isinf(self.lower) & np.isinf(self.upper)
 
     @property
+    def one_turn(self) -> tuple[Array, Array]:
+        """Lowest and highest positions, (n,) each, rad (m); a continuous axis has a turn about 0."""
+        return np.where(self.continuous, -np.pi, self.lower), np.where(self.continuous, np.pi, self.upper)
+
+    @property
+    def middle_and_half(self) -> tuple[Array, Array]:
+        """Middle and half of each range, (n,) each, rad (m); 0 and infinity of a continuous axis."""
+        low, high = self.one_turn
+        middle, half = np.where(self.continuous, 0.0, 0.5 * (low + high)), 0.5 * (high - low)
+        return middle, np.where(self.continuous, np.inf, half)
+
+    @property
     def reflected_inertia(self) -> Array:
         """Rotor inertia reflected to the joint, (n,), kg m^2 (kg): gear ratio squared times rotor inertia."""
         ratio = np.where(np.isnan(self.gear_ratio), 0.0, self.gear_ratio)

@@ -1,14 +1,13 @@
 """WrappedRobot: a robot that differs from another one in some respect."""
 
-from robots_core.robot_model.axes_data import AxesData
+from operator import attrgetter
+from typing import Any
+
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.robot_model.collision_model import CollisionModel
-from robots_core.robot_model.drive_data import DriveData
-from robots_core.robot_model.kinematic_model import KinematicModel
-from robots_core.robot_model.rigid_dynamics_model import RigidDynamicsModel
-from robots_core.robot_model.robot_visualization import RobotVisualization
-from robots_core.robot_model.structural_data import StructuralData
-from robots_core.validation import Array
+
+
+def _as_the_robot_has(name: str) -> Any:
+    return property(attrgetter(f'robot.{name}'))
 
 
 class WrappedRobot(BaseRobotModel):
@@ -21,77 +20,19 @@ class WrappedRobot(BaseRobotModel):
     def __init__(self, robot: BaseRobotModel) -> None:
         self.robot = robot
 
-    @property
-    def axes_data(self) -> AxesData:
-        """The robot's."""
-        return self.robot.axes_data
-
-    @property
-    def drive_data(self) -> DriveData:
-        """The robot's."""
-        return self.robot.drive_data
-
-    @property
-    def orientation_convention(self) -> str:
-        """The robot's."""
-        return self.robot.orientation_convention
-
-    @property
-    def name(self) -> str:
-        """The robot's."""
-        return self.robot.name
-
-    @property
-    def structural_data(self) -> StructuralData:
-        """The robot's."""
-        return self.robot.structural_data
-
-    @property
-    def kinematic_model(self) -> KinematicModel:
-        """The robot's."""
-        return self.robot.kinematic_model
-
-    @property
-    def rigid_dynamics_model(self) -> RigidDynamicsModel:
-        """The robot's."""
-        return self.robot.rigid_dynamics_model
-
-    @property
-    def visualization(self) -> RobotVisualization:
-        """The robot's."""
-        return self.robot.visualization
-
-    @property
-    def collision_model(self) -> CollisionModel:
-        """The robot's."""
-        return self.robot.collision_model
-
-    @property
-    def description(self) -> str:
-        """The robot's."""
-        return self.robot.description
-
-    @property
-    def home(self) -> Array:
-        """The robot's."""
-        return self.robot.home
-
-    def direct_kinematics(self, q: Array) -> tuple[Array, Array]:
-        """The robot's."""
-        return self.robot.direct_kinematics(q)
-
-    def jacobian(self, q: Array) -> Array:
-        """The robot's."""
-        return self.robot.jacobian(q)
-
-    def jacobian_der(self, q: Array, q_dot: Array) -> Array:
-        """The robot's."""
-        return self.robot.jacobian_der(q, q_dot)
-
-    def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
-        """The robot's."""
-        return self.robot.rigid_dynamics(q, q_dot, q_ddot)
-
-    def inverse_kinematics_analytic(self, r: Array, T: Array, *, q_near: Array | None = None) -> Array:
-        """The robot's."""
-        return self.robot.inverse_kinematics_analytic(r, T, q_near=q_near)
+    name = _as_the_robot_has('name')
+    axes_data = _as_the_robot_has('axes_data')
+    drive_data = _as_the_robot_has('drive_data')
+    structural_data = _as_the_robot_has('structural_data')
+    kinematic_model = _as_the_robot_has('kinematic_model')
+    rigid_dynamics_model = _as_the_robot_has('rigid_dynamics_model')
+    visualization = _as_the_robot_has('visualization')
+    collision_model = _as_the_robot_has('collision_model')
+    description = _as_the_robot_has('description')
+    home = _as_the_robot_has('home')
+    orientation_convention = _as_the_robot_has('orientation_convention')
+    direct_kinematics = _as_the_robot_has('direct_kinematics')
+    jacobian = _as_the_robot_has('jacobian')
+    jacobian_der = _as_the_robot_has('jacobian_der')
+    rigid_dynamics = _as_the_robot_has('rigid_dynamics')
+    inverse_kinematics_analytic = _as_the_robot_has('inverse_kinematics_analytic')

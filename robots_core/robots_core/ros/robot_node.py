@@ -148,15 +148,3 @@ class RobotNode(TimedNode):
             self._bad_streams[topic] = now
             self.get_logger().error(f'{topic}: {error}')  # type: ignore[no-untyped-call]
         self.report_health(DiagnosticStatus.WARN, f'{topic}: {error}')
-
-
-def bounded(low: float, high: float, unit: str = '') -> Callable[[Any], None]:
-    """A check that a number lies in [low, high], for `RobotNode.parameter`."""
-
-    def check(value: Any) -> None:
-        if not low <= value <= high:
-            raise InvalidInputError(
-                f'{value!r} {unit}'.rstrip() + f' is outside [{low:g}, {high:g}] {unit}'.rstrip()
-            )
-
-    return check

@@ -137,8 +137,7 @@ class ConfigurationGraph:
         if self._analytic is not None:
             return list(self._analytic.solve_all(pose, turns=True))
         rng, axes = np.random.default_rng(0), self._axes
-        low = np.where(axes.continuous, -np.pi, axes.lower)
-        high = np.where(axes.continuous, np.pi, axes.upper)
+        low, high = axes.one_turn
         search = DampedLeastSquares(self._robot, tool=self._tool, restarts=0)
         results = [search.solve(pose, rng.uniform(low, high)) for _ in range(OTHER_STARTS)]
         return [result.q for result in results if result.converged]

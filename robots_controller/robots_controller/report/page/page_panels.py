@@ -8,7 +8,6 @@ import numpy as np
 from robots_controller.report.line_times import time_spans
 from robots_controller.report.page.page_data import PageArrays, series
 from robots_controller.report.run_report import RunReport
-from robots_controller.report.run_signals import axes_range
 from robots_core.validation import Array
 
 COLOURS: Final = ('#0b7285', '#e8590c', '#6741d9', '#2b8a3e', '#c2255c', '#1c7ed6', '#b08900', '#495057')
@@ -128,7 +127,7 @@ def _joint_panels(report: RunReport, arrays: PageArrays) -> list[dict[str, Any]]
     run, signals = report.run, report.signals
     axes = run.robot.axes_data
     q, q_dot = run.feedback
-    middle, half = axes_range(run.robot)
+    middle, half = run.robot.axes_data.middle_and_half
     half = np.where(np.isfinite(half), half, 2.0 * np.pi)  # of an endless axis a turn is 100 %
     angle = np.where(np.array(axes.prismatic), 1e3, 180.0 / np.pi)
     units = ['mm' if prismatic else '°' for prismatic in axes.prismatic]

@@ -11,7 +11,6 @@ from robots_core.blocks.collision.solid_set import SolidSet
 from robots_core.blocks.collision.solids import Solid, solids_of
 from robots_core.robot_model.allowed_pairs import AllowedPairs, Pair, ordered_pair
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array
 
 SAMPLES = 1000
 # Joint positions evaluated for a proof; a pair that needs more stays checked.
@@ -71,15 +70,9 @@ def robot_solids(robot: BaseRobotModel) -> tuple[Solid, ...]:
     )
 
 
-def _range(robot: BaseRobotModel) -> tuple[Array, Array]:
-    """The axes' ranges, one turn for continuous axes: lowest and highest positions, (n,) each."""
-    axes = robot.axes_data
-    return np.where(axes.continuous, -np.pi, axes.lower), np.where(axes.continuous, np.pi, axes.upper)
-
-
 def _touching(solids: SolidSet, robot: BaseRobotModel, samples: int) -> NDArray[np.bool_]:
     """Whether each pair is in contact at home and at random joint positions, (samples + 1, p) bool."""
-    low, high = _range(robot)
+    low, high = robot.axes_data.one_turn
     every = np.arange(solids.first.size)
     none = np.zeros(every.size)
     random = np.random.default_rng(0).uniform(low, high, (samples, robot.num_axes))
@@ -111,7 +104,7 @@ def proven_apart(solids: SolidSet, robot: BaseRobotModel, names: Sequence[Pair],
 
 def _unproven(solids: SolidSet, robot: BaseRobotModel, pairs: Indices, axes: slice, budget: int) -> set[int]:
     """The pairs that may be closer than the gap for some positions of the axes between them."""
-    low, high = _range(robot)
+    low, high = robot.axes_data.one_turn
     middle, half = robot.home.copy(), np.zeros(robot.num_axes)
     middle[axes], half[axes] = 0.5 * (low + high)[axes], 0.5 * (high - low)[axes]
     waiting = [(middle, half, pairs)]

@@ -67,8 +67,7 @@ class ChainDynamics:
         turned = T @ inertias @ T.transpose(0, 2, 1)
         # Torques at rest are linear in gravity, which is identified from several states.
         axes = robot.axes_data
-        low = np.where(axes.continuous, -np.pi, axes.lower)
-        high = np.where(axes.continuous, np.pi, axes.upper)
+        low, high = axes.one_turn
         states = np.random.default_rng(0).uniform(low, high, (PROBES, n))
         still = np.zeros(n)
         columns, wanted = [], []

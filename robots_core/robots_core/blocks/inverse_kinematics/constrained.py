@@ -164,8 +164,7 @@ def braking_deceleration(robot: BaseRobotModel) -> Array:
     states at up to full speed; each axis may brake or have stopped already.
     """
     axes = robot.axes_data
-    low = np.where(axes.continuous, -np.pi, axes.lower)
-    high = np.where(axes.continuous, np.pi, axes.upper)
+    low, high = axes.one_turn
     rng = np.random.default_rng(0)
     n, still = axes.num_axes, np.zeros(axes.num_axes)
     part = 1.0

@@ -174,8 +174,7 @@ class DampedLeastSquares:
 def low_discrepancy(axes: AxesData, count: int, offset: Array | float) -> Array:
     """Points that fill the joint space evenly, (count, n); continuous axes within half a turn of 0."""
     n = axes.num_axes
-    low = np.where(axes.continuous, -np.pi, axes.lower)
-    high = np.where(axes.continuous, np.pi, axes.upper)
+    low, high = axes.one_turn
     ratio = 2.0  # the positive root of x^(n+1) = x + 1
     for _ in range(60):
         ratio = (1.0 + ratio) ** (1.0 / (n + 1.0))

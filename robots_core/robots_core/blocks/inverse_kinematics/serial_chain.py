@@ -89,8 +89,7 @@ class SerialChain:
 
     def _check(self, robot: BaseRobotModel, tool: Pose) -> None:
         axes = robot.axes_data
-        low = np.where(axes.continuous, -np.pi, axes.lower)
-        high = np.where(axes.continuous, np.pi, axes.upper)
+        low, high = axes.one_turn
         for q in np.random.default_rng(0).uniform(low, high, (PROBES, axes.num_axes)):
             expected, found = Pose(*robot.direct_kinematics(q)) @ tool, self.forward(q)
             off = max(np.abs(found.r - expected.r).max(), np.abs(found.T - expected.T).max())

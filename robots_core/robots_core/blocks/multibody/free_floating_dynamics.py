@@ -63,18 +63,12 @@ class FreeFloatingDynamics(Dynamics):
         return np.asarray(J[:, 6:] - J[:, :6] @ S)
 
     def base_wrench(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
-        """Wrench of the base body on the arm; the arm exerts the opposite.
+        """Wrench of the base body on the arm for a motion (see `rigid_dynamics`).
 
-        Args:
-            q: Joint positions, (n,), rad (m).
-            q_dot: Joint velocities, (n,), rad/s.
-            q_ddot: Joint accelerations, (n,), rad/s^2.
+        The arm exerts the opposite.
 
         Returns:
             Force (N) and moment (N m) at the base's origin, in base axes, (6,).
-
-        Raises:
-            InvalidInputError: an argument of another shape or not finite.
         """
         q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self._n)
         M, S, _ = self._blocks(q)

@@ -69,19 +69,12 @@ class NumericalDynamics(Dynamics):
         return np.asarray(pin.aba(self._fixed, self._fixed_data, q, q_dot, tau))
 
     def base_wrench(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
-        """Wrench of the mount on the robot, base body included.
+        """Wrench of the mount on the robot, base body included, for a motion (see `rigid_dynamics`).
 
-        Args:
-            q: Joint positions, (n,), rad (m).
-            q_dot: Joint velocities, (n,), rad/s.
-            q_ddot: Joint accelerations, (n,), rad/s^2.
+        The robot exerts the opposite on its mount. Rotors are without effect on it.
 
         Returns:
-            Force (N) and moment (N m) at the base's origin, in base axes, (6,). The robot exerts the
-            opposite on its mount. Rotors are without effect on it.
-
-        Raises:
-            InvalidInputError: an argument of another shape or not finite.
+            Force (N) and moment (N m) at the base's origin, in base axes, (6,).
         """
         return self._full(*finite_motion(q, q_dot, q_ddot, self._n))[:6].copy()
 
