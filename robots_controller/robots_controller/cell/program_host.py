@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -23,7 +24,6 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.motion_settings import NOTHING, MotionSettings
-from robots_planning.pathplanning import PathPlanning
 from robots_planning.robot_command_state import STATE_OF_GUIDE, RobotCommandState
 
 
@@ -239,11 +239,13 @@ class ProgramHost:
     def inverse_kinematics(self, pose: Pose, near: Array, settings: Mapping[str, object]) -> Array:
         """See `CellPort`."""
         wanted: dict[str, Any] = dict(settings)
-        return self._planning.reach(pose, near, MotionSettings(**wanted))
+        q: Array = self._planning.reach(pose, near, MotionSettings(**wanted))
+        return q
 
     @cached_property
-    def _planning(self) -> PathPlanning:
-        return PathPlanning(self._robot)
+    def _planning(self) -> Any:
+        # Imported on demand: few programs ask for joint positions, and the planner takes long to load.
+        return import_module('robots_planning.pathplanning').PathPlanning(self._robot)
 
     def command(self, command: MotionCommand) -> None:
         """See `CellPort`."""
