@@ -4,6 +4,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import Any, Final
 
 from rclpy.clock import Clock, ROSClock
@@ -50,7 +51,6 @@ from robots_core.ros.lockstep.protocol import (
 )
 from robots_core.ros.lockstep.timed_work import LockstepLoop, LockstepTimer, LockstepTurn, TimedWork
 from robots_core.ros.lockstep.traffic import CLOSED
-from robots_core.ros.lockstep.uncounted_endpoints import UncountedEndpoints
 
 MATCHING_PERIOD: Final = 0.02  # s of the wall clock between looks, until all endpoints are matched
 POLL: Final = 2e-5  # s
@@ -93,12 +93,16 @@ class Participant:
         self._lock = threading.RLock()
         self._replies: list[Callable[[], None]] = []
         self._set_clock()
-        create = UncountedEndpoints(node)
-        self._participants = create.publisher(String, PARTICIPANTS, LATCHED)
-        self._reports = create.publisher(Int64MultiArray, REPORT, ALL)
-        self._times = create.polled(Int64MultiArray, TIME, NEWEST)
-        self._go = create.subscription(Int64MultiArray, f'{self.name}/{GO}', self._on_go, ALL)
-        create.subscription(String, ROSTER, self._on_roster, LATCHED, raw=False)
+        # Endpoints of the protocol itself, whose messages are not counted.
+        publisher = partial(Node.create_publisher, node, event_callbacks=NO_PUBLISHER_EVENTS)
+        subscription = partial(Node.create_subscription, node, event_callbacks=NO_SUBSCRIPTION_EVENTS)
+        self._participants = publisher(String, PARTICIPANTS, LATCHED)
+        self._reports: Any = publisher(Int64MultiArray, REPORT, ALL)
+        self._times: Any = subscription(
+            Int64MultiArray, TIME, lambda _: None, NEWEST, callback_group=NeverExecuted(), raw=True
+        )
+        self._go: Any = subscription(Int64MultiArray, f'{self.name}/{GO}', self._on_go, ALL, raw=True)
+        subscription(String, ROSTER, self._on_roster, LATCHED)
         self._after_replies = node.create_guard_condition(self._handle_replies)
         self._matching = Node.create_timer(
             node, MATCHING_PERIOD, self._match, clock=Clock(clock_type=ClockType.STEADY_TIME)
