@@ -22,6 +22,15 @@
 ---@field analog_output? integer|string analog output
 ---@field value boolean|number
 
+---What ends a motion: one input or torque, and its value or bounds.
+---@class Condition
+---@field input? integer|string digital input
+---@field value? boolean of the digital input, true by default
+---@field analog_input? integer|string
+---@field joint_torque? integer number of a joint, its torque in N m (N)
+---@field above? number
+---@field below? number
+
 ---@class CartesianOptions
 ---@field blend? number m, zone in which the corner to the next motion may be cut
 ---@field on_path? PathSwitch|PathSwitch[]
@@ -105,7 +114,7 @@ function linearRelative(x, y, z, phi1, phi2, phi3, frame, options) end
 function ptpJointSpaceAnglesRelative(q1, q2, q3, q4, q5, q6, options) end
 
 ---Moves until a condition holds: the robot brakes on its path. moveUntil({input = 1}, linearRelative, 0, 0, -0.1, 0, 0, 0).
----@param condition table {input = index, value = true or false}, {analog_input = index, above | below = number}, or {joint_torque = joint, above | below = N m (N)}
+---@param condition Condition {input = index, value = true or false}, {analog_input = index, above | below = number}, or {joint_torque = joint, above | below = N m (N)}
 ---@param motion function function that moves the robot; its arguments follow
 ---@param ... any
 ---@return boolean, Pose, Pose|nil # whether it held, the pose where the robot stands, the pose where it held

@@ -205,3 +205,9 @@ def test_any_text_is_checked(tmp_path: Path, text: str):
     for problem in check_program(path, SIZES):
         assert problem.file
     assert sum(token.text.count('\n') for token in lua_tokens(text)) <= text.count('\n')
+
+
+def test_tasks_do_not_move_the_robot(tmp_path: Path):
+    (tmp_path / 'watch.lua').write_text('waitDigitalInput(1, true)\nlinearRelative(0, 0, 1, 0, 0, 0)')
+    (found,) = check(tmp_path, "startTask('watch')")
+    assert found == 'watch.lua:2: linearRelative: not in a task; the main program alone may call it'

@@ -42,7 +42,7 @@ _TYPES: Final[dict[Kind, str]] = {
     'function': 'fun(): "abort"|nil',
     'pose': 'Pose|number[]',
     'joints': 'number[]',
-    'condition': 'table',
+    'condition': 'Condition',
     'value': 'number|string|boolean|number[]',
     'motion': 'function',
     'moment': '|'.join(f'"{moment}"' for moment in MOMENTS),
@@ -79,6 +79,15 @@ HEADER: Final = f"""---@meta
 ---@field output? integer|string digital output
 ---@field analog_output? integer|string analog output
 ---@field value boolean|number
+
+---What ends a motion: one input or torque, and its value or bounds.
+---@class Condition
+---@field input? integer|string digital input
+---@field value? boolean of the digital input, true by default
+---@field analog_input? integer|string
+---@field joint_torque? integer number of a joint, its torque in N m (N)
+---@field above? number
+---@field below? number
 
 ---@class CartesianOptions
 ---@field blend? number m, zone in which the corner to the next motion may be cut

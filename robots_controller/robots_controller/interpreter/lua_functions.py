@@ -43,6 +43,14 @@ LUA_FUNCTIONS: Final[Mapping[str, LuaFunction]] = MappingProxyType(
 )
 """All functions of robot programs, by name."""
 
+TASK_FUNCTIONS: Final = frozenset(
+    function.name
+    for family in (POSITIONS, POSES, KINEMATICS, SIGNALS, FLOW, PERSISTENCE)
+    for function in family
+    if function.name != 'halt'
+)
+"""Those that tasks have."""
+
 PAPER_FUNCTIONS: Final = (
     'ptpCartesianSpace',
     'ptpJointSpaceAngles',

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -13,16 +13,31 @@ from robots_controller.program.motion_command import PathSwitch
 
 
 @dataclass(frozen=True)
+class Condition:
+    """What ends a motion on its path.
+
+    Attributes:
+        met: It holds.
+        period: How often it is looked at, s; None where changes of inputs are looked at alone.
+    """
+
+    met: Callable[[], bool]
+    period: float | None = None
+
+
+@dataclass(frozen=True)
 class MotionOptions:
     """The table of options of a motion call, SI.
 
     Attributes:
         blend: Zone of the corner, m or rad; 0 for none.
         switches: Outputs to switch on the way.
+        until: Ends the motion where it holds.
     """
 
     blend: float = 0.0
     switches: tuple[PathSwitch, ...] = ()
+    until: Condition | None = None
 
 
 _BLENDS: Final = {

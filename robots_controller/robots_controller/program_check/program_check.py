@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, TASK_FUNCTIONS
 from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.lua_tokens import Token, lua_tokens
@@ -38,6 +40,7 @@ class ProgramProblem:
 @dataclass
 class _Checked:
     sources: dict[str, tuple[LuaSource, list[Token]]] = field(default_factory=dict)
+    tasks: set[str] = field(default_factory=set)
     problems: list[ProgramProblem] = field(default_factory=list)
 
 
@@ -68,9 +71,17 @@ def check_program(path: Path | str, sizes: Sizes) -> tuple[ProgramProblem, ...]:
             *unknown_names(tokens, declared),
             *wrong_calls(tokens, sizes, declared),
             *comparisons_of_unlike_values(tokens, declared),
+            *(_not_in_tasks(tokens) if source.file in checked.tasks else ()),
         ):
             checked.problems.append(ProgramProblem(source.file, line, reason))
     return tuple(sorted(checked.problems, key=lambda problem: (problem.file, problem.line)))
+
+
+def _not_in_tasks(tokens: list[Token]) -> Iterator[tuple[int, str]]:
+    for call in lua_calls(tokens):
+        name = call.name.text
+        if name in LUA_FUNCTIONS and name not in TASK_FUNCTIONS:
+            yield call.name.line, f'{name}: not in a task; the main program alone may call it'
 
 
 def _collect(main: LuaSource, source: LuaSource, checked: _Checked) -> None:
@@ -87,5 +98,7 @@ def _collect(main: LuaSource, source: LuaSource, checked: _Checked) -> None:
         except ProgramError as error:
             checked.problems.append(ProgramProblem(source.file, token.line, f'{call.name.text}: {error}'))
             continue
+        if call.name.text == 'startTask':
+            checked.tasks.add(subprogram.file)
         if subprogram.file not in checked.sources:
             _collect(main, subprogram, checked)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final
 
@@ -16,6 +16,7 @@ from robots_controller.interpreter.functions.poses import moved
 from robots_controller.interpreter.functions.run_context import Handlers, RunContext
 from robots_controller.interpreter.lua_arguments import Arguments
 from robots_controller.interpreter.lua_sandbox import LuaCallError, Waiting
+from robots_controller.interpreter.motion_options import Condition
 from robots_controller.program.guided_motion import GuidedMotion
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import RobotsError
@@ -74,19 +75,6 @@ MOTIONS: Final = (
 """Motions."""
 
 
-@dataclass(frozen=True)
-class Condition:
-    """What ends a search.
-
-    Attributes:
-        met: It holds.
-        period: How often it is looked at, s; None where changes of inputs are looked at alone.
-    """
-
-    met: Callable[[], bool]
-    period: float | None = None
-
-
 @dataclass
 class _Handler:
     """A handler that runs: whether the robot was held before it, and motions to be commanded anew."""
@@ -114,7 +102,6 @@ class Motions:
         """Why the last motion that failed did."""
         self.error_text = ''
         self._handlers: list[_Handler] = []
-        self._condition: Condition | None = None  # of the search that begins
         self._found: Pose | None = None  # where it came true
         self.handlers: Handlers = {
             'ptpCartesianSpace': self._to_pose('ptpCartesianSpace'),
@@ -166,7 +153,6 @@ class Motions:
         path: tuple[Pose, ...] = (),
     ) -> Waiting:
         kind = KIND_OF_FUNCTION[function]
-        condition, self._condition = self._condition, None
         blend, before = arguments.options.blend, self._state.motions
         chained = bool(before and before[-1].blend)
         if blend:
@@ -197,7 +183,7 @@ class Motions:
             # Switched off before, blending would end the chain before its last motion.
             self._run.cell.flush()
         if not blend:
-            yield from self.standstill(command, condition)
+            yield from self.standstill(command, arguments.options.until)
             self._motion_ended()
         return None
 
@@ -214,8 +200,9 @@ class Motions:
         Returns:
             Where the tool was when it came true, seen from the base; None if it did not.
         """
-        self._condition, self._found = condition, None
-        motion = self.handlers[name](arguments)
+        self._found = None
+        options = replace(arguments.options, until=condition)
+        motion = self.handlers[name](replace(arguments, options=options))
         assert isinstance(motion, Generator)
         yield from motion
         return self._found

@@ -6,11 +6,12 @@ from collections.abc import Callable, Collection, Sequence
 from typing import Any, Final
 
 from robots_controller.interpreter.functions.lua_function import Argument, Kind, LuaFunction
-from robots_controller.interpreter.functions.motions import Condition, Motions
+from robots_controller.interpreter.functions.motions import Motions
 from robots_controller.interpreter.functions.run_context import Handlers, RunContext
 from robots_controller.interpreter.lua_arguments import Arguments
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable, Waiting
 from robots_controller.interpreter.lua_values import Sizes, check_value
+from robots_controller.interpreter.motion_options import Condition
 from robots_core.errors import ProgramError
 
 LOOK_PERIOD: Final = 0.004  # s, of measurements, whose changes nothing announces
