@@ -1,7 +1,5 @@
 """Degrees: what robot programs write, and what is shown of them. Everything else counts in radians."""
 
-from __future__ import annotations
-
 import math
 import re
 from typing import Final

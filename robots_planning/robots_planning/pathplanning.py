@@ -1,7 +1,5 @@
 """PathPlanning: switches between the planners by the kind of motion."""
 
-from __future__ import annotations
-
 import contextlib
 from collections import OrderedDict
 from collections.abc import Sequence

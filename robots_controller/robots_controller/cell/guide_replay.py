@@ -1,7 +1,5 @@
 """GuideReplay: when the messages of a recording guide the robot."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Ports of the cell: what a transport provides to it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 

@@ -1,7 +1,5 @@
 """ProgramMotions: the motions of a program on their way to the planner and back."""
 
-from __future__ import annotations
-
 import threading
 from collections import deque
 from collections.abc import Callable

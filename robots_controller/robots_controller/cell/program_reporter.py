@@ -1,7 +1,5 @@
 """ProgramReporter: reports where a program is, what it does and which motion was sent last."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable, Mapping
 from typing import Any, Final

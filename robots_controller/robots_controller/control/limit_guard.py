@@ -1,7 +1,5 @@
 """LimitGuard: the last check before a reference leaves the controller."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robots_core.robot_model.axes_data import AxesData

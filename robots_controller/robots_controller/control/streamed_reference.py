@@ -1,7 +1,5 @@
 """StreamedReference: the controller follows a stream of single points."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

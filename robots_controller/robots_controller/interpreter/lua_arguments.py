@@ -1,7 +1,5 @@
 """Checks of the arguments of Lua calls: what came, and what would be valid."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

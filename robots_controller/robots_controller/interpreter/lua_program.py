@@ -4,8 +4,6 @@ The language is Lua 5.4; the reasons stand in `lua_sandbox`. Which functions a p
 `lua_functions.LUA_FUNCTIONS`.
 """
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """LuaSource: the text of a robot program, read from its file or explained why not."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

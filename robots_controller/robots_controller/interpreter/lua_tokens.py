@@ -1,7 +1,5 @@
 """Tokens of a Lua text, for what must be known of a program without running it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """ProgramRun: one run of a robot program, from its first line to its end."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import PurePosixPath
 

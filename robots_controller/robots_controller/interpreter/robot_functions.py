@@ -1,7 +1,5 @@
 """RobotFunctions: serves the calls of one run of a robot program."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """IoImage: digital and analog inputs and outputs by index from 1 or by name; inputs can be forced."""
 
-from __future__ import annotations
-
 import math
 import re
 import threading

@@ -1,7 +1,5 @@
 """cell: starts the whole suite for one robot, shows what it does, records it and ends it cleanly."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import math

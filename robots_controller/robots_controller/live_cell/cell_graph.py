@@ -1,7 +1,5 @@
 """The graph of a robot cell: which nodes it has, in one place, for `cell` and for ros2 launch."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """IoServices: the topics and services of an IoImage."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 from functools import partial

@@ -1,7 +1,5 @@
 """CellPort: what a robot program needs of the cell that it runs in."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Protocol
 

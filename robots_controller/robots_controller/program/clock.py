@@ -1,7 +1,5 @@
 """Clock: the time a robot program lives in, the wall's or a simulation's."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time

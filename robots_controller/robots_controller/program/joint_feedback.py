@@ -1,7 +1,5 @@
 """JointFeedback: what a robot measures at its joints."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from robots_core.validation import Array

@@ -1,7 +1,5 @@
 """TurnClock: simulated time that a robot program and its cell share in turns."""
 
-from __future__ import annotations
-
 import math
 import threading
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """check_program: checks robot programs before anything moves."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

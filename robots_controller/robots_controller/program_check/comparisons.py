@@ -1,7 +1,5 @@
 """Comparisons of a robot function's result with a value that it never has."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Final

@@ -1,7 +1,5 @@
 """Calls in the tokens of a Lua text."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final

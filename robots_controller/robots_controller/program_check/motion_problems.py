@@ -1,7 +1,5 @@
 """What is wrong with a motion although it was planned: torques past their limits, singular postures."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Final
 

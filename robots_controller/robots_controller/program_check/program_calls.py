@@ -1,7 +1,5 @@
 """Calls of robot functions with arguments or options that are not valid."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction

@@ -1,7 +1,5 @@
 """Names in a robot program that nothing gives a value."""
 
-from __future__ import annotations
-
 import difflib
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final

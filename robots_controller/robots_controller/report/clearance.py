@@ -1,7 +1,5 @@
 """Clearance: how close the robot came to itself and its surroundings, and when."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final
 

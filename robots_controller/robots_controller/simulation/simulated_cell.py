@@ -1,7 +1,5 @@
 """SimulatedCell: the cell in one process, on a simulated clock."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The start of motions that begin at rest: a robot that stands."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import numpy as np

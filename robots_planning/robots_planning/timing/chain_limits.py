@@ -1,7 +1,5 @@
 """Limits along a blended path whose motions have different limits."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

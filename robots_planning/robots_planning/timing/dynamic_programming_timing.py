@@ -1,7 +1,5 @@
 """DynamicProgrammingTiming: time-optimal motion along a path of the tool."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robots_core.robot_model.base_robot_model import BaseRobotModel

@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917  # compiled functions take arrays
 """Torque limits along a path as functions of path speed and acceleration, compiled."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robots_core.blocks.inverse_kinematics.chain_dynamics import (

@@ -1,7 +1,5 @@
 """PathTiming: the interface of algorithms that time a motion along a path, and limits of the tool."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 

@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917  # compiled functions take arrays, not objects
 """Piecewise quintics that match values, first and second derivatives, compiled."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 from robots_core.robot_model.analytic.compiled import compiled

@@ -8,8 +8,6 @@ sections 3.4 and 4.5). Longer windows keep the limits too, so windows are rounde
 lie on whole ticks.
 """
 
-from __future__ import annotations
-
 from math import ceil, inf, sqrt
 
 import numpy as np

@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917, C901  # compiled loops over arrays
 """Time-optimal jerk-limited motion of all axes from any state to rest, by Ruckig, with common switches."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The time law s(t) of a path from path speeds on a grid, and its smoothing, compiled."""
 
-from __future__ import annotations
-
 from math import sqrt
 
 import numpy as np

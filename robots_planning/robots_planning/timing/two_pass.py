@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917  # compiled functions take arrays, not objects
 """Two-pass algorithm: the fastest speed along a path, on a grid, compiled."""
 
-from __future__ import annotations
-
 from math import inf, sqrt
 
 import numpy as np

@@ -1,8 +1,6 @@
 # ruff: noqa: PLR0917  # compiled loops over arrays
 """From a joint path to the points of a trajectory by the two-pass algorithm, compiled."""
 
-from __future__ import annotations
-
 from math import ceil, inf, sqrt
 
 import numpy as np

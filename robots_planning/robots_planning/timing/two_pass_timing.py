@@ -1,7 +1,5 @@
 """TwoPassTiming: motion along a path by the two-pass algorithm."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from robots_core.validation import Array, positive

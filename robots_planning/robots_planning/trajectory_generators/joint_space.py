@@ -1,7 +1,5 @@
 """JointSpaceGenerator: the base class of point-to-point motions of the axes."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from functools import cached_property
 from typing import Any, ClassVar, Self, cast

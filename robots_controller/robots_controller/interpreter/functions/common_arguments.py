@@ -1,7 +1,5 @@
 """Arguments that several functions have."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_controller.interpreter.functions.lua_function import COMPARISONS, Argument

@@ -1,7 +1,5 @@
 """Flow: the course of a program, its time and its texts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, Final
 

@@ -1,7 +1,5 @@
 """Guidance: motions that a sensor or a person guides."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Interrupts: handlers that changes of inputs call."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_controller.interpreter.functions.common_arguments import (

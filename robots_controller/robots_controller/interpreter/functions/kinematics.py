@@ -1,7 +1,5 @@
 """Kinematics: from joint angles to poses of the tool, and back."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_controller.degrees import joints_to_program

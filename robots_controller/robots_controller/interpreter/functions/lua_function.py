@@ -1,7 +1,5 @@
 """LuaFunction: one function of robot programs as the table has it, and its arguments."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final, Literal
 

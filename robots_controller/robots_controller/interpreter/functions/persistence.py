@@ -1,7 +1,5 @@
 """Persistence: values that are kept from one run of a program to the next."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction

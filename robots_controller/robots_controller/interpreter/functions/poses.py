@@ -1,7 +1,5 @@
 """Poses: their arithmetic, and palettes."""
 
-from __future__ import annotations
-
 import itertools
 from functools import reduce
 from operator import matmul

@@ -1,7 +1,5 @@
 """Positions: where the robot is, and taught points."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_controller.degrees import joints_to_program

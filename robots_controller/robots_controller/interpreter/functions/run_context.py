@@ -1,7 +1,5 @@
 """RunContext: what all functions of one run share."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol

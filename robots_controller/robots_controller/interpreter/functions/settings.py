@@ -1,7 +1,5 @@
 """Settings: what holds for the motions of a program that follow."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final

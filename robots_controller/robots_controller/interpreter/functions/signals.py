@@ -1,7 +1,5 @@
 """Signals: inputs and outputs."""
 
-from __future__ import annotations
-
 import operator
 from collections.abc import Callable, Mapping
 from typing import Final

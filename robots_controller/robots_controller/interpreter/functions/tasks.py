@@ -1,7 +1,5 @@
 """Tasks: programs that run beside the one that moves the robot."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from robots_controller.interpreter.functions.flow import Subprogram

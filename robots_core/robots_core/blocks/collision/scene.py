@@ -1,7 +1,5 @@
 """Scene: obstacles around a robot, and objects attached to its flange."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from robots_core.errors import InvalidInputError

@@ -1,7 +1,5 @@
 """AnalyticalInverseKinematic: all solutions for a pose in closed form (the paper's block)."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from itertools import product
 
