@@ -230,6 +230,7 @@ def test_error_in_a_subprogram_names_its_file_and_line(tmp_path: Path):
 @pytest.mark.parametrize(
     ('name', 'message'),
     [
+        ('a\\0b', 'has a null character'),
         ('../outside', "'../outside' leads out of the folder of test.lua"),
         ('/etc/passwd', "'/etc/passwd' leads out of the folder of test.lua"),
         ('missing', 'there is no program'),

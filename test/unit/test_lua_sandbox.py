@@ -105,7 +105,14 @@ def test_endless_program_is_stopped(tmp_path: Path, kind: str):
         'table.move({}, 1, 1e15, 2)',
         'table.insert(setmetatable({}, {__len = function() return 1e15 // 1 | 0 end}), 1, 1)',
         "table.concat(setmetatable({}, {__index = function() return '' end}), '', 1, 1 << 60)",
+        "table.concat(setmetatable({}, {__index = function() return '' end}), '', 1 << 63, ~(1 << 63))",
         'table.unpack({}, 1, 1 << 60)',
+        'table.move({}, -math.maxinteger, math.maxinteger, 1)',
+        *(
+            f'local n = 0 table.{use}(setmetatable({{}}, {{__metatable = {{}}, '
+            '__len = function() n = n + 1 return n > 1 and math.maxinteger - 1 or 0 end}), 1)'
+            for use in ('insert', 'remove', 'sort')
+        ),
         'setmetatable({}, {__gc = function() while true do end end})',
     ],
 )

@@ -223,6 +223,8 @@ def find_subprogram(main: LuaSource, name: str) -> LuaSource:
     Raises:
         ProgramError: it leads elsewhere, cannot be read, or is not Lua.
     """
+    if '\0' in name:
+        raise ProgramError(f'{name!r} has a null character; a subprogram is a file')
     path = PurePosixPath(name if name.endswith('.lua') else f'{name}.lua')
     folder = main.path.resolve().parent
     file = (folder / path).resolve()

@@ -78,29 +78,38 @@ local function check_count(what, elements)
   end
 end
 
-local function check_table(what, t, from, to)
-  if type(t) == 'table' then check_count(what, #t) end
-  if math_type(to) then check_count(what, to - (math_type(from) and from or 1)) end
+-- Lua would ask __len a second time, which may answer with another length then.
+local function check_length(what, t)
+  if type(t) ~= 'table' then return end
+  local meta = raw_metatable(t)
+  if meta and rawget(meta, '__len') ~= nil then fail(what .. ': a table whose length is __len') end
+  check_count(what, rawlen(t))
+end
+
+-- The bounds that are given, or those of the whole table.
+local function bounds(what, t, from, to)
+  from = from == nil and 1 or from
+  if to == nil and type(t) == 'table' then to = #t end
+  if math_type(from) and math_type(to) then check_count(what, to + 0.0 - from) end
+  return from, to
 end
 
 for _, key in ipairs {'insert', 'remove', 'sort'} do
   local original = table_lib[key]
   table[key] = function(t, ...)
-    check_table('table.' .. key, t)
+    check_length('table.' .. key, t)
     return original(t, ...)
   end
 end
 function table.concat(t, separator, from, to)
-  check_table('table.concat', t, from, to)
-  return table_lib.concat(t, separator, from, to)
+  return table_lib.concat(t, separator, bounds('table.concat', t, from, to))
 end
 function table.move(t, from, to, ...)
-  check_table('table.move', t, from, to)
+  bounds('table.move', t, from, to)
   return table_lib.move(t, from, to, ...)
 end
 function table.unpack(t, from, to)
-  check_table('table.unpack', t, from, to)
-  return table_lib.unpack(t, from, to)
+  return table_lib.unpack(t, bounds('table.unpack', t, from, to))
 end
 
 -- Coroutines -----------------------------------------------------------------------------------------
