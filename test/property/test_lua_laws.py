@@ -15,7 +15,7 @@ from robots_controller.program.cell_port import DetachedCell
 from robots_controller.program.program_state import MotionCommand, OutputChange, RunState
 from robots_core.errors import ProgramError
 
-DEADLINE = 20.0  # s
+DEADLINE = 120.0  # s
 STOP_TIME = 1.0  # s
 
 
@@ -143,7 +143,7 @@ def _run_or_refuse(folder: Path, data: bytes) -> None:
         return
     if not host.program.join(STOP_TIME):  # a random program may loop for ever; then it can be stopped
         host.program.stop()
-        assert host.program.join(STOP_TIME)
+        assert host.program.join(DEADLINE)
         assert host.program.run_state is RunState.STOPPED
         return
     failed = host.program.run_state is RunState.FAILED

@@ -12,7 +12,7 @@ from robots_controller.editor.debug_adapter_server import HOST, DebugAdapterServ
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.program.cell_port import DetachedCell
 
-DEADLINE = 20.0  # s
+DEADLINE = 120.0  # s
 TOKEN = 'the token'  # noqa: S105
 
 

@@ -14,7 +14,7 @@ from robots_controller.program.cell_port import DetachedCell
 from robots_controller.program.program_state import MotionCommand, OutputChange
 from robots_core.errors import ProgramError, RobotsError
 
-DEADLINE = 20.0  # s, for programs that should need milliseconds
+DEADLINE = 120.0  # s, for programs that should need milliseconds
 
 
 def cell_with(**functions: Callable[..., Any]) -> DetachedCell:

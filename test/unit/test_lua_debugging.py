@@ -191,6 +191,23 @@ wait(0)""")
     assert host.finished == [None]
 
 
+def test_a_breakpoint_holds_once_per_line_wherever_instructions_are_counted(tmp_path: Path):
+    host = DebugHost(tmp_path)
+    # From where the count begins, one of the lines is at the place where it ends.
+    lines = 400
+    host.open('\n'.join(['local x = 1', *(lines * ['x = x * x + x // 3 - x'])]))
+    host.program.debugger.set_breakpoints('test.lua', range(2, lines + 2))
+    host.program.run()
+    held = []
+    while host.program.run_state is not RunState.FINISHED:
+        host.wait_for_hold()
+        held.append(host.program.call_stack.frames[0].line)
+        host.program.resume()
+        if len(held) == lines:
+            assert host.program.join(DEADLINE)
+    assert held == list(range(2, lines + 2))
+
+
 def test_deep_recursion_is_paused_and_goes_on(tmp_path: Path):
     host = DebugHost(tmp_path)
     host.start(

@@ -84,13 +84,19 @@ local function depth()
   return low - first + 1
 end
 
+local last_reported, counted = 0, false
+
 function hook(event, line)
   if stopped then error(STOP, 0) end
   if event == 'line' then
-    local chunk = sources[getinfo(2, 'S').source]
+    -- A hook in the middle of a line makes Lua report that line a second time.
+    local reported = counted and line == last_reported
+    last_reported, counted = line, false
+    local chunk = not reported and sources[getinfo(2, 'S').source]
     if chunk then obey(at_line(chunk, line, wants_depth and depth() or 0)) end
     -- Instructions of the hook count too: a loop in step with them would never see a count of its own.
   elseif event == 'count' then
+    counted = true
     if current_task then
       task_instructions = task_instructions + count
       if task_instructions > MAX_TASK_INSTRUCTIONS then
