@@ -145,8 +145,8 @@ def test_noise_is_reported(ros_nodes: Any):
     ('values', 'reason'),
     [
         ({'fault_stopped': ['elbow']}, "no axis is called 'elbow'"),
-        ({'fault_noise': -0.1}, 'outside'),
-        ({'fault_noise': float('nan')}, 'outside'),
+        ({'fault_noise': -0.1}, 'out of range'),
+        ({'fault_noise': float('nan')}, 'out of range'),
     ],
 )
 def test_bad_faults_are_refused(ros_nodes: Any, values: dict[str, Any], reason: str):

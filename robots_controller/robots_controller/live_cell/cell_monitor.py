@@ -78,9 +78,7 @@ class CellMonitor(Node):
         self._listen(JointTrajectory, 'joint_trajectory', _planned, VOLATILE)
         self._listen(DiagnosticStatus, 'motion_result', _result, VOLATILE)
         # In every period of a lock-step run; the view shows the newest.
-        self._progress: PolledSubscription[Float64] = PolledSubscription(
-            self, Float64, 'motion_progress', QoSProfile(depth=1)
-        )
+        self._progress = PolledSubscription(self, Float64, 'motion_progress', QoSProfile(depth=1))
         self._listen(UInt8MultiArray, 'digital_outputs', partial(self._changes, 'digital'), LATCHED)
         self._listen(Float64MultiArray, 'analog_outputs', partial(self._changes, 'analog'), LATCHED)
 

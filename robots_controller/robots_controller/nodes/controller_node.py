@@ -98,9 +98,7 @@ class ControllerNode(RobotNode):
         self._references = ReferenceStream(self, 'joint_reference', self._names, time_from_start=1.0 / rate)
         self._progress_publisher = self.create_publisher(Float64, 'motion_progress', STATE)
         self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
-        self._feedback: PolledSubscription[bytes] = PolledSubscription(
-            self, JointState, 'joint_states', SENSOR, raw=True
-        )
+        self._feedback = PolledSubscription(self, JointState, 'joint_states', SENSOR, raw=True)
         self._joint_states = JointStateReader(self._names)
         self._position: Array | None = None
         self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND)
@@ -165,7 +163,7 @@ class ControllerNode(RobotNode):
         details = {**result.details, 'ended': f'{ended:.9f}'}
         self._publish_result(MotionResult(result.id, result.ok, result.message, details))
         if not result.ok:
-            self.get_logger().warning(f'motion stopped: {result.message}')  # type: ignore[no-untyped-call]
+            self.journal.warning(f'motion stopped: {result.message}')
 
     def progress(self, progress: float) -> None:
         """See `ControlPort`."""
@@ -174,9 +172,7 @@ class ControllerNode(RobotNode):
     def stream_refused(self, error: RobotsError, now: float) -> None:
         """See `ControlPort`."""
         # A refused stream goes on at its rate: one line a second says enough.
-        self.get_logger().error(  # type: ignore[no-untyped-call]
-            f'joint_trajectory: {error}', throttle_duration_sec=REFUSAL_PERIOD
-        )
+        self.journal.error(f'joint_trajectory: {error}', throttle_duration_sec=REFUSAL_PERIOD)
         self._refusal, self._refusal_time = error, now
 
     def _publish_result(self, result: MotionResult) -> None:
@@ -233,7 +229,7 @@ class ControllerNode(RobotNode):
 
     def _refuse_motion(self, id_: str, error: RobotsError) -> None:
         self._publish_result(MotionResult.refused(id_, error))
-        self.get_logger().error(f'joint_trajectory: {error}')  # type: ignore[no-untyped-call]
+        self.journal.error(f'joint_trajectory: {error}')
 
     def _on_override(self, message: Float64) -> None:
         try:

@@ -61,7 +61,7 @@ class IoBridgeNode(RobotNode):
 
     def _set_problem(self, key: str, problem: str) -> None:
         if problem and key not in self._problems:
-            self.get_logger().warning(problem)  # type: ignore[no-untyped-call]
+            self.journal.warning(problem)
         if problem:
             self._problems[key] = problem
         else:

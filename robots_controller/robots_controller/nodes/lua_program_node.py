@@ -123,10 +123,8 @@ class LuaProgramNode(RobotNode):
         self._guide_publisher = self.create_publisher(String, 'guide', STATE)
         self._override_publisher = self.create_publisher(Float64, 'override', STATE)
         self._status_publisher = self.create_publisher(DiagnosticStatus, 'program_status', STATE)
-        self._print_logger = self.get_logger().get_child('print')  # type: ignore[no-untyped-call]
-        self._feedback: PolledSubscription[JointState] = PolledSubscription(
-            self, JointState, 'joint_states', SENSOR
-        )
+        self._print_logger = self.journal.get_child('print')
+        self._feedback = PolledSubscription(self, JointState, 'joint_states', SENSOR)
         self._measured: JointFeedback | None = None
         self._waiting = threading.Condition()  # notified by the clock alone
         self._planner = PlannerClient(self, axes.names)
@@ -213,7 +211,7 @@ class LuaProgramNode(RobotNode):
                 self._turns.begun() if name == 'run' else self._turns.changed()
         except RobotsError as error:
             response.success, response.message = False, str(error)
-            self.get_logger().error(f'~/{name}: {error}')  # type: ignore[no-untyped-call]
+            self.journal.error(f'~/{name}: {error}')
         return response
 
     def _open(self) -> str:
@@ -233,7 +231,7 @@ class LuaProgramNode(RobotNode):
         server.start()
         secret = '' if token else f' with token {shown}'
         text = f'editors debug programs below {folder} at port {server.port}{secret}'
-        self.get_logger().info(text)  # type: ignore[no-untyped-call]
+        self.journal.info(text)
         return server
 
     def _set_breakpoints(self) -> None:
@@ -252,7 +250,7 @@ class LuaProgramNode(RobotNode):
             if self._turns is not None:
                 self._turns.begun()
         except RobotsError as error:
-            self.get_logger().error(f'autostart: {error}')  # type: ignore[no-untyped-call]
+            self.journal.error(f'autostart: {error}')
 
     def _on_reference(self, _: JointTrajectory) -> None:
         # A motion is planned from the reference: without one it would be refused.
@@ -310,7 +308,7 @@ class LuaProgramNode(RobotNode):
         if is_served(self, client):
             client.call_async(Trigger.Request())
         else:
-            self.get_logger().warning(  # type: ignore[no-untyped-call]
+            self.journal.warning(
                 f'controller_node/{request} is not there: is controller_node running?',
                 throttle_duration_sec=5.0,
             )
@@ -373,12 +371,10 @@ class LuaProgramNode(RobotNode):
         if not self.context.ok():  # nothing can be published any more
             return
         if error is None:
-            self.get_logger().info(  # type: ignore[no-untyped-call]
-                f'{self._program.file}: {self._program.run_state}'
-            )
+            self.journal.info(f'{self._program.file}: {self._program.run_state}')
         else:
             stack = error.details.get('stack', '')
-            self.get_logger().error(f'{error}\n{stack}'.rstrip())  # type: ignore[no-untyped-call]
+            self.journal.error(f'{error}\n{stack}'.rstrip())
         if self._debug_server is not None:
             self._debug_server.on_finished(error)
 

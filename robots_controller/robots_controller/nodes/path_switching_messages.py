@@ -45,9 +45,7 @@ class PathSwitchingMessages:
             # Progress comes in every period; it is looked at only while there is something to switch, after
             # the controller and before whoever observes the outputs.
             self._turn = node.participant.create_turn(self._look, phase=Phase.DRIVES)
-            self._progress: PolledSubscription[Float64] = PolledSubscription(
-                node, Float64, 'motion_progress', STREAM
-            )
+            self._progress = PolledSubscription(node, Float64, 'motion_progress', STREAM)
 
     def _on_trajectory(self, data: bytes) -> None:
         id_ = serialized_stamp_id(data)

@@ -59,7 +59,7 @@ class PlcNode(RobotNode):
         try:
             changes = self._plc.step(now)
         except InvalidInputError as error:
-            self.get_logger().error(str(error))  # type: ignore[no-untyped-call]
+            self.journal.error(str(error))
             self.report_health(DiagnosticStatus.ERROR, str(error))
             self._timer.cancel()
             return

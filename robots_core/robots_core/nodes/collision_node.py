@@ -71,9 +71,7 @@ class CollisionNode(RobotNode):
         self._distance = self.create_publisher(Float64, 'min_distance', STATE)
         self._stop_client = self.create_client(Trigger, f'{controller}/stop')
         self._scene = WatchedScene(self, self._on_scene)
-        self._joint_states: PolledSubscription[JointState] = PolledSubscription(
-            self, JointState, 'joint_states', SENSOR
-        )
+        self._joint_states = PolledSubscription(self, JointState, 'joint_states', SENSOR)
         self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND)
         self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_result, COMMAND)
@@ -143,9 +141,7 @@ class CollisionNode(RobotNode):
         served = is_served(self, client)
         text = 'stopped the controller' if served else f'no node serves {client.srv_name} to stop the robot'
         self.report_health(DiagnosticStatus.ERROR, f'{text}: {reason}')
-        self.get_logger().error(  # type: ignore[no-untyped-call]
-            f'{text}: {reason}', throttle_duration_sec=SERVICE_PERIOD
-        )
+        self.journal.error(f'{text}: {reason}', throttle_duration_sec=SERVICE_PERIOD)
         if served:
             client.call_async(Trigger.Request())
         return served

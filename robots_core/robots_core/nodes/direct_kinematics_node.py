@@ -35,9 +35,7 @@ class DirectKinematicsNode(RobotNode):
         self._kinematics = DirectKinematics(self.robot, tool=pose_from_parameter(tool))
         self._kinematics.forward(self.robot.home)  # a ready node has loaded what it needs
         self._publisher = self.create_publisher(PoseStamped, 'tcp_pose', STATE)
-        self._joint_states: PolledSubscription[JointState] = PolledSubscription(
-            self, JointState, 'joint_states', SENSOR
-        )
+        self._joint_states = PolledSubscription(self, JointState, 'joint_states', SENSOR)
         self.create_timer(1.0 / rate, self._publish)
         self.add_post_set_parameters_callback(self._use_parameters)
         self.ready()

@@ -86,17 +86,13 @@ class DriveNode(RobotNode):
             feed_forward=feed_forward,
         )
         self._carried = CarriedPayload(self._drives.load)
-        self._settings: PolledSubscription[DiagnosticStatus] = PolledSubscription(
-            self, DiagnosticStatus, 'motion_settings', STATE
-        )
+        self._settings = PolledSubscription(self, DiagnosticStatus, 'motion_settings', STATE)
         self._injection = FaultInjection(axes.names)
         self._declare_faults()
         self._reference: Array = np.array(q)
         self._velocity: Array = np.zeros(axes.num_axes)
         self._extrapolated = 0
-        self._references: PolledSubscription[JointTrajectory] = PolledSubscription(
-            self, JointTrajectory, 'joint_reference', REFERENCE
-        )
+        self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', REFERENCE)
         self._message = JointState(name=list(axes.names))
         self._publisher = self.create_publisher(JointState, 'joint_states', STATE)
         if self.simulated_time:  # the controller's first period needs to find the robot where it is

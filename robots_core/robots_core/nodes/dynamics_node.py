@@ -92,7 +92,7 @@ class DynamicsNode(RobotNode):
         self._tool_wrench = self.create_publisher(WrenchStamped, 'tcp_wrench', STATE)
         self._base_wrench = self.create_publisher(WrenchStamped, 'base_wrench', STATE)
         kind, qos = (JointState, SENSOR) if self._source == 'joint_states' else (JointTrajectory, REFERENCE)
-        self._motions: PolledSubscription[Any] = PolledSubscription(self, kind, self._source, qos)
+        self._motions = PolledSubscription(self, kind, self._source, qos)
         self.create_timer(1.0 / rate, self._publish)
         self.add_post_set_parameters_callback(self._use_parameters)
         self.ready()

@@ -106,15 +106,9 @@ class InverseKinematicsNode(RobotNode):
         self._durations: deque[float] = deque(maxlen=round(10.0 * rate))
         self._refusal, self._refusal_time = '', -math.inf
 
-        self._poses: PolledSubscription[PoseStamped] = PolledSubscription(
-            self, PoseStamped, 'reference_pose', STREAM
-        )
-        self._twists: PolledSubscription[TwistStamped] = PolledSubscription(
-            self, TwistStamped, 'reference_twist', STREAM
-        )
-        self._controller: PolledSubscription[JointTrajectory] = PolledSubscription(
-            self, JointTrajectory, 'joint_reference', STREAM
-        )
+        self._poses = PolledSubscription(self, PoseStamped, 'reference_pose', STREAM)
+        self._twists = PolledSubscription(self, TwistStamped, 'reference_twist', STREAM)
+        self._controller = PolledSubscription(self, JointTrajectory, 'joint_reference', STREAM)
         subscribe_state(self, String, 'guide', self._on_guide)
         self._stream = ReferenceStream(
             self, 'joint_trajectory', self._names, time_from_start=self._dt, qos=STREAM
@@ -185,9 +179,7 @@ class InverseKinematicsNode(RobotNode):
 
     def _refuse_input(self, topic: str, error: RobotsError) -> None:
         self._refusal, self._refusal_time = f'{topic}: {error}', self.now()
-        self.get_logger().error(  # type: ignore[no-untyped-call]
-            self._refusal, throttle_duration_sec=REFUSAL_SHOWN
-        )
+        self.journal.error(self._refusal, throttle_duration_sec=REFUSAL_SHOWN)
 
     # -- the executor's thread -----------------------------------------------------------------------
 

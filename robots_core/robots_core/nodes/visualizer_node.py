@@ -49,12 +49,10 @@ class VisualizerNode(RobotNode):
         self._transforms = self._make_transforms()
         self._description = self.create_publisher(String, 'robot_description', STATE)
         self._description.publish(String(data=self.robot.description))
-        self._joint_states: PolledSubscription[JointState] = PolledSubscription(
-            self, JointState, 'joint_states', SENSOR
-        )
+        self._joint_states = PolledSubscription(self, JointState, 'joint_states', SENSOR)
         # The page is for people: it keeps wall-clock time even where the suite runs on simulated time.
         self.create_timer(1.0 / rate, self._update, clock=Clock(clock_type=ClockType.STEADY_TIME))
-        self.get_logger().info(f'the robot is at {self.url}')  # type: ignore[no-untyped-call]
+        self.journal.info(f'the robot is at {self.url}')
         self.ready(url=self.url)
 
     @property

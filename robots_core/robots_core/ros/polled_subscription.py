@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Iterator
-from typing import Generic, TypeVar
+from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
@@ -11,10 +11,8 @@ from rclpy.qos import QoSProfile
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.lockstep.participant import PATIENCE, Participant
 
-Message = TypeVar('Message')
 
-
-class PolledSubscription(Generic[Message]):
+class PolledSubscription:
     """Newest message of a topic, taken when asked for.
 
     Waking the executor costs several times what taking a message does; a loop that looks once per period
@@ -30,7 +28,7 @@ class PolledSubscription(Generic[Message]):
     """
 
     def __init__(
-        self, node: Node, message_type: type[Message], topic: str, qos: QoSProfile, *, raw: bool = False
+        self, node: Node, message_type: Any, topic: str, qos: QoSProfile, *, raw: bool = False
     ) -> None:
         self._subscription = node.create_subscription(
             message_type, topic, _never_called, qos, callback_group=NeverExecuted(), raw=raw
@@ -40,14 +38,14 @@ class PolledSubscription(Generic[Message]):
         self._topic: str = self._subscription.topic_name
         self._newest = 0  # sequence number of the message
 
-    def take(self) -> Message | None:
+    def take(self) -> Any:
         """The newest message since the last call, or None."""
-        newest: Message | None = None
+        newest = None
         for message, _ in self.take_all():
             newest = message
         return newest
 
-    def take_all(self) -> Iterator[tuple[Message, dict[str, int]]]:
+    def take_all(self) -> Iterator[tuple[Any, dict[str, int]]]:
         """All messages since the last call, oldest first, each with its info (`source_timestamp`, ns)."""
         subscription, deadline = self._subscription, math.inf
         while True:

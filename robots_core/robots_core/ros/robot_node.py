@@ -146,5 +146,5 @@ class RobotNode(TimedNode):
         now = self.now()
         if not stream or now - self._bad_streams.get(topic, -REPEAT_PERIOD) >= REPEAT_PERIOD:
             self._bad_streams[topic] = now
-            self.get_logger().error(f'{topic}: {error}')  # type: ignore[no-untyped-call]
+            self.journal.error(f'{topic}: {error}')
         self.report_health(DiagnosticStatus.WARN, f'{topic}: {error}')

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Final
 
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.clock import Clock
@@ -41,6 +41,7 @@ class TimedNode(Node):
     def __init__(self, name: str, **options: Any) -> None:
         parameter_services = options.pop('start_parameter_services', True)
         super().__init__(name, start_parameter_services=False, **options)
+        self.journal: Final[Any] = self.get_logger()  # type: ignore[no-untyped-call]
         self.declare_parameter(
             'lockstep',
             value=False,
@@ -71,7 +72,7 @@ class TimedNode(Node):
     def thread_failed(self, error: BaseException) -> None:
         """A loop's thread has ended with an error: end the node."""
         if self.context.ok():  # otherwise shut down from outside: the thread only noticed it first
-            self.get_logger().fatal(f'internal error: {error!r}')  # type: ignore[no-untyped-call]
+            self.journal.fatal(f'internal error: {error!r}')
             self.context.try_shutdown()
 
     def start_loop(

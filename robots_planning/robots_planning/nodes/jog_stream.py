@@ -31,11 +31,6 @@ class JogStream:
         node: Owner.
         standing: Where the robot's reference stands, (n,); raises a PlanningError if it does not.
         busy: A motion is planned or runs: no jogging.
-
-    Parameters (of the node):
-        teach_speed: Part of the velocity limits to use, in (0, 1].
-        teach_tool_speed: Highest speed of the tool, m/s.
-        teach_timeout: Age of a command at which the robot stops, s.
     """
 
     def __init__(
@@ -64,9 +59,7 @@ class JogStream:
             read_only=True,
         )
         self._names = list(node.robot.axes_data.names)
-        self._references: PolledSubscription[JointTrajectory] = PolledSubscription(
-            node, JointTrajectory, 'joint_reference', STREAM
-        )
+        self._references = PolledSubscription(node, JointTrajectory, 'joint_reference', STREAM)
         self.jogging = Jogging(
             node.robot,
             standing=standing,

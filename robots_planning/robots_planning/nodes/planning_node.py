@@ -90,9 +90,7 @@ class PlanningNode(RobotNode):
         self._reference: tuple[Array, Array] | None = None
         self._controllers: set[bytes] = set()  # who published references when the last motion was sent
 
-        self._references: PolledSubscription[JointTrajectory] = PolledSubscription(
-            self, JointTrajectory, 'joint_reference', STREAM
-        )
+        self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', STREAM)
         self._trajectory_publisher = self.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
         self._plan_publisher = self.create_publisher(DiagnosticStatus, 'motion_plan', COMMAND)
         self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
@@ -171,9 +169,7 @@ class PlanningNode(RobotNode):
         if self.planner.moving and not self._controllers <= self._reference_publishers():
             self.planner.forget()
         if not self.planner.command(id_, kind, target, settings):
-            self.get_logger().warning(  # type: ignore[no-untyped-call]
-                f'{kind.title}: command {id_} came twice, the second is ignored'
-            )
+            self.journal.warning(f'{kind.title}: command {id_} came twice, the second is ignored')
 
     def _joints(self, message: JointState) -> Target:
         return joint_values(message.name, message.position, self._names, JOINT.topic)
@@ -268,7 +264,7 @@ class PlanningNode(RobotNode):
             trajectory_message(motion.trajectory, self._names, id_stamp(id_), join_time=join_time)
         )
         limit = motion.report.limiting
-        self.get_logger().info(  # type: ignore[no-untyped-call]
+        self.journal.info(
             f'{title} planned: {motion.duration:.3f} s, '
             f'limited by {100.0 * limit.ratio:.0f} % of the {limit.quantity} of {limit.joint}'
         )

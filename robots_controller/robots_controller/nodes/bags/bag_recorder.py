@@ -31,7 +31,7 @@ FLUSH_PERIOD = 1.0  # s; what a kill may cost
 @dataclass(frozen=True)
 class _RecordedTopic:
     connection: Connection
-    subscription: PolledSubscription[bytes]
+    subscription: PolledSubscription
 
 
 class BagRecorder(Node):
