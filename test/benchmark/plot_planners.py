@@ -28,7 +28,7 @@ from robots_planning import (
     Trajectory,
     verify,
 )
-from robots_planning.commands.command_queue import QueuedCommand
+from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
 from robots_planning.motion_kinds import LINE
 
@@ -129,7 +129,7 @@ def pictures(robot: BaseRobotModel) -> list[Picture]:
 def chain(robot: BaseRobotModel, q: np.ndarray, poses: list[Pose]) -> Trajectory:
     modal = MotionSettings(blend_zone=0.1, cartesian_planner='dynamic_programming', **FAST)  # type: ignore[arg-type]
     orders = tuple(QueuedCommand(str(number), LINE, pose, modal, 0.0) for number, pose in enumerate(poses))
-    return MotionChain(robot, PathPlanning(robot)).plan(orders, q)[0].trajectory
+    return MotionChain(robot, PathPlanning(robot)).plan(CommandChain(orders), q).motion.trajectory
 
 
 def quantities(robot: BaseRobotModel, trajectory: Trajectory) -> tuple[np.ndarray, dict[str, np.ndarray]]:

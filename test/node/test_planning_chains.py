@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.parameter import Parameter
@@ -14,7 +15,8 @@ from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import diagnostic_values, motion_result_message, stamp_id
 from robots_core.ros.qos import COMMAND
 from robots_planning import verify
-from robots_planning.commands.command_queue import LONGEST_CHAIN
+from robots_planning.commands.command_queue import WINDOW
+from robots_planning.nodes.trajectory_messages import join_time, trajectory_from_message
 
 from .planning_bench import ROBOT, PlanningBench
 
@@ -84,7 +86,8 @@ def test_a_chain_that_was_stopped_tells_which_of_its_motions_were_passed(ros_nod
     ids = [bench.command('ptpjoint_joint', target, 5 + k) for k, target in enumerate(steps(bench, 3))]
     bench.planned()
     (motion,) = bench.node.planner.motions
-    between = 0.5 * (motion.ends[0] + motion.ends[1]) / motion.trajectory.duration
+    first, second, _ = motion.ends.values()
+    between = 0.5 * (first + second) / motion.trajectory.duration
     stopped = MotionResult(ids[-1], ok=False, message='stopped by ~/stop', details={'progress': str(between)})
     bench.publish('motion_result', motion_result_message(stopped, ROBOT))
     bench.wait(lambda: len(bench.results) == 3, 'a result for each')
@@ -117,17 +120,27 @@ def test_a_command_that_stops_ends_the_chain_before_it(ros_nodes: Any) -> None:
     assert [message.header.stamp.sec for message in bench.trajectories] == [5, 6]
 
 
-def test_the_longest_chain_is_planned_although_more_follows(ros_nodes: Any) -> None:
+def test_a_longer_chain_than_is_planned_at_once_goes_on_from_the_middle_of_the_plan(ros_nodes: Any) -> None:
     bench = blended(ros_nodes)
-    targets = steps(bench, LONGEST_CHAIN + 1)
-    for number, target in enumerate(targets):
-        bench.command('ptpjoint_joint', target, 5 + number)
-    # A chain and the one after it, which its patience lets go.
-    bench.planned(2)
-    assert [message.header.stamp.sec for message in bench.trajectories] == [
-        5 + LONGEST_CHAIN - 1,
-        5 + LONGEST_CHAIN,
-    ]
+    plans = bench.collect('motion_plan', DiagnosticStatus, COMMAND, diagnostic_values)
+    bench.wait(lambda: bench.peer.count_publishers('motion_plan'), 'the plans are heard')
+    targets = enumerate(steps(bench, WINDOW + 3))
+    ids = [bench.command('ptpjoint_joint', target, 5 + number) for number, target in targets]
+    bench.wait(lambda: all(bench.node.planner.knows(id_) for id_ in ids), 'all are held')
+    set_zones(bench, 0.0)
+    bench.wait(lambda: len(bench.trajectories) == 2, 'two trajectories')
+    first, second = bench.trajectories
+    middle = WINDOW // 2
+    assert [stamp_id(message.header.stamp) for message in (first, second)] == [ids[middle - 1], ids[-1]]
+    bench.wait(lambda: len(plans) == 2, 'both plans')
+    names = list(bench.robot.axes_data.names)
+    before, after = (trajectory_from_message(message, names) for message in (first, second))
+    corner = before.duration + join_time(second)
+    assert [*plans[1]] == ['id', *ids[middle:]]
+    assert float(plans[0][ids[middle - 1]]) == pytest.approx(corner, abs=1e-9)
+    for one, other in zip(before.sample(corner), after.sample(0.0), strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-7)
+    assert np.abs(after.velocity[0]).max() > 0.0
 
 
 def test_a_chain_with_an_impossible_motion_is_done_up_to_it(ros_nodes: Any) -> None:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from robots_core import Pose, load_robot_model
 from robots_core.errors import RobotsError
 from robots_planning import MotionSettings, PathPlanning, verify
-from robots_planning.commands.command_queue import QueuedCommand
+from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
 from robots_planning.motion_kinds import CIRCLE, JOINT, LINE, MotionKind
 from robots_planning.paths.circular_arc import CircularArc
@@ -153,7 +153,8 @@ def test_random_chains(  # noqa: PLR0917  # hypothesis gives every drawn value a
     speeds = {'cartesian_speed': 5.0, 'cartesian_acceleration': 50.0} if fast else {}
     chain = build(name, moved, motions, sizes, cartesian_planner=planner, jerk_limited=jerk_limited, **speeds)
     robot = chain.robot
-    blended, ends = MotionChain(robot, chain.planning).plan(tuple(chain.orders), chain.start)
+    plan = MotionChain(robot, chain.planning).plan(CommandChain(tuple(chain.orders)), chain.start)
+    blended, ends = plan.motion, plan.ends
 
     # Inside all limits, without a jump of acceleration, from and to rest.
     trajectory = blended.trajectory

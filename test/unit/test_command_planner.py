@@ -72,7 +72,7 @@ def test_each_motion_starts_where_the_one_before_ends(desk: Desk) -> None:
     np.testing.assert_array_equal(trajectories[0].position[0], desk.start)
     for before, after in pairwise(trajectories):
         np.testing.assert_array_equal(after.position[0], before.position[-1])
-    assert [motion.ids for motion in desk.queue.running] == [('1',), ('2',), ('3',)]
+    assert [[*motion.ends] for motion in desk.queue.running] == [['1'], ['2'], ['3']]
     assert not desk.refused
 
 
@@ -84,9 +84,10 @@ def test_a_chain_is_one_motion_of_its_last_command(desk: Desk) -> None:
     (planned,) = desk.sent
     assert [order.id for order in planned.commands] == ['1', '2', '3']
     (motion,) = desk.queue.running
-    assert motion.ids == ('1', '2', '3')
+    assert [*motion.ends] == ['1', '2', '3']
     assert motion.id == '3'
-    assert 0.0 < motion.ends[0] < motion.ends[1] < motion.ends[2] == motion.trajectory.duration
+    first, second, third = motion.ends.values()
+    assert 0.0 < first < second < third == motion.trajectory.duration
     reached = Pose(*desk.robot.direct_kinematics(motion.trajectory.position[-1]))
     assert reached.distance_to(desk.pose(0.0, 0.1, 0.0))[0] < 1e-6
 
@@ -164,7 +165,7 @@ def test_a_replacing_joint_motion_joins_the_running_one(desk: Desk) -> None:
     )
     for before, after in states:
         np.testing.assert_allclose(after, before, atol=1e-9)  # rounding of polynomials
-    assert [motion.ids for motion in desk.queue.running] == [('2',)]
+    assert [[*motion.ends] for motion in desk.queue.running] == [['2']]
 
 
 @pytest.mark.parametrize('case', ['line', 'almost there', 'two run'])

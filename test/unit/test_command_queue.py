@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robots_planning import MotionSettings, Trajectory
-from robots_planning.commands.command_queue import LONGEST_CHAIN, CommandQueue, QueuedCommand, RunningMotion
+from robots_planning.commands.command_queue import (
+    WINDOW,
+    CommandChain,
+    CommandQueue,
+    QueuedCommand,
+    RunningMotion,
+)
 from robots_planning.motion_kinds import JOINT
 
 STOPS, BLENDS = MotionSettings(), MotionSettings(blend_zone=0.01)
@@ -24,28 +31,53 @@ def order(number: int, how: MotionSettings = STOPS, received: float | None = Non
 
 def running(*ids: str) -> RunningMotion:
     still = np.zeros((2, 2))
-    ends = tuple(float(number) for number in range(1, len(ids) + 1))
-    return RunningMotion(ids, Trajectory(np.array([0.0, ends[-1]]), still, still, still), ends)
+    ends = {id_: float(number) for number, id_ in enumerate(ids, 1)}
+    end = ends[ids[-1]]
+    return RunningMotion(ids[-1], Trajectory(np.array([0.0, end]), still, still, still), ends, end)
 
 
-@given(st.lists(st.sampled_from([STOPS, BLENDS, JOINT_BLENDS]), max_size=3 * LONGEST_CHAIN))
-@settings(max_examples=60)
+@given(st.lists(st.sampled_from([STOPS, BLENDS, JOINT_BLENDS]), max_size=3 * WINDOW))
+@settings(max_examples=60, deadline=None)
 def test_every_command_is_planned_once_in_its_order_and_a_chain_ends_where_it_stops(
     kinds: list[MotionSettings],
 ) -> None:
     queue = CommandQueue()
-    chains = []
+    held = []
     for number, how in enumerate(kinds):
-        chains.append(queue.hold(order(number, how)))
+        held.append(queue.hold(order(number, how)))
         assert queue.knows(str(number))
-    chains.append(queue.release())
-    assert [item.id for chain in chains for item in chain] == [str(n) for n in range(len(kinds))]
+    held.append(queue.release())
+    chains = [chain for chain in held if chain is not None]
+    assert [item.id for chain in chains for item in chain.commands] == [str(n) for n in range(len(kinds))]
     for chain in chains:
-        assert len(chain) <= LONGEST_CHAIN
-        assert all(item.settings.blends for item in chain[:-1])
+        assert len(chain.commands) <= WINDOW
+        assert all(item.settings.blends for item in chain.commands[:-1])
     for chain in chains[:-1]:
-        assert not chain or not chain[-1].settings.blends or len(chain) == LONGEST_CHAIN
-    assert queue.release() == ()
+        assert chain.goes_on == chain.commands[-1].settings.blends
+    assert not chains or not chains[-1].goes_on
+    assert queue.release() is None
+
+
+def test_a_long_chain_is_planned_in_windows_with_half_of_each_as_the_stop_of_the_one_before() -> None:
+    queue = CommandQueue()
+    chains = [queue.hold(order(number, BLENDS)) for number in range(2 * WINDOW + 1)]
+    chains.append(queue.hold(order(2 * WINDOW + 1)))
+    sizes = [(len(chain.commands), chain.goes_on) for chain in chains if chain is not None]
+    assert sizes == [(WINDOW, True), (WINDOW // 2, True), (WINDOW // 2, True), (2, False)]
+
+
+def test_a_motion_that_is_carried_on_leaves_its_last_commands_to_the_next_one() -> None:
+    queue = CommandQueue()
+    for number in (1, 2, 3, 4):
+        queue.hold(order(number))
+    first, second = running('1', '2', '3'), running('3', '4')
+    queue.planned(replace(first, id='2', join_time=2.0), 0)
+    queue.planned(second, 0)
+    ended = queue.ended('2', ok=True, at=9.0)
+    assert ended is not None
+    assert [*ended.ends] == ['1', '2']
+    assert [queue.knows(id_) for id_ in '1234'] == [False, False, True, True]
+    assert queue.running == (second,)
 
 
 def test_an_order_is_known_until_it_is_refused_or_over() -> None:
@@ -58,7 +90,7 @@ def test_an_order_is_known_until_it_is_refused_or_over() -> None:
     assert queue.ended('2', ok=True, at=9.0) is None  # a chain is known by its last command
     motion = queue.ended('3', ok=True, at=9.0)
     assert motion is not None
-    assert motion.ids == ('2', '3')
+    assert [*motion.ends] == ['2', '3']
     assert motion.id == '3'
     assert not queue.knows('2')
     assert not queue.knows('3')
@@ -128,7 +160,9 @@ def test_a_lost_controller_forgets_what_runs_and_nothing_else() -> None:
     assert queue.running == ()
     assert not queue.knows('1')
     assert queue.knows('2')
-    assert [item.id for item in queue.release()] == ['2']
+    chain = queue.release()
+    assert chain is not None
+    assert [item.id for item in chain.commands] == ['2']
 
 
 def test_threads_lose_no_command() -> None:
@@ -136,18 +170,21 @@ def test_threads_lose_no_command() -> None:
     planned: list[str] = []
     start = threading.Barrier(4)
 
+    def take(chain: CommandChain | None) -> None:
+        planned.extend(() if chain is None else (item.id for item in chain.commands))
+
     def send(first: int) -> None:
         start.wait()
         for number in range(first, first + 50):
             how = BLENDS if number % 3 else STOPS
-            planned.extend(item.id for item in queue.hold(order(number, how)))
+            take(queue.hold(order(number, how)))
 
     threads = [threading.Thread(target=send, args=(100 * index,)) for index in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    planned.extend(item.id for item in queue.release())
+    take(queue.release())
     assert sorted(map(int, planned)) == [100 * index + k for index in range(4) for k in range(50)]
 
 

@@ -13,7 +13,7 @@ from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError
 from robots_planning import MotionSettings, PathPlanning, verify
-from robots_planning.commands.command_queue import QueuedCommand
+from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
 from robots_planning.motion_kinds import LINE
 
@@ -80,7 +80,7 @@ def test_chains_keep_torque_limits_with_the_payload(robot: BaseRobotModel) -> No
         )
         for number, step in enumerate(steps)
     )
-    motion, _ = MotionChain(robot, PathPlanning(robot)).plan(commands, START)
+    motion = MotionChain(robot, PathPlanning(robot)).plan(CommandChain(commands), START).motion
     assert verify(motion.trajectory, loaded_robot(robot, HEAVY)).ok
 
 

@@ -10,9 +10,10 @@ import pytest
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError
 from robots_planning import MotionSettings, PathPlanning, verify
-from robots_planning.commands.command_queue import QueuedCommand
+from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
 from robots_planning.motion_kinds import CIRCLE, JOINT, LINE, MotionKind
+from robots_planning.pathplanning import PlannedMotion
 from robots_planning.trajectory_generators.base import Target
 
 ZONE = 0.03  # m
@@ -38,6 +39,13 @@ def order(number: int, kind: MotionKind, target: Target, **settings: object) -> 
     return QueuedCommand(str(number), kind, target, MotionSettings(**settings), 0.0)  # type: ignore[arg-type]
 
 
+def planned(
+    chain: MotionChain, orders: tuple[QueuedCommand, ...], start: np.ndarray
+) -> tuple[PlannedMotion, tuple[float, ...]]:
+    plan = chain.plan(CommandChain(orders), start)
+    return plan.motion, plan.ends
+
+
 def square(robot: BaseRobotModel, start: np.ndarray, side: float = 0.2) -> list[Pose]:
     """Corners of a square in a horizontal plane, the start last."""
     pose = Pose(*robot.direct_kinematics(start))
@@ -57,7 +65,7 @@ def test_a_square_runs_through_its_corners_inside_their_zones(
         order(number, LINE, pose, blend_zone=ZONE if number < 3 else 0.0)
         for number, pose in enumerate(corners)
     )
-    motion, ends = chain.plan(orders, start)
+    motion, ends = planned(chain, orders, start)
     report = verify(motion.trajectory, robot)
     assert report.ok, report.describe()
     t = np.linspace(0.0, motion.duration, 4000)
@@ -96,7 +104,7 @@ def test_a_zone_is_one_of_the_tools_tip(robot: BaseRobotModel, chain: MotionChai
         turned = turned @ Pose.from_angles([0.0, 0.0, 0.0], np.radians(angles))
         targets.append(turned @ tip)
     orders = (order(0, LINE, targets[1], tool=tool, blend_zone=ZONE), order(1, LINE, targets[2], tool=tool))
-    motion, _ = chain.plan(orders, start)
+    motion, _ = planned(chain, orders, start)
     q = motion.trajectory.sample(np.linspace(0.0, motion.duration, 4000))[0]
     r = np.array([r + T @ tip.r for r, T in map(robot.direct_kinematics, q)])
     away = []
@@ -123,7 +131,7 @@ def test_every_motion_of_a_chain_keeps_its_speed_for_its_own_tool(
         order(0, LINE, turned @ frames[0], tool=tools[0], blend_zone=ZONE, **wanted),
         order(1, LINE, back @ frames[1], tool=tools[1], **wanted),
     )
-    motion, ends = chain.plan(orders, start)
+    motion, ends = planned(chain, orders, start)
     t = np.linspace(0.0, motion.duration, 4000)
     q = motion.trajectory.sample(t)[0]
     for tool, part in zip(frames, (t < ends[0], t > ends[0]), strict=True):
@@ -144,7 +152,7 @@ def test_a_chain_that_goes_back_passes_each_target_once_and_in_turn(
     orders = tuple(
         order(k, LINE, target, blend_zone=ZONE if k < 3 else 0.0) for k, target in enumerate(targets)
     )
-    motion, ends = chain.plan(orders, start)
+    motion, ends = planned(chain, orders, start)
     assert 0.1 * motion.duration < ends[0] < ends[1] < ends[2] < 0.9 * motion.duration
     passed = tool_positions(robot, motion.trajectory.sample(np.array(ends))[0])
     assert np.linalg.norm(passed - [target.r for target in targets], axis=1).max() <= ZONE
@@ -163,7 +171,7 @@ def test_joint_motions_and_lines_blend_with_each_other(
         order(2, CIRCLE, arc, blend_zone=ZONE),
         order(3, JOINT, start),
     )
-    motion, _ = chain.plan(orders, start)
+    motion, _ = planned(chain, orders, start)
     report = verify(motion.trajectory, robot)
     assert report.ok, report.describe()
     q = motion.trajectory.sample(np.linspace(0.0, motion.duration, 4000))[0]
@@ -180,7 +188,7 @@ def test_every_motion_keeps_its_own_speeds(
         order(0, LINE, first, blend_zone=ZONE),
         order(1, LINE, second, cartesian_speed=slow),
     )
-    motion, ends = chain.plan(orders, start)
+    motion, ends = planned(chain, orders, start)
     t = np.linspace(0.0, motion.duration, 2000)
     q, q_dot, _ = motion.trajectory.sample(t)
     speed = np.array([np.linalg.norm((robot.jacobian(a) @ b)[:3]) for a, b in zip(q, q_dot, strict=True)])
@@ -199,7 +207,7 @@ def test_torque_limits_hold_where_the_last_planner_keeps_them(
         'cartesian_acceleration': 50.0
     }
     orders = tuple(order(k, LINE, pose, blend_zone=ZONE, **options) for k, pose in enumerate(corners))
-    motion, _ = chain.plan(orders, start)
+    motion, _ = planned(chain, orders, start)
     assert motion.report.uses['torque'].ratio <= 1.0 + 1e-3
 
 
@@ -220,7 +228,7 @@ def test_jerk_limits_hold_in_a_chain_where_one_motion_asks_for_them(
             )
             for k, pose in enumerate(corners)
         )
-        motion, _ = chain.plan(orders, start)
+        motion, _ = planned(chain, orders, start)
         report = verify(motion.trajectory, robot, torque=False)
         assert report.ok, report.describe()
         durations.append(motion.duration)
@@ -237,7 +245,7 @@ def test_a_chain_that_is_faster_with_stops_stops() -> None:
     corners = square(robot, start, 0.1)[:2]
     fast = {'cartesian_speed': 5.0, 'cartesian_acceleration': 50.0, 'jerk_limited': True}
     orders = tuple(order(k, LINE, pose, blend_zone=0.01, **fast) for k, pose in enumerate(corners))
-    motion, ends = MotionChain(robot, planning).plan(orders, start)
+    motion, ends = planned(MotionChain(robot, planning), orders, start)
     first = planning.plan(LINE, start, corners[0], orders[0].settings).trajectory
     second = planning.plan(LINE, first.position[-1], corners[1], orders[1].settings).trajectory
     assert ends == pytest.approx((first.duration, first.duration + second.duration), abs=1e-9)
@@ -248,4 +256,4 @@ def test_a_chain_that_is_faster_with_stops_stops() -> None:
 
 def test_a_motion_that_goes_nowhere_is_told(chain: MotionChain, start: np.ndarray) -> None:
     with pytest.raises(PlanningError, match='goes nowhere'):
-        chain.plan((order(0, JOINT, start, joint_blend_zone=0.1), order(1, JOINT, start + 0.1)), start)
+        planned(chain, (order(0, JOINT, start, joint_blend_zone=0.1), order(1, JOINT, start + 0.1)), start)

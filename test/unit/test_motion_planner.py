@@ -14,6 +14,7 @@ from robots_core.motion_result import MotionResult
 from robots_core.validation import Array
 from robots_planning import LinearJoint, MotionSettings, PathPlanning
 from robots_planning.commands.command_planner import REPLACE_LEAD
+from robots_planning.commands.command_queue import WINDOW
 from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE
 from robots_planning.pathplanning import PlannedMotion
@@ -33,6 +34,7 @@ class Cell:
         self.q: Array | None = START
         self.q_dot = np.zeros(6)
         self.sent: list[tuple[str, PlannedMotion, str, float]] = []
+        self.ends: list[Mapping[str, float]] = []
         self.answers: list[MotionResult] = []
         self.refusals: list[str] = []
         self.told: list[bool] = []
@@ -56,8 +58,9 @@ class Cell:
     def send(
         self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
     ) -> None:
-        assert tuple(ends)[-1] == id_
+        assert id_ in ends
         assert tuple(ends.values())[-1] == motion.duration
+        self.ends.append(ends)
         self.sent.append((id_, motion, title, join_time))
 
     def answer(self, result: MotionResult) -> None:
@@ -76,6 +79,14 @@ class Cell:
 
     def line(self, id_: str, dz: float, settings: MotionSettings = PLAIN) -> None:
         self.planner.command(id_, LINE, above(dz), settings)
+
+    def bead(self, *numbers: int, last: bool = False) -> None:
+        """Short blended joint motions there and back, aside a little each."""
+        for number in numbers:
+            offset = np.zeros(6)
+            offset[[0, 1]] = 0.02 * (number + 1), 0.1 * (number % 2)
+            settings = PLAIN if last and number == numbers[-1] else replace(PLAIN, joint_blend_zone=0.02)
+            self.planner.command(str(number), JOINT, START + offset, settings)
 
     def end(self, id_: str, *, ok: bool = True, **details: str) -> bool:
         self.now += 1.0
@@ -267,3 +278,60 @@ def test_a_chain_ends_where_the_payload_changes(planning: PathPlanning) -> None:
         settings = replace(BLENDED, payload=payload)
         cell.planner.command(str(number), JOINT, START + 0.1 * (number + 1), settings)
     assert [id_ for id_, *_ in cell.sent] == ['0']
+
+
+MIDDLE = str(WINDOW // 2 - 1)
+
+
+def test_a_long_chain_goes_on_from_the_middle_of_its_plan(cell: Cell) -> None:
+    cell.bead(*range(WINDOW + 1))
+    assert cell.ids == [MIDDLE]  # the next plan may go on behind it
+    cell.bead(*range(WINDOW + 1, WINDOW + 4), last=True)
+    assert cell.ids == [MIDDLE, str(WINDOW + 3)]
+    before, after = cell.trajectory(0), cell.trajectory(1)
+    corner = before.duration + cell.sent[1][3]
+    assert cell.ends[0][MIDDLE] == pytest.approx(corner, abs=1e-9)
+    assert [*cell.ends[1]] == [str(number) for number in range(WINDOW // 2, WINDOW + 4)]
+    for one, other in zip(before.sample(corner), after.sample(0.0), strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-8)
+    cell.end(MIDDLE)
+    assert [(result.id, result.message) for result in cell.answers] == [
+        (str(number), 'passed') for number in range(WINDOW // 2 - 1)
+    ]
+    assert cell.planner.moving
+    cell.end(str(WINDOW + 3))
+    assert len(cell.answers) == WINDOW + 2
+    assert all(result.ok for result in cell.answers)
+    assert cell.told[-1]
+
+
+def test_what_comes_too_late_for_a_chain_starts_where_its_plan_stops(cell: Cell) -> None:
+    cell.bead(*range(WINDOW + 1))
+    cell.now += cell.ends[0][MIDDLE] - REPLACE_LEAD + 0.01
+    cell.bead(WINDOW + 1, last=True)
+    assert cell.ids == [MIDDLE, str(WINDOW + 1)]
+    assert cell.sent[1][3] == 0.0
+    np.testing.assert_array_equal(cell.trajectory(1).position[0], cell.trajectory(0).position[-1])
+    cell.end(MIDDLE)
+    assert {result.id for result in cell.answers} == {str(number) for number in range(WINDOW)} - {MIDDLE}
+
+
+def test_after_a_failure_no_plan_is_carried_on(cell: Cell) -> None:
+    cell.bead(*range(WINDOW + 1))
+    cell.end(MIDDLE, ok=False, progress='0.1')
+    assert not cell.planner.moving
+    cell.bead(WINDOW + 1, last=True)
+    assert cell.sent[-1][3] == 0.0
+    np.testing.assert_array_equal(cell.trajectory(-1).position[0], START)
+
+
+def test_commands_that_others_may_follow_wait_as_long_as_the_plan_can_be_carried_on(cell: Cell) -> None:
+    cell.bead(*range(WINDOW + 1))
+    cell.planner.wait_no_longer()
+    assert len(cell.sent) == 1
+    left = cell.ends[0][MIDDLE] - REPLACE_LEAD - BLEND_PATIENCE
+    assert cell.patience[-1] == pytest.approx(left, abs=1e-9)
+    cell.now += left + 1e-6
+    cell.planner.wait_no_longer()
+    assert cell.ids == [MIDDLE, str(WINDOW)]
+    assert cell.sent[1][3] < 0.0

@@ -141,6 +141,83 @@ def test_a_motion_that_joins_the_running_one_leaves_no_trace(override: float) ->
     assert outcomes[0].message == 'replaced by motion b'
 
 
+@pytest.mark.parametrize('override', [1.0, 0.4])
+def test_motions_that_carry_each_other_on_are_one_motion_of_several_results(override: float) -> None:
+    whole = move(START, CORNER)
+    middle, last = rest_of(whole, 4), rest_of(whole, 7)
+    runs = []
+    for carried in (False, True):
+        controller = Controller(AXES, ControllerSettings(period=PERIOD))
+        controller.step(0.0, START)
+        controller.set_override(override)
+        controller.follow(whole, 'a', 0.0)
+        run = Run(controller)
+        run.steps(5)
+        if carried:  # both come while the first is followed
+            controller.follow(middle, 'b', run.now, join_time=-middle.duration)
+            controller.follow(last, 'c', run.now, join_time=-last.duration)
+        runs.append(run.until_holding())
+    plain, carried_on = runs
+    # The controller works in doubles on polynomials that are the same but for their time scale.
+    np.testing.assert_allclose(carried_on, plain, atol=1e-9)
+    assert [(outcome.id, outcome.ok, outcome.message) for outcome in controller.outcomes] == [
+        ('a', True, 'passed'),
+        ('b', True, 'passed'),
+        ('c', True, 'reached'),
+    ]
+    planned = [outcome.details['planned_duration'] for outcome in controller.outcomes]
+    assert planned == pytest.approx([whole.time[4], whole.time[7] - whole.time[4], last.duration], abs=1e-6)
+
+
+def test_a_motion_may_carry_on_one_that_still_waits(controller: Controller) -> None:
+    controller.follow(move(START, CORNER), 'a', 0.0)
+    second = move(CORNER, END)
+    controller.follow(second, 'b', 0.0)
+    rest = rest_of(second, 5)
+    controller.follow(rest, 'c', 0.0, join_time=-rest.duration)
+    positions = Run(controller).until_holding()[:, 0]
+    np.testing.assert_allclose(positions[-1], END, atol=1e-12)
+    assert [(outcome.id, outcome.message) for outcome in controller.outcomes] == [
+        ('a', 'reached'),
+        ('b', 'passed'),
+        ('c', 'reached'),
+    ]
+
+
+def test_a_motion_that_nothing_carries_on_in_time_ends_where_it_was_planned_to(
+    controller: Controller,
+) -> None:
+    whole = move(START, CORNER)
+    controller.follow(whole, 'a', 0.0)
+    run = Run(controller)
+    run.steps(120)
+    rest = rest_of(whole, 5)
+    with pytest.raises(TrajectoryRefusedError, match='came too late'):
+        controller.follow(rest, 'b', run.now, join_time=-rest.duration)
+    np.testing.assert_allclose(run.until_holding()[-1, 0], CORNER, atol=1e-12)
+
+
+@pytest.mark.parametrize('steps', [50, 95, 105])
+def test_a_stop_around_the_place_where_a_motion_is_carried_on_stays_on_the_path_and_inside_the_limits(
+    controller: Controller, steps: int
+) -> None:
+    whole = move(START, CORNER)
+    rest = rest_of(whole, 5)
+    controller.follow(whole, 'a', 0.0)
+    controller.follow(rest, 'b', 0.0, join_time=-rest.duration)
+    run = Run(controller)
+    run.steps(steps)
+    controller.stop('stopped by a person')
+    references = run.until_holding()
+    assert controller.outcomes[-1].message.endswith('stopped by a person')
+    assert [outcome.ok for outcome in controller.outcomes][-1] is False
+    q = references[:, 0]
+    way = (CORNER - START) / np.linalg.norm(CORNER - START)
+    assert np.abs(q - np.outer(q @ way, way)).max() < 1e-12
+    # Limits as the guard takes them.
+    assert (np.abs(np.diff(q, 2, axis=0)) / PERIOD**2 <= AXES.acceleration * (1.0 + 1e-6)).all()
+
+
 def test_a_motion_that_comes_too_late_to_join_is_refused(controller: Controller) -> None:
     whole = move(START, CORNER)
     controller.follow(whole, 'a', 0.0)

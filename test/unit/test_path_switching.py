@@ -107,6 +107,32 @@ def test_a_chain_switches_by_its_own_plan(bench: Bench) -> None:
     assert bench.indices == [1, 1]
 
 
+def test_places_of_motions_that_are_carried_on_are_those_of_the_later_plan(bench: Bench) -> None:
+    half = 0.5 * DURATION
+    for id_ in '123':
+        # The same switches in each, all of them equal.
+        bench.switching.sent(id_, command(LENGTH, 0.0, 0.5))
+    first = {'1': half, '2': DURATION}
+    assert bench.switching.awaits('1')
+    bench.switching.planned('1', first, lambda: line(0.0, LENGTH))
+    assert not bench.switching.awaits('1')
+    assert bench.switching.awaits('2')
+    bench.switching.progress(1.0, 0.3)
+    assert bench.indices == [1, 2]
+    bench.switching.planned('3', {'2': half, '3': DURATION}, lambda: line(0.5 * LENGTH, 1.5 * LENGTH))
+    bench.switching.progress(2.0, 0.499)
+    bench.switching.finish('1', ok=True)
+    assert bench.indices == [1, 2]
+    bench.switching.progress(2.1, 0.01)
+    assert bench.indices == [1, 2, 1]
+    bench.switching.progress(3.1, 0.3)
+    assert bench.indices == [1, 2, 1, 2]
+    bench.switching.finish('2', ok=True)
+    assert bench.indices == [1, 2, 1, 2]
+    bench.switching.finish('3', ok=True)
+    assert bench.indices == [1, 2] * 3
+
+
 def test_a_switch_between_two_reports_comes_at_its_time(bench: Bench) -> None:
     bench.plan('1', 1.0)
     switching = bench.switching

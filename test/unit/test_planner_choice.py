@@ -15,7 +15,7 @@ import pytest
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import InvalidInputError
 from robots_planning import MotionSettings, PathPlanning
-from robots_planning.commands.command_queue import QueuedCommand
+from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.commands.motion_chain import MotionChain
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE, MOTION_KINDS, MotionKind
 from robots_planning.planner_choice import (
@@ -134,7 +134,8 @@ def test_the_planner_of_the_readme_moves_a_robot(robot: BaseRobotModel, start: n
     orders = tuple(
         QueuedCommand(str(number), JOINT, q, blended, 0.0) for number, q in enumerate((target, start))
     )
-    motion, ends = MotionChain(robot, planning).plan(orders, start)
+    plan = MotionChain(robot, planning).plan(CommandChain(orders), start)
+    motion, ends = plan.motion, plan.ends
     assert ends == pytest.approx((0.5 * motion.duration, motion.duration))
     still = np.zeros(robot.num_axes)
     with pytest.raises(InvalidInputError, match='SmoothJoint cannot start from a robot that moves'):

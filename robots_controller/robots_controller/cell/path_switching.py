@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 from robots_controller.program.motion_command import MotionCommand, OutputChange, PathSwitch
@@ -15,6 +15,19 @@ from robots_planning.trajectory import Trajectory
 
 # Between two reports, a prediction further ahead than this waits for the next report.
 FARTHEST_PREDICTION: Final = 0.08  # s
+
+
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """A planned motion with its commands, by id."""
+
+    commands: dict[str, MotionCommand]
+    switches: PathSwitches
+
+    def leave(self, ids: Iterable[str]) -> None:
+        """Another plan carries these commands on."""
+        left = [self.commands.pop(id_) for id_ in ids if id_ in self.commands]
+        self.switches.leave(left)
 
 
 class PathSwitching:
@@ -40,7 +53,8 @@ class PathSwitching:
         self._direct_kinematics, self._switch = direct_kinematics, switch
         self._lock = threading.RLock()
         self._sent: dict[str, MotionCommand] = {}  # without a plan yet, oldest first
-        self._planned: dict[str, PathSwitches | None] = {}  # oldest first: the controller follows the first
+        self._commanded: dict[str, MotionCommand] = {}  # with and without
+        self._planned: dict[str, _Plan] = {}  # oldest first: the controller follows the first
         self._lines: dict[PathSwitch, int] = {}
         self._at_targets: dict[MotionCommand, list[OutputChange]] = {}  # of motions without a plan yet
         self._next_time = math.inf
@@ -55,13 +69,12 @@ class PathSwitching:
     def pending(self) -> bool:
         """Outputs will be switched on the paths planned so far."""
         with self._lock:
-            planned = [switches for switches in self._planned.values() if switches is not None]
-            return any(switches.next_progress is not None for switches in planned)
+            return any(plan.switches.next_progress is not None for plan in self._planned.values())
 
     def sent(self, id_: str, command: MotionCommand) -> None:
         """A motion was sent to the planner."""
         with self._lock:
-            self._sent[id_] = command
+            self._sent[id_] = self._commanded[id_] = command
             self._lines |= dict.fromkeys(command.switches, command.line)
 
     def switch_at_target(self, command: MotionCommand, change: OutputChange) -> None:
@@ -75,33 +88,39 @@ class PathSwitching:
             return self._at_targets.pop(command, [])
 
     def awaits(self, id_: str) -> bool:
-        """A motion was sent and has no plan yet."""
+        """A motion was sent, and no plan has its id yet."""
         with self._lock:
-            return id_ in self._sent
+            carried = any(id_ in plan.commands for plan in self._planned.values())
+            return id_ in self._sent or (carried and id_ not in self._planned)
 
     def planned(
         self, id_: str, ends: Mapping[str, float], trajectory: Callable[[], Trajectory | None]
     ) -> None:
-        """A motion, or a chain of them, was planned.
+        """A motion, or a chain of them, was planned: what an earlier plan shares with it is done by it.
 
         Args:
-            id_: The motion's id: that of its last command.
+            id_: The plan's id.
             ends: When each of its commands ends, s of the plan, by id and in order.
             trajectory: Gives the plan, None if it is not valid; called only where outputs are switched.
         """
         with self._lock:
-            chain = [
-                (end, self._with_targets(self._sent.pop(one)))
-                for one, end in ends.items()
-                if one in self._sent
-            ]
-            if not chain:
+            on_their_way = dict(self._sent)
+            for before in self._planned.values():
+                on_their_way |= before.commands
+            ids = [one for one in ends if one in on_their_way]
+            if not ids:
                 return
-            plan = trajectory() if any(command.switches for _, command in chain) else None
-            switches = None
+            commands = {one: self._with_targets(one, on_their_way[one]) for one in ids}
+            for one in commands:
+                self._sent.pop(one, None)
+            for before in self._planned.values():
+                before.leave(commands)
+            plan = trajectory() if any(command.switches for command in commands.values()) else None
+            switches = PathSwitches((), 0.0)
             if plan is not None:
+                chain = [(ends[one], command) for one, command in commands.items()]
                 switches = switches_on_path(chain, plan, self._direct_kinematics)
-            self._planned[id_] = switches
+            self._planned[id_] = _Plan(commands, switches)
 
     def progress(self, now: float, progress: float) -> None:
         """The controller has done this part of the motion that it follows, 0..1; now in s."""
@@ -111,8 +130,8 @@ class PathSwitching:
             # A report of 1 may belong to the motion before: `finish` handles the end.
             if running is None or progress >= 1.0:
                 return
-            self._switch_all(running.due(progress))
-            delay = running.delay(now, progress)
+            self._switch_all(running.switches.due(progress))
+            delay = running.switches.delay(now, progress)
             if delay is not None and delay < FARTHEST_PREDICTION:
                 self._next_time = now + delay
 
@@ -123,24 +142,27 @@ class PathSwitching:
             if running is None or now < self._next_time:
                 return
             self._next_time = math.inf
-            at = running.next_progress
+            at = running.switches.next_progress
             if at is not None:
-                self._switch_all(running.due(at))
+                self._switch_all(running.switches.due(at))
 
     def finish(self, id_: str, *, ok: bool) -> None:
         """A motion has ended: what is left on a path that led to its end is switched now."""
         with self._lock:
-            command, switches = self._sent.pop(id_, None), self._planned.pop(id_, None)
+            command, plan = self._sent.pop(id_, None), self._planned.pop(id_, None)
+            self._commanded.pop(id_, None)
             if not ok:
                 self._sent.clear()
+                self._commanded.clear()
                 self._planned.clear()
             else:
                 self._switch_all(() if command is None else command.switches)
-                self._switch_all(() if switches is None else switches.due(1.0))
+                self._switch_all(() if plan is None else plan.switches.due(1.0))
             self._next_time = math.inf
 
-    def _with_targets(self, command: MotionCommand) -> MotionCommand:
-        changes = self.left(command)
+    def _with_targets(self, id_: str, command: MotionCommand) -> MotionCommand:
+        """A motion, maybe of an earlier plan with some, with its switches at its target."""
+        changes = self.left(self._commanded.get(id_, command))
         added = [PathSwitch('time_before_end', 0.0, one.kind, one.index, one.value) for one in changes]
         self._lines |= {switch: one.line for switch, one in zip(added, changes, strict=True)}
         return replace(command, switches=(*command.switches, *added)) if added else command

@@ -19,6 +19,7 @@ from robots_core.errors import TrajectoryRefusedError
 from robots_core.motion_result import MotionResult
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, fraction
+from robots_planning.motion_results import PASSED
 from robots_planning.trajectory import Trajectory
 
 
@@ -117,7 +118,8 @@ class Controller:
             id_: Comes back in the outcome.
             now: Time, s.
             join_time: If above 0, the trajectory starts on the running motion instead, at this path time (s)
-                and moving as that one does there, and takes its place.
+                and moving as that one does there, and takes its place. If below 0, it starts on the last
+                motion, so long before its end (s), and carries it on: that one ends there as passed.
 
         Raises:
             TrajectoryRefusedError: it starts elsewhere, the robot is being stopped or follows a stream,
@@ -227,7 +229,7 @@ class Controller:
         if self._unchanged < self._interpolator.window:
             if not stopping:
                 self._check_following(motion)
-                self._join(now)
+            self._join(now)
             return
         if motion.failure is not None:
             self._finish(motion, now, motion.failure, ok=False)
@@ -243,8 +245,8 @@ class Controller:
         replaced = self._motions.join(now)
         if replaced is not None:
             assert self._motion is not None
-            message = f'replaced by motion {self._motion.id}'
-            self.outcomes.append(_outcome(replaced, now, message, ok=False))
+            message = PASSED if replaced.passes else f'replaced by motion {self._motion.id}'
+            self.outcomes.append(_outcome(replaced, now, message, ok=replaced.passes))
 
     def _step_stream(self, now: float) -> None:
         stream = self._stream
@@ -372,7 +374,7 @@ class Controller:
 def _outcome(motion: FollowedMotion, now: float, message: str, *, ok: bool) -> MotionResult:
     details: dict[str, str | float] = {
         'duration': round(now - motion.start, 6),
-        'planned_duration': round(motion.trajectory.duration, 6),
+        'planned_duration': round(min(motion.trajectory.duration, motion.join_time), 6),
         'progress': round(motion.progress, 6),
     }
     return MotionResult(motion.id, ok, message, details)

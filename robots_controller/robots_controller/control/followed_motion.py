@@ -33,6 +33,8 @@ class FollowedMotion:
         self.successor: FollowedMotion | None = None
         """Goes on in the place of this one from `join_time` on."""
         self.join_time = np.inf
+        self.passes = False
+        """The successor carries this motion on and does not replace it."""
         self._before: tuple[FollowedMotion, float] | None = None
         self._times: list[float] = trajectory.time.tolist()
 
@@ -46,11 +48,14 @@ class FollowedMotion:
         states = zip(self.trajectory.sample(s), trajectory.sample(0.0), strict=True)
         return all(float(np.abs(own - its).max()) <= JOIN_TOLERANCE for own, its in states)
 
-    def join(self, successor: FollowedMotion, join_time: float) -> None:
+    def join(self, successor: FollowedMotion, join_time: float, *, passes: bool) -> None:
         """Let another motion go on from a path time on."""
-        self.successor, self.join_time = successor, join_time
+        self.successor, self.join_time, self.passes = successor, join_time, passes
         successor._before = (self, join_time)
-        self._before = None  # long past; a robot may be led on for hours
+
+    def forget_before(self) -> None:
+        """What was before is long past; a robot may be led on for hours."""
+        self._before = None
 
     def position(self, s: float) -> Array:
         """Joint positions at path time `s`, (n,), of the motions before and after it too.

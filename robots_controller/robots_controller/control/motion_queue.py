@@ -22,7 +22,8 @@ class MotionQueue:
     """Motions in their order.
 
     A motion that starts where the one before it ends waits for its turn. One that joins the running one at a
-    path time, with its position, velocity and acceleration there, takes its place from then on.
+    path time, with its position, velocity and acceleration there, takes its place from then on. One that
+    joins the last one before its end carries that one on: what is left of it then is not followed.
 
     Args:
         axes: The robot's axes.
@@ -43,7 +44,8 @@ class MotionQueue:
             id_: Its command.
             now: Time, s.
             reference: Where the robot's reference stands if no motion is followed, (3, n).
-            join_time: Path time of the running motion at which this one goes on, s; 0 to wait for its end.
+            join_time: Path time of the running motion at which this one goes on in its place, s; below 0:
+                that of the last motion, from its end, at which this one carries it on; 0: after its end.
 
         Raises:
             TrajectoryRefusedError: it starts nowhere that the robot will be, the running motion has been
@@ -54,7 +56,7 @@ class MotionQueue:
             raise TrajectoryRefusedError(
                 'the robot is still moving: it stops, and may be sent again when it stands'
             )
-        if join_time > 0.0:
+        if join_time != 0.0:
             self._join(motion, join_time)
             return
         if trajectory.velocity[0].any() or trajectory.acceleration[0].any():
@@ -70,10 +72,9 @@ class MotionQueue:
             raise TrajectoryRefusedError(
                 f'{LONGEST_QUEUE} motions are waiting, more are not taken; wait for their results'
             )
-        last = self.waiting[-1] if self.waiting else running.successor or running
         self._check_start(
             trajectory,
-            last.trajectory.position[-1],
+            self._last(running).trajectory.position[-1],
             'ends with the motion before it; wait for its motion_result or plan from its end',
         )
         self.waiting.append(motion)
@@ -89,35 +90,46 @@ class MotionQueue:
         replaced = self.current
         if replaced is None or replaced.successor is None or replaced.path_time < replaced.join_time:
             return None
+        replaced.forget_before()
         self.current = replaced.successor
+        self.current.failure = replaced.failure
         self.current.path_time = replaced.path_time - replaced.join_time
         self.current.start = now - self.current.path_time
         return replaced
 
     def clear(self) -> list[FollowedMotion]:
         """Forget all motions; returns those that never began."""
-        unbegun = [] if self.current is None or self.current.successor is None else [self.current.successor]
-        unbegun += self.waiting
+        unbegun = _successors(self.current)
+        for motion in self.waiting:
+            unbegun += [motion, *_successors(motion)]
         self.current = None
         self.waiting.clear()
         return unbegun
 
     def _join(self, motion: FollowedMotion, join_time: float) -> None:
-        running = self.current
+        running, passes = self.current, join_time < 0.0
+        if passes and running is not None:
+            running = self._last(running)
+            join_time += running.trajectory.duration
         if running is None or running.path_time > join_time:
             at = 'it stands' if running is None else f'that one is at {running.path_time:.3f} s'
             raise TrajectoryRefusedError(
                 f'the trajectory should go on at {join_time:.3f} s of the running motion, but {at}: it came '
                 'too late'
             )
-        if self.waiting or running.successor is not None:
+        if not passes and (self.waiting or running.successor is not None):
             raise TrajectoryRefusedError('another motion is already to follow the running one')
         if not running.runs_like(motion.trajectory, join_time):
             raise TrajectoryRefusedError(
                 f'the trajectory does not go on from the running motion at {join_time:.3f} s: it was planned '
                 'from something else'
             )
-        running.join(motion, join_time)
+        running.join(motion, join_time, passes=passes)
+
+    def _last(self, running: FollowedMotion) -> FollowedMotion:
+        """The motion after which nothing follows yet."""
+        last = self.waiting[-1] if self.waiting else running
+        return (last, *_successors(last))[-1]
 
     def _check_start(self, trajectory: Trajectory, position: Array, where: str) -> None:
         offset = trajectory.position[0] - position
@@ -127,3 +139,12 @@ class MotionQueue:
             raise TrajectoryRefusedError(
                 f'the trajectory starts {offset[worst]:+.6g} {unit} from where {name} {where}', joint=name
             )
+
+
+def _successors(motion: FollowedMotion | None) -> list[FollowedMotion]:
+    """Those that go on from a motion, one after the other."""
+    found: list[FollowedMotion] = []
+    while motion is not None and motion.successor is not None:
+        motion = motion.successor
+        found.append(motion)
+    return found

@@ -142,10 +142,10 @@ class CellView:
 
     def _show_end(self, event: MotionEnded) -> None:
         self._commanded.pop(event.id, None)
-        if event.message == PASSED:  # the end of its chain is told
-            return
         self._planned.pop(event.id, None)
         self._show_running()
+        if event.message == PASSED:  # the end of its chain is told
+            return
         if event.ok:
             duration = float(event.details.get('duration', 'nan'))
             self._print(f'{MARGIN}[green]{event.message}[/] after {duration:.2f} s')

@@ -209,7 +209,7 @@ class ControllerNode(RobotNode):
             return
         try:
             trajectory, join = trajectory_from_message(message, self._names), join_time(message)
-            moving = (trajectory.velocity[0], trajectory.acceleration[0]) if join > 0.0 else None
+            moving = (trajectory.velocity[0], trajectory.acceleration[0]) if join != 0.0 else None
             report = verify(trajectory, self.robot, torque=False, start_motion=moving)
             if not report.ok:
                 raise InvalidInputError(f'joint_trajectory breaks a limit: {report.describe()}')

@@ -1,6 +1,6 @@
 """PathSwitches: when outputs are switched that belong to places on a path."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -18,14 +18,14 @@ class PathSwitches:
     """The switches on a path, each due at a progress of its planned time.
 
     Args:
-        places: When each is due, s of the path's planned time.
+        places: When each is due, s of the path's planned time, and the motion that it belongs to.
         duration: Of the path, s.
     """
 
-    def __init__(self, places: Sequence[tuple[float, PathSwitch]], duration: float) -> None:
+    def __init__(self, places: Sequence[tuple[float, PathSwitch, MotionCommand]], duration: float) -> None:
         self._duration = duration
         self._waiting = sorted(
-            ((at / duration if duration > 0.0 else 1.0, switch) for at, switch in places),
+            ((at / duration if duration > 0.0 else 1.0, switch, command) for at, switch, command in places),
             key=lambda item: item[0],
         )
         self._last: tuple[float, float] | None = None
@@ -37,9 +37,13 @@ class PathSwitches:
 
     def due(self, progress: float) -> list[PathSwitch]:
         """The switches up to a progress, once."""
-        switches = [switch for at, switch in self._waiting if at <= progress]
+        switches = [switch for at, switch, _ in self._waiting if at <= progress]
         del self._waiting[: len(switches)]
         return switches
+
+    def leave(self, commands: Collection[MotionCommand]) -> None:
+        """Forget the switches of motions that have another path now."""
+        self._waiting = [item for item in self._waiting if item[2] not in commands]
 
     def delay(self, now: float, progress: float) -> float | None:
         """Seconds until the next switch is due, if the robot goes on as between the last two calls.
@@ -75,7 +79,7 @@ def switches_on_path(
         trajectory: Their plan.
         direct_kinematics: Position (3,) and orientation (3, 3) of tool0 for joint positions.
     """
-    places: list[tuple[float, PathSwitch]] = []
+    places: list[tuple[float, PathSwitch, MotionCommand]] = []
     start = 0.0
     for end, command in chain:
         way = None
@@ -88,7 +92,7 @@ def switches_on_path(
                 way = way or ToolWay(trajectory, direct_kinematics, _tool(command), start, end)
                 after_start = switch.anchor == 'distance_after_start'
                 at = way.time(switch.at if after_start else way.length - switch.at)
-            places.append((min(max(at, start), end), switch))
+            places.append((min(max(at, start), end), switch, command))
         start = end
     return PathSwitches(places, trajectory.duration)
 

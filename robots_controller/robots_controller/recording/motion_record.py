@@ -55,7 +55,7 @@ class MotionRecord:
         end: When it ended, or passed its target on the way to the next, s; NaN if it did not begin.
         duration: From its start to its end, s, the end of the plan as the controller measured it; NaN if it
             did not begin.
-        before: The motion before it on the plan; None for the first.
+        before: The motion before it, which runs through to it; None for the first after a stop.
         own: The robot stands at its end: no other motion follows on the plan.
         followed: The next plan was there before it ended: the references were at the target, but nothing
             waited for the drives.
@@ -131,9 +131,10 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
         key=lambda item: seconds(item[2].header.stamp),
     )
     progress = _Progress(messages['motion_progress'])
-    # Ends on the plan by command, of each plan by its last command.
+    # Ends on the plan by command, of each plan by its id; a later plan carries an earlier one on.
     ends = {values.pop('id', ''): values for values in (status_values(m) for _, m in messages['motion_plan'])}
     plan_of = {command: id_ for id_, of_plan in ends.items() for command in of_plan}
+    last_of = {plan: command for command, plan in plan_of.items()}
     motions: list[MotionRecord] = []
     chain: list[MotionRecord] = []
     stood = -math.inf
@@ -148,9 +149,9 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
             line=int(place.get('motion_line', now.get('line')) or 0),
         )
         chain.append(motion)
-        if last != id_:
+        if id_ != last_of.get(last, id_):
             continue
-        planned = plans.get(id_)
+        planned, (ended, result) = plans.get(last), results.get(last, (time, None))
         if planned is not None:
             # Planned while the motion before it was running, it starts at that one's end.
             if motions and planned[0] < stood:
@@ -159,9 +160,11 @@ def recorded_motions(messages: Messages, robot: BaseRobotModel) -> tuple[MotionR
             values = {} if result is None else status_values(result)
             done = progress.between(start, stood, float(values.get('progress', 1.0)))
             plan = _trajectory(planned[1], robot)
-            of_plan = {c: float(end) for c, end in ends.get(id_, {}).items()} | {id_: plan.duration}
+            of_plan = {c: float(end) for c, end in ends.get(last, {id_: plan.duration}).items()}
+            of_plan[next(reversed(of_plan))] = plan.duration  # without rounding
             duration = float(values.get('duration', stood - start))
-            chain = _on_plan(chain, plan, of_plan, done, duration)
+            before = motions[-1] if motions and not motions[-1].own else None
+            chain = _on_plan(chain, plan, of_plan, done, duration, before=before)
         motions += chain
         chain = []
     return (*motions, *chain)
@@ -173,6 +176,8 @@ def _on_plan(
     ends: Mapping[str, float],
     done: tuple[Array, Array],
     measured: float,
+    *,
+    before: MotionRecord | None,
 ) -> list[MotionRecord]:
     """Motions of one plan with their places there and in time.
 
@@ -182,21 +187,22 @@ def _on_plan(
         ends: When each of them ends on it, s, by id.
         done: Times (k,) s, and the parts of the plan that were done then.
         measured: Duration by the controller, s.
+        before: The motion that runs through to the first one.
     """
     times, parts = done
     found: list[MotionRecord] = []
     start, path_start = float(times[0]), 0.0
     for motion in chain:
         path_end = ends[motion.id]
-        own = motion is chain[-1]
-        stops = own or not motion.ok
+        own = path_end == plan.duration
+        stops = motion is chain[-1] or not motion.ok
         end = float(times[-1] if stops else np.interp(path_end / plan.duration, parts, times))
         motion = replace(  # noqa: PLW2901
             motion,
             plan=plan,
             path_start=path_start,
             path_end=path_end,
-            before=found[-1] if found else None,
+            before=found[-1] if found else before,
             own=own,
         )
         if motion.ok or path_start < parts[-1] * plan.duration:

@@ -20,6 +20,7 @@ from robots_core.blocks.inverse_kinematics.hold import POSE, held_angle, held_by
 from robots_core.pose import Pose
 from robots_core.rounding import apart
 from robots_core.validation import Array
+from robots_planning.trajectory import Trajectory
 
 PATH_PERIOD: Final = 1e-3  # s between points of a planned path; between them it is straight to a micrometre
 AROUND: Final = 0.5  # s of the plan before and after a motion, where the tool is that lags at its ends
@@ -194,9 +195,18 @@ def _planned_path(run: RecordedRun, motion: MotionRecord) -> Array:
     plan = motion.plan
     assert plan is not None
     start, end = max(0.0, motion.path_start - AROUND), min(plan.duration, motion.path_end + AROUND)
-    q, _, _ = plan.sample(np.linspace(start, end, max(2, int(np.ceil((end - start) / PATH_PERIOD)) + 1)))
+    q = _positions(plan, start, end)
+    before = motion.before
+    if before is not None and before.plan is not plan and before.plan is not None:
+        early = AROUND - (motion.path_start - start)
+        q = np.concatenate([_positions(before.plan, before.path_end - early, before.path_end), q])
     tool = motion.settings.tool_pose.r
     return np.array([r + T @ tool for r, T in map(run.robot.direct_kinematics, q)])
+
+
+def _positions(plan: Trajectory, start: float, end: float) -> Array:
+    """Joint positions on a part of a plan, (k, n)."""
+    return plan.sample(np.linspace(start, end, max(2, int(np.ceil((end - start) / PATH_PERIOD)) + 1)))[0]
 
 
 def _problems(figures: MotionFigures) -> list[str]:

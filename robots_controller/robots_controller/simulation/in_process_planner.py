@@ -138,7 +138,7 @@ class InProcessPlanner:
         """See `MotionPlannerPort`."""
         trajectory = motion.trajectory
         self._records.planned(ends, motion)
-        self._log.planned(id_, ends, trajectory)
+        self._log.planned(id_, ends, trajectory, join_time)
         self._control.follow(_as_in_message(trajectory), id_, join_time=join_time)
         self._mail.append(lambda: self.on_planned(id_, ends, trajectory))
 

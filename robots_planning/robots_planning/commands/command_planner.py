@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import contextlib
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.validation import Array
-from robots_planning.commands.command_queue import CommandQueue, QueuedCommand, RunningMotion
-from robots_planning.commands.motion_chain import MotionChain
+from robots_planning.commands.command_queue import CommandChain, CommandQueue, QueuedCommand, RunningMotion
+from robots_planning.commands.motion_chain import ChainPlan, MotionChain, OpenEnd
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 
-# A motion that takes the place of the running one does so this much later, which planning and messages take.
+# A motion that goes on from the running one does so this much later, which planning and messages take.
 REPLACE_LEAD = 0.15  # s
 
 
@@ -20,16 +21,23 @@ class PlannedCommands:
     """A motion that is ready to be sent.
 
     Attributes:
+        id: Its id.
         commands: Its commands.
         motion: The plan.
         ends: When each of the commands ends, s of the plan.
-        join_time: Path time of the running motion at which this one takes its place, s; 0: after its end.
+        join_time: Where it goes on from another, s; see `MotionPlannerPort.send`.
     """
 
+    id: str
     commands: tuple[QueuedCommand, ...]
     motion: PlannedMotion
     ends: tuple[float, ...]
     join_time: float = 0.0
+
+    @property
+    def ends_by_id(self) -> dict[str, float]:
+        """When each command ends, s of the plan, by id and in order."""
+        return dict(zip((command.id for command in self.commands), self.ends, strict=True))
 
 
 class CommandPlanner:
@@ -58,56 +66,89 @@ class CommandPlanner:
         """A joint motion takes the place of the running motion, and does not wait for its end."""
         self._planning, self._queue = planning, queue
         self._chain = MotionChain(planning.robot, planning)
+        self._open: OpenEnd | None = None
         self._standing, self._path_time = standing, path_time
         self._send, self._refuse = send, refuse
 
-    def plan(self, commands: Sequence[QueuedCommand]) -> None:
+    def plan(self, chain: CommandChain) -> None:
         """Plan a chain of commands as one motion, or one by one if they do not blend."""
-        chain = tuple(commands)
         try:
             self._plan(chain)
         except RobotsError as error:
-            if len(chain) == 1:
-                self._refuse(chain[0], error)
+            if len(chain.commands) == 1:
+                self._refuse(chain.commands[0], error)
             else:
-                self._plan_each(chain)
+                self._plan_each(chain.commands)
 
-    def _plan_each(self, chain: tuple[QueuedCommand, ...]) -> None:
-        for place, command in enumerate(chain):
+    def _plan_each(self, commands: tuple[QueuedCommand, ...]) -> None:
+        for place, command in enumerate(commands):
             try:
-                self._plan((command,))
+                self._plan(CommandChain((command,)))
             except RobotsError as error:
                 self._refuse(command, error)
-                for later in chain[place + 1 :]:
+                for later in commands[place + 1 :]:
                     self._refuse(later, PlanningError(f'given up with motion {command.id} before it'))
                 return
 
-    def _plan(self, commands: tuple[QueuedCommand, ...]) -> None:
+    def _plan(self, chain: CommandChain) -> None:
         while True:
             failures = self._queue.failures
-            if reason := self._queue.given_up(commands):
+            if reason := self._queue.given_up(chain.commands):
                 raise PlanningError(reason)
             running = self._queue.running
-            join_time = self._join_time(running, commands)
-            if join_time > 0.0:
-                q, q_dot, q_ddot = running[-1].trajectory.sample(join_time)
-                only = commands[0]
-                motion = self._planning.plan_moving(only.kind, (q, q_dot, q_ddot), only.target, only.settings)
-                ends: tuple[float, ...] = (motion.duration,)
-            else:
-                q = running[-1].trajectory.position[-1] if running else self._standing()
-                motion, ends = self._chain.plan(commands, q)
-            planned = RunningMotion(tuple(command.id for command in commands), motion.trajectory, ends)
-            if self._queue.planned(planned, failures):
+            planned, open_end = self._planned(chain, running)
+            ends = planned.ends_by_id
+            duration = planned.motion.duration
+            join_time = duration if open_end is None else open_end.time
+            motion = RunningMotion(planned.id, planned.motion.trajectory, ends, join_time)
+            if self._queue.planned(motion, failures):
                 break
-        if join_time > 0.0:
+        self._open = open_end
+        if planned.join_time > 0.0:
             self._queue.replaced(running[-1])
-        self._send(PlannedCommands(commands, motion, ends, join_time))
+        self._send(planned)
 
-    def _join_time(self, running: tuple[RunningMotion, ...], commands: tuple[QueuedCommand, ...]) -> float:
+    def _planned(
+        self, chain: CommandChain, running: tuple[RunningMotion, ...]
+    ) -> tuple[PlannedCommands, OpenEnd | None]:
+        commands = chain.commands
+        join_time = self._replace_time(running, commands)
+        if join_time > 0.0:
+            state, only = running[-1].trajectory.sample(join_time), commands[0]
+            motion = self._planning.plan_moving(only.kind, state, only.target, only.settings)
+            return PlannedCommands(only.id, commands, motion, (motion.duration,), join_time), None
+        plan = self._carried_on(chain, running)
+        if plan is not None:
+            join_time = round(running[-1].join_time - running[-1].trajectory.duration, 9)
+        else:
+            q = running[-1].trajectory.position[-1] if running else self._standing()
+            plan = self._chain.plan(chain, q)
+        id_, open_end = plan.commands[-1].id, plan.open_end
+        if open_end is not None:
+            id_ = plan.commands[-len(open_end.commands) - 1].id
+        return PlannedCommands(id_, plan.commands, plan.motion, plan.ends, join_time), open_end
+
+    def _carried_on(self, chain: CommandChain, running: tuple[RunningMotion, ...]) -> ChainPlan | None:
+        """The plan that carries the last motion on; None if there is none, or it would come too late."""
+        if self._open is None or not running or self._open.commands[-1].id not in running[-1].ends:
+            return None
+        with contextlib.suppress(RobotsError):
+            if not self._late(running[-1]):
+                plan = self._chain.carry_on(self._open, chain)
+                return None if self._late(running[-1]) else plan
+        return None
+
+    def _late(self, motion: RunningMotion) -> bool:
+        """The last motion is too near to its join time, or over."""
+        running = self._queue.running
+        if len(running) == 1:
+            return self._path_time() + REPLACE_LEAD > motion.join_time
+        return not running
+
+    def _replace_time(self, running: tuple[RunningMotion, ...], commands: tuple[QueuedCommand, ...]) -> float:
         if not self.replace or len(running) != 1 or len(commands) != 1:
             return 0.0
         if not self._planning.generator(commands[0].kind, commands[0].settings).starts_moving:
             return 0.0
-        join_time = round(self._path_time() + REPLACE_LEAD, 9)  # as messages hold it
+        join_time = round(self._path_time() + REPLACE_LEAD, 9)
         return join_time if join_time < running[0].trajectory.duration else 0.0

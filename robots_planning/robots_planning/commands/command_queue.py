@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
 
 from robots_planning.motion_kinds import MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import Target
 
-LONGEST_CHAIN = 32  # motions that run through in one; the last of so many stops
+# Motions that are planned at once. In a longer chain the next plan goes on from the middle of them; a program
+# has more than one and a half as many commands on their way.
+WINDOW: Final = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,29 +37,45 @@ class QueuedCommand:
 
 
 @dataclass(frozen=True, eq=False)
+class CommandChain:
+    """Commands to plan.
+
+    Attributes:
+        commands: One or several that blend, in their order.
+        goes_on: More are there that the last one blends into; their plan goes on from this one.
+    """
+
+    commands: tuple[QueuedCommand, ...]
+    goes_on: bool = False
+
+
+@dataclass(frozen=True, eq=False)
 class RunningMotion:
     """A planned motion that has not ended.
 
     Attributes:
-        ids: The commands in it, one or a chain of blended ones; the last is the motion's own.
+        id: The motion's: that of one of its commands.
         trajectory: The plan.
-        ends: When each of the commands is done with, s of the plan.
+        ends: When each of its commands is done with, s of the plan, by id and in order: one or a chain of
+            blended ones.
+        join_time: When the next motion may carry it on, s of the plan; its duration where none does.
     """
 
-    ids: tuple[str, ...]
+    id: str
     trajectory: Trajectory
-    ends: tuple[float, ...]
-
-    @property
-    def id(self) -> str:
-        """The motion's id: that of its last command."""
-        return self.ids[-1]
+    ends: Mapping[str, float]
+    join_time: float
 
     def passed(self, progress: float) -> Iterator[tuple[str, bool]]:
-        """For each command before the last: its id, and whether it was done with at that part of the plan."""
+        """Each command but the motion's own, and whether it was done with at that part of the plan."""
         done = progress * self.trajectory.duration
-        for id_, end in zip(self.ids[:-1], self.ends[:-1], strict=True):
-            yield id_, progress == 1.0 or end <= done
+        for id_, end in self.ends.items():
+            if id_ != self.id:
+                yield id_, progress == 1.0 or end <= done
+
+    def without(self, ids: Mapping[str, float]) -> RunningMotion:
+        """The motion without commands that another one carries on."""
+        return replace(self, ends={id_: end for id_, end in self.ends.items() if id_ not in ids})
 
 
 class CommandQueue:
@@ -69,6 +88,7 @@ class CommandQueue:
     def __init__(self) -> None:
         self._lock = threading.RLock()
         self._held: list[QueuedCommand] = []
+        self._goes_on = False
         self._known: set[str] = set()
         self._running: dict[str, RunningMotion] = {}
         self._failed_at = -float('inf')
@@ -82,25 +102,29 @@ class CommandQueue:
         with self._lock:
             return id_ in self._known
 
-    def hold(self, command: QueuedCommand) -> tuple[QueuedCommand, ...]:
-        """Take a command; returns what is to be planned now: nothing while a chain may go on."""
+    def hold(self, command: QueuedCommand) -> CommandChain | None:
+        """Take a command; returns what is to be planned now, None while more may be planned with it."""
         with self._lock:
             self._known.add(command.id)
             self._held.append(command)
-            if command.settings.blends and len(self._held) < LONGEST_CHAIN:
-                return ()
-            return self.release()
+            if not command.settings.blends:
+                return self.release()
+            if len(self._held) <= (WINDOW // 2 if self._goes_on else WINDOW):
+                return None
+            chain, self._held = CommandChain(tuple(self._held[:-1]), goes_on=True), self._held[-1:]
+            self._goes_on = True
+            return chain
 
     def chains(self, settings: MotionSettings) -> bool:
         """A command with these settings may go on in the chain of those held: the payload is the same."""
         with self._lock:
             return not self._held or self._held[-1].settings.payload == settings.payload
 
-    def release(self) -> tuple[QueuedCommand, ...]:
-        """The commands that were held, as nothing follows them."""
+    def release(self) -> CommandChain | None:
+        """The commands that were held, if any, as nothing follows them."""
         with self._lock:
-            held, self._held = tuple(self._held), []
-            return held
+            held, self._held, self._goes_on = tuple(self._held), [], False
+            return CommandChain(held) if held else None
 
     def given_up(self, commands: Sequence[QueuedCommand]) -> str:
         """Why commands are void; '' if they are not."""
@@ -141,6 +165,9 @@ class CommandQueue:
         with self._lock:
             if failures != self._failures:
                 return False
+            for id_, before in self._running.items():
+                if not before.ends.keys().isdisjoint(motion.ends):
+                    self._running[id_] = before.without(motion.ends)
             self._running[motion.id] = motion
             return True
 
@@ -148,7 +175,7 @@ class CommandQueue:
         """A motion goes on in the place of this one: what follows starts at that one's end."""
         with self._lock:
             self._running.pop(motion.id, None)
-            self._known.difference_update(motion.ids)
+            self._known.difference_update(motion.ends)
 
     def ended(self, id_: str, *, ok: bool, at: float) -> RunningMotion | None:
         """A motion has ended; returns it if it is one of these.
@@ -162,7 +189,7 @@ class CommandQueue:
             motion = self._running.pop(id_, None)
             if motion is None:
                 return None
-            self._known.difference_update(motion.ids)
+            self._known.difference_update(motion.ends)
             if not ok:
                 self._failed_at, self._failed = max(at, self._failed_at), id_
                 self._failures += 1
@@ -173,5 +200,5 @@ class CommandQueue:
         """Nobody follows any motion: the controller is gone."""
         with self._lock:
             for motion in self._running.values():
-                self._known.difference_update(motion.ids)
+                self._known.difference_update(motion.ends)
             self._running.clear()

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -12,7 +13,7 @@ from robots_core.errors import PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.commands.command_queue import QueuedCommand
+from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.motion_kinds import LINE
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base, tool_section
@@ -20,9 +21,49 @@ from robots_planning.paths.blending import Measure, blend_with_corners, joint_di
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.planner_choice import planner_for
 from robots_planning.timing.chain_limits import SectionLimits, chain_limits
+from robots_planning.timing.path_start import PathStart, Smoothing
 from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits
+from robots_planning.timing.timed_path import TimedPath
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
+
+
+@dataclass(frozen=True, eq=False)
+class OpenEnd:
+    """The part of a plan that the next one replaces: a stop for the case that nothing comes in time.
+
+    Attributes:
+        commands: Those in this part; it begins at the middle of the blend before them.
+        time: Its start, s of the plan.
+        state: Joint positions, velocities and accelerations there, (n,) each.
+        smoothing: Of the plan's time law.
+        before: The command before them, and its path.
+        paths: Of the commands.
+    """
+
+    commands: tuple[QueuedCommand, ...]
+    time: float
+    state: tuple[Array, Array, Array]
+    smoothing: Smoothing
+    before: tuple[QueuedCommand, JointPath]
+    paths: tuple[JointPath, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class ChainPlan:
+    """The plan of a chain.
+
+    Attributes:
+        commands: Those in it, in order.
+        motion: Their motion.
+        ends: When each is done with, s of it.
+        open_end: Where another plan may go on; None if none does.
+    """
+
+    commands: tuple[QueuedCommand, ...]
+    motion: PlannedMotion
+    ends: tuple[float, ...]
+    open_end: OpenEnd | None = None
 
 
 class MotionChain:
@@ -34,6 +75,9 @@ class MotionChain:
     many robots. A chain that would be faster with stops at its targets stops there. All motions of a chain
     have one payload.
 
+    A chain whose commands are not all known is planned to a stop at the last one, and carried on from the
+    middle of its plan, with the speed and the acceleration that it has there.
+
     Args:
         robot: The robot.
         planning: Plans single motions, and checks all.
@@ -42,39 +86,75 @@ class MotionChain:
     def __init__(self, robot: BaseRobotModel, planning: PathPlanning) -> None:
         self._robot, self._planning = robot, planning
 
-    def plan(
-        self, commands: tuple[QueuedCommand, ...], q_start: Array
-    ) -> tuple[PlannedMotion, tuple[float, ...]]:
-        """The motion of a chain, and when each of its commands is done with, s of it.
+    def plan(self, chain: CommandChain, q_start: Array) -> ChainPlan:
+        """The plan of a chain from rest.
 
         Raises:
             RobotsError: one of the motions is impossible, or all together.
         """
+        commands = chain.commands
         if len(commands) == 1:
             only = commands[0]
             motion = self._planning.plan(only.kind, q_start, only.target, only.settings)
-            return motion, (motion.duration,)
+            return ChainPlan(commands, motion, (motion.duration,))
         paths = self._paths(commands, q_start)
-        plans: list[tuple[Trajectory, tuple[float, ...]]] = []
+        plans: list[tuple[Trajectory, tuple[float, ...], OpenEnd | None]] = []
         # A blend of ways that lead back almost on themselves may leave no speed; then it stops.
         with contextlib.suppress(PlanningError):
             if paths:
-                path, corners, limits = self._blended(commands, paths)
-                timed = self._timing(commands).timed(path, limits)
-                plans.append((timed.trajectory, tuple(timed.times_of(corners).tolist())))
+                path, corners = self._blended(commands, paths)
+                timed = self._timing(commands).timed(path, self._limits(commands, path, corners))
+                plans.append(_opened(chain, timed, corners, paths))
         try:
-            plans.append(self._with_stops(commands, q_start))
+            plans.append((*self._with_stops(commands, q_start), None))
         except RobotsError:
             if not plans:
                 raise
-        trajectory, ends = min(plans, key=lambda plan: plan[0].duration)
-        last = commands[-1]
-        ends = (*ends, trajectory.duration)
+        trajectory, ends, open_end = min(plans, key=lambda plan: plan[0].duration)
+        return self._checked(commands, trajectory, ends, open_end)
+
+    def carry_on(self, end: OpenEnd, chain: CommandChain) -> ChainPlan:
+        """The plan of a chain that carries on the one before: from the start of its open end.
+
+        Raises:
+            RobotsError: one of the motions is impossible, they cannot run through, or limits cannot be kept.
+        """
+        commands = (*end.commands, *chain.commands)
+        new = self._paths(chain.commands, end.paths[-1].q[-1])
+        if not new:
+            raise PlanningError(f'motion {chain.commands[0].id} has no path to run through to')
+        paths = [*end.paths, *new]
+        whole, corners = self._blended((end.before[0], *commands), [end.before[1], *paths])
+        q, q_dot, q_ddot = end.state
+        # A plan's times are whole nanoseconds: its point is that close to the corner.
+        _, q_s, _ = (values[0] for values in whole.evaluate(corners[:1]))
+        q_corner = whole.evaluate(corners[:1])[0][0]
+        start = float(corners[0] + (q - q_corner) @ q_s / (q_s @ q_s))
+        path, corners = whole.rest(start), (corners[1:] - start) / (1.0 - start)
+        limits = self._limits(commands, path, corners)
+        timing = self._timing(commands)
+        timed = timing.carried_on(path, limits, PathStart.of(path, q_dot, q_ddot, end.smoothing))
+        timed = replace(timed, trajectory=_from_state(timed.trajectory, end.state))
+        joined = CommandChain(commands, goes_on=chain.goes_on)
+        return self._checked(commands, *_opened(joined, timed, corners, paths), start_motion=(q_dot, q_ddot))
+
+    def _checked(
+        self,
+        commands: tuple[QueuedCommand, ...],
+        trajectory: Trajectory,
+        ends: tuple[float, ...],
+        open_end: OpenEnd | None,
+        start_motion: tuple[Array, Array] | None = None,
+    ) -> ChainPlan:
+        last, ends = commands[-1], (*ends, trajectory.duration)
         tools = [
             tool_section(command.kind, command.settings, end)
             for command, end in zip(commands, ends, strict=True)
         ]
-        return self._planning.checked(trajectory, last.kind, last.settings, tools=tools), ends
+        motion = self._planning.checked(
+            trajectory, last.kind, last.settings, tools=tools, start_motion=start_motion
+        )
+        return ChainPlan(commands, motion, ends, open_end)
 
     def _paths(self, commands: tuple[QueuedCommand, ...], q_start: Array) -> list[JointPath]:
         """The path of every motion alone; none at all if one of them has none to run through."""
@@ -88,14 +168,15 @@ class MotionChain:
 
     def _blended(
         self, commands: tuple[QueuedCommand, ...], paths: list[JointPath]
-    ) -> tuple[JointPath, Array, ToolLimits]:
-        """The path with blends, s at its corners, and the limits on it."""
+    ) -> tuple[JointPath, Array]:
+        """The path with blends, and s at its corners."""
         zones, measures = zip(
             *(self._zone(command.settings, command) for command in commands[:-1]), strict=True
         )
-        path, corners = blend_with_corners(paths, zones, measures=measures)
-        sections = [_section(command) for command in commands]
-        return path, corners, chain_limits(self._robot, path, corners, sections)
+        return blend_with_corners(paths, zones, measures=measures)
+
+    def _limits(self, commands: tuple[QueuedCommand, ...], path: JointPath, corners: Array) -> ToolLimits:
+        return chain_limits(self._robot, path, corners, [_section(command) for command in commands])
 
     def _with_stops(
         self, commands: tuple[QueuedCommand, ...], q_start: Array
@@ -148,6 +229,33 @@ class MotionChain:
         return TimeOptimalTiming(
             loaded, axes.velocity * inside, axes.acceleration * inside, effort, jerk=jerk
         )
+
+
+def _opened(
+    chain: CommandChain, timed: TimedPath, corners: Array, paths: Sequence[JointPath]
+) -> tuple[Trajectory, tuple[float, ...], OpenEnd | None]:
+    """The trajectory of a chain, the ends of its commands but the last, and its open end if it goes on."""
+    trajectory, ends = timed.trajectory, timed.times_of(corners).tolist()
+    count = len(chain.commands) // 2
+    if not chain.goes_on or count == 0:
+        return trajectory, tuple(ends), None
+    row = int(np.argmin(np.abs(timed.s - corners[count - 1])))
+    ends[count - 1] = float(trajectory.time[row])
+    state = (trajectory.position[row], trajectory.velocity[row], trajectory.acceleration[row])
+    before = (chain.commands[count - 1], paths[count - 1])
+    open_end = OpenEnd(
+        chain.commands[count:], ends[count - 1], state, timed.smoothing, before, tuple(paths[count:])
+    )
+    return trajectory, tuple(ends), open_end
+
+
+def _from_state(trajectory: Trajectory, state: tuple[Array, Array, Array]) -> Trajectory:
+    """The trajectory without the rounding of its start."""
+    rows = (trajectory.position, trajectory.velocity, trajectory.acceleration)
+    return Trajectory(
+        trajectory.time,
+        *(np.concatenate([first[None], row[1:]]) for first, row in zip(state, rows, strict=True)),
+    )
 
 
 def _jerk_limited(commands: tuple[QueuedCommand, ...]) -> bool:

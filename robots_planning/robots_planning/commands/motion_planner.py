@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping
-from functools import partial
 from typing import Final, Protocol
 
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.commands.command_planner import CommandPlanner, PlannedCommands
-from robots_planning.commands.command_queue import CommandQueue, QueuedCommand, RunningMotion
+from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanner, PlannedCommands
+from robots_planning.commands.command_queue import CommandChain, CommandQueue, QueuedCommand, RunningMotion
 from robots_planning.commands.standing_robot import check_standing
 from robots_planning.motion_kinds import LINE, MotionKind
 from robots_planning.motion_results import PASSED
@@ -42,7 +42,7 @@ class MotionPlannerPort(Protocol):
         """Do work that takes long: now, or in the planner's thread, one after the other."""
 
     def release_after(self, patience: float) -> None:
-        """Call `release` after this time, s, counted from the last call of this."""
+        """Call `wait_no_longer` after this time, s, counted from the last call of this."""
 
     def send(
         self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], *, title: str, join_time: float
@@ -50,11 +50,12 @@ class MotionPlannerPort(Protocol):
         """Send a motion to the controller.
 
         Args:
-            id_: Of its last command.
+            id_: Its own: that of its last command before the next motion may carry it on.
             motion: The plan.
             ends: When each of its commands ends, s of the plan, by id and in order.
             title: Its kinds, for a person.
-            join_time: Path time of the running motion at which it takes over, s; 0: after its end.
+            join_time: Path time of the running motion at which it takes its place, s. Below 0 it carries the
+                last motion on, so long before that one's end; 0: after its end.
         """
 
     def answer(self, result: MotionResult) -> None:
@@ -95,6 +96,8 @@ class MotionPlanner:
         self.reference_pose: Pose | None = None
         """Where a trigger leads."""
         self._triggered = False
+        self._unplanned: deque[CommandChain] = deque()  # on their way to the thread that plans, or there
+        self._planning_time = 0.0  # s, that the last plan took
         self._progress = (0.0, 0.0)  # of the running motion, and when it was reported
 
     @property
@@ -152,6 +155,24 @@ class MotionPlanner:
         """Plan the commands that wait for another one to blend into: none follows."""
         self._plan(self._queue.release())
 
+    def wait_no_longer(self) -> None:
+        """Plan the commands that wait for another one, unless the robot has motions for a while yet."""
+        time = self._time_left()
+        if time > 0.0:
+            self._port.release_after(time)
+        else:
+            self.release()
+
+    def _time_left(self) -> float:
+        """How long commands may wait until the motion before them can only just be carried on, s."""
+        running = self.motions
+        if self._unplanned:
+            return BLEND_PATIENCE
+        if not running or running[-1].join_time == running[-1].trajectory.duration:
+            return 0.0
+        done = self._path_time() if len(running) == 1 else 0.0
+        return running[-1].join_time - done - REPLACE_LEAD - BLEND_PATIENCE - self._planning_time
+
     def replace_motions(self, *, replace: bool) -> None:
         """Let joint motions replace the running motion, or follow it."""
         self._commands.replace = replace
@@ -176,9 +197,9 @@ class MotionPlanner:
         if self.moving:
             raise PlanningError('the robot is still moving; wait for its motion_result or stop it')
         motion = self.planning.checked(trajectory(self.standing()))
-        running = RunningMotion((id_,), motion.trajectory, (motion.duration,))
+        running = RunningMotion(id_, motion.trajectory, {id_: motion.duration}, motion.duration)
         self._queue.planned(running, self._queue.failures)
-        self._follow(motion, {id_: motion.duration}, 'a given trajectory', 0.0)
+        self._follow(id_, motion, running.ends, 'a given trajectory', 0.0)
 
     # -- the controller -------------------------------------------------------------------------------
 
@@ -232,21 +253,30 @@ class MotionPlanner:
 
     # -- inside ---------------------------------------------------------------------------------------
 
-    def _plan(self, commands: tuple[QueuedCommand, ...]) -> None:
-        if commands:
-            self._port.submit(partial(self._commands.plan, commands))
+    def _plan(self, chain: CommandChain | None) -> None:
+        if chain is not None:
+            self._unplanned.append(chain)
+            self._port.submit(self._plan_next)
+
+    def _plan_next(self) -> None:
+        begin = self._port.time()
+        try:
+            self._commands.plan(self._unplanned[0])
+        finally:
+            self._planning_time = self._port.time() - begin
+            self._unplanned.popleft()
 
     def _send(self, planned: PlannedCommands) -> None:
         titles = ' + '.join(command.kind.title for command in planned.commands)
-        ids = (command.id for command in planned.commands)
-        ends = dict(zip(ids, planned.ends, strict=True))
-        self._follow(planned.motion, ends, titles, planned.join_time)
+        self._follow(planned.id, planned.motion, planned.ends_by_id, titles, planned.join_time)
 
-    def _follow(self, motion: PlannedMotion, ends: Mapping[str, float], title: str, join_time: float) -> None:
+    def _follow(
+        self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], title: str, join_time: float
+    ) -> None:
         if len(self.motions) == 1:
             self._progress = (0.0, self._port.time())
         self._port.finished(done=False)
-        self._port.send(tuple(ends)[-1], motion, ends, title=title, join_time=join_time)
+        self._port.send(id_, motion, ends, title=title, join_time=join_time)
 
     def _refuse(self, command: QueuedCommand, error: RobotsError) -> None:
         self._queue.refused(command.id)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from builtin_interfaces.msg import Time
+from rclpy.subscription import Subscription
 
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.timed_node import TimedNode
@@ -21,12 +22,17 @@ class CommandInbox:
     def __init__(self, node: TimedNode) -> None:
         self._waiting: list[tuple[tuple[int, int], Callable[[], None]]] = []
         self._more = False
+        self._subscriptions: list[Subscription] = []
         self._node = node
         self._turn = None
         if node.participant is not None:
             self._turn = node.participant.create_turn(lambda _: self.deliver(), phase=Phase.PLANNING)
         # In every round of the executor, subscriptions are served before it.
         self._arrival = node.create_guard_condition(self._look)
+
+    def subscribed(self, subscription: Subscription) -> None:
+        """A subscription puts its commands here."""
+        self._subscriptions.append(subscription)
 
     def put(self, stamp: Time, act: Callable[[], None]) -> None:
         """Call `act` after all commands that were sent before `stamp` and are here already."""
@@ -42,6 +48,20 @@ class CommandInbox:
             self._more = False
             self._arrival.trigger()
             return
+        self.deliver()
+
+    def deliver_all(self) -> None:
+        """Deliver what came, now, also what the executor has not served yet.
+
+        It serves one message of each topic for each request of a service: a burst of commands would be
+        overtaken by the settings that were sent after it.
+        """
+        # In lock-step all has been served.
+        for subscription in () if self._turn is not None else self._subscriptions:
+            while (
+                taken := subscription.handle.take_message(subscription.msg_type, subscription.raw)
+            ) is not None:
+                subscription.callback(taken[0])
         self.deliver()
 
     def deliver(self) -> None:

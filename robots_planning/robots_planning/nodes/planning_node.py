@@ -128,7 +128,8 @@ class PlanningNode(RobotNode):
         readers = {'joints': self._joints, 'pose': self._pose, 'poses': self._poses}
         for kind in MOTION_KINDS:
             command = partial(self._on_command, kind, readers[kind.target])
-            self.create_subscription(message_class(kind.message_type), kind.topic, command, COMMAND)
+            message_type = message_class(kind.message_type)
+            self._inbox.subscribed(self.create_subscription(message_type, kind.topic, command, COMMAND))
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
         self.create_subscription(PoseStamped, 'reference_pose', self._on_reference_pose, STREAM)
         self.create_subscription(Bool, 'trigger', self._on_trigger, COMMAND)
@@ -151,7 +152,7 @@ class PlanningNode(RobotNode):
         stamp = message.header.stamp
         if stamp.sec == 0 and stamp.nanosec == 0:
             stamp = self.get_clock().now().to_msg()
-        self._inbox.put(stamp, partial(self._command, kind, read, message, stamp_id(stamp), self._settings()))
+        self._inbox.put(stamp, partial(self._command, kind, read, message, stamp_id(stamp)))
 
     def _command(
         self,
@@ -159,7 +160,6 @@ class PlanningNode(RobotNode):
         read: Callable[[Any], Target],
         message: Any,
         id_: str,
-        settings: MotionSettings,
     ) -> None:
         try:
             target = read(message)
@@ -168,7 +168,7 @@ class PlanningNode(RobotNode):
             return
         if self.planner.moving and not self._controllers <= self._reference_publishers():
             self.planner.forget()
-        if not self.planner.command(id_, kind, target, settings):
+        if not self.planner.command(id_, kind, target, self.planner.settings):
             self.journal.warning(f'{kind.title}: command {id_} came twice, the second is ignored')
 
     def _joints(self, message: JointState) -> Target:
@@ -202,7 +202,7 @@ class PlanningNode(RobotNode):
         return MotionSettings(**values | {name: tuple(values[name]) for name in ('tool', 'base', 'payload')})
 
     def _on_settings(self, parameters: list[Parameter]) -> None:
-        self._inbox.deliver()  # what came before
+        self._inbox.deliver_all()  # what came before, for which the settings before hold
         for parameter in parameters:
             if parameter.name == 'new_command':
                 self._use_new_command(str(parameter.value))
@@ -214,7 +214,7 @@ class PlanningNode(RobotNode):
 
     def _release(self) -> None:
         self._patience.cancel()
-        self.planner.release()
+        self.planner.wait_no_longer()
 
     def _on_progress(self, message: Float64) -> None:
         self.planner.progress(message.data)

@@ -9,7 +9,7 @@ from builtin_interfaces.msg import Time
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core.ros.joint_trajectories import complete_points
-from robots_core.ros.messages import doubles, seconds
+from robots_core.ros.messages import NANOSECONDS, doubles, nanoseconds, seconds
 from robots_planning.trajectory import Trajectory
 
 BASE_FRAME = 'base'
@@ -18,20 +18,22 @@ BASE_FRAME = 'base'
 def trajectory_from_message(message: JointTrajectory, names: Sequence[str]) -> Trajectory:
     """The trajectory of a message, joints matched by name.
 
-    A first point later than 0 means that the trajectory goes on from the running one (see `join_time`).
+    A first point at another time than 0 means that the trajectory goes on from another (see `join_time`).
 
     Raises:
         InvalidInputError: missing joints, points without velocity or acceleration, or values that make
             no trajectory.
     """
-    time, rows = complete_points(message, names, 'joint_trajectory')
-    return Trajectory(time - join_time(message), *rows)
+    _, rows = complete_points(message, names, 'joint_trajectory')
+    stamps = np.array([nanoseconds(point.time_from_start) for point in message.points])
+    return Trajectory((stamps - stamps[0]) / NANOSECONDS, *rows)
 
 
 def join_time(message: JointTrajectory) -> float:
-    """Time of the running motion at which a message's trajectory goes on in its place, s; 0 if it does not.
+    """Where a message's trajectory goes on from another, s; 0 if it does not.
 
-    It is the time of its first point: the trajectory counts time as the motion does whose place it takes.
+    It is the time of its first point. Above 0 the trajectory takes the place of the running motion and counts
+    time as that one does. Below 0 it carries on the last motion and counts time from that one's end.
     """
     return seconds(message.points[0].time_from_start)
 
@@ -45,24 +47,24 @@ def trajectory_message(
         trajectory: What to do.
         names: The joints.
         stamp: The command's id.
-        join_time: Where the trajectory goes on from the running one, s of that one's time; 0: it does not.
+        join_time: Where the trajectory goes on from another, s; see the function of this name.
     """
     message = JointTrajectory(joint_names=names)
     message.header.stamp = stamp
     message.header.frame_id = BASE_FRAME
     rows = zip(
-        np.round((trajectory.time + join_time) * 1e9).astype(np.int64).tolist(),
+        (np.round(trajectory.time * NANOSECONDS) + round(join_time * NANOSECONDS)).astype(np.int64).tolist(),
         trajectory.position,
         trajectory.velocity,
         trajectory.acceleration,
         strict=True,
     )
     points = []
-    for nanoseconds, q, q_dot, q_ddot in rows:
+    for since, q, q_dot, q_ddot in rows:
         point = JointTrajectoryPoint(
             positions=doubles(q), velocities=doubles(q_dot), accelerations=doubles(q_ddot)
         )
-        point.time_from_start.sec, point.time_from_start.nanosec = divmod(nanoseconds, 1_000_000_000)
+        point.time_from_start.sec, point.time_from_start.nanosec = divmod(since, NANOSECONDS)
         points.append(point)
     message.points = points
     return message

@@ -1,5 +1,7 @@
 """JointPath: joint positions over a path coordinate, twice continuously differentiable."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -68,6 +70,18 @@ class JointPath:
     def samples(self) -> tuple[Array, Array, Array, Array]:
         """s, q, q' and q'', as compiled code takes them."""
         return self.s, self.q, self.q_s, self.q_ss
+
+    def rest(self, s: float) -> JointPath:
+        """What is left of the path from `s` on, with its own s from 0 to 1."""
+        length = 1.0 - s
+        first = self.evaluate(np.array([s]))
+        left = self.s > s
+        q, q_s, q_ss = (
+            np.concatenate(parts)
+            for parts in zip(first, (part[left] for part in self.samples[1:]), strict=True)
+        )
+        places, seams = ((part[part > s] - s) / length for part in (self.s, self.seams))
+        return JointPath(np.append(0.0, places), q, q_s * length, q_ss * length**2, seams)
 
     def evaluate(self, s: Array) -> tuple[Array, Array, Array]:
         """q, q' and q'' at `s` (m,), clipped to [0, 1], each (m, n)."""

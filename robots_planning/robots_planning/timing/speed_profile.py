@@ -23,7 +23,7 @@ SLOPE_PART = 0.5
 
 @compiled()
 def fastest_speeds(s: Array, rows: Array, highest: Array, scale: Array, u: Array, change: Array) -> int:
-    """Fill the highest squared path speed u (m,), from rest to rest, and how x changes within intervals.
+    """Fill the highest squared path speed u (m,), to rest, and how x changes within intervals.
 
     Shin and McKay 1986, in the form of Pham and Pham 2018: a backward pass finds from which speeds the end
     can be reached inside the limits, a forward pass takes the fastest of them. From point to point x is
@@ -37,7 +37,7 @@ def fastest_speeds(s: Array, rows: Array, highest: Array, scale: Array, u: Array
         rows: (m, k, 3): a, b and c of every limit, divided by it.
         highest: Largest u that velocity limits allow, (m,).
         scale: Part of the limits to use, (m,).
-        u: Filled, (m,); 0 at both ends.
+        u: Filled, (m,); the first is given and stays, 0 for rest; 0 at the end.
         change: Filled, (m - 1,): x at the end of an interval less x at its begin.
 
     Returns:
@@ -66,7 +66,6 @@ def _passes(
             step = s[i + 1] - s[i]
             ends = (rows[i], rows[i + 1])
             top[i] = min(_reachable(step, ends, (scale[i], scale[i + 1]), change[i], top[i + 1]), summit[i])
-        u[0] = 0.0
         for i in range(m - 1):
             step = s[i + 1] - s[i]
             ends = (rows[i], rows[i + 1])

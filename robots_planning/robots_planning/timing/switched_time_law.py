@@ -18,21 +18,30 @@ class SwitchedTimeLaw:
     """s(t), cubic from grid point to grid point, averaged over a moving window.
 
     The average makes s_ddot continuous (a jump becomes a ramp as long as the window), preserves rest at both
-    ends, and lengthens the motion by the window.
+    ends, and lengthens the motion by the window. Before a start that is not at rest s_ddot is constant.
 
     Args:
-        s: Path grid, (m,), from 0 to 1.
-        speed_squared: s_dot^2 at the grid points, (m,); 0 at both ends, above 0 in between.
+        s: Path grid, (m,), to 1.
+        speed_squared: s_dot^2 at the grid points, (m,); 0 at the end, above 0 between start and end.
         difference: Change of s_ddot within every interval, (m - 1,).
         window: Length of the window as a fraction of the duration; at least `shortest` is used.
         shortest: Shortest window, s.
+        before: s_ddot before the start; 0 where it is at rest.
     """
 
     def __init__(
-        self, s: Array, speed_squared: Array, difference: Array, window: float, shortest: float
+        self,
+        s: Array,
+        speed_squared: Array,
+        difference: Array,
+        window: float,
+        shortest: float,
+        *,
+        before: float = 0.0,
     ) -> None:
         self._t, self._pieces = np.empty(len(s)), np.empty((len(s), 5))
         law_pieces(s, speed_squared, difference, self._t, self._pieces)
+        self._before = before
         self.window = max(window * float(self._t[-1]), shortest)
         """s."""
 
@@ -56,7 +65,7 @@ class SwitchedTimeLaw:
     def s_of(self, t: Array) -> tuple[Array, Array, Array]:
         """s, s_dot and s_ddot at increasing times `t` (m,), each (m,)."""
         values = np.empty((3, len(t)))
-        averaged(self._t, self._pieces, self.window, t, values)
+        averaged(self._t, self._pieces, self._before, self.window, t, values)
         return values[0], values[1], values[2]
 
     def times_of(self, s: Array) -> Array:
@@ -77,7 +86,7 @@ class SwitchedTimeLaw:
                 points of their own.
         """
         times = np.empty(int(self.duration / longest) + 4 * len(self._t) + 8)
-        count = fill_times(self._t, self._pieces, self.window, longest, weight, times)
+        count = fill_times(self._t, self._pieces, self._before, self.window, longest, weight, times)
         return times[:count]
 
 
@@ -105,10 +114,16 @@ def law_pieces(s: Array, u: Array, difference: Array, t: Array, pieces: Array) -
 
 
 @compiled(nrt=False)
-def _state(t: Array, pieces: Array, time: float, i: int) -> tuple[float, float, float, int]:
+def _state(t: Array, pieces: Array, early: float, time: float, i: int) -> tuple[float, float, float, int]:
     """Integral of s, s and s_dot at a time, searched from piece i on; and the index of the piece."""
     if time <= 0.0:
-        return time * pieces[0, 1], pieces[0, 1], 0.0, i
+        s, v = pieces[0, 1], pieces[0, 2]
+        return (
+            time * (s + time * (v / 2.0 + time * early / 6.0)),
+            s + time * (v + time * early / 2.0),
+            v + time * early,
+            i,
+        )
     while i < t.size - 1 and t[i + 1] <= time:
         i += 1
     x = time - t[i]
@@ -122,25 +137,30 @@ def _state(t: Array, pieces: Array, time: float, i: int) -> tuple[float, float, 
 
 
 @compiled(nrt=False)
-def averaged(t: Array, pieces: Array, window: float, times: Array, values: Array) -> None:
-    """Fill values (3, m): s, s_dot, s_ddot of the averaged law at increasing times."""
+def averaged(t: Array, pieces: Array, early: float, window: float, times: Array, values: Array) -> None:
+    """Fill values (3, m): s, s_dot, s_ddot of the averaged law at increasing times.
+
+    Before the start s_ddot is `early`.
+    """
     front = back = 0
     for k in range(times.size):
-        area, s, v, front = _state(t, pieces, times[k], front)
-        past_area, past_s, past_v, back = _state(t, pieces, times[k] - window, back)
+        area, s, v, front = _state(t, pieces, early, times[k], front)
+        past_area, past_s, past_v, back = _state(t, pieces, early, times[k] - window, back)
         values[0, k] = (area - past_area) / window
         values[1, k] = (s - past_s) / window
         values[2, k] = (v - past_v) / window
 
 
 @compiled(nrt=False)
-def fill_times(t: Array, pieces: Array, window: float, longest: float, weight: Array, times: Array) -> int:
+def fill_times(
+    t: Array, pieces: Array, early: float, window: float, longest: float, weight: Array, times: Array
+) -> int:
     """Fill times and return their number: ends of ramps, and between them steps of at most `longest`."""
     m = t.size
     count = 1
     times[0] = 0.0
     for i in range(m):
-        before = 0.0 if i == 0 else pieces[i - 1, 3] + (t[i] - t[i - 1]) * pieces[i - 1, 4]
+        before = early if i == 0 else pieces[i - 1, 3] + (t[i] - t[i - 1]) * pieces[i - 1, 4]
         after = 0.0 if i == m - 1 else pieces[i, 3]
         jump = weight[i] * abs(after - before) > SMALLEST_JUMP
         ends = 2 if jump else 1

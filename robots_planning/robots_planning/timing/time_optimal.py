@@ -19,10 +19,12 @@ from robots_planning.paths.joint_path import JointPath
 from robots_planning.paths.path_grid import finer_grid
 from robots_planning.paths.reparametrised_path import ReparametrisedPath
 from robots_planning.timing.path_dynamics import memory_for, torque_rows, torque_use
+from robots_planning.timing.path_start import PathStart
 from robots_planning.timing.path_timing import TooSlowError
 from robots_planning.timing.quintic import quintic_coefficients, quintic_uses, quintics_at
 from robots_planning.timing.speed_profile import fastest_speeds
 from robots_planning.timing.switched_time_law import SwitchedTimeLaw
+from robots_planning.timing.timed_path import TimedPath, slower, with_times
 from robots_planning.trajectory import Trajectory
 
 # Length of the ramps of acceleration, of the duration; all of them together lengthen the motion by one ramp.
@@ -40,11 +42,12 @@ JERK_RAMPS = (1.0, 0.75, 0.55)
 ROUNDS = 6  # of lowering limits that the trajectory broke
 DISCRETISATION = 1e-3  # of a duration, by which a profile may be slower than the fastest
 LOWEST_SCALE = 0.1  # of the limits; below it lowering them is given up
-CLOSEST_SEAM = 2e-4  # s to the next point of the trajectory; shorter steps would magnify rounding of jerk
 # Use of a limit: above the first the grid is too coarse for the path, and is refined wherever the use is
 # above the second.
 COARSE, TOO_LONG = 1.04, 1.005
+CLOSEST_START = 1e-6  # of the path, from a start that moves to the next point of the grid
 EXCESS = 3e-4  # of a limit, not worth another round; `LIMIT_MARGIN` covers a third of it
+MARGIN_EXCESS = 1e-4  # that `LIMIT_MARGIN` covers
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,23 +64,6 @@ class ToolLimits:
     derivatives: Callable[[Array], tuple[Array, Array]]
     velocity: Array
     acceleration: Array
-
-
-@dataclass(frozen=True, eq=False)
-class TimedPath:
-    """A trajectory along a path.
-
-    Attributes:
-        trajectory: The trajectory.
-        s: Path coordinate at each of its points, (m,), from 0 to 1.
-    """
-
-    trajectory: Trajectory
-    s: Array
-
-    def times_of(self, s: Array) -> Array:
-        """Times, s, at which the path coordinate has the values `s` (k,); exact at seams of the path."""
-        return np.asarray(np.interp(s, self.s, self.trajectory.time))
 
 
 class TimeOptimalTiming:
@@ -168,7 +154,7 @@ class TimeOptimalTiming:
             law = self._law(s, limits, scale, even, shortest)
             if law.duration * (1.0 - DISCRETISATION) > longest:
                 return plans
-            trajectory, places = self._sampled(even, law, np.abs(limits[0][:, :, 0]).max(axis=1))
+            trajectory, places = self._sampled(even, law, limits)
             times, use, jerk = self._use(trajectory, law, tool, limits[0])
             worst = float(use.max())
             if number == 0 and worst > COARSE:
@@ -177,16 +163,55 @@ class TimeOptimalTiming:
                 scale = np.full(len(s), 1.0 - RESERVE)
                 continue
             if self._jerk is not None:
-                plans.append(TimedPath(self._slowed(trajectory, law, worst), places))
+                plans.append(TimedPath.of(self._slowed(trajectory, law, worst), places, law))
                 # Jerk is a jump of acceleration over its ramp: it falls with the acceleration limits.
                 use = np.maximum(use, jerk)
             excess = float(use.max())
             if excess <= 1.0 + EXCESS:
-                return [*plans, TimedPath(slower(trajectory, excess), places)]
+                return [*plans, TimedPath.of(slower(trajectory, excess), places, law)]
             scale = scale / local_excess(law, times, use)
             if float(scale.min()) < LOWEST_SCALE:
                 break
-        return [*plans, TimedPath(self._slowed(trajectory, law, worst), places)]
+        return [*plans, TimedPath.of(self._slowed(trajectory, law, worst), places, law)]
+
+    def carried_on(self, path: JointPath, tool: ToolLimits | None, start: PathStart) -> TimedPath:
+        """The fastest trajectory to rest along a path of a robot that moves already.
+
+        It is smoothed as the time law before it. It cannot be slowed down as a whole: limits are lowered
+        where it would break them.
+
+        Args:
+            path: The joint path.
+            tool: Limits of the tool besides those of the axes.
+            start: How the motion begins.
+
+        Raises:
+            PlanningError: as `timed`, or the start is too fast for what is ahead.
+        """
+        even, smoothing = ReparametrisedPath(path, self._velocity, self._acceleration), start.smoothing
+        if tool is not None:
+            tool = replace(tool, derivatives=partial(even.derivatives, tool.derivatives))
+        start, s = start.over(even), even.grid
+        first = start.before_average()[0]
+        s = np.append(first, s[s > first + CLOSEST_START])
+        limits = self._limits(s, *even.evaluate(s), tool)
+        scale = np.full(len(s), 1.0 - RESERVE)
+        for number in range(ROUNDS):
+            law = self._law(s, limits, scale, even, smoothing.window, start=start)
+            trajectory, places = self._sampled(even, law, limits, start)
+            trajectory = slower(trajectory, smoothing.stretch)
+            times, use, jerk = self._use(trajectory, law, tool, limits[0], smoothing.stretch)
+            if self._jerk is not None:
+                use = np.maximum(use, jerk)
+            if float(use.max()) <= 1.0 + MARGIN_EXCESS:
+                return TimedPath.of(trajectory, places, law)
+            if number == 0 and float(use.max()) > COARSE:
+                s = finer_grid(s, law.s_of(times[use > TOO_LONG] / smoothing.stretch)[0])
+                limits = self._limits(s, *even.evaluate(s), tool)
+                scale = np.full(len(s), 1.0 - RESERVE)
+                continue
+            scale = scale / local_excess(law, times / smoothing.stretch, use)
+        raise PlanningError('the path begins with a speed from which the limits ahead cannot be kept')
 
     def _slowed(self, trajectory: Trajectory, law: SwitchedTimeLaw, worst: float) -> Trajectory:
         """The motion slowed down uniformly until it keeps the limits; `worst` is the largest use of one."""
@@ -240,9 +265,17 @@ class TimeOptimalTiming:
             row[:] = np.column_stack([M @ first, tau - rest, rest]) / effort[:, None]
 
     def _law(
-        self, s: Array, limits: tuple[Array, Array], scale: Array, path: ReparametrisedPath, shortest: float
+        self,
+        s: Array,
+        limits: tuple[Array, Array],
+        scale: Array,
+        path: ReparametrisedPath,
+        shortest: float,
+        *,
+        start: PathStart | None = None,
     ) -> SwitchedTimeLaw:
         u, difference = np.empty(len(s)), np.empty(len(s) - 1)
+        u[0] = 0.0 if start is None else start.before_average()[1] ** 2
         failed = fastest_speeds(s, limits[0], limits[1] * scale**2, scale, u, difference)
         if failed >= 0:
             place = s[failed : failed + 1]
@@ -253,19 +286,27 @@ class TimeOptimalTiming:
             raise PlanningError(
                 f'the limits leave no speed at {100.0 * fraction:.1f} % of the path', fraction=fraction
             )
-        return SwitchedTimeLaw(s, u, difference, self._ramp, shortest)
+        if start is None:
+            return SwitchedTimeLaw(s, u, difference, self._ramp, shortest)
+        return SwitchedTimeLaw(s, u, difference, 0.0, shortest, before=start.s_ddot)
 
     def _sampled(
-        self, path: ReparametrisedPath, law: SwitchedTimeLaw, weight: Array
+        self,
+        path: ReparametrisedPath,
+        law: SwitchedTimeLaw,
+        limits: tuple[Array, Array],
+        start: PathStart | None = None,
     ) -> tuple[Trajectory, Array]:
         """The trajectory, and the path's own coordinate at its points."""
-        times = law.sample_times(LONGEST_STEP, weight)
+        times = law.sample_times(LONGEST_STEP, np.abs(limits[0][:, :, 0]).max(axis=1))
         if len(path.seams):
             times = with_times(times, law.times_of(path.seams))
         t = Trajectory.message_times(times)
         s, s_dot, s_ddot = law.s_of(t)
         s[0], s[-1] = 0.0, 1.0
         s_dot[[0, -1]] = s_ddot[[0, -1]] = 0.0
+        if start is not None:
+            s_dot[0], s_ddot[0] = start.s_dot, start.s_ddot
         q, q_s, q_ss = path.evaluate(s)
         q[[0, -1]] = path.ends  # without rounding: the next motion starts exactly there
         q_ddot = q_ss * (s_dot**2)[:, None] + q_s * s_ddot[:, None]
@@ -277,9 +318,11 @@ class TimeOptimalTiming:
         law: SwitchedTimeLaw,
         tool: ToolLimits | None,
         rows: Array | None = None,
+        stretch: float = 1.0,
     ) -> tuple[Array, Array, Array]:
         """Times between the points, the largest use of a limit there, and that of the jerk limits.
 
+        The trajectory takes longer than the law by the factor `stretch`.
         With the `rows` of the limits torques are checked only where they may be large, else everywhere.
         """
         points = trajectory.time
@@ -293,7 +336,8 @@ class TimeOptimalTiming:
         quintic_uses(points, coefficients, self._axis_limits, uses)
         use, jerk = (np.repeat(values, CHECKS_PER_STEP) for values in (uses[:, :2].max(axis=1), uses[:, 2]))
         if tool is not None:
-            s, s_dot, s_ddot = law.s_of(times)
+            s, s_dot, s_ddot = law.s_of(times / stretch)
+            s_dot, s_ddot = s_dot / stretch, s_ddot / stretch**2
             first, second = tool.derivatives(s)
             speed, acceleration = (
                 first * s_dot[:, None],
@@ -387,24 +431,3 @@ def local_excess(law: SwitchedTimeLaw, times: Array, use: Array) -> Array:
     np.maximum.at(lowered, index - 1, excess)
     spread = np.maximum(lowered, np.maximum(np.append(lowered[1:], 1.0), np.append(1.0, lowered[:-1])))
     return np.asarray(1.0 + 1.2 * (spread - 1.0))
-
-
-def with_times(times: Array, others: Array) -> Array:
-    """Increasing times merged with others; times that nearly coincide with one of the others are left out."""
-    inner = others[(others > times[0] + CLOSEST_SEAM) & (others < times[-1] - CLOSEST_SEAM)]
-    bounds = np.concatenate([[-np.inf], inner, [np.inf]])
-    after = np.searchsorted(inner, times) + 1
-    distance = np.minimum(times - bounds[after - 1], bounds[after] - times)
-    return np.union1d(times[distance > CLOSEST_SEAM], inner)
-
-
-def slower(trajectory: Trajectory, use: float) -> Trajectory:
-    """The same motion, from rest to rest, in the time in which the largest use of a limit, `use`, is 1."""
-    if use <= 1.0:
-        return trajectory
-    t = Trajectory.message_times(trajectory.time * use)
-    # Rounded times shift the points along the motion; see `message_times`.
-    q, q_dot, q_ddot = trajectory.sample(t / use)
-    q[[0, -1]] = trajectory.position[[0, -1]]
-    q_dot[[0, -1]] = q_ddot[[0, -1]] = 0.0
-    return Trajectory(t, q, q_dot / use, q_ddot / use**2)

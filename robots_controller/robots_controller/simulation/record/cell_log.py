@@ -216,11 +216,12 @@ class CellLog:
         self._last_command = stamp - START
         self._write(command.kind.topic, command.kind.message_type, message, stamp - START)
 
-    def planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory) -> None:
-        """A plan goes to the controller; its commands end at these times of it, s."""
+    def planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory, join_time: float) -> None:
+        """A plan goes to the controller; see `MotionPlannerPort.send`."""
         if self._bag is not None:
             self._status('motion_plan', '', {'id': id_, **ends})
-            message = ros.planned_trajectory(int(id_.replace('.', '')), self._joints, trajectory)
+            stamp = int(id_.replace('.', ''))
+            message = ros.planned_trajectory(stamp, self._joints, trajectory, join_time)
             self._write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', message)
 
     def result(self, result: MotionResult) -> None:

@@ -49,17 +49,22 @@ class MotionRecords:
         self.ended(MotionResult.refused(id_, error), now)
 
     def planned(self, ends: Mapping[str, float], plan: PlannedMotion) -> None:
-        """A chain of commands was planned; each ends at a time of the plan, s, in order."""
-        start = 0.0
+        """A chain of commands was planned; each ends at a time of the plan, s, in order.
+
+        Some of them may be in an earlier plan too, which this one carries on.
+        """
+        start, nan = 0.0, math.nan
         for id_, end in ends.items():
-            self._change(id_, plan=plan, chain=tuple(ends), start_on_plan=start, end_on_plan=end)
+            self._change(id_, plan=plan, chain=tuple(ends), started=nan, start_on_plan=start, end_on_plan=end)
             start = end
 
     def started(self, id_: str, now: float) -> None:
-        """The controller follows the plan that ends with this command."""
-        if math.isnan(self._motions[id_].started):
-            for member in self._motions[id_].chain:
-                self._change(member, started=now)
+        """The controller follows the plan with the id of this command."""
+        first = self._motions[id_]
+        if math.isnan(first.started):
+            for member in first.chain:
+                if self._motions[member].plan is first.plan:
+                    self._change(member, started=now)
 
     def ended(self, result: MotionResult, now: float) -> None:
         """A motion has its result."""

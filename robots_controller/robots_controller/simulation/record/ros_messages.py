@@ -95,10 +95,18 @@ def joint_trajectory(
     return message('trajectory_msgs/msg/JointTrajectory', header(nanoseconds, frame), list(names), rows)
 
 
-def planned_trajectory(nanoseconds: int, names: Sequence[str], trajectory: Trajectory) -> Any:
-    """The same of a whole trajectory."""
-    times = np.round(trajectory.time * NANOSECONDS).astype(np.int64).tolist()
-    points = zip(times, trajectory.position, trajectory.velocity, trajectory.acceleration, strict=True)
+def planned_trajectory(
+    nanoseconds: int, names: Sequence[str], trajectory: Trajectory, join_time: float
+) -> Any:
+    """The same of a whole trajectory, whose first point has this time, s."""
+    times = np.round(trajectory.time * NANOSECONDS) + round(join_time * NANOSECONDS)
+    points = zip(
+        times.astype(np.int64).tolist(),
+        trajectory.position,
+        trajectory.velocity,
+        trajectory.acceleration,
+        strict=True,
+    )
     return joint_trajectory(nanoseconds, names, list(points), BASE_FRAME)
 
 
