@@ -210,3 +210,26 @@ def test_a_chain_that_ends_in_the_open_part_of_its_plan_stops_there_once(tmp_pat
     assert run.ok
     messages = [motion.message for motion in run.motions[1:]]
     assert messages == (['passed'] * 39 + ['reached']) * 2
+
+
+@pytest.mark.parametrize('at', [1.3, 1.75, 3.0])
+def test_a_chain_that_is_aborted_stops_on_its_path_and_every_motion_has_a_result(
+    tmp_path: Path, robot: BaseRobotModel, at: float
+) -> None:
+    (tmp_path / 'plc.yaml').write_text(
+        f'rules: [{{when: digital_output.8 rises, after: {at}, set: {{digital_input.1: 1}}}}]'
+    )
+    around = AROUND_CORNERS.replace('setSpeed(', 'setDigitalOutput(8, 1) setSpeed(')
+    run = run_text(
+        tmp_path,
+        f"onDigitalInput(1, true, function() return 'abort' end)\n{around}\nsetDigitalOutput(2, 1)",
+        robot='ur10e',
+        io=tmp_path / 'plc.yaml',
+    )
+    assert run.ok, run.error
+    check_limits(run, robot)
+    assert run.duration < 3.0 + at
+    assert not np.isnan([motion.ended for motion in run.motions]).any()
+    passed = [motion.ok for motion in run.motions[1:]]
+    assert passed == sorted(passed, reverse=True)
+    assert 0 < sum(passed) < COUNT

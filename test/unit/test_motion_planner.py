@@ -335,3 +335,16 @@ def test_commands_that_others_may_follow_wait_as_long_as_the_plan_can_be_carried
     cell.planner.wait_no_longer()
     assert cell.ids == [MIDDLE, str(WINDOW)]
     assert cell.sent[1][3] < 0.0
+
+
+def test_every_command_of_a_chain_is_answered_when_the_robot_is_stopped(cell: Cell) -> None:
+    cell.bead(*range(WINDOW + 1))
+    cell.bead(WINDOW + 1, last=True)
+    last = str(WINDOW + 1)
+    assert cell.ids == [MIDDLE, last]
+    cell.end(MIDDLE, ok=False, progress='0.0')
+    cell.end(last, ok=False, progress='0.0')  # the controller gives it up with the one before it
+    answers = {result.id: result.ok for result in cell.answers}
+    assert answers == {
+        str(number): False for number in range(WINDOW + 2) if str(number) not in {MIDDLE, last}
+    }

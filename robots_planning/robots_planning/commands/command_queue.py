@@ -91,6 +91,7 @@ class CommandQueue:
         self._goes_on = False
         self._known: set[str] = set()
         self._running: dict[str, RunningMotion] = {}
+        self._given_up: dict[str, RunningMotion] = {}  # with one before them; the controller's answers come
         self._failed_at = -float('inf')
         self._failed = ''
         self._failures = 0
@@ -178,7 +179,7 @@ class CommandQueue:
             self._known.difference_update(motion.ends)
 
     def ended(self, id_: str, *, ok: bool, at: float) -> RunningMotion | None:
-        """A motion has ended; returns it if it is one of these.
+        """A motion has ended; returns it if it is one of these, or was given up with one of them.
 
         Args:
             id_: The motion.
@@ -188,17 +189,22 @@ class CommandQueue:
         with self._lock:
             motion = self._running.pop(id_, None)
             if motion is None:
-                return None
+                return self._given_up.pop(id_, None)
             self._known.difference_update(motion.ends)
             if not ok:
                 self._failed_at, self._failed = max(at, self._failed_at), id_
                 self._failures += 1
-                self.forget()
+                self._give_up()
             return motion
 
     def forget(self) -> None:
         """Nobody follows any motion: the controller is gone."""
         with self._lock:
-            for motion in self._running.values():
-                self._known.difference_update(motion.ends)
-            self._running.clear()
+            self._give_up()
+            self._given_up.clear()
+
+    def _give_up(self) -> None:
+        for motion in self._running.values():
+            self._known.difference_update(motion.ends)
+        self._given_up |= self._running
+        self._running.clear()
