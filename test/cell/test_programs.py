@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -111,6 +112,24 @@ def test_press_tending(lockstep_runs: LockstepRuns) -> None:
     inputs = [(time, value) for time, channel, value in changes(run.bag, 'digital_inputs') if channel == 1]
     (closed, _), (opened, _) = inputs[-2:]
     assert not [motion for motion in run.motions if motion.start < opened and motion.end > closed]
+
+
+def test_laser_seam(lockstep_runs: LockstepRuns) -> None:
+    run = run_program(lockstep_runs, 'laser_seam.lua', 'kuka_kr210_r2700')
+    seam = run.motions[1:]
+    assert [motion.message for motion in seam] == ['passed'] * (len(seam) - 1) + ['reached']
+    # Each line is done by one of several plans, one after the other without a gap.
+    assert len({id(motion.plan) for motion in seam}) > 2
+    for before, after in pairwise(seam):
+        assert after.before is before
+        assert after.start == pytest.approx(before.end, abs=1e-9)
+    (on, _, one), (off, _, zero) = changes(run.bag, 'digital_outputs')
+    assert (one, zero) == (1.0, 0.0)
+    assert seam[0].start < on < seam[0].end
+    assert seam[-1].start < off < seam[-1].end
+    # Welding at one speed; the first line begins and the last one ends at rest.
+    speeds = [figures.fastest for figures in run.report.motions[3:-2]]
+    assert max(speeds) < 1.01 * min(speeds)
 
 
 def test_wheel_test(lockstep_runs: LockstepRuns) -> None:
