@@ -78,13 +78,19 @@ class LockstepRuns:
         with (folder / 'lock').open('w') as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not result.exists():
-                result.write_text(json.dumps(_run(folder, program, drive)))
+                found = _run(_copy(folder / 'programs', program), folder / 'out', drive)
+                result.write_text(json.dumps(found))
         values = json.loads(result.read_text())
         return LockstepRun(Path(values[0]), values[1], values[2], Path(values[3]))
 
+    def run_file(self, program: Path, drive: str = 'second_order') -> LockstepRun:
+        """The run of any other program, recorded beside it."""
+        path, code, text, bag = _run(program, program.parent / 'out', drive)
+        return LockstepRun(Path(path), code, text, Path(bag))
 
-def _run(folder: Path, program: str, drive: str) -> tuple[str, int, str, str]:
-    path, out, text = _copy(folder / 'programs', program), folder / 'out', io.StringIO()
+
+def _run(path: Path, out: Path, drive: str) -> tuple[str, int, str, str]:
+    text = io.StringIO()
     options = ('--program', str(path), '--drive', drive, '--once', '--lockstep', '--port', '0')
     # In this process: the server that the nodes are forked from is started once for all runs.
     code = run_cell(parse_options([*options, '--record', str(out)]), Console(file=text, width=WIDTH))

@@ -1,126 +1,21 @@
 """The nodes in lock-step and the simulation do the same, to the last bit."""
 
-from __future__ import annotations
-
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
 
-from robots_controller.program.program_header import read_program_header
-from robots_controller.recording.bag_file import Bag, read_bag
-from robots_controller.simulate import simulate
-from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
-from robots_core.validation import Array
 
-from .bag_checks import changes
-from .lockstep_runs import PROGRAMS, LockstepRun, LockstepRuns
+from .both_cells import check_both_cells
+from .lockstep_runs import PROGRAMS, LockstepRuns
 
 NAMES = sorted(file.name for file in PROGRAMS.glob('*.lua'))
 CASES = [(name, drive) for name in NAMES for drive in DRIVE_LEVELS]
 # Of guidance without a recording there is nothing to compare.
 LANGUAGE = sorted(f'language/{file.name}' for file in (PROGRAMS / 'language').glob('*.lua'))
 CASES += [(name, 'rigid_body') for name in LANGUAGE if name != 'language/guided.lua']
-IMAGES = ('digital_outputs', 'analog_outputs', 'digital_inputs', 'analog_inputs')
-FIRST = 1.0  # s, of the first period
-
-
-@dataclass(frozen=True, eq=False)
-class Runs:
-    """A program, run in lock-step and simulated."""
-
-    lockstep: LockstepRun
-    simulation: SimulationRun
-    recorded: Bag
-    simulated: Bag
 
 
 @pytest.mark.parametrize(('name', 'drive'), CASES)
 def test_both_cells_do_the_same(name: str, drive: str, lockstep_runs: LockstepRuns, tmp_path: Path) -> None:
-    lockstep = lockstep_runs.run(name, drive)
-    header = read_program_header(lockstep.program)
-    bag = tmp_path / 'bag'
-    run = simulate(
-        lockstep.program, robot=header.robot, drive=drive, scene=header.scene, io=header.io, bag=bag
-    )
-    assert lockstep.returncode == (0 if run.ok else 1), lockstep.text
-    runs = Runs(lockstep, run, read_bag(lockstep.bag), read_bag(bag))
-    check_references_and_feedback_to_the_last_bit(runs)
-    check_results_states_and_lines(runs)
-    for image in IMAGES:
-        check_changes(runs, image)
-    check_end(runs)
-
-
-def check_references_and_feedback_to_the_last_bit(runs: Runs) -> None:
-    run, found = runs.simulation, runs.recorded.deserialized(['/joint_reference', '/joint_states'])
-    references = {_stamp(m): _rows(m.points[0]) for _, m in found['/joint_reference']}
-    states = {_stamp(m): np.array([m.position, m.velocity]) for _, m in found['/joint_states']}
-    stamps = [round((FIRST + time) * 1e9) for time in run.time]
-    assert stamps == [stamp for stamp in stamps if stamp in references and stamp in states]
-    np.testing.assert_array_equal(np.array([references[stamp] for stamp in stamps]), run.reference)
-    measured = np.array([states[stamp] for stamp in stamps])
-    np.testing.assert_array_equal(measured, np.stack([run.position, run.velocity], axis=1))
-
-
-def check_results_states_and_lines(runs: Runs) -> None:
-    end = FIRST + float(runs.simulation.time[-1])
-    for topic, read in (
-        ('/motion_result', lambda m: (m.message, _value(m, 'id'), _value(m, 'duration'))),
-        ('/command_state', lambda m: m.data),
-        ('/joint_trajectory', lambda m: (_stamp(m), [list(_rows(point).ravel()) for point in m.points])),
-    ):
-        there, here = (_timed(bag, topic, read, end) for bag in (runs.recorded, runs.simulated))
-        assert there == here, topic
-
-
-def check_changes(runs: Runs, image: str) -> None:
-    there, here = (
-        [(round(1e-6 * stamp), channel, value) for stamp, channel, value in _changes(bag, image)]
-        for bag in (runs.recorded, runs.simulated)
-    )
-    assert there == here
-
-
-def check_end(runs: Runs) -> None:
-    there, here = (
-        [
-            (_value(m, 'state'), _value(m, 'error'), _value(m, 'line'))
-            for m in _messages(bag, '/program_status')
-        ]
-        for bag in (runs.recorded, runs.simulated)
-    )
-    assert there[-1] == here[-1]
-
-
-def _messages(bag: Bag, topic: str) -> list[Any]:
-    return [message for _, message in bag.deserialized([topic])[topic]]
-
-
-def _timed(bag: Bag, topic: str, read: Any, end: float) -> list[Any]:
-    """What came when, in milliseconds; within one of these the order of topics and nodes does not count."""
-    found = [
-        (round(1e-6 * stamp), read(message))
-        for stamp, message in bag.deserialized([topic])[topic]
-        if 1e-9 * stamp < end + 1e-3
-    ]
-    return sorted(found, key=repr)
-
-
-def _changes(bag: Bag, image: str) -> list[tuple[float, int, float]]:
-    return list(changes(bag.deserialized([f'/{image}']), image))
-
-
-def _stamp(message: Any) -> int:
-    return int(message.header.stamp.sec) * 1_000_000_000 + int(message.header.stamp.nanosec)
-
-
-def _rows(point: Any) -> Array:
-    return np.array([point.positions, point.velocities, point.accelerations])
-
-
-def _value(status: Any, key: str) -> str:
-    return str(next((pair.value for pair in status.values if pair.key == key), ''))
+    check_both_cells(lockstep_runs.run(name, drive), drive, tmp_path / 'bag')

@@ -84,6 +84,17 @@ def test_a_motion_that_fails_switches_nothing_and_neither_do_those_after_it(benc
     assert not bench.switched
 
 
+def test_a_motion_that_is_refused_leaves_those_before_it_their_outputs(bench: Bench) -> None:
+    bench.plan('1', 0.5)
+    bench.switching.sent('2', command(LENGTH, 0.5))
+    bench.switching.sent('3', command(LENGTH, 0.5))
+    bench.switching.finish('2', ok=False)
+    bench.switching.finish('3', ok=False)
+    bench.switching.progress(1.0, 0.9)
+    bench.switching.finish('1', ok=True)
+    assert bench.indices == [1]
+
+
 def test_progress_is_that_of_the_oldest_motion(bench: Bench) -> None:
     bench.plan('1', 1.9)
     bench.plan('2', 0.1, start=LENGTH)

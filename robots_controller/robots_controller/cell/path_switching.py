@@ -6,7 +6,7 @@ import math
 import threading
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 from robots_controller.program.motion_command import MotionCommand, OutputChange, PathSwitch
 from robots_controller.program.path_switches import PathSwitches, switches_on_path
@@ -147,17 +147,20 @@ class PathSwitching:
                 self._switch_all(running.switches.due(at))
 
     def finish(self, id_: str, *, ok: bool) -> None:
-        """A motion has ended: what is left on a path that led to its end is switched now."""
+        """A motion has ended: what is left on a path that led to its end is switched now.
+
+        One that fails takes those with it that were sent after it; motions before it go on to their ends.
+        """
         with self._lock:
+            if not ok:
+                if id_ in self._planned:
+                    self._sent.clear()
+                for motions in (self._sent, self._commanded, self._planned):
+                    _drop_from(motions, id_)
             command, plan = self._sent.pop(id_, None), self._planned.pop(id_, None)
             self._commanded.pop(id_, None)
-            if not ok:
-                self._sent.clear()
-                self._commanded.clear()
-                self._planned.clear()
-            else:
-                self._switch_all(() if command is None else command.switches)
-                self._switch_all(() if plan is None else plan.switches.due(1.0))
+            self._switch_all(() if command is None else command.switches)
+            self._switch_all(() if plan is None else plan.switches.due(1.0))
             self._next_time = math.inf
 
     def _with_targets(self, id_: str, command: MotionCommand) -> MotionCommand:
@@ -171,3 +174,10 @@ class PathSwitching:
         for switch in due:
             line = self._lines.get(switch, 0)
             self._switch(OutputChange(switch.kind, switch.index, switch.value, line))
+
+
+def _drop_from(motions: dict[str, Any], id_: str) -> None:
+    """Drop a motion and those after it."""
+    ids = list(motions)
+    for after in ids[ids.index(id_) :] if id_ in motions else ():
+        del motions[after]

@@ -229,7 +229,8 @@ class _Cell:
         self._listener.release()
         while self._healthy():
             self._show_events()
-            if self.program_ended and self._options.once:
+            # What was sent before a program fails goes on to its end, and its outputs with it.
+            if self.program_ended and self._options.once and self._motion is None:
                 return EXIT_FAILED if self._failed else EXIT_OK
         return EXIT_FAILED
 

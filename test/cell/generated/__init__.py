@@ -1,0 +1,1 @@
+"""Robot programs that are generated from seeds, and what must hold of their runs."""
