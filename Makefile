@@ -108,6 +108,10 @@ test: build lint  ## Lint, types and all tests
 test-under-load:  ## The same beside twice as many busy processes as there are cores
 	@.ci/under_load $(MAKE) test
 
+.PHONY: generated-programs
+generated-programs: build  ## Simulate programs generated from seeds: FIRST=0, COUNT=2000; those that break a law are named
+	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/cell" python -m generated.run_seeds $(or $(FIRST),0) $(or $(COUNT),2000) $$(nproc)
+
 .PHONY: benchmark-controller
 benchmark-controller: build  ## The controller's timing side by side with a bare rclpy timer
 	@$(RUN) python test/benchmark/benchmark_controller.py

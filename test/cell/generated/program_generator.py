@@ -97,6 +97,8 @@ def _begin(writer: _Writer, start: tuple[float, ...]) -> None:
     if rng.random() < 0.3:
         frame = ', '.join(writer.number(-0.5, 0.5) for _ in range(3))
         writer.say(f'setBase({frame}, {writer.number(-40, 40)}, 0, {writer.number(-40, 40)})')
+    if writer.num_axes < 6 and rng.random() < 0.5:
+        writer.say("setHold('position')")
     writer.say('local places = {getCartesianPosition()}')
     for index in range(2, rng.randint(1, 3) + 1):
         writer.tools = index

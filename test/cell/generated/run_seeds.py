@@ -1,4 +1,4 @@
-"""Run generated programs: PYTHONPATH=test/cell python -m generated.run_seeds FIRST COUNT [WORKERS]."""
+"""Simulate generated programs: make generated-programs FIRST=0 COUNT=2000."""
 
 import sys
 import tempfile
