@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from robots_controller.io.io_image import Channel
-from robots_controller.io.plc_cycle import PlcCycle
 from robots_controller.io.plc_script import parse_plc_script, read_plc_script
 from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_core.errors import InvalidInputError
@@ -107,7 +106,7 @@ def test_rules_that_trigger_each_other_without_end_are_refused():
 
 
 def test_a_cycle_acts_on_every_change_of_an_output_in_order():
-    machine = PlcCycle(
+    machine = ScriptedPlc(
         parse_plc_script("""rules:
   - {when: digital_output.1 rises, set: {digital_input.1: 1}}
   - {when: digital_output.1 falls, set: {analog_input.1: 2.5}}

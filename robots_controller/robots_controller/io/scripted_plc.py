@@ -4,6 +4,7 @@ import heapq
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final
 
 from robots_controller.io.io_image import Channel
@@ -39,7 +40,8 @@ class ScriptedPlc:
     """Steps a script from change to change; the same outputs at the same times give the same inputs.
 
     What is due is done in the order of time, and at the same time in the order in which it was triggered.
-    Times count from the trigger itself, not from the step in which it was noticed.
+    Times count from the trigger itself, not from the step in which it was noticed. Outputs are read as a PLC
+    reads them: `output` collects their changes, and the next step acts on each in turn.
 
     Args:
         script: The rules.
@@ -53,6 +55,10 @@ class ScriptedPlc:
         self._due: list[tuple[float, int, _Due]] = []
         self._values: dict[Channel, float] = dict.fromkeys(script.channels, 0.0) | dict(script.initial)
         self._changes: list[InputChange] = []
+        self.outputs = tuple(channel for channel in script.channels if channel.direction == 'output')
+        """Outputs of the robot that the script reads."""
+        self._read = {channel.name: (channel, 0.0) for channel in self.outputs}
+        self._collected: list[tuple[Channel, float]] = []
         for rule in script.rules:
             if rule.event is None:
                 first = start if rule.period == math.inf else start + rule.period
@@ -65,16 +71,25 @@ class ScriptedPlc:
 
     @property
     def next_time(self) -> float:
-        """When the PLC does something by itself, s; infinite for never."""
+        """When the PLC acts by itself, s; 0 while a change of an output waits, infinite for never."""
+        if self._collected:
+            return 0.0
         return self._due[0][0] if self._due else math.inf
 
-    def step(self, now: float, outputs: Mapping[Channel, float]) -> list[InputChange]:
-        """Do what was due up to now, then take the outputs as they are now.
+    def output(self, name: str, value: float) -> None:
+        """Take the value of an output such as 'digital_output.1'; outputs of no rule are ignored."""
+        channel, last = self._read.get(name, (None, value))
+        if channel is not None and value != last:
+            self._read[name] = (channel, value)
+            self._collected.append((channel, value))
+
+    def step(self, now: float, outputs: Mapping[Channel, float] = MappingProxyType({})) -> list[InputChange]:
+        """Do what was due up to now, then act on the changes of outputs that were collected.
 
         Args:
             now: s, not before the last step.
-            outputs: Values of outputs; those that are not named keep theirs, those that the script does not
-                name do not matter.
+            outputs: Values that outputs have now, all at once; those that are not named keep theirs, those
+                that the script does not name do not matter.
 
         Returns:
             The inputs that changed, in order; one may change several times.
@@ -87,8 +102,12 @@ class ScriptedPlc:
         self._changes = []
         self._do_until(now)
         self._now = now
-        for channel in self._script.channels:
-            if channel.direction == 'output' and channel in outputs:
+        collected, self._collected = self._collected, []
+        for channel, value in collected:
+            self._set(now, channel, value)
+            self._do_until(now)
+        for channel in self.outputs:
+            if channel in outputs:
                 self._set(now, channel, outputs[channel])
         self._do_until(now)
         return self._changes

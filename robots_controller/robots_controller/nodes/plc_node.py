@@ -6,8 +6,8 @@ from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from robots_controller.io.plc_cycle import PlcCycle
 from robots_controller.io.plc_script import PlcScript, read_plc_script
+from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.nodes.io_images import InputImages, OutputImages
 from robots_core.errors import InvalidInputError
 from robots_core.ros.lockstep.phases import Phase
@@ -33,7 +33,7 @@ class PlcNode(RobotNode):
             'cycle', 0.004, 'of the PLC in simulated time, s', bounds=(1e-4, 10.0), read_only=True
         )
         script = read_plc_script(path) if path else PlcScript(())
-        self._plc = PlcCycle(script, self.now())
+        self._plc = ScriptedPlc(script, self.now())
         self._inputs = InputImages(self, script.inputs)
         self._timer = self.create_timer(IDLE_PERIOD, self._step, autostart=False)
         self._outputs = OutputImages(self, self._plc.outputs, self._on_outputs)

@@ -11,7 +11,7 @@ from robots_controller.control.control_loop import ControllerRequest, ControlLoo
 from robots_controller.control.controller import ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles
 from robots_controller.io.io_image import image_sizes
-from robots_controller.io.plc_cycle import PlcCycle
+from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.turn_clock import NANOSECONDS
 from robots_controller.simulation.cell_parts import CellParts
@@ -116,7 +116,7 @@ class SimulatedCell:
         link.on_planned = self._motion_planned
         link.on_payload = CarriedPayload(parts.drives.load, parts.payload).carry
         self._program = self._host.program
-        self._plc = PlcCycle(parts.plc_script, self.clock.now())
+        self._plc = ScriptedPlc(parts.plc_script, self.clock.now())
         self._plc_images = image_sizes(self._plc.inputs)
         self._log.on_output = self._plc.output
         self._guide = SimulatedGuide(
