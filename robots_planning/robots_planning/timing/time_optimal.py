@@ -40,6 +40,7 @@ RESERVE = 3e-4  # of the limits, at first, so that most trajectories need no sec
 # less time everywhere, and more where the motion is slowed down for its jerk.
 JERK_RAMPS = (1.0, 0.75, 0.55)
 ROUNDS = 6  # of lowering limits that the trajectory broke
+MOST_ROUNDS = 16  # where what is left cannot be slowed down as a whole
 DISCRETISATION = 1e-3  # of a duration, by which a profile may be slower than the fastest
 LOWEST_SCALE = 0.1  # of the limits; below it lowering them is given up
 # Use of a limit: above the first the grid is too coarse for the path, and is refined wherever the use is
@@ -196,7 +197,7 @@ class TimeOptimalTiming:
         s = np.append(first, s[s > first + CLOSEST_START])
         limits = self._limits(s, *even.evaluate(s), tool)
         scale = np.full(len(s), 1.0 - RESERVE)
-        for number in range(ROUNDS):
+        for number in range(MOST_ROUNDS):
             law = self._law(s, limits, scale, even, smoothing.window, start=start)
             trajectory, places = self._sampled(even, law, limits, start)
             trajectory = slower(trajectory, smoothing.stretch)
@@ -210,6 +211,8 @@ class TimeOptimalTiming:
                 limits = self._limits(s, *even.evaluate(s), tool)
                 scale = np.full(len(s), 1.0 - RESERVE)
                 continue
+            # More from round to round: what is left gets smaller slowly.
+            use = np.where(use > 1.0 + MARGIN_EXCESS, use + MARGIN_EXCESS * 1.5**number, use)
             scale = scale / local_excess(law, times / smoothing.stretch, use)
         raise PlanningError('the path begins with a speed from which the limits ahead cannot be kept')
 
