@@ -163,13 +163,13 @@ def test_three_axis_grasp(lockstep_runs: LockstepRuns) -> None:
     run = run_program(lockstep_runs, 'three_axis_grasp.lua', 'debris_arm?gravity=0,0,0')
     program = 'three_axis_grasp.lua'
     approach, pull = (
-        run.line_of(text, program) for text in ('ptpJointSpaceAngles(ring_at(10 + S', 'ptpJointSpaceAnglesR')
+        run.line_of(text, program) for text in ('ptpCartesianSpace(ring_at(10 + S', 'ptpJointSpaceAnglesR')
     )
     assert run.switched_between() == [(1, 1.0, approach, pull)]
     steps = [m for m in run.motions if f'{m.file}:{m.line}' == approach]
     assert len(steps) == 8
     # The last step ends where the ring has drifted to meanwhile.
-    ring = np.array([2.30, 0.60, 1.90]) + np.array([-0.004, -0.012, 0.003]) * (10 + 0.7 * 8)
+    ring = np.array([2.30, 0.60, 1.90]) + np.array([-0.004, -0.012, 0.003]) * (10 + 0.53 * 8)
     np.testing.assert_allclose(steps[-1].pose.r, ring, atol=1e-3)
 
 
