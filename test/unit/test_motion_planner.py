@@ -337,6 +337,19 @@ def test_commands_that_others_may_follow_wait_as_long_as_the_plan_can_be_carried
     assert cell.sent[1][3] < 0.0
 
 
+def test_commands_behind_a_stop_wait_for_others_until_the_robot_stands(cell: Cell) -> None:
+    cell.move('1', 0.2)
+    cell.line('2', 0.1, BLENDED)
+    cell.now += BLEND_PATIENCE
+    cell.planner.wait_no_longer()
+    assert cell.ids == ['1']
+    assert cell.patience[-1] == BLEND_PATIENCE
+    cell.q = START + 0.2
+    cell.end('1')
+    cell.planner.wait_no_longer()
+    assert cell.ids == ['1', '2']
+
+
 def test_every_command_of_a_chain_is_answered_when_the_robot_is_stopped(cell: Cell) -> None:
     cell.bead(*range(WINDOW + 1))
     cell.bead(WINDOW + 1, last=True)

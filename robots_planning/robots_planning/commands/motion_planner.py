@@ -156,7 +156,7 @@ class MotionPlanner:
         self._plan(self._queue.release())
 
     def wait_no_longer(self) -> None:
-        """Plan the commands that wait for another one, unless the robot has motions for a while yet."""
+        """Plan the commands that wait for another one, unless the robot has motions until later."""
         time = self._time_left()
         if time > 0.0:
             self._port.release_after(time)
@@ -166,9 +166,11 @@ class MotionPlanner:
     def _time_left(self) -> float:
         """How long commands may wait until the motion before them can only just be carried on, s."""
         running = self.motions
-        if self._unplanned:
+        stops = bool(running) and running[-1].join_time == running[-1].trajectory.duration
+        # Before a stop nothing is lost by waiting: a program sends more when its motions end.
+        if self._unplanned or stops:
             return BLEND_PATIENCE
-        if not running or running[-1].join_time == running[-1].trajectory.duration:
+        if not running:
             return 0.0
         done = self._path_time() if len(running) == 1 else 0.0
         return running[-1].join_time - done - REPLACE_LEAD - BLEND_PATIENCE - self._planning_time
