@@ -441,3 +441,14 @@ def test_ur_robots_are_programmed_with_rotation_vectors_as_their_maker_s(tmp_pat
         Pose.from_angles(np.zeros(3), np.radians([120.0, -125.0, 3.0]), 'rotation_vector').T,
     ]
     np.testing.assert_allclose(T[0], T[1], atol=1e-6)
+
+
+def test_equal_switches_of_two_motions_belong_to_their_own_lines(tmp_path: Path):
+    text = """ptpJointSpaceAngles(0, -90, 90, 0, 45, 0)
+        local on = {distance_after_start = 0.05, output = 1, value = 1}
+        local off = {distance_before_end = 0.02, output = 1, value = 0}
+        linearRelative(0, 0.2, 0, 0, 0, 0, {blend = 0.01, on_path = {on, off}})
+        linearRelative(0, 0, 0.2, 0, 0, 0, {on_path = {on, off}})"""
+    run = run_text(tmp_path, text)
+    changes = [event for event in run.events if isinstance(event, OutputChanged)]
+    assert [(change.value, change.line) for change in changes] == [(1.0, 4), (0.0, 4), (1.0, 5), (0.0, 5)]

@@ -55,7 +55,6 @@ class PathSwitching:
         self._sent: dict[str, MotionCommand] = {}  # without a plan yet, oldest first
         self._commanded: dict[str, MotionCommand] = {}  # with and without
         self._planned: dict[str, _Plan] = {}  # oldest first: the controller follows the first
-        self._lines: dict[PathSwitch, int] = {}
         self._at_targets: dict[MotionCommand, list[OutputChange]] = {}  # of motions without a plan yet
         self._next_time = math.inf
 
@@ -74,8 +73,9 @@ class PathSwitching:
     def sent(self, id_: str, command: MotionCommand) -> None:
         """A motion was sent to the planner."""
         with self._lock:
-            self._sent[id_] = self._commanded[id_] = command
-            self._lines |= dict.fromkeys(command.switches, command.line)
+            self._commanded[id_] = command
+            switches = tuple(replace(switch, line=command.line) for switch in command.switches)
+            self._sent[id_] = replace(command, switches=switches) if switches else command
 
     def switch_at_target(self, command: MotionCommand, change: OutputChange) -> None:
         """Switch an output at the target of a motion under way; if it has its plan, `left` gives it back."""
@@ -166,14 +166,14 @@ class PathSwitching:
     def _with_targets(self, id_: str, command: MotionCommand) -> MotionCommand:
         """A motion, maybe of an earlier plan with some, with its switches at its target."""
         changes = self.left(self._commanded.get(id_, command))
-        added = [PathSwitch('time_before_end', 0.0, one.kind, one.index, one.value) for one in changes]
-        self._lines |= {switch: one.line for switch, one in zip(added, changes, strict=True)}
+        added = [
+            PathSwitch('time_before_end', 0.0, one.kind, one.index, one.value, one.line) for one in changes
+        ]
         return replace(command, switches=(*command.switches, *added)) if added else command
 
     def _switch_all(self, due: Iterable[PathSwitch]) -> None:
         for switch in due:
-            line = self._lines.get(switch, 0)
-            self._switch(OutputChange(switch.kind, switch.index, switch.value, line))
+            self._switch(OutputChange(switch.kind, switch.index, switch.value, switch.line))
 
 
 def _drop_from(motions: dict[str, Any], id_: str) -> None:

@@ -23,6 +23,7 @@ class PathSwitch:
         kind: 'digital' or 'analog'.
         index: The output, counted from 1.
         value: 0 or 1, or the analog value.
+        line: The program's line that asked for it; 0 until its motion is sent.
     """
 
     anchor: Anchor
@@ -30,6 +31,7 @@ class PathSwitch:
     kind: Kind
     index: int
     value: float
+    line: int = 0
 
 
 @dataclass(frozen=True, eq=False)
