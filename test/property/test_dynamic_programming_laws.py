@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
+from robots_core.blocks.inverse_kinematics.hold import POSE
 from robots_core.errors import PlanningError, UnreachablePoseError
 from robots_core.robot_choice import available_robot_models
 from robots_planning import LinearCartesianDynamicProgramming, verify
@@ -67,7 +68,8 @@ def test_every_robot_keeps_every_limit(
         return
     except UnreachablePoseError:
         return
-    report = verify(trajectory, robot, line=(line.start, line.end))
+    # An arm of fewer than six axes holds what it can of the orientation.
+    report = verify(trajectory, robot, line=(line.start, line.end), oriented=planner.hold == POSE)
     assert report.ok, report.describe()
 
 
