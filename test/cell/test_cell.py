@@ -37,7 +37,7 @@ def test_another_robot_changes_nothing_else(start_cell: StartCell) -> None:
     [
         (('--robot', 'no_such_robot'), "unknown robot 'no_such_robot'; robots are: "),
         (('--program', 'no_such.lua'), "program 'no_such.lua' not found"),
-        (('--robot', 'urdf:/no/such.urdf'), 'not found'),
+        (('--robot', 'urdf:/no/such.urdf'), 'there is no URDF file /no/such.urdf'),
         (('--once',), '--once needs a --program'),
     ],
 )
