@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 settings.register_profile(
     'robots', derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
-# For `make fuzz`: more of them, and others each time.
+# More of them, and others each time: pytest --hypothesis-profile=fuzz ...
 settings.register_profile(
     'fuzz', settings.get_profile('robots'), derandomize=False, max_examples=1_500, print_blob=True
 )

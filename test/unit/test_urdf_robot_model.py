@@ -335,6 +335,7 @@ def write_hand(folder: Path, inertial: str) -> Path:
         (body(-1.0), "the links that joint 'three' moves have a mass of -1 kg; a body has more than 0 kg"),
         (body(0.0), 'have a mass of 0 kg'),
         (body(moments='ixx="-1" iyy="1" izz="1"'), 'moments of inertia of -1, 1 and 1 kg m'),
+        (body(moments='ixx="-1e-5" iyy="1" izz="1"'), 'moments of inertia of -1e-05, 1 and 1 kg m'),
         (body('heavy'), 'heavy'),
     ],
 )
@@ -344,7 +345,14 @@ def test_masses_and_inertias_of_no_body_are_refused(tmp_path: Path, inertial: st
 
 
 @pytest.mark.parametrize(
-    'inertial', ['', body(), body(moments='ixx="1" iyy="1" izz="2"'), body(0, 'ixx="0" iyy="0" izz="0"')]
+    'inertial',
+    [
+        '',
+        body(),
+        body(moments='ixx="1" iyy="1" izz="2"'),
+        body(moments='ixx="-1e-35" iyy="0" izz="1e-35"'),
+        body(0, 'ixx="0" iyy="0" izz="0"'),
+    ],
 )
 def test_links_may_be_bodies_or_frames(tmp_path: Path, inertial: str):
     UrdfRobotModel(write_hand(tmp_path, inertial))

@@ -20,11 +20,12 @@ from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.interpreter.lua_source import chunk_name
 from robots_controller.program.program_state import RunState
 from robots_core.errors import InvalidInputError, ProgramError
+from robots_core.files import read_text
 
 THREAD: Final = 1
 MAX_MESSAGE: Final = 1_000_000  # bytes
 HEADERS: Final = ('content-length', 'content-type')
-# Before it has shown the token; what anything else says is refused.
+# What is served before the editor has given the token.
 _OF_STRANGERS: Final = ('initialize', 'launch', 'attach', 'disconnect')
 _NO_CODE = re.compile(r'\s*(--.*)?$')
 _CAPABILITIES: Final = {
@@ -356,7 +357,7 @@ def _snake(command: str) -> str:
 def _code_line(path: Path, line: int) -> int | None:
     """The first line with code from `line` on; None where there is none."""
     try:
-        lines = path.read_text(errors='replace').split('\n')
-    except OSError:
+        lines = read_text(path).split('\n')
+    except InvalidInputError:
         return None
     return next((n for n in range(line, len(lines) + 1) if not _NO_CODE.fullmatch(lines[n - 1])), None)

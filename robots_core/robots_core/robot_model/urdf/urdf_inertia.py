@@ -1,12 +1,13 @@
-"""Masses and inertias that a body can have."""
+"""Masses and inertias of a URDF that no body has."""
 
 import numpy as np
 import pinocchio as pin
 
 from robots_core.errors import UnknownRobotError
 
-# Of the largest principal moment: what published figures miss 0 by.
-ROUNDING = 0.01
+# Figures have six digits or more, and sums of them the rounding of doubles.
+RELATIVE_ROUNDING = 1e-6  # of the largest principal moment
+ROUNDING = 1e-12  # kg m^2
 
 
 def check_inertia(joint: str, body: pin.Inertia) -> None:
@@ -21,7 +22,7 @@ def check_inertia(joint: str, body: pin.Inertia) -> None:
     what = f'the links that joint {joint!r} moves'
     if not body.mass >= 0.0 or (body.mass == 0.0 and large > 0.0):
         raise UnknownRobotError(f'{what} have a mass of {body.mass:g} kg; a body has more than 0 kg')
-    if not small >= -ROUNDING * large:
+    if not small >= -(RELATIVE_ROUNDING * large + ROUNDING):
         raise UnknownRobotError(
             f'{what} have principal moments of inertia of {small:g}, {middle:g} and {large:g} kg m^2; a body '
             'has no negative ones'
