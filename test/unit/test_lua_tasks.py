@@ -11,12 +11,11 @@ from .simulated_program import outputs, run_text
 
 
 def test_a_task_goes_on_while_the_program_waits_and_ends_with_it(tmp_path: Path):
-    host = LuaHost(tmp_path)
-    host.write("for i = 1, 1000 do print('task', i, ...) wait(0.01) end", 'task.lua')
-    assert host.run("startTask('task', 7) wait(0.05) print('end')") is None
-    assert host.printed[0] == 'task\t1\t7'
-    assert host.printed[-1] == 'end'
-    assert 2 < len(host.printed) < 20
+    (tmp_path / 'task.lua').write_text("for i = 1, 1000 do print('task', i, ...) wait(0.01) end")
+    run = run_text(tmp_path, "startTask('task', 7) wait(0.055) print('end')")
+    assert run.ok, run.error
+    assert run.printed == (*(f'task\t{i}\t7' for i in range(1, 7)), 'end')
+    assert run.duration == pytest.approx(0.055, abs=0.004)
 
 
 def test_a_task_has_the_globals_of_the_program(tmp_path: Path):
