@@ -108,21 +108,6 @@ def ros_context(ros_domain: int) -> Iterator[Context]:
 
 
 @pytest.fixture
-def more_ros_nodes(ros_domain: int) -> Iterator[NodeRunner]:
-    """As `ros_nodes` in the same domain, as if in another process: a participant of its own."""
-    import rclpy  # noqa: PLC0415, TID251
-
-    context = rclpy.Context()
-    rclpy.init(context=context, domain_id=ros_domain)
-    runner = NodeRunner(context)
-    try:
-        yield runner
-    finally:
-        runner.close()
-        context.try_shutdown()
-
-
-@pytest.fixture
 def ros_nodes(ros_context: Context) -> Iterator[NodeRunner]:
     """Runs nodes in the background; ends and destroys them after the test."""
     runner = NodeRunner(ros_context)

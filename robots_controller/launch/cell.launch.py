@@ -11,7 +11,7 @@ from launch_ros.actions import Node
 
 from launch import LaunchContext, LaunchDescription
 
-OPTIONS = ('robot', 'program', 'io', 'io_map', 'scene', 'drive', 'guided', 'debug_port')
+OPTIONS = ('robot', 'program', 'io', 'io_map', 'scene', 'drive', 'guided', 'watchdog', 'debug_port')
 
 
 def nodes(context: LaunchContext) -> list[Node]:
@@ -60,6 +60,9 @@ def generate_launch_description() -> LaunchDescription:
                 'guided', default_value='', description='inverse kinematics that follows reference_pose'
             ),
             DeclareLaunchArgument('namespace', default_value='', description='namespace of all nodes'),
+            DeclareLaunchArgument(
+                'watchdog', default_value='0.2', description='longest time without a sign of life, s'
+            ),
             DeclareLaunchArgument(
                 'debug_port', default_value='0', description='port for editors; 0 for none'
             ),

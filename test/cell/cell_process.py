@@ -14,6 +14,8 @@ from robots_controller.live_cell.cell_graph import NodeDescription
 
 # s, on a slow machine that is busy with other things.
 DEADLINE = 480.0
+# On such a machine a process may be held up for seconds.
+PATIENT = ('--watchdog', '10')
 
 
 class CellProcess:
@@ -21,7 +23,7 @@ class CellProcess:
 
     def __init__(self, *options: str, out: Path) -> None:
         self.out = out
-        command = [str(NodeDescription('robots_controller', 'cell').executable_path()), *options]
+        command = [str(NodeDescription('robots_controller', 'cell').executable_path()), *PATIENT, *options]
         self.process = subprocess.Popen(
             [*command, '--record', str(out)],
             stdin=subprocess.DEVNULL,

@@ -24,7 +24,7 @@ from robots_core.ros.messages import (
     pose_stamped_message,
     stamp_id,
 )
-from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, STATE
+from robots_core.ros.qos import COMMAND, STATE
 from robots_planning import Trajectory
 from robots_planning.nodes.planning_node import PlanningNode
 
@@ -42,7 +42,7 @@ class PlanningBench(Bench):
         self.names = list(self.robot.axes_data.names)
         self.trajectories = self.collect('joint_trajectory', JointTrajectory, COMMAND)
         self.results = self.collect('motion_result', DiagnosticStatus, COMMAND, motion_result_from_message)
-        self.finished = self.collect('finished', Bool, PLANNER_ALIVE, lambda message: message.data)
+        self.finished = self.collect('finished', Bool, STATE, lambda message: message.data)
         self.references: Any = None
         self.node = self.start_node(PlanningNode, robot_model=ROBOT, **parameters)
         for topic, kind, qos in (

@@ -6,20 +6,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-import rclpy
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64
+from std_msgs.msg import Float64
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_core import load_robot_model
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
+from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.messages import doubles, motion_result_from_message, stamp_id
-from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE
+from robots_core.ros.qos import COMMAND, SENSOR, STATE
+from robots_core.ros.timed_node import TimedNode
 
 from .bench import Bench
 
@@ -38,7 +38,9 @@ CRAWL = 0.02  # override: no machine comes too late for what happens on the way
 class ControllerBench(Bench):
     """A controller with its drive; the test sends trajectories."""
 
-    def __init__(self, runner: Any, *, feedback_timeout: float = PATIENT, **drives: Any) -> None:
+    def __init__(
+        self, runner: Any, *, feedback_timeout: float = PATIENT, watchdog: float = PATIENT, **drives: Any
+    ) -> None:
         super().__init__(runner, 'planner')
         self.newest_reference = 0.0  # s
         self.newest_state = 0.0  # s
@@ -47,7 +49,9 @@ class ControllerBench(Bench):
         self.results = self.collect('motion_result', DiagnosticStatus, COMMAND, motion_result_from_message)
         self.progress = self.collect('motion_progress', Float64, read=lambda message: message.data)
         self.drive = self.start_node(DriveNode, **OPTIONS, **(drives or FAST_DRIVES))
-        self.controller = self.start_node(ControllerNode, **OPTIONS, feedback_timeout=feedback_timeout)
+        self.controller = self.start_node(
+            ControllerNode, **OPTIONS, feedback_timeout=feedback_timeout, watchdog=watchdog
+        )
         self.trajectories = self.publisher('joint_trajectory', JointTrajectory)
         self.wait(lambda: self.references, 'first reference')
 
@@ -186,19 +190,19 @@ def test_lost_feedback_brakes_on_the_path(ros_nodes: Any) -> None:
     )
 
 
-def test_a_lost_planner_brakes_on_the_path(bench: ControllerBench, ros_domain: int) -> None:
-    # Liveliness is a matter between participants of the middleware, and a context is one.
-    context = rclpy.Context()
-    rclpy.init(context=context, domain_id=ros_domain)
-    planner = Node('planning_node', context=context)
-    planner.create_publisher(Bool, 'finished', PLANNER_ALIVE)
-    bench.wait(lambda: bench.controller._planner_seen, 'a planner that is alive')
+@pytest.mark.parametrize('name', ['planning_node', 'lua_program_node', 'collision_node'])
+def test_a_node_that_is_lost_brakes_on_the_path(ros_nodes: Any, name: str) -> None:
+    bench = ControllerBench(ros_nodes, watchdog=1.0)
+    heartbeat = Heartbeat(ros_nodes.add(TimedNode(name, context=ros_nodes.context)))
+    watched = bench.controller.watch._watched[name][1]
+    bench.wait(lambda: watched._silence is not None, 'its heartbeat')
     bench.send_slowly(AWAY)
-    planner.destroy_node()
-    context.try_shutdown()
+    heartbeat.stop()
     result = bench.result()
     assert not result.ok
-    assert result.message.startswith('planning_node is gone')
+    assert result.message.startswith(f'no sign of life of {name} for 1 s')
+    part = (bench.references[-1] - HOME) / (AWAY - HOME)
+    np.testing.assert_allclose(part, part[0], atol=1e-9)
 
 
 def test_says_what_is_wrong_with_a_trajectory(bench: ControllerBench) -> None:

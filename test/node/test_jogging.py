@@ -34,7 +34,7 @@ JOG_PERIOD = 0.02  # s, well inside the dead-man's 0.1 s
 class JoggedRobot(Bench):
     """A robot with its planner, and a teach box."""
 
-    def __init__(self, runner: Any, planner_runner: Any) -> None:
+    def __init__(self, runner: Any) -> None:
         super().__init__(runner, 'box')
         self.references = self.collect('joint_reference', JointTrajectory, read=lambda m: m.points[0])
         self.points = self.collect('joint_trajectory', JointTrajectory, read=lambda m: m.points[0])
@@ -44,8 +44,7 @@ class JoggedRobot(Bench):
         self.start_node(
             ControllerNode, robot_model=NAME, realtime_priority=0, feedback_timeout=20.0, stream_timeout=0.5
         )
-        # Within one participant, the middleware does not assert the planner's liveliness.
-        self.start_node(PlanningNode, runner=planner_runner, robot_model=NAME)
+        self.start_node(PlanningNode, robot_model=NAME)
         self._timer: Any = None
         self.wait(lambda: self.references, 'a robot that stands')
 
@@ -77,8 +76,8 @@ class JoggedRobot(Bench):
 
 
 @pytest.fixture
-def bench(ros_nodes: Any, more_ros_nodes: Any) -> JoggedRobot:
-    return JoggedRobot(ros_nodes, more_ros_nodes)
+def bench(ros_nodes: Any) -> JoggedRobot:
+    return JoggedRobot(ros_nodes)
 
 
 def axis_command(axis: int, velocity: float) -> JointState:

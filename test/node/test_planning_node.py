@@ -12,21 +12,21 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from rcl_interfaces.srv import GetParameters
-from rclpy.duration import Duration
 from rclpy.parameter import Parameter
-from rclpy.qos import LivelinessPolicy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 
 from robots_core import Pose
 from robots_core.errors import InvalidInputError
 from robots_core.motion_result import MotionResult
+from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.messages import (
     diagnostic_values,
     motion_result_message,
     pose_stamped_message,
 )
 from robots_core.ros.qos import STATE
+from robots_core.ros.timed_node import TimedNode
 from robots_planning import LinearCartesianLimited, MotionSettings, verify
 from robots_planning.motion_settings import settings_from_text
 
@@ -382,9 +382,17 @@ def test_an_invalid_setting_at_start_is_reported(ros_nodes: Any) -> None:
         PlanningBench(ros_nodes, rotation_speed=-1.0)
 
 
-def test_finished_is_a_sign_of_life(bench: PlanningBench) -> None:
-    publishers = bench.peer.get_publishers_info_by_topic('finished')
-    assert len(publishers) == 1
-    qos = publishers[0].qos_profile
-    assert qos.liveliness == LivelinessPolicy.AUTOMATIC
-    assert qos.liveliness_lease_duration == Duration(seconds=2.0)
+def test_motions_of_a_controller_that_is_lost_are_ended(ros_nodes: Any) -> None:
+    bench = PlanningBench(ros_nodes, watchdog=1.0)
+    controller = ros_nodes.add(TimedNode('controller_node', context=ros_nodes.context))
+    heartbeat = Heartbeat(controller)
+    bench.wait(lambda: bench.node.count_publishers('controller_node/heartbeat'), 'the heartbeat')
+    home = np.array(bench.robot.home)
+    bench.stand(home)
+    id_ = bench.command('ptpjoint_joint', home + 0.1, 1)
+    bench.planned()
+    heartbeat.stop()
+    bench.wait(lambda: bench.results, 'its end')
+    assert (bench.results[0].id, bench.results[0].ok) == (id_, False)
+    assert bench.results[0].message.startswith('no sign of life of controller_node for 1 s')
+    bench.wait(lambda: not bench.node.planner.moving, 'a planner that is free')

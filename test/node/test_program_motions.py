@@ -35,7 +35,7 @@ CRAWL = 'setOverride(0.002)\n'
 class Cell(Bench):
     """Everything from the program to the drives, in one process."""
 
-    def __init__(self, runner: Any, planner_runner: Any, folder: Path) -> None:
+    def __init__(self, runner: Any, folder: Path) -> None:
         super().__init__(runner)
         self.folder = folder
         self.references = self.collect('joint_reference', JointTrajectory, read=lambda m: m.points[0])
@@ -47,8 +47,7 @@ class Cell(Bench):
         self.start_node(DriveNode, robot_model=ROBOT)
         self.start_node(ControllerNode, robot_model=ROBOT, feedback_timeout=PATIENT)
         self.program = self.start_node(LuaProgramNode, robot_model=ROBOT)
-        # Signs of life do not come from a planner that shares its middleware with the controller.
-        planner = self.start_node(PlanningNode, runner=planner_runner, robot_model=ROBOT)
+        planner = self.start_node(PlanningNode, robot_model=ROBOT)
         self.wait(lambda: self.references and planner._reference is not None, 'the robot')
 
     def command(self, name: str) -> None:
@@ -80,8 +79,8 @@ class Cell(Bench):
 
 
 @pytest.fixture
-def cell(ros_nodes: Any, more_ros_nodes: Any, tmp_path: Path) -> Cell:
-    return Cell(ros_nodes, more_ros_nodes, tmp_path)
+def cell(ros_nodes: Any, tmp_path: Path) -> Cell:
+    return Cell(ros_nodes, tmp_path)
 
 
 def test_an_input_interrupts_the_motion_which_then_goes_on(cell: Cell) -> None:

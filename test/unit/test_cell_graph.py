@@ -83,3 +83,11 @@ def test_planner_and_drives_have_the_payload_of_the_cell():
     nodes = {node.name: node for node in cell_graph(robot='bello_bot', payload=(2.0, 0.0, 0.0, 0.1))}
     for name in ('drive_node', 'planning_node'):
         assert nodes[name].parameters['payload'] == [2.0, 0.0, 0.0, 0.1]
+
+
+def test_nodes_that_others_depend_on_are_watched_for_as_long_as_it_is_given():
+    nodes = {node.name: node for node in cell_graph(robot='bello_bot', watchdog=3.0)}
+    for name in ('controller_node', 'planning_node', 'lua_program_node'):
+        assert nodes[name].parameters['watchdog'] == 3.0
+    with pytest.raises(RobotsError, match=r'watchdog = 0\.01 s must be in'):
+        cell_graph(robot='bello_bot', watchdog=0.01)

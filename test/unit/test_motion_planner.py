@@ -124,6 +124,22 @@ def test_a_motion_leads_from_where_the_robot_stands_to_its_target(cell: Cell) ->
     assert cell.told == [False]
 
 
+def test_the_motions_of_a_lost_controller_are_ended_in_its_place(cell: Cell) -> None:
+    cell.move('1', 0.2)
+    cell.move('2', 0.0)
+    cell.planner.lose_controller('it is gone')
+    assert [(result.id, result.ok, result.message) for result in cell.answers] == [
+        ('1', False, 'it is gone'),
+        ('2', False, 'it is gone'),
+    ]
+    for result in tuple(cell.answers):  # they come back, as those of the controller
+        cell.planner.result(result, cell.now)
+    assert not cell.planner.moving
+    cell.now += 1.0
+    cell.move('3', 0.2)
+    assert cell.ids[-1] == '3'
+
+
 def test_each_motion_begins_at_the_end_of_the_one_before(cell: Cell) -> None:
     cell.move('1', 0.2)
     cell.planner.command('2', JOINT_TO_POSE, above(0.1), PLAIN)

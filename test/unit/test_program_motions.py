@@ -205,6 +205,16 @@ def test_a_motion_that_nothing_will_end_is_given_up_and_the_robot_stopped(cell: 
     assert cell.requests == ['stop']
 
 
+def test_a_lost_planner_ends_what_was_sent_and_stops_the_robot(cell: Cell) -> None:
+    cell.motions.lose_planner('it is gone')
+    assert not cell.requests
+    cell.move()
+    cell.move()
+    cell.motions.lose_planner('it is gone')
+    assert cell.results() == [('1.0', 'it is gone'), ('2.0', 'it is gone')]
+    assert cell.requests == ['stop']
+
+
 def test_a_stop_ends_what_was_not_sent_and_is_repeated_until_the_rest_has_ended(cell: Cell) -> None:
     cell.move()
     cell.listening = False

@@ -112,17 +112,25 @@ class ProgramMotions:
             now, stopping = self._clock.now(), self._stopping
             waiting = self._unsent and not self._full
             problem = self._unplanned(now) if waiting else self._lost(now)
-            given_up = list(self._sent.items()) + [('', command) for command in self._unsent]
-            if problem:
-                self._sent.clear()
-                self._unsent.clear()
-                self._configuring, self._stopping = None, False
         if problem:
-            for id_, command in given_up:
-                self._on_result(id_, command, PlanningError(problem))
-            self._controller.request('stop')
+            self._give_up(problem)
         elif stopping:
             self._controller.request('stop')
+
+    def lose_planner(self, reason: str) -> None:
+        """No planner ends the motions that were sent: give up all."""
+        if self._sent:
+            self._give_up(reason)
+
+    def _give_up(self, reason: str) -> None:
+        with self._lock:
+            given_up = list(self._sent.items()) + [('', command) for command in self._unsent]
+            self._sent.clear()
+            self._unsent.clear()
+            self._configuring, self._stopping = None, False
+        for id_, command in given_up:
+            self._on_result(id_, command, PlanningError(reason))
+        self._controller.request('stop')
 
     # -- inside, locked -------------------------------------------------------------------------
 

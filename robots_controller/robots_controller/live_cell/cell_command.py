@@ -40,6 +40,7 @@ from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.middleware import choose_transports
+from robots_core.watchdog import WATCHDOG
 
 START_TIMEOUT = 120.0  # s, for all nodes to be ready on a slow machine
 SERVICE_TIMEOUT = 60.0  # s
@@ -50,7 +51,8 @@ POLL = 0.05  # s between looks at processes and events
 FILES = ('program', 'io', 'io_map', 'scene', 'references')  # options
 GRAPH_OPTIONS = (
     *FILES,
-    *('robot', 'drive', 'rate', 'goal_tolerance', 'payload', 'guided', 'port', 'debug_port', 'lockstep'),
+    *('robot', 'drive', 'rate', 'goal_tolerance', 'watchdog', 'payload', 'guided'),
+    *('port', 'debug_port', 'lockstep'),
 )
 
 # What a report needs; the recorder is subscribed to these before the program starts.
@@ -88,6 +90,13 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument(
         '--references', default='', metavar='BAG', help='recording of what guides or jogs the robot'
+    )
+    parser.add_argument(
+        '--watchdog',
+        type=float,
+        default=WATCHDOG,
+        metavar='SECONDS',
+        help='how long a node may give no sign of life before the robot is stopped; 0: any time',
     )
     parser.add_argument('--debug-port', type=int, default=0, help='port for editors; 0 for none')
     parser.add_argument(

@@ -13,6 +13,7 @@ from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
+from robots_core.watchdog import WATCHDOG, checked_watchdog
 from robots_planning.motion_settings import NOTHING
 
 DEFAULT_ROBOT: Final = 'bello_bot'
@@ -78,6 +79,7 @@ def cell_graph(
     rate: float = 250.0,
     drive: str = 'second_order',
     goal_tolerance: float | None = None,
+    watchdog: float = WATCHDOG,
     payload: tuple[float, ...] = NOTHING,
     port: int = 8080,
     io: str = '',
@@ -99,6 +101,7 @@ def cell_graph(
         drive: Level of the drives, one of `DRIVE_LEVELS`.
         goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
             default. Elastic gears and friction of `rigid_body` drives can keep an axis from standing closer.
+        watchdog: How long a node that others depend on may give no sign of life, s; 0: any time.
         payload: What the robot carries until its program sets another payload, see `MotionSettings`.
         port: First port to try for the browser page.
         io: Script of a PLC that is played (see `plc_script`); none without one.
@@ -115,6 +118,7 @@ def cell_graph(
         RobotsError: no such level or method, a file that is not valid, or both set inputs of the same kind.
     """
     check_level(drive)
+    watched = {'watchdog': checked_watchdog(watchdog)}
     if guided and guided not in METHODS:
         raise RobotsError(f'unknown inverse kinematics {guided!r}; valid are {", ".join(METHODS)}')
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
@@ -131,8 +135,8 @@ def cell_graph(
 
     return (
         node('robots_core', 'drive_node', rate=rate, level=drive, payload=list(payload)),
-        node('robots_controller', 'controller_node', rate=rate, **tolerance),
-        node('robots_planning', 'planning_node', scene=scene, payload=list(payload)),
+        node('robots_controller', 'controller_node', rate=rate, **tolerance, **watched),
+        node('robots_planning', 'planning_node', scene=scene, payload=list(payload), **watched),
         node(
             'robots_controller',
             'lua_program_node',
@@ -141,6 +145,7 @@ def cell_graph(
             debug_port=debug_port,
             debug_token=debug_token,
             payload=list(payload),
+            **watched,
             **names,
         ),
         node('robots_core', 'direct_kinematics_node'),

@@ -9,9 +9,8 @@ from functools import partial
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.event_handler import SubscriptionEventCallbacks
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64
+from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
@@ -23,11 +22,12 @@ from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.realtime import ask_for_realtime
+from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.joint_state_reader import JointStateReader
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import NANOSECONDS, motion_result_message, stamp_id
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, SENSOR, STATE, subscribe_state
+from robots_core.ros.qos import COMMAND, SENSOR, STATE, subscribe_state
 from robots_core.ros.reference_stream import ReferenceStream
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
@@ -39,6 +39,7 @@ HEALTH_RATE = 10.0  # Hz
 # A callback may hold the interpreter for this long before the loop gets its turn.
 SWITCH_INTERVAL = 1e-4  # s
 REFUSAL_PERIOD = 1.0  # s
+WATCHED = ('planning_node', 'lua_program_node', 'collision_node')
 
 
 class ControllerNode(RobotNode):
@@ -85,7 +86,6 @@ class ControllerNode(RobotNode):
         )
         self._controller = Controller(self.robot.axes_data, ControllerSettings(period=1.0 / rate, **options))
         self._names = list(self.robot.axes_data.names)
-        self._planner_seen = False
         self._refusal: RobotsError | None = None
         self._refusal_time = -math.inf
         rates = ControllerRates(rate, self._controller.settings.feedback_timeout)
@@ -103,13 +103,7 @@ class ControllerNode(RobotNode):
         self._position: Array | None = None
         self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND)
         subscribe_state(self, Float64, 'override', self._on_override)
-        self.create_subscription(
-            Bool,
-            'finished',
-            lambda _: None,
-            PLANNER_ALIVE,
-            event_callbacks=SubscriptionEventCallbacks(liveliness=self._on_planner_liveliness),
-        )
+        self.watch = HeartbeatWatch(self, WATCHED, watchdog_parameter(self), self._on_lost)
         answers: dict[ControllerRequest, str] = {
             'pause': 'stopping on the path',
             'resume': 'moving on',
@@ -239,11 +233,8 @@ class ControllerNode(RobotNode):
             return
         self._control.set_override(override)
 
-    def _on_planner_liveliness(self, event: object) -> None:
-        alive = getattr(event, 'alive_count', 0) > 0
-        if self._planner_seen and not alive:
-            self._control.stop('planning_node is gone: is it still running?')
-        self._planner_seen = alive
+    def _on_lost(self, _: str, reason: str) -> None:
+        self._control.stop(reason)
 
     def _serve(
         self, request: ControllerRequest, answer: str, _: Trigger.Request, response: Trigger.Response

@@ -35,6 +35,7 @@ from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
+from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.messages import (
     diagnostic_status,
     joint_values,
@@ -73,6 +74,7 @@ class LuaProgramNode(RobotNode):
         digital_input_names, digital_output_names, analog_input_names, analog_output_names: Names of the
             channels, from the first on; '' names none.
         planner_timeout: Longest wait of a motion for planning_node, s.
+        watchdog: How long planning_node may give no sign of life while the robot moves, s; 0: any time.
         payload: What hangs on tool0 until a program sets it: kg, centre x y z (m), maybe inertia.
         autostart: Open and run the program as soon as a planner and a controller work.
         points_file: Where taught points stand; '' for the program's name with .points.yaml.
@@ -167,6 +169,7 @@ class LuaProgramNode(RobotNode):
         PathSwitchingMessages(self, self.host.switching, axes.names)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
         self.create_timer(WATCH_PERIOD, self.host.motions.watch)
+        HeartbeatWatch(self, ['planning_node'], watchdog_parameter(self), self._on_planner_lost)
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
         self._io = IoServices(self, self._program.io, self._on_inputs)
         host = self.host
@@ -270,6 +273,9 @@ class LuaProgramNode(RobotNode):
         self.host.motions.result(motion_result_from_message(message))
         if self._turns is not None:
             self._turns.changed()
+
+    def _on_planner_lost(self, _: str, reason: str) -> None:
+        self.host.motions.lose_planner(reason)
 
     # -- the program's robot and controller, from its thread ------------------------------------------
 

@@ -3,9 +3,8 @@
 from collections.abc import Callable
 from typing import Any, Final
 
-from rclpy.duration import Duration
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 # By default a profile keeps the last samples, reliably, and latches none.
 STATE: Final = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -25,17 +24,6 @@ So its publisher need not ask them again and again what they have received.
 
 COMMAND: Final = QoSProfile(depth=100)
 """Commands and results: all of them, also of a program that blends many motions, and none from before."""
-
-PLANNER_ALIVE: Final = QoSProfile(
-    depth=1,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-    liveliness=LivelinessPolicy.AUTOMATIC,
-    liveliness_lease_duration=Duration(seconds=2.0),
-)
-"""`finished`: the middleware reports within two seconds that the planner is gone.
-
-Its motions are planned to their ends, and a busy machine may keep a live planner silent for a second.
-"""
 
 
 def subscribe_state(node: Node, message_type: Any, topic: str, callback: Callable[[Any], None]) -> None:

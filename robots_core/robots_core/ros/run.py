@@ -9,19 +9,20 @@ from collections.abc import Callable
 
 import rclpy
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
-from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import try_shutdown
 
 from robots_core.errors import RobotsError
+from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.interrupt import interrupt
 from robots_core.ros.lean_executor import LeanExecutor
 from robots_core.ros.middleware import choose_transports
+from robots_core.ros.timed_node import TimedNode
 
 EXIT_BAD_INPUT = 2
 
 
-def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
+def run(make_node: Callable[[], TimedNode], args: list[str] | None = None) -> int:
     """Run a node until it is interrupted or has shut its context down.
 
     A mistake of the user (a `RobotsError`) is reported in one line, without traceback.
@@ -37,8 +38,9 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
     atexit.register(gc.freeze)
     choose_transports()
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-    node: Node | None = None
+    node: TimedNode | None = None
     executor: Executor | None = None
+    heartbeat: Heartbeat | None = None
 
     def wake() -> None:
         if executor is None:
@@ -54,6 +56,7 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
             inspect.stack()
             executor = _executor(node)
             executor.add_node(node)
+            heartbeat = Heartbeat(node)
             gc.freeze()  # what is there now lives as long as the node
             while node.context.ok() and not stopping.is_set():
                 executor.spin_once()
@@ -63,16 +66,18 @@ def run(make_node: Callable[[], Node], args: list[str] | None = None) -> int:
             print(f'error: {error}', file=sys.stderr)
             return EXIT_BAD_INPUT
         finally:
+            if heartbeat is not None:
+                heartbeat.stop()
             # The page, the bag and the last messages are closed before another signal may end the process.
             if node is not None:
-                node.destroy_node()
+                node.destroy_node()  # type: ignore[no-untyped-call]
             if executor is not None:
                 executor.shutdown()
             try_shutdown()
     return 0
 
 
-def _executor(node: Node) -> Executor:
+def _executor(node: TimedNode) -> Executor:
     # MultiThreadedExecutor is several times slower here and EventsExecutor is experimental; what must not
     # wait has a thread of its own.
-    return SingleThreadedExecutor() if getattr(node, 'participant', None) is None else LeanExecutor()
+    return SingleThreadedExecutor() if node.participant is None else LeanExecutor()

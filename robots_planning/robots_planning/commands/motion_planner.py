@@ -233,6 +233,11 @@ class MotionPlanner:
             self.release()  # what was held for a chain is void
         return True
 
+    def lose_controller(self, reason: str) -> None:
+        """The controller ends no motion any more: end them in its place."""
+        for motion in self.motions:
+            self._port.answer(MotionResult(motion.id, ok=False, message=reason))
+
     def forget(self) -> None:
         """The controller is gone, and its motions with it."""
         self._queue.forget()

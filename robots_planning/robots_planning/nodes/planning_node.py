@@ -20,6 +20,7 @@ from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.pose import Pose
+from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
@@ -34,7 +35,7 @@ from robots_core.ros.messages import (
 )
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import publishers_of
-from robots_core.ros.qos import COMMAND, PLANNER_ALIVE, STREAM
+from robots_core.ros.qos import COMMAND, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
@@ -94,7 +95,7 @@ class PlanningNode(RobotNode):
         self._trajectory_publisher = self.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
         self._plan_publisher = self.create_publisher(DiagnosticStatus, 'motion_plan', COMMAND)
         self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
-        self._finished_publisher = self.create_publisher(Bool, 'finished', PLANNER_ALIVE)
+        self._finished_publisher = self.create_publisher(Bool, 'finished', STATE)
         self.finished(done=False)
         self._subscribe()
         SettingsPublisher(self, self._settings, self.robot_name)
@@ -110,6 +111,7 @@ class PlanningNode(RobotNode):
             self._action = FollowJointTrajectory(
                 self, lambda message, id_: self._worker.submit(self._send_given, message, id_)
             )
+        HeartbeatWatch(self, ['controller_node'], watchdog_parameter(self), self._on_controller_lost)
         self._look = self.create_timer(LOOK_PERIOD, self._look_for_reference)
         self.report_health(DiagnosticStatus.WARN, 'waiting for joint_reference')
 
@@ -218,6 +220,9 @@ class PlanningNode(RobotNode):
 
     def _on_progress(self, message: Float64) -> None:
         self.planner.progress(message.data)
+
+    def _on_controller_lost(self, _: str, reason: str) -> None:
+        self.planner.lose_controller(reason)
 
     def _on_motion_result(self, message: DiagnosticStatus) -> None:
         result = motion_result_from_message(message)

@@ -16,6 +16,7 @@ from rosbags.typesys import Stores, get_typestore
 from robots_controller.nodes.bags.lockstep_times import LockstepTimes, Sent
 from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.crash_safe_writer import CrashSafeWriter
+from robots_core.ros.heartbeat import HEARTBEAT
 from robots_core.ros.lockstep.protocol import is_of_protocol
 from robots_core.ros.message_class import message_class
 from robots_core.ros.polled_subscription import PolledSubscription
@@ -43,7 +44,7 @@ class BagRecorder(Node):
     Args:
         path: Folder of the bag; must not exist.
         namespace: Records the topics below it, and the global ones (`/diagnostics`, `/rosout`), but not
-            what keeps a run in lock-step.
+            what keeps a run in lock-step, and no heartbeats.
         lockstep: Times are those of a lock-step run, not of the system's clock.
         options: Passed on to `rclpy.node.Node`.
     """
@@ -90,7 +91,7 @@ class BagRecorder(Node):
         for topic, types in self.get_topic_names_and_types():
             if topic in self._topics or not topic.startswith((self._prefix, '/diagnostics', '/rosout')):
                 continue
-            if is_of_protocol(topic):
+            if is_of_protocol(topic) or topic.endswith(f'/{HEARTBEAT}'):
                 continue
             publishers = self.get_publishers_info_by_topic(topic)
             if publishers and types[0] in self._typestore.types:

@@ -1,0 +1,96 @@
+"""Heartbeats: a process that dies or freezes is noticed by the nodes that depend on it."""
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from rclpy.serialization import serialize_message
+from std_msgs.msg import Empty
+
+from robots_core.periodic_thread import PeriodicThread
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import SENSOR
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.timed_node import TimedNode
+from robots_core.watchdog import LOOKS, WATCHDOG, Watchdog, checked_watchdog
+
+HEARTBEAT: Final = 'heartbeat'
+PERIOD: Final = 0.04  # s
+
+
+class Heartbeat:
+    """Publishes `~/heartbeat` from a thread of its own: callbacks that take long do not hold it up.
+
+    In simulated time there is none: lock-step misses a lost process by itself.
+
+    Args:
+        node: The node, complete.
+    """
+
+    def __init__(self, node: TimedNode) -> None:
+        self._thread: PeriodicThread | None = None
+        if node.simulated_time:
+            return
+        publisher = node.create_publisher(Empty, f'~/{HEARTBEAT}', SENSOR)
+        message = serialize_message(Empty())
+        self._thread = PeriodicThread(
+            lambda _: publisher.publish(message),
+            period=PERIOD,
+            name=HEARTBEAT,
+            on_error=node.thread_failed,
+        )
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End it before the node is destroyed."""
+        if self._thread is not None:
+            self._thread.stop()
+
+
+class HeartbeatWatch:
+    """Notices that other nodes, once seen, have died or frozen; in the executor's thread.
+
+    In simulated time, and with a timeout of 0, none is ever lost.
+
+    Args:
+        node: Who watches.
+        names: Names of the nodes, in the namespace of this one.
+        timeout: See `Watchdog`, s.
+        on_lost: Called with a node's name and the reason, for a person, when it is lost.
+    """
+
+    def __init__(
+        self, node: TimedNode, names: Sequence[str], timeout: float, on_lost: Callable[[str, str], None]
+    ) -> None:
+        self._node, self._timeout, self._on_lost = node, timeout, on_lost
+        self._watched: dict[str, tuple[PolledSubscription, Watchdog]] = {}
+        if timeout == 0.0 or node.simulated_time:
+            return
+        for name in names:
+            beats = PolledSubscription(node, Empty, f'{name}/{HEARTBEAT}', SENSOR, raw=True)
+            self._watched[name] = beats, Watchdog(timeout)
+        node.create_timer(timeout / LOOKS, self._look)
+
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """Names of the nodes that are lost now."""
+        return tuple(name for name, (_, watchdog) in self._watched.items() if watchdog.lost)
+
+    def _look(self) -> None:
+        now = self._node.now()
+        for name, (beats, watchdog) in self._watched.items():
+            if watchdog.look(now, alive=beats.take() is not None):
+                self._on_lost(
+                    name, f'no sign of life of {name} for {self._timeout:g} s: is it still running?'
+                )
+
+
+def watchdog_parameter(node: RobotNode) -> float:
+    """Declare parameter `watchdog` and return its value, s."""
+    value: float = node.parameter(
+        'watchdog',
+        WATCHDOG,
+        'without a sign of life for this long another node is lost, s; 0: none is watched',
+        check=checked_watchdog,
+        read_only=True,
+    )
+    return value

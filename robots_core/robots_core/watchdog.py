@@ -1,0 +1,64 @@
+"""Watchdog: something that gives signs of life is lost when they stop coming."""
+
+from typing import Final
+
+from robots_core.errors import InvalidInputError
+
+WATCHDOG: Final = 0.2
+"""Default, s: how long a process of a quiet machine may give no sign of life."""
+SHORTEST: Final = 0.1  # s: some signs of life fit in
+LONGEST: Final = 60.0  # s
+LOOKS: Final = 5
+"""Looks within the timeout."""
+
+
+class Watchdog:
+    """Judges by the watcher's own time, as far as it was spent with looking.
+
+    What was never seen is not lost. A watcher that the machine has held up counts one regular step for that:
+    what it watches may have been held up too.
+
+    Args:
+        timeout: Without a sign of life for this long it is lost, s; see `checked_watchdog`.
+    """
+
+    def __init__(self, timeout: float) -> None:
+        self._timeout = timeout
+        self._silence: float | None = None
+        self._before = 0.0
+
+    @property
+    def lost(self) -> bool:
+        """It was seen, and then was silent for the timeout."""
+        return self._silence is not None and self._silence > self._timeout
+
+    def look(self, now: float, *, alive: bool) -> bool:
+        """Look, at least `LOOKS` times within the timeout.
+
+        Args:
+            now: Time, s.
+            alive: A sign of life has come since the last look.
+
+        Returns:
+            It was lost just now.
+        """
+        step, self._before = min(now - self._before, self._timeout / LOOKS), now
+        lost = self.lost
+        if alive:
+            self._silence = 0.0
+        elif self._silence is not None:
+            self._silence += step
+        return self.lost and not lost
+
+
+def checked_watchdog(value: float) -> float:
+    """A timeout of a watchdog, s, or 0 for none.
+
+    Raises:
+        InvalidInputError: another one.
+    """
+    if value != 0.0 and not SHORTEST <= value <= LONGEST:
+        raise InvalidInputError(
+            f'watchdog = {value!r} s must be in [{SHORTEST:g}, {LONGEST:g}] s, or 0 for none'
+        )
+    return value

@@ -1,0 +1,53 @@
+"""Watchdog: what is silent is lost, by the time in which somebody looked."""
+
+from __future__ import annotations
+
+import pytest
+
+from robots_core.errors import InvalidInputError
+from robots_core.watchdog import LOOKS, Watchdog, checked_watchdog
+
+TIMEOUT = 0.2
+STEP = TIMEOUT / LOOKS
+
+
+def looks(watchdog: Watchdog, count: int, *, alive: bool, since: float = 0.0) -> list[bool]:
+    return [watchdog.look(since + (k + 1) * STEP, alive=alive) for k in range(count)]
+
+
+def test_what_falls_silent_is_lost_once_after_the_timeout() -> None:
+    watchdog = Watchdog(TIMEOUT)
+    assert not any(looks(watchdog, 100, alive=True))
+    found = looks(watchdog, 20, alive=False, since=100 * STEP)
+    assert found.index(True) in (LOOKS - 1, LOOKS)  # one more for rounding
+    assert sum(found) == 1
+    assert watchdog.lost
+
+
+def test_what_was_never_seen_is_not_lost() -> None:
+    watchdog = Watchdog(TIMEOUT)
+    assert not any(looks(watchdog, 100, alive=False))
+    assert not watchdog.lost
+
+
+def test_what_comes_back_is_lost_again_when_it_falls_silent_again() -> None:
+    watchdog = Watchdog(TIMEOUT)
+    for _ in range(2):
+        watchdog.look(0.0, alive=True)
+        assert not watchdog.lost
+        assert sum(looks(watchdog, 20, alive=False)) == 1
+
+
+def test_the_time_in_which_nobody_looked_does_not_count() -> None:
+    watchdog = Watchdog(TIMEOUT)
+    watchdog.look(0.0, alive=True)
+    assert not watchdog.look(60.0, alive=False)
+    assert not any(looks(watchdog, LOOKS - 2, alive=False, since=60.0))
+    assert any(looks(watchdog, 3, alive=False, since=60.0 + (LOOKS - 2) * STEP))
+
+
+@pytest.mark.parametrize('value', [-0.2, 0.05, 61.0, float('nan'), float('inf')])
+def test_timeouts_that_no_machine_keeps_are_refused(value: float) -> None:
+    with pytest.raises(InvalidInputError, match=r'watchdog = .* must be in \[0\.1, 60\] s, or 0 for none'):
+        checked_watchdog(value)
+    assert checked_watchdog(0.0) == 0.0
