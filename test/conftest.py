@@ -177,6 +177,16 @@ class NodeRunner:
         self._executor.create_task(call)
         self.wait_for(done.is_set, what='a call in the spinning thread')
 
+    def destroy(self, node: Any) -> None:
+        """Destroy a node before the end of the test."""
+
+        def destroy() -> None:
+            self._executor.remove_node(node)
+            node.destroy_node()
+
+        self._nodes.remove(node)
+        self.call(destroy)
+
     def wait_for(self, condition: Callable[[], Any], timeout: float = WAIT_DEADLINE, what: str = '') -> Any:
         """Wait until `condition()` is true and return its value.
 

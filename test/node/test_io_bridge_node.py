@@ -9,10 +9,11 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseArray, Wrench
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from std_msgs.msg import Bool, Float32, Float64, Float64MultiArray, UInt8MultiArray, UInt16MultiArray
+from std_msgs.msg import Bool, Float32, Float64, Float64MultiArray, UInt8, UInt8MultiArray, UInt16MultiArray
 
 from robots_controller.nodes.io_bridge_node import WATCH_PERIOD, IoBridgeNode
 from robots_core.errors import InvalidInputError
+from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
@@ -80,7 +81,7 @@ def test_a_plc_that_publishes_words(ros_nodes: Any):
 
     words = plc.subscribed(UInt16MultiArray, 'plc/output_words')
     plc.repeat('digital_outputs', UInt8MultiArray(data=[1, 0, 1, 0]), STATE)
-    plc.publish('analog_outputs', Float64MultiArray(data=[5.0]), STATE)
+    plc.repeat('analog_outputs', Float64MultiArray(data=[5.0]), STATE)
     # 0..10 V is 0..4095: 5 V is 2047.5, rounded to the even neighbour.
     expected = [0b101, 2048]
     plc.wait(lambda: [list(m.data) for m in words[-3:]] == 3 * [expected], 'the words and their repetitions')
@@ -124,6 +125,42 @@ def test_outputs_are_fail_safe_when_their_images_are_old(ros_nodes: Any):
     bench.until_health(DiagnosticStatus.WARN, 'digital_outputs was not published for 0.5 s')
 
 
+def test_outputs_are_fail_safe_when_the_programs_node_is_lost_whoever_publishes_images(ros_nodes: Any):
+    heartbeat = Heartbeat(ros_nodes.add(TimedNode('lua_program_node', context=ros_nodes.context)))
+    bench = Bench(ros_nodes)
+    words = bench.collect('plc/output_words', UInt16MultiArray, read=lambda m: list(m.data))
+    bridge = bench.start_node(IoBridgeNode, io_map=str(CONFIG / 'io_map_words.yaml'), watchdog=1.0)
+    digital = bench.publisher('digital_outputs', UInt8MultiArray, STATE)
+    analog = bench.publisher('analog_outputs', Float64MultiArray, STATE)
+
+    def publish() -> None:
+        digital.publish(UInt8MultiArray(data=[1, 0, 1]))
+        analog.publish(Float64MultiArray(data=[5.0]))
+
+    bench.peer.create_timer(0.02, publish)
+    bench.wait(lambda: words and words[-1] == [0b101, 2048], 'the outputs')
+    watched = bridge._watch._watched['lua_program_node'][1]
+    bench.wait(lambda: watched._silence is not None, 'its heartbeat')
+    heartbeat.stop()
+    bench.wait(lambda: words[-1] == [0, 0], 'fail-safe values')
+    bench.until_health(DiagnosticStatus.WARN, 'lua_program_node gives no sign of life; digital_output.1 is')
+
+
+def test_a_bridge_that_ends_leaves_fail_safe_values(bridge: Any):
+    plc = bridge("""
+fail_safe: {digital_output.2: hold, analog_output.1: 2.5}
+outputs:
+  - {bits: {0: digital_output.1, 1: digital_output.2}, topic: word, type: UInt8}
+  - {channel: analog_output.1, topic: current, type: Float64}
+""")
+    words, currents = plc.subscribed(UInt8, 'word'), plc.subscribed(Float64, 'current')
+    plc.repeat('digital_outputs', UInt8MultiArray(data=[1, 1]), STATE)
+    plc.repeat('analog_outputs', Float64MultiArray(data=[7.0]), STATE)
+    plc.wait(lambda: words and words[-1].data == 0b11 and currents and currents[-1].data == 7.0, 'all on')
+    plc.runner.destroy(plc.bridge)
+    plc.wait(lambda: words[-1].data == 0b10 and currents[-1].data == 2.5, 'fail-safe values')
+
+
 def test_a_plc_that_publishes_one_topic_per_tag(ros_nodes: Any):
     plc = Plc(ros_nodes, CONFIG / 'io_map_tags.yaml')
     plc.wait_for_input('digital', [0, 1, 0])  # closed is the fail-safe value
@@ -134,8 +171,8 @@ def test_a_plc_that_publishes_one_topic_per_tag(ros_nodes: Any):
     plc.repeat('plc/press/force', Float32(data=2500.0), sensor)
     plc.wait_for_input('analog', [2.5])
     current = plc.subscribed(Float64, 'plc/torch/current')
-    plc.publish('digital_outputs', UInt8MultiArray(data=[1]), STATE)
-    plc.publish('analog_outputs', Float64MultiArray(data=[0.5]), STATE)
+    plc.repeat('digital_outputs', UInt8MultiArray(data=[1]), STATE)
+    plc.repeat('analog_outputs', Float64MultiArray(data=[0.5]), STATE)
     plc.wait(lambda: current and current[-1].data == 0.5, 'the current')
     # Latched: also for a PLC that comes late.
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -158,18 +195,19 @@ outputs:
     plc.publish('b', PoseArray())
     plc.wait_for_health(DiagnosticStatus.WARN, 'b: poses has 0 elements; poses[1].position.x needs 2')
     arrays = plc.subscribed(PoseArray, 'c')
-    plc.publish('analog_outputs', Float64MultiArray(data=[1.0, 2.0]), STATE)
-    plc.wait(lambda: arrays, 'the array')
-    assert [pose.position.y for pose in arrays[-1].poses] == [0.0, 2.0]
+    plc.repeat('analog_outputs', Float64MultiArray(data=[1.0, 2.0]), STATE)
+    wanted = [0.0, 2.0]
+    plc.wait(lambda: arrays and [pose.position.y for pose in arrays[-1].poses] == wanted, 'the array')
     plc.publish('b', arrays[-1])
     plc.wait_for_health(DiagnosticStatus.OK, 'ready')
 
 
 def test_an_output_that_does_not_fit_is_reported(bridge: Any):
     plc = bridge('outputs:\n  - {channel: analog_output.1, topic: a, type: UInt8}\n')
-    plc.publish('analog_outputs', Float64MultiArray(data=[300.0]), STATE)
+    message = Float64MultiArray(data=[300.0])
+    plc.repeat('analog_outputs', message, STATE)
     plc.wait_for_health(DiagnosticStatus.WARN, 'analog_output.1 would be 300; uint8 ends at 255')
-    plc.publish('analog_outputs', Float64MultiArray(data=[3.0]), STATE)
+    message.data[0] = 3.0
     plc.wait_for_health(DiagnosticStatus.OK, 'ready')
 
 

@@ -177,6 +177,24 @@ def test_stop_stops_program_and_robot_until_the_robot_says_so(ros_nodes: Any, tm
     bench.wait_for_state('FINISHED')
 
 
+def test_outputs_are_fail_safe_after_a_stop_and_the_end_of_the_node_alone(ros_nodes: Any, tmp_path: Path):
+    bench = LuaBench(ros_nodes, tmp_path, fail_safe=['digital_output.2=hold', 'analog_output.1=2.5'])
+    on = 'for n = 1, 3 do setDigitalOutput(n, true) end setAnalogOutput(1, 7) '
+
+    def wait_for(digital: list[int], analog: float) -> None:
+        bench.wait(lambda: bench.digital[-1][:3] == digital and bench.analog[-1][0] == analog, 'outputs')
+
+    bench.start(on + 'wait(600)')
+    wait_for([1, 1, 1], 7.0)
+    assert bench.ask('stop').success
+    wait_for([0, 1, 0], 2.5)
+    bench.start(on)
+    bench.wait_for_state('FINISHED')
+    wait_for([1, 1, 1], 7.0)
+    ros_nodes.destroy(bench.node)
+    wait_for([0, 1, 0], 2.5)
+
+
 def test_stop_before_the_motion_was_sent(ros_nodes: Any, tmp_path: Path):
     bench = LuaBench(ros_nodes, tmp_path, planner=False)
     bench.start(MOVE)

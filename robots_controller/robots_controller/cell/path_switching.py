@@ -146,6 +146,13 @@ class PathSwitching:
             if at is not None:
                 self._switch_all(running.switches.due(at))
 
+    def drop(self) -> None:
+        """Switch nothing any more for the motions on their way."""
+        with self._lock:
+            for motions in (self._sent, self._commanded, self._planned, self._at_targets):
+                motions.clear()
+            self._next_time = math.inf
+
     def finish(self, id_: str, *, ok: bool) -> None:
         """A motion has ended: what is left on a path that led to its end is switched now.
 

@@ -15,6 +15,7 @@ from robots_controller.cell.program_motions import ProgramMotions
 from robots_controller.cell.program_reporter import ProgramReporter
 from robots_controller.interpreter.debugger import Step
 from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE, LuaProgram
+from robots_controller.io.fail_safe import FailSafe, safe_value
 from robots_controller.program.clock import Clock
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
@@ -45,11 +46,12 @@ class ProgramHost:
         io_labels: Names of inputs and outputs, see `IoImage`.
         orientation_convention: Order of the angles phi; the robot's own by default.
         planner_timeout: Longest wait of a motion for a planner, s.
+        fail_safe: Values of outputs when no running program answers for them, see `make_outputs_safe`.
         payload: What the robot carries until its program sets another payload, see `MotionSettings`.
         simulated: Time is simulated.
 
     Raises:
-        InvalidInputError: as `LuaProgram`.
+        InvalidInputError: as `LuaProgram`, or a fail-safe value of an output that there is not.
     """
 
     def __init__(
@@ -66,6 +68,7 @@ class ProgramHost:
         io_labels: Mapping[str, Sequence[str]] = MappingProxyType({}),
         orientation_convention: str = '',
         planner_timeout: float = 5.0,
+        fail_safe: FailSafe = MappingProxyType({}),
         payload: tuple[float, ...] = NOTHING,
         simulated: bool = False,
     ) -> None:
@@ -82,6 +85,10 @@ class ProgramHost:
             orientation_convention=orientation_convention or robot.orientation_convention,
             prismatic=robot.axes_data.prismatic,
         )
+        for name in fail_safe:
+            self.program.io.find(name)
+        self._fail_safe = fail_safe
+        self._unsafe = False  # the program was interrupted, and its outputs are as it left them
         self.reporter = ProgramReporter(self.program, clock, observer.status)
         self.switching = PathSwitching(robot.direct_kinematics, self.program.switch_output)
         self.motions = ProgramMotions(
@@ -187,6 +194,15 @@ class ProgramHost:
         self._report_well()
         return f'{self.program.file} is at its start'
 
+    def make_outputs_safe(self) -> None:
+        """Set all outputs to their fail-safe values, and switch nothing more on the path of a motion."""
+        self._unsafe = False
+        self.switching.drop()
+        io = self.program.io
+        for channel in io.set_outputs(lambda output, value: safe_value(self._fail_safe, output, value)):
+            value, line = io.value(channel), self.program.line
+            self._observer.outputs_changed(OutputChange(channel.kind, channel.index, value, line))
+
     def _report_well(self) -> None:
         self.reporter.open_error = ''
         self.reporter.report()
@@ -208,6 +224,8 @@ class ProgramHost:
             self._observer.command_state(RobotCommandState.IDLE)
         self.program.finish_motion(error, command)
         self._switch_left(command, ok=error is None)
+        if self._unsafe and not self.motions.going_on:
+            self.make_outputs_safe()
 
     # -- the program's cell ---------------------------------------------------------------------------
 
@@ -303,6 +321,8 @@ class ProgramHost:
 
     def started(self) -> None:
         """See `CellPort`."""
+        if self._unsafe:
+            self.make_outputs_safe()
         self._report_well()
 
     def line_reached(self, line: int) -> None:
@@ -314,6 +334,12 @@ class ProgramHost:
         """See `CellPort`."""
         self.reporter.report()
         self._observer.held_changed()
+
+    def interrupted(self) -> None:
+        """See `CellPort`; motions that go on to their ends switch their outputs until then."""
+        self._unsafe = True
+        if self.program.stopping or not self.motions.going_on:
+            self.make_outputs_safe()
 
     def ended(self, error: ProgramError | None) -> None:
         """See `CellPort`."""

@@ -68,6 +68,12 @@ class ProgramMotions:
             self._stopping = self._flush = False
             self._send_planned()
 
+    @property
+    def going_on(self) -> bool:
+        """Motions are on their way that nobody has stopped."""
+        with self._lock:
+            return bool(self._sent or self._unsent) and not self._stopping
+
     def flush(self) -> None:
         """No motion follows for now: a planner need not wait for the next one to blend into."""
         with self._lock:

@@ -90,6 +90,8 @@ class ProgramRun:
             self._functions.pulses.end(all_of_them=True)
             if error is not None and self._state.motions:
                 self._cell.abort()
+        if error is not None or failure:
+            self._cell.interrupted()
         return error, bool(failure)
 
     def source_of(self, file: str) -> LuaSource:

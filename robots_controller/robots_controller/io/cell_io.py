@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
+from robots_controller.io.fail_safe import FailSafe
 from robots_controller.io.io_map import IoMap, read_io_map
 from robots_controller.io.io_signals import channel_labels
 from robots_controller.io.plc_script import PlcScript, read_plc_script
@@ -19,11 +20,13 @@ class CellIo:
         script: Of the PLC that is played; without rules if there is none.
         io_map: Of channels to topics; empty if there is none.
         labels: Names of channels, by image.
+        fail_safe: Values of outputs when no running program answers for them.
     """
 
     script: PlcScript
     io_map: IoMap
     labels: Mapping[str, list[str]]
+    fail_safe: FailSafe
 
     @property
     def offline(self) -> PlcScript:
@@ -40,8 +43,8 @@ def read_cell_io(io: Path | str = '', io_map: Path | str = '') -> CellIo:
         io_map: Map of channels to topics of a PLC (see `io_map`); '' for none.
 
     Raises:
-        RobotsError: a file that is not valid; or both set inputs of the same kind, or give one name to two
-            channels.
+        RobotsError: a file that is not valid; or both set inputs of the same kind, give one name to two
+            channels, or one output two fail-safe values.
     """
     script = read_plc_script(io) if io else PlcScript(())
     rows = read_io_map(io_map) if io_map else IoMap()
@@ -55,4 +58,8 @@ def read_cell_io(io: Path | str = '', io_map: Path | str = '') -> CellIo:
         if here != there:
             raise RobotsError(f'{label!r} is {here.name} in {io} and {there.name} in {io_map}')
     signals = {**script.signals, **rows.signals}
-    return CellIo(script, rows, channel_labels(list(signals.values())))
+    for name in script.fail_safe.keys() & rows.fail_safe.keys():
+        if script.fail_safe[name] != rows.fail_safe[name]:
+            raise RobotsError(f'{name} has one fail-safe value in {io} and another in {io_map}')
+    safe = {**script.fail_safe, **rows.fail_safe}
+    return CellIo(script, rows, channel_labels(list(signals.values())), MappingProxyType(safe))

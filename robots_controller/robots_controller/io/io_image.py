@@ -3,7 +3,7 @@
 import math
 import re
 import threading
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Literal
@@ -185,6 +185,19 @@ class IoImage:
         with self.condition:
             self._outside[channel.image][channel.index - 1] = value
             return self._update(channel.image)
+
+    def set_outputs(self, value: Callable[[Channel, float], float]) -> list[Channel]:
+        """Switch all outputs at once, each to `value(output, the value that it has)`.
+
+        Returns:
+            The outputs that changed.
+        """
+        with self.condition:
+            outputs = [channel for channel in self.channels if channel.direction == 'output']
+            before = {channel: self.value(channel) for channel in outputs}
+            for channel in outputs:
+                self.set_value(channel, value(channel, before[channel]))
+            return [channel for channel in outputs if self.value(channel) != before[channel]]
 
     def force(self, channel: Channel, value: float) -> bool:
         """Let an input show this value, whatever comes from outside.

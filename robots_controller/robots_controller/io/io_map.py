@@ -7,6 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final, Literal
 
+from robots_controller.io.fail_safe import FailSafe, fail_safe_of, read_fail_safe
 from robots_controller.io.field_path import FieldPath
 from robots_controller.io.io_image import Channel, Direction
 from robots_controller.io.io_signals import channel_at, read_signals
@@ -25,6 +26,7 @@ STD_TYPES: Final = (
 """Types that are written without their package, std_msgs."""
 
 SHORTEST_OUTPUT_TIMEOUT: Final = 0.2  # s, twice the time between two images of a robot program's node
+OUTPUT_TIMEOUT: Final = 0.5  # s, where the map names none
 
 _KEYS: Final = (
     *('channel', 'bit', 'bits', 'topic', 'type', 'field', 'scale', 'offset', 'invert', 'debounce', 'timeout'),
@@ -57,7 +59,7 @@ class IoRow:
         debounce: How long a digital input must have its value before it counts, s.
         timeout: After how long without a message (of an output: without an image of the outputs) the
             fail-safe value takes over, s; infinite for never.
-        fail_safe: The channel's value then; of an output, the one that is sent.
+        fail_safe: The input's value then; those of outputs are in `IoMap.fail_safe`.
         period: How often an output is repeated without a change, s; infinite for never.
         qos: Of the topic.
         file: Where the row stands.
@@ -93,11 +95,13 @@ class IoMap:
         inputs: Topics to inputs.
         outputs: Outputs to topics.
         signals: Names of channels.
+        fail_safe: Values of outputs when no running program answers for them.
     """
 
     inputs: tuple[IoRow, ...] = ()
     outputs: tuple[IoRow, ...] = ()
     signals: Mapping[str, Channel] = field(default_factory=lambda: MappingProxyType({}))
+    fail_safe: FailSafe = field(default_factory=lambda: MappingProxyType({}))
 
 
 def read_io_map(path: Path | str) -> IoMap:
@@ -117,19 +121,25 @@ def parse_io_map(text: str, file: str = 'io_map.yaml') -> IoMap:
     """
     section = parse_yaml(text, file)
     signals = read_signals(section)
-    inputs = [row for item in section.sections('inputs') for row in _rows(item, 'input', signals)]
-    outputs = [row for item in section.sections('outputs') for row in _rows(item, 'output', signals)]
+    safe = read_fail_safe(section, signals)
+    inputs = [row for item in section.sections('inputs') for row in _rows(item, 'input', signals, safe)]
+    outputs = [row for item in section.sections('outputs') for row in _rows(item, 'output', signals, safe)]
     section.finish()
     _check_channels(inputs)
     _check_outputs(outputs)
     _check_topics([*inputs, *outputs])
     if not (inputs or outputs):
         raise section.error('the file maps nothing; it needs rows below inputs or outputs')
-    return IoMap(tuple(inputs), tuple(outputs), MappingProxyType(signals))
+    return IoMap(tuple(inputs), tuple(outputs), MappingProxyType(signals), MappingProxyType(safe))
 
 
-def _rows(item: YamlSection, direction: Direction, signals: Mapping[str, Channel]) -> list[IoRow]:
-    """The row of an item, or one for each of its bits."""
+def _rows(
+    item: YamlSection,
+    direction: Direction,
+    signals: Mapping[str, Channel],
+    safe: dict[str, float | None],
+) -> list[IoRow]:
+    """The row of an item, or one for each of its bits; the fail-safe values of outputs go to `safe`."""
     bits = item.section('bits')
     channels: list[tuple[Channel, int | None, int]] = []
     if bits is None:
@@ -147,6 +157,9 @@ def _rows(item: YamlSection, direction: Direction, signals: Mapping[str, Channel
         if not channels:
             raise item.error('bits names no channel', 'bits')
     rows = [_row(item, channel, bit, line) for channel, bit, line in channels]
+    if direction == 'output' and 'fail_safe' in item:
+        for row in rows:
+            _declare(item, row, safe)
     item.finish(_KEYS)
     return rows
 
@@ -168,14 +181,12 @@ def _row(item: YamlSection, channel: Channel, bit: int | None, line: int) -> IoR
     for key in ('period',) if channel.direction == 'input' else ('debounce',):
         if key in item:
             raise item.error(f'{key} is not for {channel.direction}s', key)
-    if ('timeout' in item) != ('fail_safe' in item):
-        raise item.error(
-            'timeout and fail_safe need each other', 'timeout' if 'timeout' in item else 'fail_safe'
-        )
+    timed = channel.direction == 'input' and 'timeout' in item
+    if channel.direction == 'input' and timed != ('fail_safe' in item):
+        raise item.error('timeout and fail_safe need each other', 'timeout' if timed else 'fail_safe')
     scale = 1.0 if digital else item.number('scale', 1.0)
     if scale == 0.0:
         raise item.error('scale is 0; valid is any other finite number', 'scale')
-    timed = 'timeout' in item
     return IoRow(
         channel=channel,
         topic=_topic(item),
@@ -186,7 +197,7 @@ def _row(item: YamlSection, channel: Channel, bit: int | None, line: int) -> IoR
         offset=0.0 if digital else item.number('offset', 0.0),
         invert=digital and item.switch('invert', default=False),
         debounce=item.number('debounce', 0.0, low=0.0, high=LONGEST_TIME) if 'debounce' in item else 0.0,
-        timeout=_timeout(item, channel) if timed else math.inf,
+        timeout=_timeout(item, channel),
         fail_safe=_fail_safe(item, channel) if timed else 0.0,
         period=item.number('period', low=0.001, high=LONGEST_TIME) if 'period' in item else math.inf,
         qos=_qos(item),
@@ -196,8 +207,16 @@ def _row(item: YamlSection, channel: Channel, bit: int | None, line: int) -> IoR
 
 
 def _timeout(item: YamlSection, channel: Channel) -> float:
-    low = 0.001 if channel.direction == 'input' else SHORTEST_OUTPUT_TIMEOUT
-    return item.number('timeout', low=low, high=LONGEST_TIME)
+    if channel.direction == 'output':
+        return item.number('timeout', OUTPUT_TIMEOUT, low=SHORTEST_OUTPUT_TIMEOUT, high=LONGEST_TIME)
+    return item.number('timeout', low=0.001, high=LONGEST_TIME) if 'timeout' in item else math.inf
+
+
+def _declare(item: YamlSection, row: IoRow, safe: dict[str, float | None]) -> None:
+    """Take the fail-safe value of an output; it has one, however many topics it goes to."""
+    value, name = fail_safe_of(item, 'fail_safe', row.channel), row.channel.name
+    if safe.setdefault(name, value) != value:
+        raise row.error(f'{name} has another fail-safe value already; an output has one')
 
 
 def _fail_safe(item: YamlSection, channel: Channel) -> float:

@@ -9,6 +9,7 @@ from typing import Any, Final
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
 from robots_controller.io.cell_io import read_cell_io
+from robots_controller.io.fail_safe import fail_safe_texts
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
 from robots_core.blocks.following.following_methods import METHODS
@@ -122,7 +123,8 @@ def cell_graph(
     if guided and guided not in METHODS:
         raise RobotsError(f'unknown inverse kinematics {guided!r}; valid are {", ".join(METHODS)}')
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
-    labels = read_cell_io(io, io_map).labels
+    cell_io = read_cell_io(io, io_map)
+    labels, fail_safe = cell_io.labels, fail_safe_texts(cell_io.fail_safe) or ['']
     names = {f'{image.removesuffix("s")}_names': list(names) for image, names in labels.items()}
     if scene:
         read_scene(scene)
@@ -133,6 +135,7 @@ def cell_graph(
         time = {'lockstep': True} if lockstep else {}
         return NodeDescription(package, executable, {'robot_model': robot, **time, **parameters})
 
+    bridge = node('robots_controller', 'io_bridge_node', io_map=io_map, fail_safe=fail_safe, **watched)
     return (
         node('robots_core', 'drive_node', rate=rate, level=drive, payload=list(payload)),
         node('robots_controller', 'controller_node', rate=rate, **tolerance, **watched),
@@ -145,6 +148,7 @@ def cell_graph(
             debug_port=debug_port,
             debug_token=debug_token,
             payload=list(payload),
+            fail_safe=fail_safe,
             **watched,
             **names,
         ),
@@ -154,5 +158,5 @@ def cell_graph(
         *([node('robots_controller', 'guide_player_node', references=references)] if references else []),
         *([node('robots_core', 'collision_node', scene=scene)] if scene else []),
         *([node('robots_controller', 'plc_node', script=io, **plc_cycle)] if io else []),
-        *([node('robots_controller', 'io_bridge_node', io_map=io_map)] if io_map else []),
+        *([bridge] if io_map else []),
     )

@@ -21,6 +21,8 @@ from robots_core.ros.loading import end_at_once_while_loading
 # How long a process may take after each signal before the next, harder one, s.
 STOP_SIGNALS: Final = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0), (signal.SIGKILL, 2.0))
 LAST_LINES: Final = 8
+LAST: Final = ('io_bridge_node',)
+"""Nodes that end after all others: they send the PLC the outputs that the program's node leaves."""
 
 
 class NodeProcess:
@@ -122,14 +124,21 @@ class NodeProcesses:
         return tuple(process for process in self._processes.values() if not process.running)
 
     def stop(self) -> None:
-        """End all processes: interrupt, then terminate, then kill those that are left."""
-        for number, patience in STOP_SIGNALS:
-            running = [process for process in self._processes.values() if process.running]
-            for process in running:
-                process.send_signal(number)
-            deadline = time.monotonic() + patience
-            for process in running:
-                process.wait(max(0.0, deadline - time.monotonic()))
+        """End all processes, those last that write what the others leave behind."""
+        processes = self._processes.values()
+        _stop([process for process in processes if process.name not in LAST])
+        _stop([process for process in processes if process.name in LAST])
+
+
+def _stop(processes: Sequence[NodeProcess]) -> None:
+    """Interrupt, then terminate, then kill those that are left."""
+    for number, patience in STOP_SIGNALS:
+        running = [process for process in processes if process.running]
+        for process in running:
+            process.send_signal(number)
+        deadline = time.monotonic() + patience
+        for process in running:
+            process.wait(max(0.0, deadline - time.monotonic()))
 
 
 def _entry_point(node: NodeDescription) -> EntryPoint:

@@ -1,16 +1,20 @@
 """io_bridge_node: connects inputs and outputs with any topics of a PLC, as a YAML file says."""
 
+import time
 from functools import partial
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from robots_controller.io.fail_safe import FailSafe, parse_fail_safe
 from robots_controller.io.io_conversion import INTEGERS, InputValue, to_field
 from robots_controller.io.io_map import IoMap, IoRow, TopicQos, read_io_map
 from robots_controller.nodes.io_images import InputImages, OutputImages
 from robots_controller.nodes.message_types import make_room, number_type
 from robots_core.errors import InvalidInputError
+from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
 from robots_core.ros.robot_node import RobotNode
@@ -18,6 +22,9 @@ from robots_core.ros.run import run
 
 # A small part of the shortest timeout.
 WATCH_PERIOD: Final = 0.02  # s
+WRITER: Final = 'lua_program_node'
+LOST: Final = f'{WRITER} gives no sign of life'
+FINISH_TIMEOUT: Final = 0.5  # s, for the last message to arrive
 
 
 class IoBridgeNode(RobotNode):
@@ -29,6 +36,14 @@ class IoBridgeNode(RobotNode):
         super().__init__('io_bridge_node', **options)
         path = self.parameter('io_map', '', 'YAML file that maps channels to topics', read_only=True)
         self._map = read_io_map(path) if path else IoMap()
+        declared = self.parameter(
+            'fail_safe',
+            [''],
+            "fail-safe values of outputs that the map does not declare, as 'digital_output.3=hold'",
+            check=parse_fail_safe,
+            read_only=True,
+        )
+        safe = {**parse_fail_safe(declared), **self._map.fail_safe}
         kinds = {id(row): _checked(row) for row in (*self._map.inputs, *self._map.outputs)}
         self._problems: dict[str, str] = {}
         now = self.now()
@@ -41,12 +56,13 @@ class IoBridgeNode(RobotNode):
                 message_class(rows[0].type), topic, partial(self._on_message, members), _qos(rows[0].qos)
             )
         self._topics = [
-            _OutputTopic(self, rows, [kinds[id(row)] for row in rows])
+            _OutputTopic(self, rows, [kinds[id(row)] for row in rows], safe)
             for rows in _by_topic(self._map.outputs).values()
         ]
         self._outputs = OutputImages(self, [row.channel for row in self._map.outputs], self._on_outputs)
         self._update_inputs()
-        if any(row.timeout < float('inf') for row in self._map.outputs):
+        self._watch = HeartbeatWatch(self, [WRITER], watchdog_parameter(self), self._on_lost)
+        if self._map.outputs:
             self.create_timer(WATCH_PERIOD, self._on_outputs)
         self._report()
 
@@ -108,18 +124,32 @@ class IoBridgeNode(RobotNode):
 
     # -- outputs --------------------------------------------------------------------------------------
 
+    def _on_lost(self, _name: str, _reason: str) -> None:
+        self._on_outputs()
+
     def _on_outputs(self) -> None:
         now = self.now()
         for topic in self._topics:
-            for row, problem in topic.update(self._outputs, now):
+            for row, problem in topic.update(self._outputs, now, lost=bool(self._watch.lost)):
                 self._set_problem(f'output {row.file}:{row.line}', problem)
         self._report()
+
+    def destroy_node(self) -> None:
+        """Leave the PLC with fail-safe values."""
+        if self.context.ok():
+            for topic in self._topics:
+                topic.make_safe(self._outputs)
+            end = time.monotonic() + FINISH_TIMEOUT
+            for topic in self._topics:
+                topic.wait_until_received(end)
+        super().destroy_node()  # type: ignore[no-untyped-call]
 
 
 class _OutputTopic:
     """The message of one topic, made of all its rows."""
 
-    def __init__(self, node: RobotNode, rows: list[IoRow], kinds: list[str]) -> None:
+    def __init__(self, node: RobotNode, rows: list[IoRow], kinds: list[str], safe: FailSafe) -> None:
+        self._safe = safe
         self._rows = list(zip(rows, kinds, strict=True))
         self._message = message_class(rows[0].type)()
         for row in rows:
@@ -130,27 +160,51 @@ class _OutputTopic:
         if period < float('inf'):
             node.create_timer(period, self._repeat)
 
-    def update(self, images: OutputImages, now: float) -> list[tuple[IoRow, str]]:
+    def update(self, images: OutputImages, now: float, *, lost: bool) -> list[tuple[IoRow, str]]:
         """Set the message and send it if it changed; the rows and their problems, '' for none."""
         problems = []
         for row, kind in self._rows:
             value, problem = images.value(row.channel), ''
-            if images.absent_for(row.channel, now) >= row.timeout:
-                value = row.fail_safe
-                problem = (
-                    f'{row.channel.image} was not published for {row.timeout:g} s; {row.topic} gets '
-                    f'the fail-safe value {row.fail_safe:g} of {row.channel.name}'
-                )
+            absent = images.absent_for(row.channel, now) >= row.timeout
+            if lost or absent:
+                value = self._fail_safe(row, value)
+                why = f'{row.channel.image} was not published for {row.timeout:g} s' if absent else LOST
+                problem = f'{why}; {row.channel.name} is at its fail-safe value'
             if value is None:
                 return []  # a message with made-up values must not switch anything
-            field, lost = to_field(row, value, kind, row.path.get(self._message))
-            row.path.set(self._message, field)
-            problems.append((row, problem or lost))
+            cut = self._put(row, kind, value)
+            problems.append((row, problem or cut))
+        self._send()
+        return problems
+
+    def make_safe(self, images: OutputImages) -> None:
+        """Send the fail-safe values."""
+        for row, kind in self._rows:
+            value = self._fail_safe(row, images.value(row.channel))
+            if value is None:
+                return
+            self._put(row, kind, value)
+        self._send()
+
+    def wait_until_received(self, end: float) -> None:
+        """Wait until all subscribers have what was sent, at most until a time of `time.monotonic`, s."""
+        self._publisher.wait_for_all_acked(Duration(seconds=max(0.0, end - time.monotonic())))
+
+    def _fail_safe(self, row: IoRow, value: float | None) -> float | None:
+        """Of an output that has a value, None for none yet: then one that keeps its value has none."""
+        safe = self._safe.get(row.channel.name, 0.0)
+        return value if safe is None else safe
+
+    def _put(self, row: IoRow, kind: str, value: float) -> str:
+        field, lost = to_field(row, value, kind, row.path.get(self._message))
+        row.path.set(self._message, field)
+        return lost
+
+    def _send(self) -> None:
         fields = [row.path.get(self._message) for row, _ in self._rows]
         if fields != self._sent:
             self._sent = fields
             self._publisher.publish(self._message)
-        return problems
 
     def _repeat(self) -> None:
         if self._sent is not None:

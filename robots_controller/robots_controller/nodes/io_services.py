@@ -8,6 +8,7 @@ from typing import Any, Final
 from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.msg import ParameterDescriptor, ParameterType, ParameterValue, SetParametersResult
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
+from rclpy.duration import Duration
 from rclpy.node import Node
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension, MultiArrayLayout, UInt8MultiArray
 from std_srvs.srv import SetBool
@@ -18,6 +19,7 @@ from robots_core.ros.messages import diagnostic_status, doubles
 from robots_core.ros.qos import STATE, subscribe_state
 
 OUTPUT_PERIOD: Final = 0.1  # s between repetitions of the output images
+FINISH_TIMEOUT: Final = Duration(seconds=0.25)  # of each image
 OUTPUTS: Final = tuple(name for name in IMAGES if name.endswith('outputs'))
 FORCE: Final = 'force'
 _GROUPS: Final = tuple(name.removesuffix('s') for name in IMAGES)
@@ -103,6 +105,11 @@ class IoServices:
             if (forced := self._image.forced()) != self._forced:
                 self._forced = forced
                 self._forced_publisher.publish(self._forced_status(forced))
+
+    def finish(self) -> None:
+        """Wait until the outputs have arrived where they are needed, but not for long."""
+        for name in OUTPUTS:
+            self._publishers[name].wait_for_all_acked(FINISH_TIMEOUT)
 
     def _forced_status(self, forced: dict[Channel, float]) -> DiagnosticStatus:
         shown = {_shown_name(channel): _shown(channel, value) for channel, value in forced.items()}

@@ -23,6 +23,7 @@ from robots_controller.editor.debug_adapter_server import DebugAdapterServer
 from robots_controller.editor.debug_token import new_token
 from robots_controller.interpreter.debugger import STEPS, breakpoints_by_file
 from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
+from robots_controller.io.fail_safe import parse_fail_safe
 from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.io_services import IoServices
 from robots_controller.nodes.lockstep_turns import LockstepTurns
@@ -76,6 +77,8 @@ class LuaProgramNode(RobotNode):
         planner_timeout: Longest wait of a motion for planning_node, s.
         watchdog: How long planning_node may give no sign of life while the robot moves, s; 0: any time.
         payload: What hangs on tool0 until a program sets it: kg, centre x y z (m), maybe inertia.
+        fail_safe: Values of outputs when no running program answers for them, as 'digital_output.3=hold' or
+            'analog_output.1=2.5'; '' for none. Outputs that are not named are switched off.
         autostart: Open and run the program as soon as a planner and a controller work.
         points_file: Where taught points stand; '' for the program's name with .points.yaml.
         breakpoints: Lines to hold at, as 'file.lua:12'.
@@ -117,6 +120,13 @@ class LuaProgramNode(RobotNode):
             check=payload_of,
             read_only=True,
         )
+        fail_safe = self.parameter(
+            'fail_safe',
+            [''],
+            "values of outputs when no running program answers for them, as 'digital_output.3=hold'",
+            check=parse_fail_safe,
+            read_only=True,
+        )
         autostart = self.parameter(
             'autostart', False, 'open and run the program as soon as the robot can move', read_only=True
         )
@@ -147,6 +157,7 @@ class LuaProgramNode(RobotNode):
             orientation_convention=convention,
             planner_timeout=timeout,
             payload=tuple(payload),
+            fail_safe=parse_fail_safe(fail_safe),
             simulated=self._turns is not None,
         )
         self._program = self.host.program
@@ -349,7 +360,8 @@ class LuaProgramNode(RobotNode):
 
     def outputs_changed(self, _change: OutputChange) -> None:
         """See `ProgramObserver`."""
-        self._io.publish()
+        if self.context.ok():  # else nothing can be published any more
+            self._io.publish()
 
     def printed(self, text: str, line: int) -> None:
         """See `ProgramObserver`."""
@@ -385,13 +397,16 @@ class LuaProgramNode(RobotNode):
             self._debug_server.on_finished(error)
 
     def destroy_node(self) -> None:
-        """End the program before what it uses."""
+        """End the program before what it uses, and leave the outputs at their fail-safe values."""
         if self._debug_server is not None:
             self._debug_server.close()
         self._program.stop()
         if self._turns is not None:
             self._turns.clock.end()
         self._program.join(JOIN_TIMEOUT)
+        self.host.make_outputs_safe()
+        if self.context.ok():
+            self._io.finish()
         super().destroy_node()  # type: ignore[no-untyped-call]
 
 

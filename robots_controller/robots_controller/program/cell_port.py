@@ -115,6 +115,9 @@ class CellPort(Protocol):
     def held_changed(self) -> None:
         """The program is held (`LuaProgram.call_stack` shows where), or goes on."""
 
+    def interrupted(self) -> None:
+        """The program fails or is stopped: called before its run state says so."""
+
     def ended(self, error: ProgramError | None) -> None:
         """The program has ended: None, or why it failed. `LuaProgram.run_state` distinguishes a stop."""
 
@@ -194,6 +197,9 @@ class DetachedCell:
         """No effect."""
 
     def held_changed(self) -> None:
+        """No effect."""
+
+    def interrupted(self) -> None:
         """No effect."""
 
     def ended(self, error: ProgramError | None) -> None:

@@ -8,6 +8,7 @@ from robots_controller.cell.guide_recording import GuideRecording, read_guide_re
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.io.cell_io import read_cell_io
+from robots_controller.io.fail_safe import FailSafe
 from robots_controller.io.plc_script import PlcScript
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
@@ -40,6 +41,7 @@ class CellParts:
         planning: The planner, with the check for collisions.
         plc_script: What the PLC does; without rules if there is none.
         io_labels: Names of inputs and outputs.
+        fail_safe: Values of outputs when no running program answers for them.
         scene: Path of the scene, '' for none.
         io: Path of the PLC's script, '' for none.
         references: What guides the robot; None for nothing.
@@ -58,6 +60,7 @@ class CellParts:
     planning: PathPlanning
     plc_script: PlcScript
     io_labels: Mapping[str, Sequence[str]]
+    fail_safe: FailSafe
     scene: str
     io: str
     references: GuideRecording | None
@@ -105,6 +108,7 @@ def cell_parts(
         planning=PathPlanning(model, collision=collision, collision_margin=collision_margin),
         plc_script=cell_io.offline,
         io_labels=cell_io.labels,
+        fail_safe=cell_io.fail_safe,
         scene=str(scene),
         io=str(io),
         references=read_guide_recording(references, model.axes_data.names) if references else None,

@@ -109,6 +109,7 @@ class SimulatedCell:
             controller=self,
             observer=self._log,
             io_labels=parts.io_labels,
+            fail_safe=parts.fail_safe,
             payload=parts.payload,
             simulated=True,
         )

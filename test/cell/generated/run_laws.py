@@ -92,6 +92,9 @@ def _speeds(run: SimulationRun, robot: BaseRobotModel) -> Iterator[str]:
 def _outputs(run: SimulationRun, robot: BaseRobotModel) -> Iterator[str]:
     """Outputs on the path are switched once each, in the period in which their place is reached."""
     events = [event for event in run.events if isinstance(event, OutputChanged) and event.kind == 'digital']
+    if not run.ok:  # the last thing that happens to the outputs: they get their fail-safe values
+        end = events[-1].time if events else 0.0
+        events = [event for event in events if (event.value, event.time) != (0.0, end)]
     flange = [robot.direct_kinematics(q) for q in run.reference[:, 0]]
     for motion in run.motions:
         for switch in motion.command.switches:
