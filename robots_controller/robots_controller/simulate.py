@@ -68,7 +68,8 @@ def simulate(
         The recorded run, also of a program that fails; see `SimulationRun.error`.
 
     Raises:
-        RobotsError: an unknown robot, a file that is not valid, a program that is not Lua, a bag that exists.
+        RobotsError: an unknown robot, a file that is not valid, a program that is not Lua, a bag that exists
+            or cannot be written: a full disk; it keeps what was recorded until then.
     """
     positive(longest, 'longest', 's')
     parts = cell_parts(

@@ -18,6 +18,7 @@ from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.recording.bag_file import read_bag
 from robots_core.errors import RobotsError
 from robots_core.ros.qos import STATE
+from written_bags import no_file_larger_than
 
 RECORDER = """
 import sys
@@ -125,3 +126,16 @@ def test_nothing_is_lost_while_the_writer_is_held_up(ros_nodes: Any, tmp_path: P
     ros_nodes.wait_for(lambda: saved(tmp_path / 'bag', '/level') and written()[-1] == last, what='all of it')
     recorder.close()
     assert written() == [float(number) for number in range(count)]
+
+
+def test_a_full_disk_is_told_at_once_and_the_bag_ends_whole(ros_nodes: Any, tmp_path: Path):
+    text = ros_nodes.create_node('source').create_publisher(String, 'text', QoSProfile(depth=1000))
+    recorder = ros_nodes.add(BagRecorder(tmp_path / 'bag', namespace='/', context=ros_nodes.context))
+    ros_nodes.wait_for(lambda: recorder.records(['text']), what='the recorder')
+    with no_file_larger_than(3_000_000):
+        for _ in range(100):
+            text.publish(String(data='x' * 50_000))
+        ros_nodes.wait_for(lambda: recorder.problem, what='the problem')
+    assert 'bag cannot take more: File too large' in recorder.problem
+    recorder.close()
+    assert readable(tmp_path / 'bag') == saved(tmp_path / 'bag') > 10

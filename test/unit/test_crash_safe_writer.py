@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from rosbags.rosbag2 import Reader
 
 from robots_controller.recording.crash_safe_writer import CHUNK_SIZE, CrashSafeWriter
-from written_bags import BAG_START, BAG_TYPES
+from robots_core.errors import RobotsError
+from written_bags import BAG_START, BAG_TYPES, no_file_larger_than
 
 TEXT = 'std_msgs/msg/String'
 
@@ -25,9 +26,9 @@ def content(path: Path) -> list[tuple[str, int, bytes]]:
 
 
 class Recording:
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, chunks: int = 1) -> None:
         self.path = path
-        self.writer = CrashSafeWriter(path)
+        self.writer = CrashSafeWriter(path, chunks=chunks)
         self.writer.open()
         self.rows: list[tuple[str, int, bytes]] = []
         self.connections = {}
@@ -39,6 +40,10 @@ class Recording:
         row = (topic, BAG_START + len(self.rows), bytes(BAG_TYPES.serialize_cdr(message, TEXT)))
         self.writer.write(self.connections[topic], *row[1:])
         self.rows.append(row)
+
+    def write_for_ever(self) -> None:
+        while True:
+            self.write('/a', 1000)
 
 
 STEPS = st.lists(
@@ -94,3 +99,28 @@ def test_rows_are_the_messages_that_would_be_written_one_by_one(tmp_path: Path, 
             writer.write(connection, stamp, data)
     expected = [('/a', stamp, data) for stamp in stamps.tolist()]
     assert content(tmp_path / 'rows') == content(tmp_path / 'single') == expected
+
+
+@pytest.mark.parametrize('chunks', [1, 64])
+def test_a_bag_that_cannot_grow_ends_whole_and_says_so_once(tmp_path: Path, chunks: int):
+    recording = Recording(tmp_path / 'bag', chunks=chunks)
+    limit = 5 * CHUNK_SIZE + 200_000
+    with no_file_larger_than(limit):
+        with pytest.raises(RobotsError, match='bag cannot take more: File too large; it ends early'):
+            recording.write_for_ever()
+        for step in (recording.writer.flush, recording.writer.close, lambda: recording.write('/b', 9)):
+            step()
+    found = content(recording.path)
+    assert found == recording.rows[: len(found)]
+    assert sum(len(data) for *_, data in found) > limit - 2.2 * CHUNK_SIZE
+
+
+def test_a_bag_that_cannot_even_end_keeps_what_fits(tmp_path: Path):
+    """Not the messages but the end of the file is too long."""
+    recording = Recording(tmp_path / 'bag', chunks=64)
+    for _ in range(3):
+        recording.write('/a', 900_000)
+    size = (recording.path / 'bag.mcap').stat().st_size
+    with no_file_larger_than(size + 100), pytest.raises(RobotsError, match='cannot take more'):
+        recording.writer.close()
+    assert content(recording.path) == recording.rows[:1]

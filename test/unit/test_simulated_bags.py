@@ -23,6 +23,7 @@ from robots_core import load_robot_model
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.errors import RobotsError
+from written_bags import no_file_larger_than
 
 from .simulated_program import PERIOD, PROGRAMS, ROBOT, run_text
 
@@ -110,6 +111,18 @@ def test_a_limit_that_is_changed_by_a_percent_is_found_in_the_bag(tmp_path: Path
 def test_a_bag_needs_a_folder_of_its_own(tmp_path: Path):
     with pytest.raises(RobotsError, match='exists already'):
         run_text(tmp_path, 'wait(1)', bag=tmp_path)
+
+
+@pytest.mark.parametrize('text', ['wait(60)', 'for n = 1, 9e9 do print(n) end'])
+def test_a_full_disk_is_told_without_a_traceback_and_the_bag_ends_whole(tmp_path: Path, text: str):
+    bag = tmp_path / 'bag'
+    with (
+        no_file_larger_than(1_500_000),
+        pytest.raises(RobotsError, match='bag cannot take more: File too la'),
+    ):
+        run_text(tmp_path, text, bag=bag)
+    assert read_bag(bag).problem == ''
+    assert (bag / 'bag.mcap').stat().st_size > 400_000
 
 
 def test_two_processes_write_the_same_bag_to_the_last_bit_and_need_no_ros(tmp_path: Path):

@@ -189,6 +189,8 @@ def _close_recording(
     """Close the bag and report on it; returns an exit code."""
     recorder.close()
     console.print(f'bag: {recorder.path}')
+    if recorder.problem:
+        return EXIT_FAILED
     if not program_ended:
         return EXIT_OK
     # Loads SciPy and the reading of meshes, which the cell itself does not need.
@@ -220,6 +222,7 @@ class _Cell:
         self._motion: str | None = None
         self._ended = False
         self._settled = math.inf
+        self._recording_ended = False
         self._foreign = ''
         """A node of this cell's that lives in another process too."""
         self.program_ended = False
@@ -281,6 +284,9 @@ class _Cell:
         if self._listener.problem:
             self._console.print(f'[bold red]{escape(self._listener.problem)}[/]')
             self._ended = True
+        if self._recorder is not None and self._recorder.problem and not self._recording_ended:
+            self._recording_ended = True
+            self._console.print(f'[bold red]recording: {escape(self._recorder.problem)}[/]')
         # The established cell keeps the namespace; the newcomer exits.
         if self._foreign and time.monotonic() < self._settled:
             self._console.print(

@@ -1,6 +1,9 @@
 """CrashSafeWriter: an MCAP bag that is whole at any time, so that a kill loses its last second alone."""
 
-from collections.abc import Mapping
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from types import MappingProxyType
@@ -10,7 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import StoragePlugin, Writer
-from rosbags.rosbag2.storage_mcap import McapWriter
+from rosbags.rosbag2.enums import CompressionMode
+from rosbags.rosbag2.storage_mcap import McapWriter, PendingChunk
+
+from robots_core.errors import RobotsError
 
 BAG_VERSION: Final = 9
 CHUNK_SIZE: Final = 1_000_000  # bytes; below the 2**20 at which the base class writes a chunk
@@ -25,24 +31,77 @@ MESSAGE_FIELDS: Final = (
 )
 
 
+@dataclass(frozen=True)
+class _Extent:
+    """How much of a file is written: its length, the chunks in it, and their messages by channel."""
+
+    length: int
+    chunks: int
+    counts: dict[int, int]
+    start: int
+    end: int
+
+
 class _LastingMcap(McapWriter):
     """Writes the file's end after every flush, and goes on over it."""
 
+    def __init__(self, path: Path, compression: CompressionMode) -> None:
+        super().__init__(path, compression)
+        # What could not be written must not be tried again behind our back.
+        self.bio = self.bio.detach()  # type: ignore[assignment]
+        self._extents = [self._extent()]
+
+    def close_chunk(self) -> None:
+        """Write the messages that have come."""
+        self._write_at_once(super().close_chunk)
+        self._extents.append(self._extent())
+
     def close(self, version: int, metadata: str) -> None:
         """Write what has come and the end of the file; more may follow."""
+        length = 0
+
+        def write() -> None:
+            nonlocal length
+            if self.chunk.bio.tell():
+                McapWriter.close_chunk(self)
+            length = self.bio.tell()
+            McapWriter.close(self, version, metadata)
+
+        self._write_at_once(write)
+        self.bio.seek(length)
+        self._extents.append(self._extent())
+
+    def _write_at_once(self, write: Callable[[], None]) -> None:
+        """In one piece: a kill hits between two writes, hardly ever inside one."""
         file, tail = self.bio, _Tail(self.bio.tell())
         self.bio = tail  # type: ignore[assignment]  # all that the base class does is write and tell
         try:
-            if self.chunk.bio.tell():
-                self.close_chunk()
-            length = tail.tell()
-            super().close(version, metadata)
+            write()
         finally:
             self.bio = file
-        # In one piece: a kill hits between two writes, hardly ever inside one.
-        file.write(tail.getvalue())
-        file.flush()
-        file.seek(length)
+        rest = memoryview(tail.getvalue())
+        while rest:
+            rest = rest[file.write(rest) :]
+
+    def _extent(self) -> _Extent:
+        counts = dict(self.channel_stats)
+        return _Extent(
+            self.bio.tell(), len(self.chunks), counts, self.message_start_time, self.message_end_time
+        )
+
+    def go_back(self) -> bool:
+        """Forget what could not be written, or one chunk more with each call; False if there is none."""
+        if not self._extents:
+            return False
+        extent = self._extents.pop()
+        self.bio.seek(extent.length)
+        self.bio.truncate()
+        del self.chunks[extent.chunks :]
+        self.chunk = PendingChunk(2**63 - 1, 0, BytesIO(), defaultdict(list))
+        for channel in self.channel_stats:
+            self.channel_stats[channel] = extent.counts.get(channel, 0)
+        self.message_start_time, self.message_end_time = extent.start, extent.end
+        return True
 
     def write_rows(self, channel: int, times: NDArray[np.int64], rows: NDArray[np.uint8]) -> None:
         """Write messages of one length as `write` would do one by one."""
@@ -86,6 +145,9 @@ class _Tail(BytesIO):
 class CrashSafeWriter(Writer):
     """A rosbag2 writer (MCAP) with a bag that any reader can open after each `flush`, whatever happens then.
 
+    Where no more can be written, as on a full disk, it ends the bag with what is there and raises a
+    RobotsError once; what comes after that is ignored.
+
     Args:
         path: Folder of the bag; must not exist.
         chunks: It flushes by itself after so many chunks of about a megabyte.
@@ -96,9 +158,13 @@ class CrashSafeWriter(Writer):
     def __init__(self, path: Path, *, chunks: int = 1) -> None:
         super().__init__(path, version=BAG_VERSION, storage_plugin=StoragePlugin.MCAP)
         self._chunks = chunks
+        self.ended = False
+        """The bag is closed."""
 
     def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
         """Take a message; it stays in memory until there are many, or until `flush`."""
+        if self.ended:
+            return
         storage: Any = self.storage
         if storage.chunk.bio.tell() + len(data) > CHUNK_SIZE:
             self._end_chunk()  # before the base class does: it writes chunks without the file's end
@@ -117,7 +183,7 @@ class CrashSafeWriter(Writer):
         storage: Any = self.storage
         # Whole rows at a time, so that a chunk never comes near the size at which the base class writes it.
         step = max(1, CHUNK_SIZE // (4 * (rows.shape[1] + 64)))
-        for start in range(0, len(timestamps), step):
+        for start in range(0, 0 if self.ended else len(timestamps), step):
             part = slice(start, start + step)
             if storage.chunk.bio.tell() + rows[part].nbytes + 64 * step > CHUNK_SIZE:
                 self._end_chunk()
@@ -130,18 +196,52 @@ class CrashSafeWriter(Writer):
     def _end_chunk(self) -> None:
         storage: Any = self.storage
         if (len(storage.chunks) + 1) % self._chunks:
-            storage.close_chunk()
+            with self._ended_by_errors():
+                storage.close_chunk()
         else:
             self.flush()
 
     def flush(self) -> None:
-        """Write what has come, with everything that a whole bag has."""
-        storage = self.storage
-        super().close()
-        self.storage = storage
+        """Write what has come, with everything that a whole bag has.
+
+        Raises:
+            RobotsError: it cannot be written; as of `write`, `write_rows` and `close`.
+        """
+        if not self.ended:
+            with self._ended_by_errors():
+                self._save()
 
     def close(self) -> None:
         """Write what has come and end."""
+        if not self.ended:
+            storage: Any = self.storage
+            self.flush()
+            self.ended = True
+            storage.finish()
+
+    def _save(self) -> None:
+        storage = self.storage
+        try:
+            super().close()
+        finally:
+            self.storage = storage
+
+    @contextmanager
+    def _ended_by_errors(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self.ended = True
+            self._save_what_fits()
+            raise RobotsError(f'{self.path} cannot take more: {error.strerror}; it ends early') from error
+
+    def _save_what_fits(self) -> None:
         storage: Any = self.storage
-        super().close()
+        saved = False
+        while not saved and storage.go_back():
+            self.counts.update(storage.channel_stats)
+            self.min_timestamp, self.max_timestamp = storage.message_start_time, storage.message_end_time
+            with suppress(OSError):
+                self._save()
+                saved = True
         storage.finish()

@@ -153,13 +153,15 @@ class SimulatedCell:
             What was recorded, also of a program that fails.
 
         Raises:
-            RobotsError: the program cannot be opened or is not Lua.
+            RobotsError: the program cannot be opened or is not Lua, or the bag cannot be written.
         """
         try:
             self._begin()
             self._go()
         finally:
             self._close()
+        if self._bag is not None and self._bag.problem is not None:
+            raise self._bag.problem
         return self._result()
 
     # -- the run ----------------------------------------------------------------------------------
@@ -181,6 +183,8 @@ class SimulatedCell:
         clock = self.clock
         while True:
             self._deliver()
+            if self._bag is not None and self._bag.problem is not None:
+                raise self._bag.problem
             if self._running and not clock.waiting:
                 self._end_program()
             at_rest = not self._running and not self._records.any_open and self._stands()

@@ -16,6 +16,7 @@ from rosbags.typesys import Stores, get_typestore
 from robots_controller.nodes.bags.lockstep_times import LockstepTimes, Sent
 from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.crash_safe_writer import CrashSafeWriter
+from robots_core.errors import RobotsError
 from robots_core.ros.heartbeat import HEARTBEAT
 from robots_core.ros.lockstep.protocol import is_of_protocol
 from robots_core.ros.message_class import message_class
@@ -59,6 +60,8 @@ class BagRecorder(Node):
         self._writer.open()
         self._writing = threading.Lock()  # a topic is found while another's messages are written
         self._closed = threading.Event()
+        self.problem = ''
+        """Why the bag ends early; '' if it does not."""
         self._times = LockstepTimes(self) if lockstep else None
         # A topic may be found while the bag is being closed; then it comes too late.
         self._discovering = threading.Lock()
@@ -84,7 +87,7 @@ class BagRecorder(Node):
 
     def _discover(self) -> None:
         with self._discovering:
-            if not self._closed.is_set():
+            if not (self._closed.is_set() or self.problem):
                 self._find_topics()
 
     def _find_topics(self) -> None:
@@ -116,6 +119,13 @@ class BagRecorder(Node):
         return _RecordedTopic(connection, subscription)
 
     def _write(self) -> None:
+        try:
+            self._write_all()
+        except RobotsError as error:
+            self.problem = str(error)
+            self.get_logger().error(self.problem)  # type: ignore[no-untyped-call]
+
+    def _write_all(self) -> None:
         unsaved, saved = False, time.monotonic()
         while not self._closed.wait(WRITE_PERIOD):
             unsaved |= self._write_what_came()

@@ -1,5 +1,7 @@
 """SimulatedBag: a bag with the topics of a live recording, stamped with the simulated time."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
@@ -64,6 +66,9 @@ class SimulatedBag:
         RobotsError: the folder exists or cannot be made.
     """
 
+    problem: RobotsError | None = None
+    """Why the bag ends early; None if it does not."""
+
     def __init__(self, path: Path, robot: BaseRobotModel, *, period: float, recording: Recording) -> None:
         self.path = path
         self._robot = robot
@@ -101,7 +106,8 @@ class SimulatedBag:
     ) -> None:
         """The same of a message that is serialized already."""
         self.write_samples()
-        self._writer.write(self._connection(topic, type_name), START + nanoseconds, data)
+        with self._ended_by_errors():
+            self._writer.write(self._connection(topic, type_name), START + nanoseconds, data)
 
     def progress(self, nanoseconds: int, progress: float) -> None:
         """Write done part of the current path, with the samples."""
@@ -137,13 +143,23 @@ class SimulatedBag:
     def close(self) -> None:
         """Write what has come and end."""
         self.write_samples()
-        self._writer.close()
+        with self._ended_by_errors():
+            self._writer.close()
 
     # -- inside -----------------------------------------------------------------------------------
 
     def _write_rows(self, topic: str, stamps: NDArray[np.int64], values: list[Array]) -> None:
         type_name, rows = self._rows[topic]
-        self._writer.write_rows(self._connection(topic, type_name), stamps, rows.fill(stamps, values))
+        with self._ended_by_errors():
+            self._writer.write_rows(self._connection(topic, type_name), stamps, rows.fill(stamps, values))
+
+    @contextmanager
+    def _ended_by_errors(self) -> Iterator[None]:
+        # Not raised here: it is no error of the program, in whose thread this may be.
+        try:
+            yield
+        except RobotsError as error:
+            self.problem = error
 
     def _tcp_poses(self, positions: Array) -> list[Array]:
         poses = [self._robot.direct_kinematics(q) for q in positions]
