@@ -75,7 +75,8 @@ class Coordinator:
         self._traffic, self._agenda = Traffic(), Agenda()
         self._announced: dict[str, Announcement] = {}
         self._names: list[str] = []
-        self._roster = Roster(0, {}, ())
+        # Later than any version of an earlier run, whose latched roster may still be on its way.
+        self._roster = Roster(time.time_ns(), {}, ())
         self._gos: dict[str, Any] = {}
         self._sequence, self._started, self._ended = 0, False, False
         self._outstanding: set[str] = set()
@@ -118,12 +119,18 @@ class Coordinator:
 
     def end(self) -> None:
         """End the run: time stands still for good, and no participant is waited for."""
+        if self._ended:
+            return
         self._ended = True
         self._watch.cancel()
+        # Participants of a later run must not read the latched roster of this one.
+        self._node.destroy_publisher(self._rosters)
 
     # -- joining -----------------------------------------------------------------------------------------
 
     def _on_announcement(self, message: String) -> None:
+        if self._ended:
+            return
         announcement = Announcement.from_json(message.data)
         name = announcement.name
         if self._started and name not in self._announced:

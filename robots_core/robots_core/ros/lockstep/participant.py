@@ -341,7 +341,8 @@ class Participant:
 
     def _on_roster(self, message: String) -> None:
         roster = Roster.from_json(message.data)
-        if self.name not in roster.participants:
+        outdated = self._roster is not None and roster.version < self._roster.version
+        if outdated or self.name not in roster.participants:
             return
         self._roster = roster
         self._number = list(roster.participants).index(self.name)

@@ -86,7 +86,7 @@ class Roster:
     """The participants.
 
     Attributes:
-        version: Grows with each change.
+        version: Grows with each change, and from run to run.
         participants: Endpoints by the participant's name; their order gives their numbers.
         polled: Topics in the order in which messages count them; more may follow.
     """
