@@ -78,22 +78,22 @@ class LockstepRuns:
         with (folder / 'lock').open('w') as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not result.exists():
-                found = _run(_copy(folder / 'programs', program), folder / 'out', drive)
+                found = _run(_copy(folder / 'programs', program), folder / 'out', '--drive', drive)
                 result.write_text(json.dumps(found))
         values = json.loads(result.read_text())
         return LockstepRun(Path(values[0]), values[1], values[2], Path(values[3]))
 
-    def run_file(self, program: Path, drive: str = 'second_order') -> LockstepRun:
-        """The run of any other program, recorded beside it."""
-        path, code, text, bag = _run(program, program.parent / 'out', drive)
+    def run_file(self, program: Path, *options: str) -> LockstepRun:
+        """The run of any other program with these options of `cell`, recorded beside it."""
+        path, code, text, bag = _run(program, program.parent / 'out', *options)
         return LockstepRun(Path(path), code, text, Path(bag))
 
 
-def _run(path: Path, out: Path, drive: str) -> tuple[str, int, str, str]:
+def _run(path: Path, out: Path, *options: str) -> tuple[str, int, str, str]:
     text = io.StringIO()
-    options = ('--program', str(path), '--drive', drive, '--once', '--lockstep', '--port', '0')
+    arguments = ('--program', str(path), '--once', '--lockstep', '--port', '0', '--record', str(out))
     # In this process: the server that the nodes are forked from is started once for all runs.
-    code = run_cell(parse_options([*options, '--record', str(out)]), Console(file=text, width=WIDTH))
+    code = run_cell(parse_options([*arguments, *options]), Console(file=text, width=WIDTH))
     return str(path), code, text.getvalue(), str(next(out.glob('*/bag')))
 
 

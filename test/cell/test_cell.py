@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import io
 import os
+import re
 import signal
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from rich.console import Console
+
+from robots_controller.live_cell.cell_command import parse_options, run_cell
+from robots_core.errors import RobotsError
 
 from .bag_checks import read_messages
 from .cell_process import CellProcess
-from .lockstep_runs import PROGRAMS
+from .lockstep_runs import PROGRAMS, LockstepRuns
 
 StartCell = Callable[..., CellProcess]
 
@@ -24,31 +30,30 @@ WRONG_PROGRAMS = {
 }
 
 
-def test_another_robot_changes_nothing_else(start_cell: StartCell) -> None:
-    cell = start_cell(
-        '--robot', 'bello_bot', '--program', str(PROGRAMS / 'bello_bot_tour.lua'), '--once', '--lockstep'
-    )
-    assert cell.wait() == 0, cell.text
+def test_another_robot_changes_nothing_else(lockstep_runs: LockstepRuns) -> None:
+    cell = lockstep_runs.run('bello_bot_tour.lua')
+    assert cell.returncode == 0, cell.text
     assert 'every target reached, every limit kept' in cell.text
+
+
+def test_a_wrong_option_is_reported_in_one_line(start_cell: StartCell) -> None:
+    cell = start_cell('--robot', 'no_such_robot')
+    assert cell.wait() == 2
+    assert len(cell.lines) == 1
+    assert cell.lines[0].startswith("error: unknown robot 'no_such_robot'; robots are: ")
 
 
 @pytest.mark.parametrize(
     ('options', 'message'),
     [
-        (('--robot', 'no_such_robot'), "unknown robot 'no_such_robot'; robots are: "),
-        (('--program', 'no_such.lua'), "program 'no_such.lua' not found"),
-        (('--robot', 'urdf:/no/such.urdf'), 'there is no URDF file /no/such.urdf'),
-        (('--once',), '--once needs a --program'),
+        (('--program', 'no_such.lua'), "^program 'no_such.lua' not found"),
+        (('--robot', 'urdf:/no/such.urdf'), '^there is no URDF file /no/such.urdf'),
+        (('--once',), '^--once needs a --program'),
     ],
 )
-def test_a_wrong_option_is_reported_in_one_line(
-    start_cell: StartCell, options: tuple[str, ...], message: str
-) -> None:
-    cell = start_cell(*options)
-    assert cell.wait() == 2
-    assert len(cell.lines) == 1
-    assert cell.lines[0].startswith('error: ')
-    assert message in cell.lines[0]
+def test_every_wrong_option_is_explained(options: tuple[str, ...], message: str) -> None:
+    with pytest.raises(RobotsError, match=message):
+        run_cell(parse_options(options), Console(file=io.StringIO()))
 
 
 @pytest.mark.parametrize(
@@ -59,25 +64,25 @@ def test_a_wrong_option_is_reported_in_one_line(
     ],
 )
 def test_a_program_that_is_not_lua_is_reported_before_anything_starts(
-    start_cell: StartCell, tmp_path: Path, text: str, message: str
+    tmp_path: Path, text: str, message: str
 ) -> None:
-    program = tmp_path / 'wrong.lua'
+    program, out = tmp_path / 'wrong.lua', tmp_path / 'out'
     program.write_text(text + '\n')
-    cell = start_cell('--program', str(program))
-    assert cell.wait() == 2
-    assert len(cell.lines) == 1
-    assert message in cell.lines[0]
+    options = parse_options(['--program', str(program), '--record', str(out)])
+    with pytest.raises(RobotsError, match=re.escape(message)):
+        run_cell(options, Console(file=io.StringIO()))
+    assert not out.exists()
 
 
 @pytest.mark.parametrize('case', WRONG_PROGRAMS)
 def test_a_wrong_program_is_reported_and_leads_to_an_error_code(
-    start_cell: StartCell, tmp_path: Path, case: str
+    lockstep_runs: LockstepRuns, tmp_path: Path, case: str
 ) -> None:
     text, message = WRONG_PROGRAMS[case]
     program = tmp_path / 'wrong.lua'
     program.write_text(text + '\n')
-    cell = start_cell('--robot', 'kuka_kr210_r2700', '--program', str(program), '--once', '--lockstep')
-    assert cell.wait() == 1, cell.text
+    cell = lockstep_runs.run_file(program, '--robot', 'kuka_kr210_r2700')
+    assert cell.returncode == 1, cell.text
     assert message in cell.text
     assert 'Traceback' not in cell.text
 

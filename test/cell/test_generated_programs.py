@@ -24,7 +24,7 @@ def test_a_generated_program_keeps_its_places_limits_and_verdict(seed: int, tmp_
 
 @pytest.mark.parametrize(('seed', 'drive'), IN_LOCKSTEP.items())
 def test_both_cells_do_the_same(seed: int, drive: str, lockstep_runs: LockstepRuns, tmp_path: Path) -> None:
-    lockstep = lockstep_runs.run_file(generate(seed).write(tmp_path), drive)
+    lockstep = lockstep_runs.run_file(generate(seed).write(tmp_path), '--drive', drive)
     check_both_cells(lockstep, drive, tmp_path / 'bag')
 
 

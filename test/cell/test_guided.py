@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from robots_controller.simulate import simulate
 from robots_core import load_robot_model
 from written_bags import BAG_START, BAG_TYPES, write_bag
 
-from .cell_process import CellProcess
+from .lockstep_runs import LockstepRuns
 
 T = BAG_TYPES.types
 ROBOT = load_robot_model('kuka_kr210_r2700')
@@ -86,14 +86,14 @@ GUIDED = {
 
 @pytest.mark.parametrize('guide', GUIDED)
 def test_references_are_those_of_the_simulation(
-    start_cell: Callable[..., CellProcess], tmp_path: Path, guide: str
+    lockstep_runs: LockstepRuns, tmp_path: Path, guide: str
 ) -> None:
     messages, call = GUIDED[guide]
     sensor = write_bag(tmp_path / 'sensor', messages)
     program = tmp_path / 'guided.lua'
     program.write_text(f'{HEADER}{MOVE}{call}\n{MOVE}')
-    cell = start_cell('--program', str(program), '--references', str(sensor), '--once', '--lockstep')
-    assert cell.wait() == 0, cell.text
+    cell = lockstep_runs.run_file(program, '--references', str(sensor))
+    assert cell.returncode == 0, cell.text
     bag = tmp_path / 'simulated'
     run = simulate(program, robot=ROBOT.name, references=sensor, bag=bag)
     assert run.ok, run.error

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 
 import pytest
-from rich.console import Console
 
-from robots_controller.live_cell.cell_command import parse_options, run_cell
 from robots_controller.report.run_report import RunReport, run_report
 from robots_controller.simulate import simulate
+
+from .lockstep_runs import LockstepRuns
 
 ROBOT = 'kuka_kr210_r2700'
 # Along itself and back, then a way that a handler ends by a motion of its own.
@@ -34,18 +33,16 @@ def figures(report: RunReport) -> list[tuple[int, bool, bool]]:
     return [(item.motion.line, item.motion.ended_early, item.motion.moved) for item in report.motions]
 
 
-def test_chains_that_come_back_and_motions_that_a_handler_ends_are_no_failure(tmp_path: Path) -> None:
-    program, plc, text = tmp_path / 'part.lua', tmp_path / 'plc.yaml', io.StringIO()
+def test_chains_that_come_back_and_motions_that_a_handler_ends_are_no_failure(
+    lockstep_runs: LockstepRuns, tmp_path: Path
+) -> None:
+    program, plc = tmp_path / 'part.lua', tmp_path / 'plc.yaml'
     program.write_text(PROGRAM)
     plc.write_text(INPUT)
-    options = ('--program', str(program), '--robot', ROBOT, '--io', str(plc), '--once', '--lockstep')
-    code = run_cell(
-        parse_options([*options, '--port', '0', '--record', str(tmp_path / 'out')]),
-        Console(file=text, width=150),
-    )
-    assert code == 0, text.getvalue()
-    assert '1 ended by the program, every other target reached, every limit kept' in text.getvalue()
-    live = run_report(next((tmp_path / 'out').glob('*/bag')))
+    cell = lockstep_runs.run_file(program, '--robot', ROBOT, '--io', str(plc))
+    assert cell.returncode == 0, cell.text
+    assert '1 ended by the program, every other target reached, every limit kept' in cell.text
+    live = run_report(cell.bag)
     assert simulate(program, robot=ROBOT, io=plc, bag=tmp_path / 'bag').ok
     simulated = run_report(tmp_path / 'bag')
     assert live.ok, live.problems
