@@ -1,6 +1,6 @@
 -- Robot: debris_arm?gravity=0,0,0
 -- Active debris removal after the paper's section 5.3: an arm on a satellite grasps the docking ring of a
--- target that still drifts. Gripper on digital output 1; digital input 1 tells contact, if somebody does.
+-- target that still drifts. Gripper on digital output 1; digital input 1 reports contact, where something sets it.
 setHold("position") -- all that three axes can hold: the orientation is the arm's
 
 -- The docking ring drifts at constant speed, as the chaser sees it.

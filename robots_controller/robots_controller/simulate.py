@@ -62,7 +62,7 @@ def simulate(
             `read_guide_recording`; '' for nothing.
         guided: Inverse kinematics that follows its `reference_pose`, one of `METHODS`.
         longest: The program fails if it has not ended after this simulated time, s.
-        on_progress: Told about 25 times a simulated second: time in s, line of the program.
+        on_progress: Called about 25 times a simulated second with the time in s and the line of the program.
 
     Returns:
         The recorded run, also of a program that fails; see `SimulationRun.error`.

@@ -25,7 +25,7 @@ ORIENTATION_CONVENTIONS: Final[Mapping[str, str]] = MappingProxyType(
 
 _ROTATION_VECTOR: Final = 'rotation_vector'
 
-# Closer to gimbal lock than this, rad, two angles are not told apart.
+# Closer to gimbal lock than this, rad, two angles cannot be distinguished.
 _LOCKED = 1e-7
 
 
@@ -98,7 +98,7 @@ def _moved_axes_angles(T: Array, i: int, j: int, k: int) -> Array:
     """Angles a, b, c (3,) of T = Rot(i, a) Rot(j, b) Rot(k, c)."""
     first = 3 - i - j
     e = 1.0 if (j - i) % 3 == 1 else -1.0  # i x j = e first
-    # Where the last axis points, seen along the first, tells a; in gimbal lock, along it, j tells it.
+    # Where the last axis points, seen along the first, gives a; in gimbal lock, along it, j gives it.
     along_j, along_first = T[j, k], T[first, k]
     if hypot(along_j, along_first) < _LOCKED:
         a = atan2(e * T[first, j], T[j, j])

@@ -56,7 +56,7 @@ class PeriodicThread:
 
     @property
     def alive(self) -> bool:
-        """The thread was started and has not been told to end."""
+        """The thread was started and its end was not requested."""
         return self._thread.is_alive() and not self._stop.is_set()
 
     def stop(self) -> None:

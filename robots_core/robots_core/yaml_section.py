@@ -1,4 +1,4 @@
-"""YamlSection: a YAML file whose mistakes are told with file and line."""
+"""YamlSection: a YAML file whose mistakes are reported with file and line."""
 
 from __future__ import annotations
 

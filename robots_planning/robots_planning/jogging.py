@@ -19,7 +19,7 @@ NOT_FOLLOWING = 'a controller that does not follow'
 class Jogging:
     """Jogs a robot that stands and has no motion; the stream ends when it stands again.
 
-    A command holds for `timeout` from when it was given: whoever jogs goes on sending, and lets go by
+    A command holds for `timeout` from when it was given: a pendant goes on sending, and lets go by
     sending nothing. Commands and steps may come from two threads.
 
     Args:
@@ -58,7 +58,7 @@ class Jogging:
             timeout=timeout,
         )
         self._tool, self._hold = Pose.identity(), ''
-        # Made at the start: whoever jogs does not wait for it.
+        # Made at the start, so that jogging does not wait for it.
         self._next_box: TeachBox | None = self._make_box(q=robot.home)
         self._box = self._next_box
         self._commands: deque[Callable[[TeachBox], None]] = deque()

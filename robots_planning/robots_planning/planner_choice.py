@@ -22,7 +22,7 @@ def available_planners(setting: str) -> tuple[str, ...]:
     """Names that the setting `joint_planner` or `cartesian_planner` may have, sorted."""
     names = []
     for name in sorted(installed_plugins(ENTRY_POINT_GROUP)):
-        with contextlib.suppress(InvalidInputError):  # a broken one is told to those who name it
+        with contextlib.suppress(InvalidInputError):  # a broken one is reported when it is named
             if _serves(name, setting):
                 names.append(name)
     return tuple(names)

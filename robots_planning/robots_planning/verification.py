@@ -1,4 +1,4 @@
-"""Verification: an independent look at a trajectory, whoever planned it."""
+"""Verification: an independent check of any trajectory."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from robots_planning.trajectory import Trajectory
 
 SAMPLE_PERIOD = 1e-3  # s
 DYNAMICS_PERIOD = 4e-3  # s, the controller's; torque changes slowly against it
-RATIO_TOLERANCE = 1e-3  # of a limit: what finite differences at the sample period can tell
+RATIO_TOLERANCE = 1e-3  # of a limit: what finite differences at the sample period can resolve
 POSITION_TOLERANCE = 1e-9  # rad (m), as the axis limits' own check
 REST_TOLERANCE = 1e-6  # of the velocity and acceleration limits, at both ends
 LINE_TOLERANCE = 1e-5  # m and rad
@@ -66,7 +66,7 @@ class VerificationReport:
     line_deviation: float | None = None
     orientation_deviation: float | None = None
     violations: tuple[str, ...] = field(init=False)
-    """One line per limit that is broken. Jerk is told in `uses`, and breaks nothing."""
+    """One line per limit that is broken. Jerk is reported in `uses`, and breaks nothing."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, 'violations', tuple(self._violations()))

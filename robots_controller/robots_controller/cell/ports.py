@@ -43,7 +43,7 @@ class PlannerPort(Protocol):
         """Send a motion."""
 
     def followers(self) -> Mapping[bytes, str]:
-        """Those who can end a motion: an identity each, and the name of its node."""
+        """The nodes that can end a motion: an identity each, and the node's name."""
 
 
 class ControllerPort(Protocol):
@@ -75,7 +75,7 @@ class RobotPort(Protocol):
 
 
 class ProgramObserver(Protocol):
-    """Those who follow a program: operators, recorders, editors."""
+    """The observers of a program: operators, recorders, editors."""
 
     def command_state(self, state: RobotCommandState) -> None:
         """What the robot is commanded to do."""

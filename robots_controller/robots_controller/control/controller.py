@@ -37,7 +37,7 @@ class ControllerState(StrEnum):
 class Controller:
     """The robot controller's loop body: sampling, override, smoothing, guard.
 
-    Knows no clock and no thread: `step` is handed the time and is called once per period by one thread,
+    Has no clock and no thread: `step` is handed the time and is called once per period by one thread,
     which also makes all other calls.
 
     Args:
@@ -235,7 +235,7 @@ class Controller:
             self._finish(motion, now, motion.failure, ok=False)
         elif motion.path_time >= motion.trajectory.duration:
             if self._motions.waiting:
-                # Whoever sent the next motion already does not wait for the drives to settle.
+                # The next motion was sent already: it does not wait for the drives to settle.
                 self._finish(motion, now, 'reached', ok=True)
                 return
             motion.settling_since = now
@@ -265,7 +265,7 @@ class Controller:
         duration = round(now - stream.start, 6)
         message = failure or 'the stream ended'
         self.outcomes.append(MotionResult(stream.id, not failure, message, {'duration': duration}))
-        if failure and not stream.stale:  # who goes on sending must notice
+        if failure and not stream.stale:  # a sender that goes on has to notice
             self._stream_refused_until = now + self.settings.stream_timeout
         stream.end()
 

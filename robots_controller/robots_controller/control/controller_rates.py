@@ -5,7 +5,7 @@ from typing import Final
 from robots_controller.control.controller import Controller, ControllerState
 
 PROGRESS_RATE: Final = 25.0  # Hz
-# Feedback tells that the robot is alive and, while it moves, that it follows; looking more often only costs
+# Feedback shows that the robot is alive and, while it moves, that it follows; looking more often only costs
 # time, but at the end of a motion, which waits until the robot stands.
 HOLDING_RATE: Final = 10.0  # Hz
 FEEDBACK_RATE: Final = 50.0  # Hz
@@ -26,7 +26,7 @@ class ControllerRates:
 
     def __init__(self, rate: float, feedback_timeout: float) -> None:
         self.progress_every = cycles(rate, PROGRESS_RATE)
-        """Progress is told each so many cycles."""
+        """Progress is reported each so many cycles."""
         # The rarer ones are multiples of this.
         least = LOOKS_PER_TIMEOUT / feedback_timeout
         self._settling_every = cycles(rate, max(SETTLING_RATE, least))
@@ -51,5 +51,5 @@ def cycles(rate: float, times: float) -> int:
 
 
 def idle_latency_for(rate: float) -> float:
-    """Idle latency that a loop of this rate (Hz) asks for unless told otherwise, s; negative for none."""
+    """Idle latency that a loop of this rate (Hz) asks for by default, s; negative for none."""
     return 0.0 if rate >= AWAKE_RATE else -1.0

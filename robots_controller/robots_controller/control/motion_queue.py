@@ -15,7 +15,7 @@ from robots_planning.trajectory import Trajectory
 # A planned start may differ from the reference by the rounding of its way through a message and by what
 # the smoothing still levels out; a larger step would be a jump of the robot.
 START_TOLERANCE = 1e-6  # rad, m
-LONGEST_QUEUE = 64  # motions; who sends more has lost control of the robot
+LONGEST_QUEUE = 64  # motions; more were not sent by a program that waits for its robot
 
 
 class MotionQueue:

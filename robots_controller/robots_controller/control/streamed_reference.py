@@ -9,7 +9,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, read_only
 
-# A point due later than this is meant as the goal of a motion, whose way there it does not tell.
+# A point due later than this is meant as the goal of a motion, whose path there it does not give.
 FARTHEST_DUE = 0.1  # s
 # A late point is extrapolated with its acceleration for this long, then with constant speed.
 ACCELERATION_HORIZON = 0.02  # s

@@ -202,7 +202,7 @@ class LuaProgram(SharedData):
 
     @property
     def stopping(self) -> bool:
-        """The program was told to stop."""
+        """A stop of the program was requested."""
         return self._state.stopping
 
     @property
@@ -261,7 +261,7 @@ class LuaProgram(SharedData):
         self._hold_reason, self._call_stack = reason, CallStack()
 
     def _tell_hold(self) -> None:
-        # One at a time: what is told last is how it is.
+        # One at a time: the state reported last is the present one.
         with self._hold_lock:
             held = self._state.robot_held
             if held != self._told_hold:
@@ -303,7 +303,7 @@ class LuaProgram(SharedData):
                 self._state.set_run_state(RunState.FAILED)
             else:
                 self._state.set_run_state(RunState.STOPPED if stopped else RunState.FINISHED)
-        if self._state.motions:  # those who stop the robot let it go too
+        if self._state.motions:  # what stopped the robot releases it too
             self._told_hold = False
         else:
             self._tell_hold()

@@ -93,12 +93,12 @@ Waiting = Generator[None, None, Result]
 
 
 class Attention(IntFlag):
-    """What the program is told at its next instruction."""
+    """What interrupts the program at its next instruction."""
 
     NONE = 0
     STOP = 1
     ATTEND = 2
-    TRACE = 4  # tell every line
+    TRACE = 4  # report every line
     DEPTH = 8  # and how deep the stack is
 
 
@@ -253,7 +253,7 @@ class LuaSandbox:
                 self._waiting[token] = result
                 return self._again(token)
             return self._answer(result)
-        except BaseException as error:  # noqa: BLE001  # told apart there
+        except BaseException as error:  # noqa: BLE001  # distinguished there
             return self._failed(error)
 
     def _again(self, token: int) -> tuple[int, Any, int]:
@@ -262,7 +262,7 @@ class LuaSandbox:
         except StopIteration as end:
             del self._waiting[token]
             return self._answer(end.value)
-        except BaseException as error:  # noqa: BLE001  # told apart there
+        except BaseException as error:  # noqa: BLE001  # distinguished there
             del self._waiting[token]
             return self._failed(error)
         return _ATTEND, 0, token
@@ -270,7 +270,7 @@ class LuaSandbox:
     def _abandon(self, token: int) -> None:
         try:
             self._waiting.pop(token).close()
-        except BaseException as error:  # noqa: BLE001  # told apart there
+        except BaseException as error:  # noqa: BLE001  # distinguished there
             self._failed(error)
 
     def _answer(self, result: Result) -> tuple[int, Any, int]:
@@ -304,25 +304,25 @@ class LuaSandbox:
     def _ask(self) -> int:
         try:
             return int(self._host.poll())
-        except BaseException as error:  # noqa: BLE001  # told apart there
+        except BaseException as error:  # noqa: BLE001  # distinguished there
             return self._stop(error)
 
     def _computed(self, chunk: bytes, line: int) -> int:
         try:
             return int(self._host.computed(chunk.decode(), line))
-        except BaseException as error:  # noqa: BLE001  # told apart there
+        except BaseException as error:  # noqa: BLE001  # distinguished there
             return self._stop(error)
 
     def _at_line(self, chunk: bytes, line: int, depth: int) -> int:
         try:
             return int(self._host.at_line(chunk.decode(), line, depth))
-        except BaseException as error:  # noqa: BLE001  # told apart there
+        except BaseException as error:  # noqa: BLE001  # distinguished there
             return self._stop(error)
 
     def _attention(self, task: int) -> tuple[int, int]:
         try:
             wanted = self._host.attention(task)
-        except BaseException as error:  # noqa: BLE001  # told apart there
+        except BaseException as error:  # noqa: BLE001  # distinguished there
             return self._stop(error), 0
         if wanted is None:
             return 0, 0
@@ -333,13 +333,13 @@ class LuaSandbox:
     def _held(self, *records: bytes) -> int:
         try:
             return int(self._host.held([record.decode(errors='replace') for record in records]))
-        except BaseException as error:  # noqa: BLE001  # told apart there
+        except BaseException as error:  # noqa: BLE001  # distinguished there
             return self._stop(error)
 
     def _handled(self, _id: int, abort: bool) -> int:  # noqa: FBT001  # called from Lua
         try:
             self._host.handled(abort=abort)
-        except BaseException as error:  # noqa: BLE001  # told apart there
+        except BaseException as error:  # noqa: BLE001  # distinguished there
             return self._stop(error)
         return 0
 

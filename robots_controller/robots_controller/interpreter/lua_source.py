@@ -48,7 +48,7 @@ class LuaSource:
 
     @property
     def chunk_name(self) -> str:
-        """The name under which Lua knows the program."""
+        """The program's name in Lua."""
         return chunk_name(self.file)
 
     def line(self, number: int) -> str:
@@ -58,7 +58,7 @@ class LuaSource:
 
 
 def chunk_name(file: str) -> str:
-    """The name under which Lua knows a program file."""
+    """A program file's name in Lua."""
     printable = ''.join(c if c.isprintable() else '?' for c in file)
     return printable[-MAX_CHUNK_NAME:]
 

@@ -75,7 +75,7 @@ class ProgramRun:
         )
         try:
             failure = sandbox.run()
-        except Exception as problem:  # noqa: BLE001  # the thread's end must be told in any case
+        except Exception as problem:  # noqa: BLE001  # the thread's end must be reported in any case
             failure, sandbox.host_error = None, problem
         error: ProgramError | None
         if sandbox.host_error is not None:
@@ -111,7 +111,7 @@ class ProgramRun:
         return self._functions.serve(name, arguments)
 
     def poll(self) -> Attention:
-        """What the program is told while it computes."""
+        """What interrupts the program while it computes."""
         attention = Attention.ATTEND if self._state.needs_attention() else Attention.NONE
         if self._debugger.tracing:
             attention |= Attention.TRACE

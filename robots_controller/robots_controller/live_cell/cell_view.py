@@ -144,7 +144,7 @@ class CellView:
         self._commanded.pop(event.id, None)
         self._planned.pop(event.id, None)
         self._show_running()
-        if event.message == PASSED:  # the end of its chain is told
+        if event.message == PASSED:  # the end of its chain is reported
             return
         if event.ok:
             duration = float(event.details.get('duration', 'nan'))

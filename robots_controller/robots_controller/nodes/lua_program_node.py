@@ -54,7 +54,7 @@ AUTOSTART_PERIOD: Final = 0.1  # s
 JOIN_TIMEOUT: Final = 5.0  # s
 WATCH_PERIOD: Final = 0.1  # s
 STATUS_PERIOD: Final = 0.02  # s, after which a change that could not be reported at once is reported
-# Drives tell their position far more often; a program that asks at its start waits for the first one.
+# Drives report their position far more often; a program that asks at its start waits for the first one.
 FEEDBACK_TIMEOUT: Final = 2.0  # s
 FEEDBACK_PERIOD: Final = 0.005  # s
 

@@ -43,7 +43,7 @@ class PathSwitchingMessages:
             node.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
         else:
             # Progress comes in every period; it is looked at only while there is something to switch, after
-            # the controller and before whoever observes the outputs.
+            # the controller and before any node that observes the outputs.
             self._turn = node.participant.create_turn(self._look, phase=Phase.DRIVES)
             self._progress = PolledSubscription(node, Float64, 'motion_progress', STREAM)
 

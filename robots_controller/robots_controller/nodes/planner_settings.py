@@ -63,7 +63,7 @@ class PlannerSettings:
     def _on_original(self, names: list[str], wanted: dict[str, object], done: Done, future: Any) -> None:
         answer = future.result() if future.exception() is None else None
         if answer is None:
-            done(PlanningError('planning_node does not tell its settings'))
+            done(PlanningError('planning_node does not report its settings'))
             return
         values = answer.values if names else []
         missing = [

@@ -13,7 +13,7 @@ class Clock(Protocol):
     """What a robot program needs of time.
 
     Everything a program waits for (time, the end of a motion, the end of a pause) goes through `wait`,
-    so a simulated clock knows when the program stands still and until when.
+    so that a simulated clock can see when the program stands still and until when.
     """
 
     @property

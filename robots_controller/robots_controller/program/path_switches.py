@@ -55,7 +55,7 @@ class PathSwitches:
             progress: Where the robot is now, 0..1.
 
         Returns:
-            None if that cannot be told yet, or the robot stands.
+            None if that is not known yet, or the robot stands.
         """
         last, self._last = self._last, (now, progress)
         at = self.next_progress

@@ -32,7 +32,7 @@ class ProgramHeader:
         return ProgramHeader(robot or self.robot, scene or self.scene, io or self.io)
 
     def note(self, program: Path | str, robot: str) -> str:
-        """What a person should know who runs the program on a robot; '' if it is the program's own."""
+        """A note for a person who runs the program on a robot; '' if it is the program's own."""
         if not self.robot or robot.partition('?')[0] == self.robot.partition('?')[0]:
             return ''
         return f'{Path(program).name} is written for {self.robot}'

@@ -26,7 +26,7 @@ __all__ = ['MotionCommand', 'OutputChange', 'ProgramState', 'ProgramStopped', 'R
 class ProgramState:
     """Command state, motion, reference pose, I/O images and overrides, safe from any thread.
 
-    One condition variable guards everything and wakes everyone who waits; a stop interrupts every wait.
+    One condition variable guards everything and wakes all waiting threads; a stop interrupts every wait.
 
     Args:
         num_axes: n.
@@ -80,7 +80,7 @@ class ProgramState:
 
     @property
     def stopping(self) -> bool:
-        """The program was told to stop."""
+        """A stop of the program was requested."""
         with self.condition:
             return self._stopping
 
@@ -97,7 +97,7 @@ class ProgramState:
             self.condition.notify_all()
 
     def stop(self) -> bool:
-        """Tell the program to stop; it does so at its next instruction or where it waits.
+        """Request a stop of the program; it stops at its next instruction or where it waits.
 
         Returns:
             True if it was running.
@@ -292,7 +292,7 @@ class ProgramState:
             self._reference_pose = reference_pose
 
     def finish_motion(self, error: RobotsError | None = None, command: MotionCommand | None = None) -> None:
-        """End a motion: the program goes on, or is told the error; IDLE again after the last one.
+        """End a motion: the program goes on, or gets the error; IDLE again after the last one.
 
         Args:
             error: Why the robot does not stand at the target.

@@ -125,7 +125,7 @@ class TurnClock:
         self._cell_turn.acquire()
 
     def end(self) -> None:
-        """No time will pass any more: the program, told to stop, must not wait for it."""
+        """No time will pass any more: the program, which has to stop, must not wait for it."""
         self._ended = True
         if self._waiting:
             self.let_program_work()

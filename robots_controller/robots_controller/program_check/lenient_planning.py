@@ -28,7 +28,7 @@ class LenientPlanning(PathPlanning):
     What takes its place is the same motion without the check for collisions, or a joint motion to its
     target, or, to a target that cannot be reached, none. So a program goes on, and its other motions are
     looked at from where they begin. After a target that was not reached that is not so: what is wrong with
-    the way of a tool from there is not told.
+    the path of a tool from there is not reported.
 
     Attributes:
         problems: What is wrong, by the plan that took the motion's place.
@@ -79,7 +79,7 @@ class LenientPlanning(PathPlanning):
                     motion = super().plan(other, q_start, goal, settings)
             except RobotsError:
                 continue
-            # A way of the tool from a place where the program never is tells nothing.
+            # A path of the tool from a place where the program never is has no meaning.
             if not (astray and kind.cartesian):
                 self.problems[motion] = error
             return motion

@@ -66,8 +66,8 @@ def walk_program(
 ) -> WalkResult:
     """Walk a program with ideal drives, once for each combination of the inputs at its start.
 
-    A motion that is refused is told, and the robot brought to its target all the same, so that the rest of
-    the program is walked too.
+    A motion that is refused is reported, and the robot brought to its target all the same, so that the rest
+    of the program is walked too.
 
     Args:
         program: Lua robot program.

@@ -50,7 +50,7 @@ class Bag:
         """Messages of some topics: (time of sending in ns, message); none where the bag lacks the topic.
 
         Raises:
-            RobotsError: a type that nobody knows, or a message that is not of its type.
+            RobotsError: an unknown type, or a message that is not of its type.
         """
         store = self.typestore()
         found: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in topics}

@@ -1,4 +1,4 @@
-"""Quality of service as bags tell it."""
+"""Quality of service as bags record it."""
 
 from typing import Final
 

@@ -13,7 +13,7 @@ class BagTopic:
     Attributes:
         name: Its full name.
         type: package/msg/Name.
-        latched: Its publishers latch: who comes late gets the last message.
+        latched: Its publishers latch: late subscribers get the last message.
         definition: Text of the message definition, '' where the bag has none.
         definition_format: Of the text: 'msg' or 'idl'.
     """

@@ -25,7 +25,7 @@ class JointRows:
         sent: When each was sent, (k,) ns.
         stamp: Its stamp, (k,) ns.
         values: (k, n) positions, velocities, and efforts of a `JointState` or accelerations of a
-            `JointTrajectory` of one point; None where they are not told.
+            `JointTrajectory` of one point; None where they are not given.
         period: Time of the points from their stamps, s; 0 of a `JointState`.
     """
 
@@ -56,8 +56,8 @@ def joint_rows(bag: Bag, topic: str, robot: BaseRobotModel) -> JointRows:
         )
     else:
         stamp, filled = at_once
-        columns, told = _columns(first, robot, topic), iter(filled)
-        rows = [next(told) if size else np.zeros((sent.size, 0)) for size in _sizes(first)]
+        columns, given = _columns(first, robot, topic), iter(filled)
+        rows = [next(given) if size else np.zeros((sent.size, 0)) for size in _sizes(first)]
         groups = [values[:, columns] if values.shape[1] > max(columns) else None for values in rows]
     position, velocity, third = groups
     after = first.points[0].time_from_start if hasattr(first, 'points') else None
@@ -120,9 +120,9 @@ def _one_by_one(
     values: list[Array | None] = []
     for name in fields:
         rows = [np.asarray(getattr(_fields(message)[0], name), np.float64) for message in messages]
-        told = all(row.size > max(places) for row, places in zip(rows, columns, strict=True))
+        given = all(row.size > max(places) for row, places in zip(rows, columns, strict=True))
         values.append(
-            np.array([row[places] for row, places in zip(rows, columns, strict=True)]) if told else None
+            np.array([row[places] for row, places in zip(rows, columns, strict=True)]) if given else None
         )
     return np.array(stamps, np.int64), values
 

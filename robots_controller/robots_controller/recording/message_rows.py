@@ -23,7 +23,7 @@ class MessageRows:
     """A template of a message, filled row by row, or read so.
 
     Args:
-        typestore: Knows the type.
+        typestore: Holds the type.
         type_name: package/msg/Name.
         template: Message whose changing numbers are those of `groups`.
         groups: Arrays of marks, each of which stands in the template as one run of doubles.

@@ -296,7 +296,7 @@ def _trajectory(message: Any, robot: BaseRobotModel) -> Trajectory:
             f'{", ".join(message.joint_names) or "none"}'
         )
     columns = [list(message.joint_names).index(name) for name in robot.axes_data.names]
-    # The first point's time tells where it goes on from the running motion.
+    # The first point's time says where it goes on from the running motion.
     time = np.array([seconds(point.time_from_start) for point in message.points])
     position, velocity, acceleration = (
         np.array([getattr(point, name) for point in message.points])[:, columns]

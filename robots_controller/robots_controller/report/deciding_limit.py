@@ -47,7 +47,7 @@ def deciding_limit(
     """The limit that decides a motion: of those that are reached, the one that is held longest.
 
     An axis reaches a limit at its full value. The speed or acceleration of a tool that follows a path is
-    reached where it stays at its highest value: it is as fast as it was told to be. If nothing is reached,
+    reached where it stays at its highest value: it is as fast as it was set to be. If nothing is reached,
     the program asks for less than full speed of the axes, and the highest use decides.
 
     Args:
@@ -72,7 +72,7 @@ def deciding_limit(
 
 
 def _plateau(quantity: str, values: Array) -> DecidingLimit:
-    # Of an acceleration that is a difference of samples, those at corners tell nothing.
+    # Of an acceleration that is a difference of samples, those at corners mean nothing.
     highest = float(np.percentile(values, HIGHEST))
     share = float(np.mean(np.abs(values - highest) <= (1.0 - FLAT) * highest)) if highest else 0.0
     return DecidingLimit(quantity, '', highest, share)

@@ -58,10 +58,10 @@ class RecordedRun:
         late: How much later each reference of a moving robot came than it should, (m,) s.
         reference: Position, velocity and acceleration of the references, (m, n) each.
         feedback: Position and velocity of the drives at these instants, (m, n) each.
-        effort: Torques of the drives, (m, n) N m (N); None where they tell none.
+        effort: Torques of the drives, (m, n) N m (N); None where they report none.
         motions: In order.
         program: Where the program was, by time.
-        io: The channels that the bag knows.
+        io: The channels in the bag.
         distance: (time, smallest distance in m), (k, 2), as watched while it ran; empty if nobody watched.
         duration: Of the program, s.
         program_state: How it ended.

@@ -83,7 +83,7 @@ def run_report(
     Args:
         bag: The recorded bag.
         robot: The robot's name; by default the one that the bag names.
-        scene: YAML file of what stands around the robot; distances are told with it.
+        scene: YAML file of what stands around the robot; with it, distances are reported.
         namespace: Namespace of the recorded cell.
         source: Where the run comes from, for a person; the bag's path by default.
 

@@ -27,9 +27,9 @@ class Row:
 
     Attributes:
         cells: Its texts.
-        spans: When what it tells of was, s.
+        spans: The times that it is about, s.
         bar: Times of moving, waiting, I/O, s.
-        bad: It tells of something wrong.
+        bad: It reports a fault.
         trends: 'worse' or 'better' by number of a cell.
     """
 

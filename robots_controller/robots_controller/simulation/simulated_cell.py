@@ -41,7 +41,7 @@ WATCH_PERIOD = 0.1  # s between looks at motions that nothing would end
 class SimulatedCell:
     """A cell for one run of one program.
 
-    In each period those who guide the robot act first, then the controller makes one step, then the drives,
+    In each period what guides the robot acts first, then the controller makes one step, then the drives,
     then the PLC. After that time stands still: the program works until it waits, and the planner plans. The
     program's own waits end between two periods, too. A lock-step run of the nodes goes through the same
     phases. See `CellParts` for the parts.
@@ -247,7 +247,7 @@ class SimulatedCell:
         return True
 
     def _next_event(self) -> float:
-        """When the PLC or those who guide the robot do something by themselves, s."""
+        """When the PLC or what guides the robot acts by itself, s."""
         return min(self._plc.next_time, self._guide.next_time)
 
     def _guard_against_deadlocks(self, wait: float) -> None:
@@ -387,7 +387,7 @@ class SimulatedCell:
             self._guard.progress(progress)
 
     def stream_refused(self, error: RobotsError, now: float) -> None:
-        """See `ControlPort`; those who were stopped go on sending, as in a live cell."""
+        """See `ControlPort`; a stopped sender goes on sending, as in a live cell."""
 
     # -- ports of the program ---------------------------------------------------------------------
 

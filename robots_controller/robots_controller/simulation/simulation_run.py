@@ -64,7 +64,7 @@ class SimulationRun:
         reference: (k, 3, n) of the controller: position, velocity, acceleration; rad (m), s.
         position: (k, n) of the drives, rad (m).
         velocity: (k, n), rad/s (m/s).
-        torque: (k, n) of the motors at the joints, N m (N); None for drives that know none.
+        torque: (k, n) of the motors at the joints, N m (N); None for drives that report none.
         motions: In the order of their commands.
         events: In the order of time.
         state: How the program ended: FINISHED, FAILED or STOPPED.

@@ -83,5 +83,5 @@ def worker_pool(workers: int) -> ProcessPoolExecutor:
 
 
 def _ignore_interrupts() -> None:
-    # Ctrl-C reaches all processes; this one's cases are ended by who asked for them.
+    # Ctrl-C reaches all processes; the one that asked for the cases ends them.
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -71,7 +71,7 @@ class StudyResults:
 
 
 def results_table(rows: Sequence[Row]) -> Any:
-    """Rows as a table (pyarrow.Table); a parameter with values of several kinds is told as text."""
+    """Rows as a table (pyarrow.Table); a parameter with values of several kinds is text."""
     names = list(dict.fromkeys(name for row in rows for name in row)) or list(FIGURES)
     columns, fields = [], []
     for name in names:

@@ -27,7 +27,7 @@ def run_study(
         folder: For the results.
         scheduler: Address of a Dask scheduler whose workers run the cases; '' for this machine's cores.
         workers: Number of processes on this machine; 0 for one for each core.
-        on_progress: Told how many of how many cases have a result.
+        on_progress: Called with how many of how many cases have a result.
 
     Returns:
         A row for each case, in the order of the grid; a case that fails has its reason.
@@ -39,8 +39,8 @@ def run_study(
     results = StudyResults(folder)
     left = [case for case in cases if case not in results]
     done = len(cases) - len(left)
-    tell = on_progress or (lambda _done, _all: None)
-    tell(done, len(cases))
+    report = on_progress or (lambda _done, _all: None)
+    report(done, len(cases))
     try:
         if left:
             found = run_on_scheduler(left, scheduler) if scheduler else run_here(left, workers=workers)
@@ -48,7 +48,7 @@ def run_study(
                 if row is not None:
                     results.add(case, row)
                     done += 1
-                    tell(done, len(cases))
+                    report(done, len(cases))
     finally:
         results.write(cases)
     return results.rows(cases)

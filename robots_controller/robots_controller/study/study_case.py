@@ -43,8 +43,8 @@ class StudyCase:
     @property
     def key(self) -> str:
         """The same for cases with the same settings and files, and for no others."""
-        told = [self.program, self.robot, self.drive, self.override, self.parameters, self.longest]
-        text = json.dumps([told, sorted(self.files.items())])
+        inputs = [self.program, self.robot, self.drive, self.override, self.parameters, self.longest]
+        text = json.dumps([inputs, sorted(self.files.items())])
         return hashlib.sha256(text.encode()).hexdigest()[:24]
 
     @property

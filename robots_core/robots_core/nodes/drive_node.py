@@ -63,7 +63,7 @@ class DriveNode(RobotNode):
         feed_forward = self.parameter(
             'feed_forward',
             True,
-            'rigid_body: the controllers know robot and payload and feed forward what a reference takes',
+            'rigid_body: torques for robot, payload and reference are fed forward',
             read_only=True,
         )
         start = self.parameter(

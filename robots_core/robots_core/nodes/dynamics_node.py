@@ -46,7 +46,7 @@ class DynamicsNode(RobotNode):
     joint_states has efforts, the torques of the drives, `tcp_wrench` is what the surroundings push the tool
     with. The node's health is WARN while a torque is past its limit.
 
-    The base stands as parameter `base_orientation` says, until `base_motion` tells how it moves; with
+    The base stands as parameter `base_orientation` says, until `base_motion` gives its motion; with
     `free_floating` nothing holds it. `base_wrench` is what the robot pushes its mount with, or the arm of a
     free-floating robot its base body.
     """

@@ -42,7 +42,7 @@ class InverseKinematicsNode(RobotNode):
     """Follows `reference_pose` and publishes one-point `joint_trajectory` messages at its own rate.
 
     For sensor-guided motion: references may come at any rate and may jump; the robot follows inside its
-    limits. Their stamps tell when they were valid. `reference_twist` beside fresh poses says how they move;
+    limits. Their stamps say when they were valid. `reference_twist` beside fresh poses says how they move;
     alone it is followed itself (servoing). When neither comes for `timeout` the robot brakes to a stop. Where
     `guide` is published, only while it is SENSOR.
     """
@@ -148,7 +148,7 @@ class InverseKinematicsNode(RobotNode):
     def _valid_at(self, message: Any, now: float) -> float:
         """When a message was valid, s on the loop's clock.
 
-        A stamp that cannot be of this machine's clock (a recording, another machine) still tells the time
+        A stamp that cannot be of this machine's clock (a recording, another machine) still gives the time
         between messages; the soonest that one ever came is taken as its delay.
         """
         stamp = message.header.stamp

@@ -13,7 +13,7 @@ class LinkTransforms:
     """Poses of the links behind a robot's axes, and of tool0, in its base link.
 
     Args:
-        robot: The robot; its description tells the links' names.
+        robot: The robot; its description has the links' names.
         prefix: Put before every frame name, so that two robots can share /tf.
     """
 

@@ -29,7 +29,7 @@ class VisualizerNode(RobotNode):
     Where tf2_msgs is installed, the links' transforms are published on /tf too.
     """
 
-    takes_part = False  # who looks on does not hold time
+    takes_part = False  # a display does not hold time
 
     def __init__(self, **options: Any) -> None:
         super().__init__('visualizer_node', **options)

@@ -14,7 +14,7 @@ def interrupt(wake: Callable[[], None]) -> Iterator[threading.Event]:
     """An event that is set by Ctrl-C or terminate while the context lasts; for the main thread.
 
     An exception raised by a signal handler can strike inside compiled code, which then reports something
-    else or leaves half of its work. So nothing is raised: whoever spins ends between two callbacks. Ctrl-C
+    else or leaves half of its work. So nothing is raised: spinning ends between two callbacks. Ctrl-C
     in a terminal reaches a launched process twice; the second changes nothing, afterwards too: the process is
     about to end.
 

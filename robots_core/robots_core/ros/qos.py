@@ -27,7 +27,7 @@ COMMAND: Final = QoSProfile(depth=100)
 
 
 def subscribe_state(node: Node, message_type: Any, topic: str, callback: Callable[[Any], None]) -> None:
-    """Subscribe to a state topic whoever publishes it.
+    """Subscribe to a state topic, latched or not.
 
     A latched value only reaches a transient-local subscriber, and such a subscriber does not match a
     publisher that latches nothing (most PLC bridges). So there are two; the callback may see a message

@@ -109,7 +109,7 @@ class RobotNode(TimedNode):
             self._publish_health()
 
     def look_after_health(self) -> None:
-        """Called before health is told again: for nodes whose health has values that change."""
+        """Called before health is reported again: for nodes whose health has values that change."""
 
     def _repeat_health(self) -> None:
         self.look_after_health()

@@ -45,7 +45,7 @@ class CommandPlanner:
 
     Args:
         planning: Plans.
-        queue: Knows what runs.
+        queue: Holds what runs.
         standing: Where the robot's reference stands, (n,); raises a PlanningError if it does not.
         path_time: How far the running motion is, s of its plan.
         send: Sends a motion.

@@ -79,7 +79,7 @@ class RunningMotion:
 
 
 class CommandQueue:
-    """Collects blended commands to chains, and knows what runs. Safe to call from any thread.
+    """Collects blended commands to chains, and holds what runs. Safe to call from any thread.
 
     A motion that fails takes all with it that were commanded before it ended: after a stop the robot stands
     until somebody commands it anew.

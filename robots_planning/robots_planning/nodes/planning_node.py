@@ -89,7 +89,7 @@ class PlanningNode(RobotNode):
         self._worker = ThreadPoolExecutor(1, 'planner')
         self._patience = self.create_timer(BLEND_PATIENCE, self._release, autostart=False)
         self._reference: tuple[Array, Array] | None = None
-        self._controllers: set[bytes] = set()  # who published references when the last motion was sent
+        self._controllers: set[bytes] = set()  # publishers of references when the last motion was sent
 
         self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', STREAM)
         self._trajectory_publisher = self.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)

@@ -1,4 +1,4 @@
-"""SettingsPublisher: tells on `motion_settings` what holds for the next motion."""
+"""SettingsPublisher: publishes on `motion_settings` what holds for the next motion."""
 
 from collections.abc import Callable, Iterable
 

@@ -40,7 +40,7 @@ local attend, sources, hook, program_place
 local instructions = 0
 local MAX_TASK_INSTRUCTIONS, current_task, task_instructions = 1000000, nil, 0
 
--- Lines are told while somebody debugs: each costs a call of Python.
+-- Lines are reported during debugging alone: each costs a call of Python.
 local function trace(code)
   tracing, wants_depth = code & TRACE_BIT ~= 0, code & DEPTH_BIT ~= 0
   local co = running()
@@ -120,7 +120,7 @@ end
 
 -- What catches errors must hand on the stop: see `caught` and its callers.
 
--- Lua names the line of a wrapper below; the program does not know it.
+-- Lua names the line of a wrapper below, which is no line of the program.
 local function own_words(problem)
   if type(problem) == 'string' then return (gsub(problem, '^robots:%d+: ', '')) end
   return problem
@@ -403,7 +403,7 @@ function describe(problem)
   else
     message = 'error with a ' .. kind .. ' value instead of a message'
   end
-  -- Whoever is told would be busy for seconds with one as long as the memory allows.
+  -- A message as long as the memory allows would take its reader seconds.
   if #message > MAX_MESSAGE then message = sub(message, 1, MAX_MESSAGE) .. '...' end
   local chunk, line = program_place()
   return setmetatable({chunk = chunk, line = line, reason = message, stack = program_stack()}, FAILURE)
@@ -414,7 +414,7 @@ return function()
   if not program then return false, name, 0, problem, '' end
   local ok, failure = xpcall(function()
     sethook(hook, '', count)
-    trace(ask())                        -- what is to be attended to at the start, the first line tells
+    trace(ask())                        -- the first line reports what is due at the start
     program()
     call('', {}, 0)                     -- the program ends when the robot stands
   end, describe)

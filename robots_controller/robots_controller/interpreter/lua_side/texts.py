@@ -3,7 +3,7 @@
 from typing import Final
 
 TEXTS: Final = rb"""
--- Lua tells a value without a text of its own by its address, which is another one in every process. Here
+-- Lua shows a value without a text of its own as its address, which differs in every process. Here
 -- such values are numbered, in the order in which they are first asked for.
 local ADDRESSED = {table = true, ['function'] = true, thread = true}
 local numbers, last_number = setmetatable({}, {__mode = 'k'}), 0

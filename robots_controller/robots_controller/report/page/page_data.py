@@ -17,7 +17,7 @@ STEPS: Final = 65_535  # between the lowest and the highest value of a curve: fi
 
 
 class PageArrays:
-    """Collects arrays; each is told of by its number."""
+    """Collects arrays; each is referred to by its number."""
 
     def __init__(self) -> None:
         self._items: list[dict[str, str]] = []

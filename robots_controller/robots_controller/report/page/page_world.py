@@ -104,7 +104,7 @@ def _part(
     if len(mesh.vertices) > MOST_VERTICES:
         mesh = mesh.convex_hull
     mesh.apply_transform(np.block([[pose.T, pose.r[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]]))
-    normals = np.zeros((len(mesh.vertices), 4), dtype=np.int8)  # WebGL wants vertices of 4 bytes
+    normals = np.zeros((len(mesh.vertices), 4), dtype=np.int8)  # vertices of 4 bytes, as WebGL needs them
     normals[:, :3] = np.round(127.0 * mesh.vertex_normals)
     stored = {
         'vertices': arrays.add(mesh.vertices),

@@ -17,7 +17,7 @@ class Recording:
 
     Args:
         num_axes: n.
-        torque: The drives know their torques.
+        torque: The drives report torques.
     """
 
     def __init__(self, num_axes: int, *, torque: bool) -> None:

@@ -1,4 +1,4 @@
-"""Messages of the cell's topics without ROS, as rosbags knows them."""
+"""Messages of the cell's topics without ROS, as rosbags has them."""
 
 from __future__ import annotations
 

@@ -110,7 +110,7 @@ class RigidBodyDrive(DriveTrain):
         self._end[0] = q
 
     def load(self, payload: Payload) -> None:
-        """See `DriveTrain.load`; the feed-forward knows the payload, too."""
+        """See `DriveTrain.load`; the feed-forward includes the payload."""
         self._dynamics = loaded_chain(self.robot, payload, self._base).arrays
         if self._model is not None:
             self._model.load(self._dynamics)
