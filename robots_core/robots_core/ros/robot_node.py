@@ -135,6 +135,19 @@ class RobotNode(TimedNode):
             self.report_health(DiagnosticStatus.ERROR, f'internal error: {error!r}')
         super().thread_failed(error)
 
+    def create_subscription(
+        self, msg_type: Any, topic: str, callback: Callable[[Any], None], qos_profile: Any, **options: Any
+    ) -> Any:
+        """As `Node.create_subscription`; a RobotsError of the callback refuses the message, see `refuse`."""
+
+        def take(message: Any) -> None:
+            try:
+                callback(message)
+            except RobotsError as error:
+                self.refuse(topic, error, stream=qos_profile is not COMMAND)
+
+        return super().create_subscription(msg_type, topic, take, qos_profile, **options)
+
     def refuse(self, topic: str, error: RobotsError, *, stream: bool = False) -> None:
         """Log and report bad input on a topic; the node goes on.
 

@@ -30,6 +30,7 @@ from robots_core.ros.messages import (
     joint_values,
     motion_result_from_message,
     motion_result_message,
+    number_in,
     pose_from_message,
     stamp_id,
 )
@@ -38,7 +39,7 @@ from robots_core.ros.presence import publishers_of
 from robots_core.ros.qos import COMMAND, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
-from robots_core.validation import Array
+from robots_core.validation import Array, fraction
 from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
 from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, checked
@@ -189,11 +190,8 @@ class PlanningNode(RobotNode):
             raise InvalidInputError(f'frame {frame!r} is unknown; poses are given in {BASE_FRAME!r}')
 
     def _on_reference_pose(self, message: PoseStamped) -> None:
-        try:
-            self.planner.reference_pose = self._pose(message)
-        except RobotsError as error:
-            self.planner.reference_pose = None
-            self.refuse('reference_pose', error)
+        self.planner.reference_pose = None  # a trigger does not lead to one before this, whatever it is
+        self.planner.reference_pose = self._pose(message)
 
     def _on_trigger(self, message: Bool) -> None:
         stamp = self.get_clock().now().to_msg()
@@ -219,7 +217,7 @@ class PlanningNode(RobotNode):
         self.planner.wait_no_longer()
 
     def _on_progress(self, message: Float64) -> None:
-        self.planner.progress(message.data)
+        self.planner.progress(fraction(message.data, 'motion_progress'))
 
     def _on_controller_lost(self, _: str, reason: str) -> None:
         self.planner.lose_controller(reason)
@@ -228,7 +226,7 @@ class PlanningNode(RobotNode):
         result = motion_result_from_message(message)
         if self._action is not None:
             self._action.ended(result)
-        self.planner.result(result, float(result.details.get('ended', self.time())))
+        self.planner.result(result, number_in(result.details, 'ended', self.time()))
 
     # -- the planner's port: messages out, from its thread too ---------------------------------------
 
