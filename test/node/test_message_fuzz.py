@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
-from importlib.metadata import entry_points
-from pathlib import Path
 from typing import Any, Final
 
 import pytest
@@ -20,22 +17,15 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 
-from robots_controller.live_cell.cell_monitor import CellMonitor
 from robots_core import load_robot_model
 from robots_core.ros.lockstep.phases import NANOSECONDS
 from robots_core.ros.robot_node import RobotNode
-from robots_core.ros.run import run
 
 from .generated_messages import messages_of, nearly
+from .suite_nodes import OPTIONS, suite_nodes
 from .valid_messages import valid_messages
 
 ROBOT: Final = 'kuka_kr210_r2700'
-OPTIONS: Final[dict[str, dict[str, Any]]] = {
-    'visualizer_node': {'port': 0},
-    'io_bridge_node': {'io_map': str(Path('robots_controller/config/io_map_words.yaml').resolve())},
-    'plc_node': {'script': str(Path('programs/io/press_tending.yaml').resolve())},
-}
-PACKAGES: Final = ('robots_core', 'robots_planning', 'robots_controller')
 OWN: Final = ('/clock', '/parameter_events')  # rclpy's
 TICK: Final = 0.05  # s: every timer and loop of the nodes has its turn
 PATIENCE: Final = 240.0  # s
@@ -43,18 +33,6 @@ MOST: Final = 8  # messages in a batch
 EXAMPLES: Final = 10 if settings().derandomize else 200
 # Depth and durability for all subscriptions; liveliness for those that ask for a lease.
 QOS: Final = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-
-
-def nodes() -> dict[str, Any]:
-    """All nodes of the suite that take messages, by executable, and what listens in `cell`."""
-    found = {}
-    for package in PACKAGES:
-        for entry in entry_points(group='console_scripts'):
-            if entry.value.startswith(f'{package}.'):
-                main = entry.load()
-                if isinstance(main, partial) and main.func is run:
-                    found[entry.name] = main.args[0]
-    return {**found, 'cell_monitor': partial(CellMonitor, namespace='/')}
 
 
 class FuzzBench:
@@ -155,10 +133,10 @@ class FuzzBench:
         self.peer.destroy_node()
 
 
-@pytest.fixture(params=sorted(nodes()))
+@pytest.fixture(params=sorted(suite_nodes()))
 def bench(request: pytest.FixtureRequest, ros_context: Any) -> Iterator[FuzzBench]:
     name = request.param
-    bench = FuzzBench(nodes()[name], ros_context, **OPTIONS.get(name, {}))
+    bench = FuzzBench(suite_nodes()[name], ros_context, **OPTIONS.get(name, {}))
     yield bench
     bench.close()
 

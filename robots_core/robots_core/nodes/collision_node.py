@@ -18,7 +18,7 @@ from robots_core.blocks.collision.collision_guard import (
 )
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
-from robots_core.blocks.collision_detection import ENGINES, CollisionDetection, checked_margin
+from robots_core.blocks.collision_detection import ENGINES, CollisionDetection, usable_margin
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.joint_trajectories import complete_points
@@ -49,7 +49,7 @@ class CollisionNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('collision_node', **options)
         margin = self.parameter(
-            'collision_margin', GUARD_MARGIN, 'distance to keep, m', check=checked_margin, read_only=True
+            'collision_margin', GUARD_MARGIN, 'distance to keep, m', check=usable_margin, read_only=True
         )
         engine = self.parameter(
             'collision_engine', 'fcl', f'one of {", ".join(ENGINES)}', check=_known_engine, read_only=True

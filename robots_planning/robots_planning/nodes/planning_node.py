@@ -15,7 +15,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
+from robots_core.blocks.collision_detection import CollisionDetection, usable_margin
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.watched_scene import WatchedScene
@@ -70,7 +70,7 @@ class PlanningNode(RobotNode):
             self.robot, engine=self.parameter('collision_engine', 'fcl', 'fcl or coal', read_only=True)
         )
         margin = self.parameter(
-            'collision_margin', COLLISION_MARGIN, 'distance that motions keep, m', check=checked_margin
+            'collision_margin', COLLISION_MARGIN, 'distance that motions keep, m', check=usable_margin
         )
         self._scene = WatchedScene(self, collision.set_scene)
         planning = PathPlanning(self.robot, collision=collision, collision_margin=margin)
@@ -148,6 +148,11 @@ class PlanningNode(RobotNode):
         self.planner.replace_motions(replace=replace)
         if replace and self._progress is None:  # only then it matters; it comes often
             self._progress = self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
+
+    @property
+    def moving(self) -> bool:
+        """A motion is on its way, or somebody jogs."""
+        return self.planner.moving or self._jogging.jogging.active
 
     # -- messages to the planner ---------------------------------------------------------------------
 
