@@ -112,7 +112,7 @@ class PlanningNode(RobotNode):
             self._action = FollowJointTrajectory(
                 self, lambda message, id_: self._worker.submit(self._send_given, message, id_)
             )
-        HeartbeatWatch(self, ['controller_node'], watchdog_parameter(self), self._on_controller_lost)
+        HeartbeatWatch(self, ['controller_node'], watchdog_parameter(self), self._on_controller_watched)
         self._look = self.create_timer(LOOK_PERIOD, self._look_for_reference)
         self.report_health(DiagnosticStatus.WARN, 'waiting for joint_reference')
 
@@ -224,8 +224,9 @@ class PlanningNode(RobotNode):
     def _on_progress(self, message: Float64) -> None:
         self.planner.progress(fraction(message.data, 'motion_progress'))
 
-    def _on_controller_lost(self, _: str, reason: str) -> None:
-        self.planner.lose_controller(reason)
+    def _on_controller_watched(self, _: str, reason: str) -> None:
+        if reason:
+            self.planner.lose_controller(reason)
 
     def _on_motion_result(self, message: DiagnosticStatus) -> None:
         result = motion_result_from_message(message)
