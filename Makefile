@@ -109,8 +109,8 @@ test-under-load:  ## The same beside twice as many busy processes as there are c
 	@.ci/under_load $(MAKE) test
 
 .PHONY: generated-programs
-generated-programs: build  ## Simulate programs generated from seeds: FIRST=0, COUNT=2000; those that break a law are named
-	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/cell" python -m generated.run_seeds $(or $(FIRST),0) $(or $(COUNT),2000) $$(nproc)
+generated-programs: build  ## Programs generated from seeds: FIRST=0, COUNT=2000, WAYS=simulated,lockstep,live; names those that break a law
+	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test" python -m cell.generated.run_seeds $(or $(FIRST),0) $(or $(COUNT),2000) $$(nproc) $(or $(WAYS),simulated)
 
 .PHONY: fuzz
 fuzz: build .venv/.installed_tests  ## Generated messages to every node, damaged files and programs: DURATION=600 s at least

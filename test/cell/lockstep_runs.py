@@ -78,20 +78,22 @@ class LockstepRuns:
         with (folder / 'lock').open('w') as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not result.exists():
-                found = _run(_copy(folder / 'programs', program), folder / 'out', '--drive', drive)
+                path = _copy(folder / 'programs', program)
+                found = run_cell_with(path, folder / 'out', '--lockstep', '--drive', drive)
                 result.write_text(json.dumps(found))
         values = json.loads(result.read_text())
         return LockstepRun(Path(values[0]), values[1], values[2], Path(values[3]))
 
     def run_file(self, program: Path, *options: str) -> LockstepRun:
         """The run of any other program with these options of `cell`, recorded beside it."""
-        path, code, text, bag = _run(program, program.parent / 'out', *options)
+        path, code, text, bag = run_cell_with(program, program.parent / 'out', '--lockstep', *options)
         return LockstepRun(Path(path), code, text, Path(bag))
 
 
-def _run(path: Path, out: Path, *options: str) -> tuple[str, int, str, str]:
+def run_cell_with(path: Path, out: Path, *options: str) -> tuple[str, int, str, str]:
+    """A program in a cell: program, exit code, output and bag."""
     text = io.StringIO()
-    arguments = ('--program', str(path), '--once', '--lockstep', '--port', '0', '--record', str(out))
+    arguments = ('--program', str(path), '--once', '--port', '0', '--record', str(out))
     # In this process: the server that the nodes are forked from is started once for all runs.
     code = run_cell(parse_options([*arguments, *options]), Console(file=text, width=WIDTH))
     return str(path), code, text.getvalue(), str(next(out.glob('*/bag')))

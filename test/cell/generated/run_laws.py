@@ -112,7 +112,7 @@ def _outputs(run: SimulationRun, robot: BaseRobotModel) -> Iterator[str]:
             row = min(int(np.searchsorted(run.time, event.time - PERIOD_TOLERANCE)), len(flange) - 1)
             tool = motion.settings.tool_pose.r
             here = [r + T @ tool for r, T in flange[max(row - 1, 0) : row + LAG + 1]]
-            off = _distance_to_way(expected, np.array(here))
+            off = distance_to_way(expected, np.array(here))
             if off > PLACE_TOLERANCE:
                 yield f'{label} was switched {1e3 * off:.3f} mm off its place, at {event.time:.3f} s'
     late = [event.index for event in events if event.index >= FIRST_ON_PATH and event.value != 1.0]
@@ -147,7 +147,7 @@ def _expected(motion: SimulatedMotion, anchor: str, at: float, times: Array, pla
     return np.array([np.interp(time, times, places[:, axis]) for axis in range(3)])
 
 
-def _distance_to_way(place: Array, points: Array) -> float:
+def distance_to_way(place: Array, points: Array) -> float:
     """Distance of a place to the straight way through points, m."""
     nearest = float(np.linalg.norm(points - place, axis=1).min())
     for first, second in pairwise(points):

@@ -1,34 +1,52 @@
-"""Simulate generated programs: make generated-programs FIRST=0 COUNT=2000."""
+"""Run generated programs: make generated-programs FIRST=0 COUNT=2000 WAYS=simulated,lockstep,live."""
 
+import argparse
+import os
 import sys
 import tempfile
 import traceback
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 
+from .other_ways import live_problems, lockstep_problems
 from .program_generator import generate
 from .run_laws import broken_laws, simulated
 
+DOMAINS = 50  # ROS domains from this one on, so that two programs at once do not meet
 
-def problems_of(seed: int) -> tuple[int, str, list[str]]:
+
+def problems_of(ways: list[str], seed: int) -> tuple[int, str, list[str]]:
     """Seed, how the program ended, and what did not hold."""
     program = generate(seed)
-    with tempfile.TemporaryDirectory(prefix='generated_') as folder:
+    os.environ['ROS_DOMAIN_ID'] = str(DOMAINS + seed % DOMAINS)
+    with tempfile.TemporaryDirectory(prefix='generated_') as name:
+        folder = Path(name)
         try:
-            run, report = simulated(program, Path(folder))
-            return seed, run.state, broken_laws(program, run, report)
+            run, report = simulated(program, folder)
+            problems = broken_laws(program, run, report)
+            if 'lockstep' in ways:
+                problems += lockstep_problems(program, folder)
+            if 'live' in ways:
+                problems += live_problems(program, run, folder)
         except Exception:  # noqa: BLE001  # every one is a finding
             return seed, 'CRASHED', [traceback.format_exc()]
+    return seed, run.state, problems
 
 
 def main() -> int:
     """Print what does not hold, and how many programs finished."""
-    first, count = int(sys.argv[1]), int(sys.argv[2])
-    workers = int(sys.argv[3]) if len(sys.argv) > 3 else 1
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('first', type=int)
+    parser.add_argument('count', type=int)
+    parser.add_argument('workers', type=int)
+    parser.add_argument('ways', help='simulated, and lockstep and live too if they are named')
+    options = parser.parse_args()
+    seeds = range(options.first, options.first + options.count)
     states: dict[str, int] = {}
     broken = 0
-    with ProcessPoolExecutor(workers) as pool:
-        for seed, state, problems in pool.map(problems_of, range(first, first + count)):
+    with ProcessPoolExecutor(options.workers) as pool:
+        for seed, state, problems in pool.map(partial(problems_of, options.ways.split(',')), seeds):
             states[state] = states.get(state, 0) + 1
             broken += bool(problems)
             for problem in problems:
