@@ -326,7 +326,11 @@ def test_what_comes_too_late_for_a_chain_starts_where_its_plan_stops(cell: Cell)
     cell.now += cell.ends[0][MIDDLE] - REPLACE_LEAD + 0.01
     cell.bead(WINDOW + 1, last=True)
     assert cell.ids == [MIDDLE, str(WINDOW + 1)]
-    assert cell.sent[1][3] == 0.0
+    title, join_time = cell.sent[1][2:]
+    assert title.endswith(
+        'after a stop of its chain (its next motions came too late to be carried on in motion)'
+    )
+    assert join_time == 0.0
     np.testing.assert_array_equal(cell.trajectory(1).position[0], cell.trajectory(0).position[-1])
     cell.end(MIDDLE)
     assert {result.id for result in cell.answers} == {str(number) for number in range(WINDOW)} - {MIDDLE}

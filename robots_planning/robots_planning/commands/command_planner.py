@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -26,6 +25,7 @@ class PlannedCommands:
         motion: The plan.
         ends: When each of the commands ends, s of the plan.
         join_time: Where it goes on from another, s; see `MotionPlannerPort.send`.
+        stop: Why its chain stops before it, for a person; '' if it does not.
     """
 
     id: str
@@ -33,6 +33,7 @@ class PlannedCommands:
     motion: PlannedMotion
     ends: tuple[float, ...]
     join_time: float = 0.0
+    stop: str = ''
 
     @property
     def ends_by_id(self) -> dict[str, float]:
@@ -117,7 +118,7 @@ class CommandPlanner:
             state, only = running[-1].trajectory.sample(join_time), commands[0]
             motion = self._planning.plan_moving(only.kind, state, only.target, only.settings)
             return PlannedCommands(only.id, commands, motion, (motion.duration,), join_time), None
-        plan = self._carried_on(chain, running)
+        plan, stop = self._carried_on(chain, running)
         if plan is not None:
             join_time = round(running[-1].join_time - running[-1].trajectory.duration, 9)
         else:
@@ -126,17 +127,21 @@ class CommandPlanner:
         id_, open_end = plan.commands[-1].id, plan.open_end
         if open_end is not None:
             id_ = plan.commands[-len(open_end.commands) - 1].id
-        return PlannedCommands(id_, plan.commands, plan.motion, plan.ends, join_time), open_end
+        return PlannedCommands(id_, plan.commands, plan.motion, plan.ends, join_time, stop), open_end
 
-    def _carried_on(self, chain: CommandChain, running: tuple[RunningMotion, ...]) -> ChainPlan | None:
-        """The plan that carries the last motion on; None if there is none, or it would come too late."""
+    def _carried_on(
+        self, chain: CommandChain, running: tuple[RunningMotion, ...]
+    ) -> tuple[ChainPlan | None, str]:
+        """The plan that carries the last motion on; or None, and why its chain stops there."""
         if self._open is None or not running or self._open.commands[-1].id not in running[-1].ends:
-            return None
-        with contextlib.suppress(RobotsError):
-            if not self._late(running[-1]):
-                plan = self._chain.carry_on(self._open, chain)
-                return None if self._late(running[-1]) else plan
-        return None
+            return None, ''
+        try:
+            plan = None if self._late(running[-1]) else self._chain.carry_on(self._open, chain)
+        except RobotsError as error:
+            return None, f'it cannot be carried on in motion: {error}'
+        if plan is None or self._late(running[-1]):
+            return None, 'its next motions came too late to be carried on in motion'
+        return plan, ''
 
     def _late(self, motion: RunningMotion) -> bool:
         """The last motion is too near to its join time, or over."""

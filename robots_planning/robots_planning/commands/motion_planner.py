@@ -53,7 +53,7 @@ class MotionPlannerPort(Protocol):
             id_: Its own: that of its last command before the next motion may carry it on.
             motion: The plan.
             ends: When each of its commands ends, s of the plan, by id and in order.
-            title: Its kinds, for a person.
+            title: Its kinds, and why its chain stops before it, for a person.
             join_time: Path time of the running motion at which it takes its place, s. Below 0 it carries the
                 last motion on, so long before that one's end; 0: after its end.
         """
@@ -274,8 +274,10 @@ class MotionPlanner:
             self._unplanned.popleft()
 
     def _send(self, planned: PlannedCommands) -> None:
-        titles = ' + '.join(command.kind.title for command in planned.commands)
-        self._follow(planned.id, planned.motion, planned.ends_by_id, titles, planned.join_time)
+        title = ' + '.join(command.kind.title for command in planned.commands)
+        if planned.stop:
+            title += f' after a stop of its chain ({planned.stop})'
+        self._follow(planned.id, planned.motion, planned.ends_by_id, title, planned.join_time)
 
     def _follow(
         self, id_: str, motion: PlannedMotion, ends: Mapping[str, float], title: str, join_time: float
