@@ -8,12 +8,18 @@ import re
 import signal
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rich.console import Console
+from std_msgs.msg import UInt8, UInt8MultiArray
+from std_srvs.srv import Trigger
 
 from robots_controller.live_cell.cell_command import parse_options, run_cell
 from robots_core.errors import RobotsError
+from robots_core.ros.messages import diagnostic_values
 
 from .bag_checks import read_messages
 from .cell_process import CellProcess
@@ -102,7 +108,7 @@ def test_ctrl_c_and_terminate_stop_all_nodes(start_cell: StartCell, number: sign
 
 
 def test_a_node_that_died_is_named_with_the_reason(start_cell: StartCell) -> None:
-    cell = start_cell('--robot', 'bello_bot')
+    cell = start_cell('--robot', 'bello_bot', '--no-restart')
     cell.until_ready()
     os.kill(cell.node_pids()['drive_node'], signal.SIGKILL)
     assert cell.wait() == 1
@@ -112,7 +118,8 @@ def test_a_node_that_died_is_named_with_the_reason(start_cell: StartCell) -> Non
 def test_a_planner_killed_in_a_motion_leaves_the_robot_standing_on_its_path(
     start_cell: StartCell,
 ) -> None:
-    cell = start_cell('--robot', 'kuka_kr210_r2700', '--program', str(PROGRAMS / 'welding.lua'))
+    options = ('--robot', 'kuka_kr210_r2700', '--program', str(PROGRAMS / 'welding.lua'), '--no-restart')
+    cell = start_cell(*options)
     cell.until('PTPCARTESIAN to')
     os.kill(cell.node_pids()['planning_node'], signal.SIGKILL)
     cell.until('planning_node killed by SIGKILL')
@@ -128,4 +135,77 @@ def test_a_second_cell_beside_the_first_ends_with_the_reason(start_cell: StartCe
     second = start_cell('--robot', 'kuka_kr210_r2700')
     assert second.wait() == 1
     assert 'another cell is running' in second.text
+    assert f'process {first.process.pid}' in second.text
+    assert len(list(second.out.iterdir())) == 1  # the first one's: it has started nothing
     assert len(first.node_pids()) == 6
+
+
+def test_a_cell_looks_for_nodes_that_others_have_started_before_it_starts_its_own(
+    ros_nodes: Any, tmp_path: Path
+) -> None:
+    peer = ros_nodes.create_node('drive_node')
+    ros_nodes.wait_for(lambda: 'drive_node' in peer.get_node_names(), what='the node')
+    text = io.StringIO()
+    options = parse_options(['--robot', 'bello_bot', '--record', str(tmp_path)])
+    assert run_cell(options, Console(file=text, width=200)) == 1
+    assert 'there is another drive_node in namespace /' in text.getvalue()
+    assert not list(tmp_path.glob('*/log/*'))
+
+
+PROGRAM = 'setDigitalOutput(1, true) setDigitalOutput(2, true)\nptpJointSpaceAngles(%s)\n'
+OUTPUTS = """
+fail_safe: {digital_output.2: hold}
+inputs:
+  - {channel: digital_input.1, topic: plc/none, type: Bool, timeout: 0.5, fail_safe: false}
+outputs:
+  - {bits: {0: digital_output.1, 1: digital_output.2}, topic: plc/word, type: UInt8}
+"""
+
+
+def collected(
+    runner: Any, topic: str, kind: type, read: Callable[[Any], Any], *, latched: bool = True
+) -> Any:
+    """What comes on a topic from now on."""
+    found: list[Any] = []
+    durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
+    qos = QoSProfile(depth=1000, durability=durability)
+    node = runner.create_node(f'peer_of_{kind.__name__}')
+    node.create_subscription(kind, topic, lambda message: found.append(read(message)), qos)
+    return found
+
+
+def test_a_program_s_node_that_is_killed_leaves_fail_safe_outputs_and_comes_back_without_its_program(
+    start_cell: StartCell, ros_nodes: Any, tmp_path: Path
+) -> None:
+    """With a PLC that is silent from the start. Nothing but a whole cell has processes to kill."""
+    words = collected(ros_nodes, 'plc/word', UInt8, lambda m: m.data, latched=False)
+    images = collected(ros_nodes, 'digital_outputs', UInt8MultiArray, lambda m: list(m.data[:2]))
+    status = collected(ros_nodes, 'program_status', DiagnosticStatus, diagnostic_values)
+    wait = ros_nodes.wait_for
+    (tmp_path / 'map.yaml').write_text(OUTPUTS)
+    (tmp_path / 'far.lua').write_text(f'setSpeed(0.01)\n{PROGRAM % "0, -60, 60, 0, 45, 0"}')
+    options = ('--robot', 'kuka_kr210_r2700', '--program', str(tmp_path / 'far.lua'))
+    cell = start_cell(*options, '--io-map', str(tmp_path / 'map.yaml'))
+    cell.until('plc/none has been silent')
+    cell.until('PTPJOINT_JOINT to')
+    wait(lambda: words and images and words[-1] == 0b11 and images[-1] == [1, 1], what='outputs')
+    before = len(images)
+    os.kill(cell.node_pids()['lua_program_node'], signal.SIGKILL)
+    cell.until('lua_program_node is started again in 0.5 s')
+    wait(lambda: words[-1] == 0b10 and images[-1] == [0, 1], what='fail-safe outputs')
+    cell.until('far.lua was interrupted at line 3: lua_program_node killed by SIGKILL')
+    cell.until('ready')
+    state = wait(lambda: status[-1] if status[-1]['state'] == 'OPENED' else None, what='the new process')
+    assert state['error'] == 'far.lua was interrupted at line 3: lua_program_node killed by SIGKILL'
+    # Old process, cell and new process: what is held is held all the time.
+    assert {tuple(image) for image in images[before:]} <= {(1, 1), (0, 1)}
+    assert images[-1] == [0, 1]
+    run = ros_nodes.create_node('operator').create_client(Trigger, 'lua_program_node/run')
+    wait(run.service_is_ready, what='the service')
+    answer = run.call_async(Trigger.Request())
+    wait(answer.done, what='the answer')
+    assert answer.result().success, answer.result().message
+    wait(lambda: status[-1]['state'] == 'RUNNING', what='the program, started by a person')
+    cell.interrupt()
+    assert cell.wait() == 130
+    wait(lambda: words[-1] == 0b10, what='fail-safe outputs at the end of the cell')

@@ -78,13 +78,21 @@ def launched(launch_file: dict[str, Any], **arguments: str) -> list[SimpleNamesp
     return nodes
 
 
+def without_launch(node: NodeDescription) -> dict[str, Any]:
+    parameters: dict[str, Any] = node.as_dict()['parameters']
+    parameters.pop('launch', None)  # another one each time
+    return parameters
+
+
 @pytest.mark.parametrize('arguments', [{'robot': 'cello_bot'}, {'program': PROGRAM, 'io': PRESS}])
 def test_its_nodes_are_those_of_the_cell(launch_file: dict[str, Any], arguments: dict[str, str]) -> None:
     robot = {'robot': 'bello_bot'}  # which the program names at its top
     expected = cell_graph(**robot | arguments, autostart='program' in arguments)  # type: ignore[arg-type]
     nodes = launched(launch_file, **arguments)
+    launches = {node.parameters[0].pop('launch', None) for node in nodes} - {None}
+    assert all(launches) == ('program' in arguments)
     assert [(node.package, node.executable, node.parameters) for node in nodes] == [
-        (node.package, node.executable, [node.as_dict()['parameters']]) for node in expected
+        (node.package, node.executable, [without_launch(node)]) for node in expected
     ]
     assert {node.namespace for node in nodes} == {'/left'}
 

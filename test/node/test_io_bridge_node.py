@@ -15,6 +15,7 @@ from robots_controller.nodes.io_bridge_node import WATCH_PERIOD, IoBridgeNode
 from robots_core.errors import InvalidInputError
 from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
 
@@ -71,6 +72,8 @@ def bridge(ros_nodes: Any, tmp_path: Path) -> Any:
 def test_a_plc_that_publishes_words(ros_nodes: Any):
     plc = Plc(ros_nodes, CONFIG / 'io_map_words.yaml')
     plc.wait_for_health(DiagnosticStatus.WARN, 'plc/input_words has been silent for 0.5 s')
+    (silent,) = (one for one in plc.health[-1:] if one.name == '/io_bridge_node')
+    assert diagnostic_values(silent)['was_ready'] == 'True'  # a cell does not wait for its PLC
     message = UInt16MultiArray(data=[0b0000_0001_0000_0101])
     plc.repeat('plc/input_words', message)
     plc.repeat('plc/analog_words', UInt16MultiArray(data=[2048]))

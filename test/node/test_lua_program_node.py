@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray, UInt8MultiArray
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core import Pose
 from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import diagnostic_status, diagnostic_values, pose_from_message, stamp_id
@@ -22,7 +23,7 @@ from robots_planning import LinearJoint
 from robots_planning.nodes.trajectory_messages import trajectory_message
 from robots_planning.trajectory import Trajectory
 
-from .lua_bench import MOVE, LuaBench, ignore
+from .lua_bench import MOVE, ROBOT, LuaBench, ignore
 
 
 def test_program_moves_switches_and_prints(ros_nodes: Any, tmp_path: Path):
@@ -154,15 +155,6 @@ def _destroy(bench: LuaBench) -> bool:
         if publisher.topic_name == '/motion_result':
             bench.planner.destroy_publisher(publisher)
     return True
-
-
-def test_a_stop_by_a_fault_fails_the_program_where_it_is(ros_nodes: Any, tmp_path: Path):
-    bench = LuaBench(ros_nodes, tmp_path)
-    bench.start('print("here")\nwait(1000)')
-    bench.wait_for_state('RUNNING')
-    stop = diagnostic_status('stop', 'emergency stop', level=DiagnosticStatus.ERROR)
-    bench.publish('stop_status', stop, STATE)
-    assert bench.wait_for_state('FAILED')['error'].endswith(': emergency stop')
 
 
 def test_stop_stops_program_and_robot_until_the_robot_says_so(ros_nodes: Any, tmp_path: Path):
@@ -312,6 +304,69 @@ def test_autostart_runs_when_the_robot_can_move(ros_nodes: Any, tmp_path: Path):
     bench.peer.create_timer(0.01, lambda: controller.publish(JointTrajectory()))
     bench.wait_for_state('FINISHED')
     assert len(bench.commands) == 1
+
+
+def test_autostart_runs_once_in_a_launch_however_often_the_node_is_started(
+    ros_nodes: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setenv('XDG_RUNTIME_DIR', str(tmp_path))
+    path = tmp_path / 'auto.lua'
+    path.write_text(MOVE)
+    options = {'autostart': True, 'launch': 'monday', 'program': str(path)}
+    bench = LuaBench(ros_nodes, tmp_path, **options)
+    controller = bench.peer.create_publisher(JointTrajectory, 'joint_reference', STREAM)
+    bench.peer.create_timer(0.01, lambda: controller.publish(JointTrajectory()))
+    bench.wait_for_state('FINISHED')
+    ros_nodes.destroy(bench.node)
+    bench.node = bench.start_node(LuaProgramNode, robot_model=ROBOT, **options)
+    bench.wait(lambda: any('no autostart: this node has been started anew' in m.msg for m in bench.log), 'it')
+    bench.start(MOVE)  # by a person
+    bench.wait_for_state('FINISHED')
+    assert len(bench.commands) == 2
+
+
+def test_autostart_says_what_it_waits_for(ros_nodes: Any, tmp_path: Path):
+    path = tmp_path / 'auto.lua'
+    path.write_text(MOVE)
+    bench = LuaBench(ros_nodes, tmp_path, planner=False, autostart=True, program=str(path))
+
+    def wait_for(text: str) -> None:
+        bench.wait(lambda: any(f'autostart waits for {text}' in one.msg for one in bench.log), text)
+
+    wait_for('planning_node and controller_node')
+    health = bench.publisher('/diagnostics', DiagnosticArray)
+    wrong = diagnostic_status('/planning_node', 'waiting for joint_reference', level=DiagnosticStatus.WARN)
+    health.publish(DiagnosticArray(status=[wrong]))
+    controller = bench.peer.create_publisher(JointTrajectory, 'joint_reference', STREAM)
+    bench.peer.create_timer(0.01, lambda: controller.publish(JointTrajectory()))
+    bench.start_planner()
+    wait_for('planning_node (waiting for joint_reference)')
+    assert not bench.commands
+    health.publish(DiagnosticArray(status=[diagnostic_status('/planning_node', 'ready')]))
+    bench.wait_for_state('FINISHED')
+
+
+def test_a_node_that_was_started_anew_knows_its_outputs_and_what_was_interrupted(
+    ros_nodes: Any, tmp_path: Path
+):
+    path = tmp_path / 'test.lua'
+    path.write_text(MOVE)
+    reason = 'test.lua was interrupted at line 1: lua_program_node killed by SIGKILL'
+    bench = LuaBench(
+        ros_nodes,
+        tmp_path,
+        program=str(path),
+        interrupted=reason,
+        outputs=['digital_output.2=1', 'analog_output.1=2.5'],
+    )
+    bench.wait(lambda: bench.digital and bench.analog, 'the outputs')
+    assert bench.digital[0][:2] == [0, 1]
+    assert bench.analog[0][0] == 2.5
+    status = bench.status[-1]
+    assert (status.level, status.message) == (DiagnosticStatus.ERROR, reason)
+    assert diagnostic_values(status)['state'] == 'OPENED'
+    assert bench.ask('run').success
+    assert bench.wait_for_state('FINISHED')['error'] == ''
 
 
 @pytest.mark.parametrize(

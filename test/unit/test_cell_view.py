@@ -139,6 +139,12 @@ def test_trouble_of_a_ready_node_is_told_and_not_repeated_at_once() -> None:
     assert lines == ['ready  drive_node  http://here', 'drive_node: axis 2 is hot']
 
 
+def test_a_node_that_works_is_ready_whatever_it_misses() -> None:
+    """As a bridge at the start of a cell whose PLC is still silent."""
+    silent = NodeHealth('drive_node', 1, False, 'plc/inputs has been silent for 0.5 s', '', works=True)
+    assert shown(silent) == ['ready  drive_node', 'drive_node: plc/inputs has been silent for 0.5 s']
+
+
 def test_a_terminal_shows_a_bar_of_the_running_motion_and_leaves_none_behind() -> None:
     console = Console(file=io.StringIO(), force_terminal=True, width=80, color_system=None)
     view = CellView(console, [])

@@ -118,7 +118,7 @@ def test_a_full_disk_is_told_without_a_traceback_and_the_bag_ends_whole(tmp_path
     bag = tmp_path / 'bag'
     with (
         no_file_larger_than(1_500_000),
-        pytest.raises(RobotsError, match='bag cannot take more: File too la'),
+        pytest.raises(RobotsError, match='bag cannot take more: File too'),
     ):
         run_text(tmp_path, text, bag=bag)
     assert read_bag(bag).problem == ''

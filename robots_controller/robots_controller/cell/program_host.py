@@ -128,6 +128,17 @@ class ProgramHost:
         self._report_well()
         return f'{self.program.file} is open'
 
+    def reopen(self, path: Path | str, points_file: Path | str, interrupted: str) -> str:
+        """Open a program that was interrupted by the end of its process; its status says so until it runs.
+
+        Raises:
+            ProgramError: as `open`.
+        """
+        opened = self.open(path, points_file)
+        self.reporter.open_error = interrupted
+        self.reporter.report()
+        return opened
+
     def run(self, *, hold: bool = False) -> str:
         """Run the program from its start; with `hold`, hold it before its first line.
 
@@ -183,11 +194,6 @@ class ProgramHost:
             raise ProgramError('no program is running')
         self.motions.stop()
         return f'{self.program.file} stops'
-
-    def fail(self, reason: str) -> None:
-        """Stop a program that is running, and the robot on its path, for this reason: it has failed."""
-        if self.program.fail(reason):
-            self.motions.stop()
 
     def reset(self) -> str:
         """Set the program back to its start.

@@ -8,7 +8,9 @@ import signal
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
+from uuid import uuid4
 
 from rich.console import Console
 from rich.markup import escape
@@ -23,6 +25,7 @@ from robots_controller.cell_arguments import (
 )
 from robots_controller.editor.debug_token import new_token
 from robots_controller.interpreter.lua_program import LuaProgram
+from robots_controller.io.cell_io import read_cell_io
 from robots_controller.live_cell.cell_events import (
     Event,
     MotionEnded,
@@ -30,20 +33,27 @@ from robots_controller.live_cell.cell_events import (
     NodeHealth,
     ProgramStatus,
 )
-from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, cell_graph
+from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, NodeDescription, cell_graph
 from robots_controller.live_cell.cell_listener import CellListener, listen
 from robots_controller.live_cell.cell_view import CellView
+from robots_controller.live_cell.left_outputs import LeftOutputs
 from robots_controller.live_cell.node_processes import NodeProcesses
+from robots_controller.live_cell.node_restarts import NodeRestarts
+from robots_controller.live_cell.restart_policy import RestartPolicy
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.recording.motion_record import MOTION_TOPICS
+from robots_controller.runtime_folder import alone
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
 from robots_core.robot_choice import load_robot_model
+from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.ros.middleware import choose_transports
 from robots_core.watchdog import WATCHDOG
 
-START_TIMEOUT = 120.0  # s, for all nodes to be ready on a slow machine
+START_TIMEOUT = 600.0  # s, for all nodes to be ready on a slow machine
+WAIT_REPORT = 10.0  # s between reports of what is waited for
 SERVICE_TIMEOUT = 60.0  # s
+LOOK_TIME = 0.3  # s, for nodes of another cell to be found before the own ones are started
 SETTLING_TIME = 2.0  # s after all are ready, in which another cell would have been noticed
 REST_TIMEOUT = 5.0  # s, for the robot to stop on its path
 POLL = 0.05  # s between looks at processes and events
@@ -100,6 +110,11 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     )
     parser.add_argument('--debug-port', type=int, default=0, help='port for editors; 0 for none')
     parser.add_argument(
+        '--no-restart',
+        action='store_true',
+        help='end when a node dies; by default it is started again, and nothing moves by that',
+    )
+    parser.add_argument(
         '--lockstep',
         action='store_true',
         help='simulated time that advances when all nodes have done what was due, as fast as they can',
@@ -119,7 +134,7 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
 
 
 def run_cell(options: argparse.Namespace, console: Console) -> int:
-    """Run a cell until its program has ended (`once`), a node dies, or Ctrl-C.
+    """Run a cell until its program has ended (`once`), a node dies that is not started again, or Ctrl-C.
 
     Returns:
         Exit code: 0 if all went well; 1 if the program failed, a target was missed, a limit was broken
@@ -136,12 +151,37 @@ def run_cell(options: argparse.Namespace, console: Console) -> int:
     token = new_token() if options.debug_port and not options.describe else ''
     graph = cell_graph(
         autostart=options.describe and bool(options.program),  # there is no cell that would start it
+        launch=uuid4().hex if options.describe and options.program else '',
         debug_token=token,
         **{name: getattr(options, name) for name in GRAPH_OPTIONS},
     )
     if options.describe:
         print(json.dumps([node.as_dict() for node in graph], indent=2))
         return EXIT_OK
+    place = f'cell {os.environ.get("ROS_DOMAIN_ID", "0")} {options.namespace}'
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(alone(place))
+        except RobotsError as error:
+            console.print(_occupied('cell', options, f' ({error})'))
+            return EXIT_FAILED
+        return _run_alone(options, console, graph, robot, token)
+
+
+def _occupied(found: str, options: argparse.Namespace, detail: str = '') -> str:
+    return (
+        f'[bold red]there is another {found} in namespace {options.namespace}[/]{escape(detail)}: '
+        f'another cell is running; stop it, or give this one a --namespace or a ROS_DOMAIN_ID'
+    )
+
+
+def _run_alone(
+    options: argparse.Namespace,
+    console: Console,
+    graph: Sequence[NodeDescription],
+    robot: BaseRobotModel,
+    token: str,
+) -> int:
     folder = _run_folder(options.record or Path('out'), options)
     processes = NodeProcesses(graph, namespace=options.namespace, log_folder=folder / 'log')
     job = f' runs [bold]{Path(options.program).name}[/]' if options.program else ''
@@ -156,8 +196,16 @@ def run_cell(options: argparse.Namespace, console: Console) -> int:
     with listen(options.namespace, bag, lockstep=options.lockstep) as listener:
         recorder = listener.recorder
         view = CellView(console, processes.names, robot.axes_data.prismatic)
-        cell = _Cell(options, processes, listener, view)
+        outputs = LeftOutputs(listener.monitor, read_cell_io(options.io, options.io_map).fail_safe)
+        # A lock-step run ends with a participant that is lost.
+        restarting = not (options.once or options.no_restart or options.lockstep)
+        policy = RestartPolicy() if restarting else None
+        restarts = NodeRestarts(processes, listener.monitor, outputs, console, policy)
+        cell = _Cell(options, processes, listener, view, restarts)
         try:
+            if not options.lockstep and (found := cell.others()):
+                console.print(_occupied(found, options))
+                return EXIT_FAILED
             if options.lockstep:
                 listener.coordinate(processes.names)
             processes.start()
@@ -211,8 +259,9 @@ class _Cell:
         processes: NodeProcesses,
         listener: CellListener,
         view: CellView,
+        restarts: NodeRestarts,
     ) -> None:
-        self._options = options
+        self._options, self._restarts = options, restarts
         self._processes = processes
         self._listener = listener
         self._monitor, self._recorder = listener.monitor, listener.recorder
@@ -223,19 +272,29 @@ class _Cell:
         self._ended = False
         self._settled = math.inf
         self._recording_ended = False
+        self._starting = True
+        self._reported = time.monotonic()
         self._foreign = ''
         """A node of this cell's that lives in another process too."""
         self.program_ended = False
         self._view = view
 
+    def others(self) -> str:
+        """A node of this cell's names that is there before any is started; '' for none."""
+        deadline = time.monotonic() + LOOK_TIME
+        while time.monotonic() < deadline:
+            if found := self._monitor.nodes() & set(self._processes.names):
+                return min(found)
+            time.sleep(POLL)
+        return ''
+
     def run(self) -> int:
         """Until the program has ended, a node dies, or forever."""
         if not self._until(self._ready, START_TIMEOUT):
             if not self._ended:
-                late = ', '.join(sorted(self._waiting)) or 'the recorder'
-                self._console.print(f'[bold red]not ready after {START_TIMEOUT:g} s:[/] {late}')
+                self._console.print(f'[bold red]not ready after {START_TIMEOUT:g} s:[/] {self._late}')
             return EXIT_FAILED
-        self._settled = time.monotonic() + SETTLING_TIME
+        self._settled, self._starting = time.monotonic() + SETTLING_TIME, False
         if self._options.program and not (self._call('open') and self._call('run')):
             return EXIT_FAILED
         self._listener.release()
@@ -253,7 +312,7 @@ class _Cell:
 
     def bring_to_rest(self) -> None:
         """Stop a running motion on its path, before the nodes end."""
-        if self._motion is None or 'controller_node' in {node.name for node in self._processes.dead()}:
+        if self._motion is None or not self._processes.runs('controller_node'):
             return
         self._monitor.call('controller_node/stop')
         deadline = time.monotonic() + REST_TIMEOUT
@@ -263,7 +322,16 @@ class _Cell:
     def _ready(self) -> bool:
         # Health changes with time, which stands still at the first instant of a lock-step run.
         ready = self._listener.held if self._options.lockstep else not self._waiting
-        return ready and (self._recorder is None or self._recorder.records(REPORTED_TOPICS))
+        if ready and (self._recorder is None or self._recorder.records(REPORTED_TOPICS)):
+            return True
+        if time.monotonic() - self._reported >= WAIT_REPORT:
+            self._reported = time.monotonic()
+            self._console.print(f'waiting for {self._late}')
+        return False
+
+    @property
+    def _late(self) -> str:
+        return ', '.join(sorted(self._waiting)) or 'the recorder'
 
     def _until(self, condition: object, timeout: float) -> bool:
         deadline = time.monotonic() + timeout
@@ -278,9 +346,12 @@ class _Cell:
         """All nodes live, and this cell is alone in its place; otherwise says why not, once."""
         if self._ended:
             return False
-        for node in self._processes.dead():
+        for node in self._processes.take_dead():
             self._console.print(f'[bold red]{node.name} {node.reason}[/]\n{escape(node.last_lines)}')
-            self._ended = True
+            if not self._restarts.died(node) or self._starting:
+                self._ended = True
+        for name in self._restarts.start_due():
+            self._view.expect(name)
         if self._listener.problem:
             self._console.print(f'[bold red]{escape(self._listener.problem)}[/]')
             self._ended = True
@@ -289,10 +360,7 @@ class _Cell:
             self._console.print(f'[bold red]recording: {escape(self._recorder.problem)}[/]')
         # The established cell keeps the namespace; the newcomer exits.
         if self._foreign and time.monotonic() < self._settled:
-            self._console.print(
-                f'[bold red]there is another {self._foreign} in namespace {self._options.namespace}[/]: '
-                f'another cell is running; stop it, or give this one a --namespace or a ROS_DOMAIN_ID'
-            )
+            self._console.print(_occupied(self._foreign, self._options))
             self._ended = True
         return not self._ended
 
@@ -309,7 +377,7 @@ class _Cell:
     def _show_events(self) -> None:
         """Show what came in since the last call."""
         for event in self._monitor.take():
-            if isinstance(event, NodeHealth) and event.pid != self._processes.pid(event.node):
+            if isinstance(event, NodeHealth) and not self._processes.owns(event.node, event.pid):
                 if event.node in self._processes.names:
                     self._foreign = event.node
                 continue
@@ -319,13 +387,14 @@ class _Cell:
 
     def _note(self, event: Event) -> None:
         match event:
-            case NodeHealth(node=node, ok=True):
+            case NodeHealth(node=node) if event.ok or event.works:
                 self._waiting.discard(node)
             case MotionPlanned(id_):
                 self._motion = id_
             case MotionEnded(id_) if id_ == self._motion:
                 self._motion = None
             case ProgramStatus(state):
+                self._restarts.program_reported(event)
                 self.program_ended = state in ('FINISHED', 'FAILED', 'STOPPED')
                 self._failed = state in ('FAILED', 'STOPPED')
 

@@ -8,13 +8,23 @@ from robots_core.validation import Array
 
 @dataclass(frozen=True)
 class NodeHealth:
-    """A node's own report; `ok` means ready, `pid` is its process."""
+    """A node's own report.
+
+    Attributes:
+        node: Its name.
+        pid: Its process.
+        ok: All is well.
+        message: For a person.
+        url: Its page, '' for none.
+        works: It was ready once: what it lacks since then, or warns of, does not keep it from its work.
+    """
 
     node: str
     pid: int
     ok: bool
     message: str
     url: str
+    works: bool = False
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
-from robots_core.watchdog import LONGEST, WATCHDOG, checked_watchdog
+from robots_core.watchdog import WATCHDOG, checked_watchdog
 from robots_planning.motion_settings import NOTHING
 
 DEFAULT_ROBOT: Final = 'bello_bot'
@@ -77,6 +77,7 @@ def cell_graph(
     robot: str,
     program: str = '',
     autostart: bool = False,
+    launch: str = '',
     rate: float = 250.0,
     drive: str = 'second_order',
     goal_tolerance: float | None = None,
@@ -98,6 +99,7 @@ def cell_graph(
         robot: The robot's name; all that depends on it.
         program: Robot program that the Lua node opens.
         autostart: The Lua node runs the program by itself as soon as it can.
+        launch: Names this start of the cell: within it autostart runs the program once.
         rate: References per second, Hz.
         drive: Level of the drives, one of `DRIVE_LEVELS`.
         goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
@@ -120,8 +122,6 @@ def cell_graph(
     """
     check_level(drive)
     watched = {'watchdog': checked_watchdog(watchdog)}
-    # In lock-step the controller is that of a simulation.
-    feedback = {} if lockstep else {'feedback_timeout': watchdog or LONGEST}
     if guided and guided not in METHODS:
         raise RobotsError(f'unknown inverse kinematics {guided!r}; valid are {", ".join(METHODS)}')
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
@@ -140,13 +140,14 @@ def cell_graph(
     bridge = node('robots_controller', 'io_bridge_node', io_map=io_map, fail_safe=fail_safe, **watched)
     return (
         node('robots_core', 'drive_node', rate=rate, level=drive, payload=list(payload)),
-        node('robots_controller', 'controller_node', rate=rate, **tolerance, **watched, **feedback),
+        node('robots_controller', 'controller_node', rate=rate, **tolerance, **watched),
         node('robots_planning', 'planning_node', scene=scene, payload=list(payload), **watched),
         node(
             'robots_controller',
             'lua_program_node',
             program=program,
             autostart=autostart,
+            launch=launch,
             debug_port=debug_port,
             debug_token=debug_token,
             payload=list(payload),

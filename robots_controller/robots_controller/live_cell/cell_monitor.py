@@ -1,6 +1,5 @@
 """CellMonitor: what happens in the cell, as a stream of plain events."""
 
-import contextlib
 import heapq
 import itertools
 import threading
@@ -21,6 +20,7 @@ from std_msgs.msg import Float64, Float64MultiArray, UInt8MultiArray
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_controller.io.io_image import Kind
 from robots_controller.live_cell.cell_events import (
     Event,
     MotionCommanded,
@@ -32,13 +32,11 @@ from robots_controller.live_cell.cell_events import (
     ProgramPrint,
     ProgramStatus,
 )
-from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     diagnostic_values,
     motion_result_from_message,
-    number_in,
     pose_from_message,
     stamp_id,
 )
@@ -65,7 +63,7 @@ class CellMonitor(Node):
 
     def __init__(self, *, namespace: str, **options: Any) -> None:
         super().__init__('cell_monitor', namespace=namespace, **options)
-        self._outputs: dict[str, list[float]] = {}
+        self._outputs: dict[Kind, UInt8MultiArray | Float64MultiArray] = {}
         # From the beginning: the answer to a client that has only just come may not find it.
         self._trigger_clients: Final = {name: self.create_client(Trigger, name) for name in SERVICES}
         self._lock = threading.Lock()
@@ -84,6 +82,17 @@ class CellMonitor(Node):
         self._progress = PolledSubscription(self, Float64, 'motion_progress', QoSProfile(depth=1))
         self._listen(UInt8MultiArray, 'digital_outputs', partial(self._changes, 'digital'), LATCHED)
         self._listen(Float64MultiArray, 'analog_outputs', partial(self._changes, 'analog'), LATCHED)
+
+    @property
+    def outputs(self) -> dict[Kind, UInt8MultiArray | Float64MultiArray]:
+        """The newest images of the outputs."""
+        with self._lock:
+            return dict(self._outputs)
+
+    def nodes(self) -> set[str]:
+        """Names of the nodes in the namespace that have been found so far."""
+        here = self.get_namespace()
+        return {name for name, namespace in self.get_node_names_and_namespaces() if namespace == here}
 
     def take(self) -> list[Event]:
         """Events that are old enough to be in order, oldest first."""
@@ -107,8 +116,7 @@ class CellMonitor(Node):
         self, message_type: Any, topic: str, events: Callable[[Any], Iterable[Event]], qos: QoSProfile
     ) -> None:
         def on_message(message: Any, info: dict[str, int]) -> None:
-            # What is not valid is refused and reported by the nodes that it is meant for.
-            with self._lock, contextlib.suppress(RobotsError):
+            with self._lock:
                 for event in events(message):
                     self._push(info, event)
 
@@ -125,17 +133,19 @@ class CellMonitor(Node):
             if status.name.startswith(prefix) and '/' not in name:
                 values = diagnostic_values(status)
                 yield NodeHealth(
-                    pid=int(number_in(values, 'pid', 0.0)),
+                    pid=int(values.get('pid', 0)),
                     node=name,
                     ok=status.level == DiagnosticStatus.OK,
                     message=status.message,
                     url=values.get('url', ''),
+                    works=values.get('was_ready') == 'True',
                 )
 
-    def _changes(self, kind: str, message: UInt8MultiArray | Float64MultiArray) -> Iterable[Event]:
+    def _changes(self, kind: Kind, message: UInt8MultiArray | Float64MultiArray) -> Iterable[Event]:
         values = [float(value) for value in message.data]
-        before = self._outputs.get(kind, [0.0] * len(values))
-        self._outputs[kind] = values
+        last = self._outputs.get(kind)
+        before = [0.0] * len(values) if last is None else [float(value) for value in last.data]
+        self._outputs[kind] = message
         changes = tuple(
             (index, new)
             for index, (old, new) in enumerate(zip(before, values, strict=False), 1)
@@ -155,7 +165,7 @@ def _program_status(message: DiagnosticStatus) -> Iterable[Event]:
     yield ProgramStatus(
         state=values.get('state', ''),
         file=values.get('file', ''),
-        line=int(number_in(values, 'line', 0.0)),
+        line=int(values.get('line') or 0),
         source=values.get('source', ''),
         error=values.get('error', ''),
     )

@@ -68,6 +68,10 @@ class CellView:
             OutputsChanged: self._show_outputs,
         }
 
+    def expect(self, node: str) -> None:
+        """A node is started again."""
+        self._waiting.append(node)
+
     def close(self) -> None:
         """Remove the bar."""
         if self._task is not None:
@@ -103,11 +107,11 @@ class CellView:
             self._print(f'{MARGIN}{event.kind} output {index} [bold magenta]-> {value:g}[/]')
 
     def _show_health(self, event: NodeHealth) -> None:
-        if event.ok and event.node in self._waiting:
+        if (event.ok or event.works) and event.node in self._waiting:
             self._waiting.remove(event.node)
             where = f'  [link={event.url}]{event.url}[/link]' if event.url else ''
             self._print(f'  [green]ready[/]  {event.node}{where}')
-        elif not event.ok and event.node not in self._waiting and self._is_news(event):
+        if not event.ok and event.node not in self._waiting and self._is_news(event):
             self._print(f'  [yellow]{event.node}: {escape(in_degrees(event.message))}[/]')
 
     def _is_news(self, event: NodeHealth) -> bool:

@@ -7,6 +7,7 @@ import signal
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import EntryPoint, distribution
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
@@ -94,6 +95,7 @@ class NodeProcesses:
         self._namespace = namespace
         self._log_folder = log_folder
         self._processes: dict[str, NodeProcess] = {}
+        self._former: set[tuple[str, int]] = set()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -111,17 +113,34 @@ class NodeProcesses:
         fork_server.start()
         self._log_folder.mkdir(parents=True, exist_ok=True)
         for node in self._graph:
-            log = self._log_folder / f'{node.name}.log'
-            self._processes[node.name] = NodeProcess(node, namespace=self._namespace, log=log)
+            self._start(node)
 
-    def pid(self, name: str) -> int:
-        """Process id of a node; -1 if it is none of these."""
+    def restart(self, name: str, parameters: Mapping[str, Any]) -> None:
+        """Start a node again that has died, with some parameters in the place of its own."""
+        (node,) = (node for node in self._graph if node.name == name)
+        self._start(replace(node, parameters={**node.parameters, **parameters}))
+
+    def _start(self, node: NodeDescription) -> None:
+        log = self._log_folder / f'{node.name}.log'
+        self._processes[node.name] = NodeProcess(node, namespace=self._namespace, log=log)
+
+    def owns(self, name: str, pid: int) -> bool:
+        """A node's process is, or was, one of these."""
         process = self._processes.get(name)
-        return -1 if process is None else process.pid
+        return (process is not None and process.pid == pid) or (name, pid) in self._former
 
-    def dead(self) -> tuple[NodeProcess, ...]:
-        """Nodes that have ended by themselves."""
-        return tuple(process for process in self._processes.values() if not process.running)
+    def runs(self, name: str) -> bool:
+        """A node's process has not ended."""
+        process = self._processes.get(name)
+        return process is not None and process.running
+
+    def take_dead(self) -> tuple[NodeProcess, ...]:
+        """Nodes that have ended by themselves, once each."""
+        dead = tuple(process for process in self._processes.values() if not process.running)
+        for process in dead:
+            self._former.add((process.name, process.pid))
+            del self._processes[process.name]
+        return dead
 
     def stop(self) -> None:
         """End all processes, those last that write what the others leave behind."""
@@ -151,7 +170,7 @@ def _run(entry_point: EntryPoint, arguments: list[str], log: Path, environment: 
     os.setsid()
     # While the environment is where the process began with it; ROS names its log file by the title.
     setproctitle(arguments[0])
-    with log.open('wb') as output:
+    with log.open('ab') as output:  # after what an earlier process of the node left
         for stream in (sys.stdout, sys.stderr):
             os.dup2(output.fileno(), stream.fileno())
     sys.stdout = os.fdopen(sys.stdout.fileno(), 'w', buffering=1)

@@ -60,6 +60,7 @@ class IoBridgeNode(RobotNode):
             for rows in _by_topic(self._map.outputs).values()
         ]
         self._outputs = OutputImages(self, [row.channel for row in self._map.outputs], self._on_outputs)
+        self.ready()  # also without a PLC
         self._update_inputs()
         self._watch = HeartbeatWatch(self, [WRITER], watchdog_parameter(self), self._on_lost)
         if self._map.outputs:

@@ -15,7 +15,6 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
-from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.cell.program_host import ProgramHost
 from robots_controller.control.control_loop import ControllerRequest
@@ -25,6 +24,7 @@ from robots_controller.interpreter.debugger import STEPS, breakpoints_by_file
 from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.io.fail_safe import parse_fail_safe
 from robots_controller.io.io_image import IMAGES
+from robots_controller.nodes.autostart import Autostart
 from robots_controller.nodes.io_services import IoServices
 from robots_controller.nodes.lockstep_turns import LockstepTurns
 from robots_controller.nodes.path_switching_messages import PathSwitchingMessages
@@ -44,13 +44,12 @@ from robots_core.ros.messages import (
 )
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import is_served
-from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
+from robots_core.ros.qos import COMMAND, SENSOR, STATE
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_planning.motion_settings import NOTHING
 from robots_planning.robot_command_state import RobotCommandState
 
-AUTOSTART_PERIOD: Final = 0.1  # s
 JOIN_TIMEOUT: Final = 5.0  # s
 WATCH_PERIOD: Final = 0.1  # s
 STATUS_PERIOD: Final = 0.02  # s, after which a change that could not be reported at once is reported
@@ -79,7 +78,11 @@ class LuaProgramNode(RobotNode):
         payload: What hangs on tool0 until a program sets it: kg, centre x y z (m), maybe inertia.
         fail_safe: Values of outputs when no running program answers for them, as 'digital_output.3=hold' or
             'analog_output.1=2.5'; '' for none. Outputs that are not named are switched off.
+        outputs: Values that outputs have at the start, as `fail_safe`.
+        interrupted: What ended the program in an earlier process of this node: it is opened, and not run.
         autostart: Open and run the program as soon as a planner and a controller work.
+        launch: Names the start of the cell: autostart runs the program once within it, and not again when
+            this node is started anew; '' for no name.
         points_file: Where taught points stand; '' for the program's name with .points.yaml.
         breakpoints: Lines to hold at, as 'file.lua:12'.
         step_mode: How far `~/step` goes: over, in, out (lines) or motion.
@@ -127,9 +130,6 @@ class LuaProgramNode(RobotNode):
             check=parse_fail_safe,
             read_only=True,
         )
-        autostart = self.parameter(
-            'autostart', False, 'open and run the program as soon as the robot can move', read_only=True
-        )
         axes = self.robot.axes_data
         self._command_state_publisher = self.create_publisher(String, 'command_state', STATE)
         self._guide_publisher = self.create_publisher(String, 'guide', STATE)
@@ -162,6 +162,7 @@ class LuaProgramNode(RobotNode):
         )
         self._program = self.host.program
         self.parameter('points_file', '', "where taught points stand; '' for a file beside the program")
+        self._take_over()
         self.parameter(
             'breakpoints',
             [''],
@@ -179,9 +180,8 @@ class LuaProgramNode(RobotNode):
         )
         PathSwitchingMessages(self, self.host.switching, axes.names)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
-        self.create_subscription(DiagnosticStatus, 'stop_status', self._on_stop_status, STATE)
         self.create_timer(WATCH_PERIOD, self.host.motions.watch)
-        HeartbeatWatch(self, ['planning_node'], watchdog_parameter(self), self._on_planner_watched)
+        HeartbeatWatch(self, ['planning_node'], watchdog_parameter(self), self._on_planner_lost)
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
         self._io = IoServices(self, self._program.io, self._on_inputs)
         host = self.host
@@ -202,12 +202,7 @@ class LuaProgramNode(RobotNode):
         self.guide(Guide.NONE)
         host.reporter.report()
         self._debug_server = self._serve_editors(port, token) if port else None
-        self._controller_works = False
-        if autostart:
-            self._autostart = self.create_timer(AUTOSTART_PERIOD, self._start)
-            self._reference = self.create_subscription(
-                JointTrajectory, 'joint_reference', self._on_reference, STREAM
-            )
+        Autostart(self, self._planner, self._controller['stop'], self._start)
         self.ready()
 
     def _names(self, channel: str) -> tuple[str, ...]:
@@ -254,11 +249,28 @@ class LuaProgramNode(RobotNode):
         for file in self._program.debugger.breakpoints.keys() | lines.keys():
             self._program.debugger.set_breakpoints(file, lines.get(file, ()))
 
+    def _take_over(self) -> None:
+        """Go on from what an earlier process of this node has left."""
+        outputs = self.parameter(
+            'outputs',
+            [''],
+            "values that outputs have at the start, as 'digital_output.3=1'",
+            check=parse_fail_safe,
+            read_only=True,
+        )
+        interrupted = self.parameter(
+            'interrupted', '', 'what ended the program in an earlier process of this node', read_only=True
+        )
+        for name, value in parse_fail_safe(outputs).items():
+            self._program.io.set_value(self._program.io.find(name), value or 0.0)
+        if interrupted:
+            program, points = (self.get_parameter(name).value for name in ('program', 'points_file'))
+            try:
+                self.host.reopen(program, points, interrupted)
+            except RobotsError as error:
+                self.journal.error(str(error))
+
     def _start(self) -> None:
-        if not (self._controller_works and self._planner.listens()):
-            return
-        self.destroy_timer(self._autostart)
-        self.destroy_subscription(self._reference)
         try:
             self._open()
             self.host.run()
@@ -266,10 +278,6 @@ class LuaProgramNode(RobotNode):
                 self._turns.begun()
         except RobotsError as error:
             self.journal.error(f'autostart: {error}')
-
-    def _on_reference(self, _: JointTrajectory) -> None:
-        # A motion is planned from the reference: without one it would be refused.
-        self._controller_works = True
 
     # -- messages -------------------------------------------------------------------------------------
 
@@ -286,15 +294,8 @@ class LuaProgramNode(RobotNode):
         if self._turns is not None:
             self._turns.changed()
 
-    def _on_stop_status(self, message: DiagnosticStatus) -> None:
-        if message.level != DiagnosticStatus.OK:
-            self.host.fail(message.message)
-            if self._turns is not None:
-                self._turns.changed()
-
-    def _on_planner_watched(self, _: str, reason: str) -> None:
-        if reason:
-            self.host.motions.lose_planner(reason)
+    def _on_planner_lost(self, _: str, reason: str) -> None:
+        self.host.motions.lose_planner(reason)
 
     # -- the program's robot and controller, from its thread ------------------------------------------
 

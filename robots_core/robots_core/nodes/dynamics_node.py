@@ -77,7 +77,9 @@ class DynamicsNode(RobotNode):
         self._base = BaseMotion(_orientation(orientation))
         self._load(payload_from_parameters(self))
         carried = CarriedPayload(self._load)
-        subscribe_state(self, DiagnosticStatus, 'motion_settings', partial(carry_payload, carried))
+        subscribe_state(
+            self, DiagnosticStatus, 'motion_settings', lambda message: carry_payload(self, carried, message)
+        )
         if not self._floats:
             subscribe_state(self, MultiDOFJointTrajectory, 'base_motion', self._on_base_motion)
         n = self.robot.num_axes
@@ -108,7 +110,10 @@ class DynamicsNode(RobotNode):
             self._dynamics.base = base
 
     def _on_base_motion(self, message: MultiDOFJointTrajectory) -> None:
-        self._move_base(base_motion_from_message(message))
+        try:
+            self._move_base(base_motion_from_message(message))
+        except RobotsError as error:
+            self.refuse('base_motion', error, stream=True)
 
     def _publish(self) -> None:
         newest = None

@@ -1,0 +1,79 @@
+"""NodeRestarts: starts nodes of a cell again that have died; nothing moves by that."""
+
+import time
+from typing import Any, Final
+
+from rich.console import Console
+from rich.markup import escape
+
+from robots_controller.live_cell.cell_events import ProgramStatus
+from robots_controller.live_cell.cell_monitor import CellMonitor
+from robots_controller.live_cell.left_outputs import LeftOutputs
+from robots_controller.live_cell.node_processes import NodeProcess, NodeProcesses
+from robots_controller.live_cell.restart_policy import RestartPolicy
+
+PROGRAM_NODE: Final = 'lua_program_node'
+UNDER_WAY: Final = ('RUNNING', 'PAUSED')
+
+
+class NodeRestarts:
+    """Restarts by a policy, and keeps what the program's node leaves: its outputs, and where the program was.
+
+    Args:
+        processes: The nodes.
+        monitor: Listens to them.
+        outputs: Written while the program's node is dead.
+        console: Where to say it.
+        policy: When nodes are started again; None for never.
+    """
+
+    def __init__(
+        self,
+        processes: NodeProcesses,
+        monitor: CellMonitor,
+        outputs: LeftOutputs,
+        console: Console,
+        policy: RestartPolicy | None,
+    ) -> None:
+        self._processes, self._monitor = processes, monitor
+        self._outputs, self._console = outputs, console
+        self._policy = policy
+        self._program = ProgramStatus('', '', 0, '', '')
+        self._reason = ''
+
+    def program_reported(self, status: ProgramStatus) -> None:
+        """The program's node said where the program is."""
+        self._program = status
+
+    def died(self, node: NodeProcess) -> bool:
+        """A node has died; returns whether it will be started again."""
+        if node.name == PROGRAM_NODE:
+            self._reason = node.reason
+            self._outputs.take_over(self._monitor.outputs)
+        if self._policy is None:
+            return False
+        delay = self._policy.died(node.name, time.monotonic())
+        if delay is None:
+            self._console.print(f'[bold red]{node.name} dies again and again[/]: it is not started any more')
+            return False
+        self._console.print(f'[yellow]{node.name} is started again in {delay:g} s[/]')
+        return True
+
+    def start_due(self) -> list[str]:
+        """Start the nodes whose time has come; returns their names."""
+        names = [] if self._policy is None else self._policy.due(time.monotonic())
+        for name in names:
+            self._processes.restart(name, self._parameters() if name == PROGRAM_NODE else {})
+        return names
+
+    def _parameters(self) -> dict[str, Any]:
+        """What the next process of the program's node goes on from."""
+        program, interrupted = self._program, ''
+        if program.state in UNDER_WAY:
+            interrupted = (
+                f'{program.file} was interrupted at line {program.line}: {PROGRAM_NODE} {self._reason}'
+            )
+            self._console.print(f'[bold red]{escape(interrupted)}[/]')
+        elif program.state == 'OPENED':  # the report of an earlier interruption stands
+            interrupted = program.error
+        return {'interrupted': interrupted, 'outputs': self._outputs.hand_back() or ['']}

@@ -1,0 +1,99 @@
+"""Autostart: starts the program when everything that its motions need is there, however long that takes."""
+
+from collections.abc import Callable
+from typing import Any, Final
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_controller.nodes.planner_client import PlannerClient
+from robots_controller.runtime_folder import first_time
+from robots_core.errors import RobotsError
+from robots_core.ros.presence import is_served
+from robots_core.ros.qos import COMMAND, STREAM
+from robots_core.ros.robot_node import RobotNode
+
+PERIOD: Final = 0.1  # s
+REPORT_PERIOD: Final = 5.0  # s
+NEEDED: Final = ('planning_node', 'controller_node')
+
+
+class Autostart:
+    """Waits for planner and controller, and starts the program once in each launch.
+
+    A node that a supervisor starts anew does not start its program by itself: nobody stands ready for the
+    robot's motion then.
+
+    Args:
+        node: The program's node.
+        planner: Sends motions.
+        stop: Client that stops the controller.
+        start: Opens and runs the program.
+
+    Parameters:
+        autostart: It is wanted.
+        launch: Names the launch; '' for one that begins with this node.
+    """
+
+    def __init__(self, node: RobotNode, planner: PlannerClient, stop: Any, start: Callable[[], None]) -> None:
+        self._node, self._planner, self._stop, self._start = node, planner, stop, start
+        self._controller_works = False
+        self._troubles: dict[str, str] = {}
+        self._said, self._said_at = '', 0.0
+        wanted = node.parameter(
+            'autostart', False, 'open and run the program as soon as the robot can move', read_only=True
+        )
+        launch = node.parameter(
+            'launch', '', 'autostart runs the program once for each of these names', read_only=True
+        )
+        if not wanted:
+            return
+        try:
+            again = bool(launch) and not first_time(f'autostart {launch}')
+        except RobotsError as error:
+            node.journal.error(f'no autostart: {error}')
+            return
+        if again:
+            node.journal.warning(
+                'no autostart: this node has been started anew since the launch; ~/open and ~/run start '
+                'the program'
+            )
+            return
+        self._timer = node.create_timer(PERIOD, self._look)
+        self._subscriptions = [
+            node.create_subscription(JointTrajectory, 'joint_reference', self._on_reference, STREAM),
+            node.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, COMMAND),
+        ]
+
+    def _on_reference(self, _: JointTrajectory) -> None:
+        # A motion is planned from the reference: without one it would be refused.
+        self._controller_works = True
+
+    def _on_health(self, message: DiagnosticArray) -> None:
+        prefix = self._node.get_namespace().rstrip('/') + '/'
+        for status in message.status:
+            name = status.name.removeprefix(prefix)
+            if name in NEEDED:
+                well = status.level == DiagnosticStatus.OK
+                self._troubles[name] = '' if well else f'{name} ({status.message})'
+
+    def _missing(self) -> list[str]:
+        planner = self._planner
+        present = {
+            'planning_node': planner.listens() and planner.configurable and bool(planner.followers()),
+            'controller_node': self._controller_works and is_served(self._node, self._stop),
+        }
+        missing = [name for name, there in present.items() if not there]
+        return missing + [trouble for name, trouble in self._troubles.items() if trouble and present[name]]
+
+    def _look(self) -> None:
+        if missing := self._missing():
+            text, now = f'autostart waits for {" and ".join(missing)}', self._node.now()
+            if text != self._said or now - self._said_at >= REPORT_PERIOD:
+                self._said, self._said_at = text, now
+                self._node.journal.warning(text)
+            return
+        self._node.destroy_timer(self._timer)
+        for subscription in self._subscriptions:
+            self._node.destroy_subscription(subscription)
+        self._start()
