@@ -50,9 +50,8 @@ def check_references(bag: Messages, robot: BaseRobotModel) -> Trajectory:
     # While processes join, the middleware may hold up a publisher; the robot still stands then.
     moved = np.diff(trajectory.position, axis=0).any(axis=1)
     moving = moved | trajectory.velocity[:-1].any(axis=1) | trajectory.velocity[1:].any(axis=1)
-    assert np.diff(trajectory.time)[moving].max(initial=0.0) < 1.5 * PERIOD, (
-        'the recorder lost references of a motion'
-    )
+    longest = np.diff(trajectory.time)[moving].max(initial=0.0)
+    assert longest < 1.5 * PERIOD, 'the recorder lost references of a motion'
     step = np.diff(trajectory.position, axis=0) / PERIOD
     for velocity in (trajectory.velocity, step):
         assert np.max(np.abs(velocity) / axes.velocity) <= EXACT

@@ -327,9 +327,7 @@ def test_what_comes_too_late_for_a_chain_starts_where_its_plan_stops(cell: Cell)
     cell.bead(WINDOW + 1, last=True)
     assert cell.ids == [MIDDLE, str(WINDOW + 1)]
     title, join_time = cell.sent[1][2:]
-    assert title.endswith(
-        'after a stop of its chain (its next motions came too late to be carried on in motion)'
-    )
+    assert title.endswith(' (its next motions came too late to be carried on in motion)')
     assert join_time == 0.0
     np.testing.assert_array_equal(cell.trajectory(1).position[0], cell.trajectory(0).position[-1])
     cell.end(MIDDLE)
