@@ -112,6 +112,11 @@ test-under-load:  ## The same beside twice as many busy processes as there are c
 generated-programs: build  ## Programs generated from seeds: FIRST=0, COUNT=2000, WAYS=simulated,lockstep,live; names those that break a law
 	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test" python -m cell.generated.run_seeds $(or $(FIRST),0) $(or $(COUNT),2000) $$(nproc) $(or $(WAYS),simulated)
 
+.PHONY: fuzz
+fuzz: build .venv/.installed_tests  ## Generated messages to every node, damaged files and programs: DURATION=600 s at least
+	@$(RUN) end=$$((SECONDS + $(or $(DURATION),600))); while [ $$SECONDS -lt $$end ]; do \
+	  python -m pytest -q -n auto --hypothesis-profile=fuzz test/node/test_message_fuzz.py test/property/test_damaged_files.py; done
+
 .PHONY: benchmark-controller
 benchmark-controller: build  ## The controller's timing side by side with a bare rclpy timer
 	@$(RUN) python test/benchmark/benchmark_controller.py

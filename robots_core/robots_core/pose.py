@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,11 +52,11 @@ class Pose:
         """Pose from a position in metres and a quaternion (x, y, z, w), normalised here.
 
         Raises:
-            InvalidInputError: a quaternion of zero length, or values that are not finite.
+            InvalidInputError: a quaternion of no usable length, or values that are not finite.
         """
         xyzw = finite_vector(quaternion, 4, 'quaternion')
-        norm = float(np.linalg.norm(xyzw))
-        if norm < 1e-9:
+        norm = math.hypot(*xyzw.tolist())
+        if not 1e-9 <= norm <= 1e9:
             raise InvalidInputError(f'the quaternion has length {norm:.3g}; a rotation has length 1')
         return cls(finite_vector(r, 3, 'r'), rotation_from_quaternion(xyzw / norm))
 

@@ -53,6 +53,21 @@ def finite_vector(values: ArrayLike, size: int, name: str) -> Array:
     return array
 
 
+def bounded_vector(values: ArrayLike, size: int, name: str, bound: float, unit: str) -> Array:
+    """`values` as a float64 array of shape (size,), none of them further than `bound` from 0.
+
+    Raises:
+        InvalidInputError: another shape, NaN or infinity in it, or a value past the bound.
+    """
+    array = finite_vector(values, size, name)
+    index = int(np.abs(array).argmax())
+    if abs(array[index]) > bound:
+        raise InvalidInputError(
+            f'{name}[{index}] = {array[index]:.6g} {unit} must be within +-{bound:g} {unit}', index=index
+        )
+    return array
+
+
 def finite_state(q: ArrayLike, q_dot: ArrayLike, size: int) -> tuple[Array, Array]:
     """`q` and `q_dot` as float64 arrays of shape (size,), checked in one go.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Final
@@ -15,13 +16,14 @@ from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_from_quaternion
 from robots_core.pose import Pose
 from robots_core.robot_model.analytic.configuration import Configuration
-from robots_core.validation import finite_vector, positive
+from robots_core.validation import bounded_vector, finite_vector
 from robots_planning.planner_choice import check_planner
 from robots_planning.trajectory_generators.base import usable_fraction
 
 IDENTITY: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 DEFAULT_PLANNERS: Final = {'joint_planner': 'linear_joint', 'cartesian_planner': 'limited'}
 NOTHING: Final = (0.0, 0.0, 0.0, 0.0)
+FARTHEST: Final = {'tool': 10.0, 'base': 1000.0}  # m
 NORM_TOLERANCE = 1e-6  # of a quaternion; single precision is meant as one
 
 
@@ -53,8 +55,8 @@ class MotionSettings:
         joint_blend_zone: The same of a joint motion, rad (m) of the axis that moves most.
 
     Raises:
-        InvalidInputError: a fraction outside (0, 1], another number that is not above 0, a zone below 0, a
-            frame or payload that is none, or a planner or configuration that does not exist.
+        InvalidInputError: a fraction outside (0, 1], a number outside its range in `RANGES`, a frame or
+            payload that is none, or a planner or configuration that does not exist.
     """
 
     speed_fraction: float = 1.0
@@ -102,9 +104,10 @@ def frame(values: tuple[float, ...], name: str) -> Pose:
     """The pose of x, y, z (m) and a quaternion x, y, z, w.
 
     Raises:
-        InvalidInputError: not seven finite numbers, or a quaternion that is not of length 1.
+        InvalidInputError: not seven finite numbers, too far away, or a quaternion that is not of length 1.
     """
     numbers = finite_vector(values, 7, name)
+    bounded_vector(numbers[:3], 3, name, FARTHEST[name], 'm')
     norm = float(np.linalg.norm(numbers[3:]))
     if abs(norm - 1.0) > NORM_TOLERANCE:
         raise InvalidInputError(
@@ -123,9 +126,10 @@ def known_configuration(text: str, name: str = 'configuration') -> Configuration
     return Configuration.parse(text) if text else None
 
 
-def _zone(value: float, name: str) -> None:
-    if not 0.0 <= value < np.inf:
-        raise InvalidInputError(f'{name} = {value!r} must be 0 or above')
+def _in_range(value: float, name: str) -> None:
+    low, high, unit = RANGES[name]
+    if not low <= value <= high:
+        raise InvalidInputError(f'{name} = {value:.6g} {unit} must be in [{low:g}, {high:g}] {unit}')
 
 
 def _flag(value: object, name: str) -> None:
@@ -139,13 +143,20 @@ def _planner(value: object, name: str) -> None:
         check_planner(str(value), name)
 
 
+RANGES: Final = {
+    'cartesian_speed': (1e-5, 20.0, 'm/s'),
+    'cartesian_acceleration': (1e-4, 1e3, 'm/s^2'),
+    'rotation_speed': (1e-5, 100.0, 'rad/s'),
+    'rotation_acceleration': (1e-4, 1e4, 'rad/s^2'),
+    'blend_zone': (0.0, 1.0, 'm'),
+    'joint_blend_zone': (0.0, math.pi, 'rad (m)'),
+}
+"""Smallest and largest value of settings, with their unit: beyond these no arm works."""
+
 CHECKS: Final[dict[str, Callable[[Any, str], object]]] = {
     'speed_fraction': usable_fraction,
     'acceleration_fraction': usable_fraction,
-    'cartesian_speed': positive,
-    'cartesian_acceleration': positive,
-    'rotation_speed': positive,
-    'rotation_acceleration': positive,
+    **dict.fromkeys(RANGES, _in_range),
     'jerk_limited': _flag,
     'joint_planner': _planner,
     'cartesian_planner': _planner,
@@ -154,8 +165,6 @@ CHECKS: Final[dict[str, Callable[[Any, str], object]]] = {
     'tool': frame,
     'base': frame,
     'payload': payload_of,
-    'blend_zone': _zone,
-    'joint_blend_zone': _zone,
 }
 """The check of each setting: takes value and name, raises InvalidInputError."""
 

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.following.axis_following import AxisFollowing
-from robots_core.blocks.following.pose_reference import moved
+from robots_core.blocks.following.pose_reference import FASTEST, moved
 from robots_core.blocks.inverse_kinematics.constrained import ConstrainedInverseKinematics
 from robots_core.blocks.inverse_kinematics.hold import POSE, POSITION, held_by, weights_of
 from robots_core.blocks.inverse_kinematics.viability import velocity_interval
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array, finite_vector, positive, read_only
+from robots_core.validation import Array, bounded_vector, finite_vector, positive, read_only
 from robots_planning.slowed_robot import SlowedRobot
 
 JogAxes = Literal['base', 'tool', 'world']
@@ -194,9 +194,9 @@ class TeachBox:
             frame: Along and about the axes of 'base', 'tool' or 'world'.
 
         Raises:
-            InvalidInputError: not six finite numbers, or no such axes.
+            InvalidInputError: not six numbers up to `FASTEST`, or no such axes.
         """
-        values = finite_vector(twist, 6, 'twist')
+        values = bounded_vector(twist, 6, 'twist', FASTEST, 'm/s, rad/s')
         if frame not in JOG_AXES:
             raise InvalidInputError(f'unknown axes {frame!r} to jog in; axes are {", ".join(JOG_AXES)}')
         self._command, self._frame, self._time = np.array(values), frame, time

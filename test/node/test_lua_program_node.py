@@ -157,6 +157,15 @@ def _destroy(bench: LuaBench) -> bool:
     return True
 
 
+def test_a_stop_by_a_fault_fails_the_program_where_it_is(ros_nodes: Any, tmp_path: Path):
+    bench = LuaBench(ros_nodes, tmp_path)
+    bench.start('print("here")\nwait(1000)')
+    bench.wait_for_state('RUNNING')
+    stop = diagnostic_status('stop', 'emergency stop', level=DiagnosticStatus.ERROR)
+    bench.publish('stop_status', stop, STATE)
+    assert bench.wait_for_state('FAILED')['error'].endswith(': emergency stop')
+
+
 def test_stop_stops_program_and_robot_until_the_robot_says_so(ros_nodes: Any, tmp_path: Path):
     bench = LuaBench(ros_nodes, tmp_path)
     bench.on_command = ignore

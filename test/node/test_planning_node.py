@@ -29,7 +29,9 @@ from robots_core.ros.qos import STATE
 from robots_core.ros.timed_node import TimedNode
 from robots_planning import LinearCartesianLimited, MotionSettings, verify
 from robots_planning.motion_settings import settings_from_text
+from robots_planning.nodes.planning_node import PlanningNode
 
+from .bench import Bench
 from .planning_bench import ROBOT, PlanningBench
 
 
@@ -165,6 +167,15 @@ def test_after_a_stop_nothing_moves_that_was_commanded_before(bench: PlanningBen
     void = bench.command('ptpjoint_joint', home, 6)  # sent before that stop
     assert f'given up with motion {first} before it' in bench.refusal(void).message
     assert len(bench.trajectories) == 1
+
+
+@pytest.mark.parametrize(('key', 'value'), [('ended', 'soon'), ('ended', 'nan'), ('progress', '1e999')])
+def test_a_motion_result_with_a_number_that_is_none_is_refused(ros_nodes: Any, key: str, value: str) -> None:
+    bench = Bench(ros_nodes)
+    bench.start_node(PlanningNode, robot_model=ROBOT)
+    bad = MotionResult('5.000000000', ok=False, message='stopped', details={key: value})
+    bench.publish('motion_result', motion_result_message(bad, ROBOT))
+    bench.until_health(DiagnosticStatus.WARN, f"motion_result: {key} = '{value}' must be a finite number")
 
 
 def test_a_command_after_a_stop_starts_where_the_robot_stands(bench: PlanningBench) -> None:

@@ -171,4 +171,4 @@ def test_a_reference_that_breaks_a_limit_never_leaves_and_the_robot_brakes() -> 
     assert not outcome.ok
     assert 'acceleration of A' in outcome.message
     rig.check_limits()
-    assert rig.controller.state is ControllerState.HOLDING
+    assert rig.controller.state is ControllerState.STOPPED

@@ -7,9 +7,13 @@ from pathlib import Path
 
 import pytest
 import trimesh
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from robots_controller.io.io_map import read_io_map
+from robots_controller.io.plc_script import read_plc_script
+from robots_controller.program_check.check_program import main as check_program
+from robots_controller.simulate import simulate
 from robots_core import UrdfRobotModel
 from robots_core.blocks import read_scene
 from robots_core.errors import RobotsError
@@ -59,6 +63,10 @@ joint_limits:
   one: {max_acceleration: 10.0, has_jerk_limits: true, max_jerk: 50, min_position: -1, gear_ratio: 100}
   two: {max_velocity: 2, rotor_inertia: 0.001, coulomb_friction: 1}
 """
+IO_MAPS = [path.read_text() for path in sorted(Path('robots_controller/config').glob('*.yaml'))]
+PLC_SCRIPTS = [path.read_text() for path in sorted(Path('programs/io').glob('*.yaml'))]
+PROGRAMS = [path.read_text() for path in sorted(Path('programs/language').glob('*.lua'))]
+SIMULATED = 3.0  # s
 PIECES = re.compile(r'[\w.-]+|\s+|.')
 NUMBERS = ['0', '-1', '1e999', '-1e308', 'nan', '.nan', '.inf', 'null', '9' * 5000]
 SIGNS = ['', '[]', '{}', '[[', ']', '"', '<', '>', '/>', '&a', '*a', '?', '\t', '\n', '\r', '\0', '\ud800']
@@ -97,6 +105,10 @@ def read_robot(path: Path) -> None:
     UrdfRobotModel(path)
 
 
+def simulate_shortly(path: Path) -> None:
+    simulate(path, robot='kuka_kr210_r2700', longest=SIMULATED)
+
+
 def refused(read: Callable[[Path], object], path: Path, data: bytes) -> None:
     path.write_bytes(data)
     with contextlib.suppress(RobotsError):
@@ -118,6 +130,25 @@ def test_damaged_urdfs(folder: Path, data: bytes):
 def test_damaged_limits(folder: Path, data: bytes):
     (folder / 'joint_limits.yaml').write_bytes(data)
     refused(read_robot, folder / 'robot.urdf', URDF.encode())
+
+
+@given(data=st.sampled_from(IO_MAPS).flatmap(damaged))
+def test_damaged_io_maps(folder: Path, data: bytes):
+    refused(read_io_map, folder / 'map.yaml', data)
+
+
+@given(data=st.sampled_from(PLC_SCRIPTS).flatmap(damaged))
+def test_damaged_plc_scripts(folder: Path, data: bytes):
+    refused(read_plc_script, folder / 'plc.yaml', data)
+
+
+# Each runs for as long as it may.
+@settings(max_examples=20 if settings().derandomize else 300)
+@given(data=st.sampled_from(PROGRAMS).flatmap(damaged))
+def test_damaged_programs(folder: Path, data: bytes):
+    (folder / 'damaged.lua').write_bytes(data)
+    assert check_program([str(folder / 'damaged.lua')]) in {0, 1, 2}
+    refused(simulate_shortly, folder / 'damaged.lua', data)
 
 
 MESHES = {

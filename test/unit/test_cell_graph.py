@@ -89,5 +89,6 @@ def test_nodes_that_others_depend_on_are_watched_for_as_long_as_it_is_given():
     nodes = {node.name: node for node in cell_graph(robot='bello_bot', watchdog=3.0)}
     for name in ('controller_node', 'planning_node', 'lua_program_node'):
         assert nodes[name].parameters['watchdog'] == 3.0
+    assert nodes['controller_node'].parameters['feedback_timeout'] == 3.0
     with pytest.raises(RobotsError, match=r'watchdog = 0\.01 s must be in'):
         cell_graph(robot='bello_bot', watchdog=0.01)

@@ -140,6 +140,37 @@ def test_a_new_scene_is_looked_at_where_the_robot_stands(guard: CollisionGuard, 
     assert not stops.reasons  # a robot that stands
 
 
+@pytest.mark.parametrize(
+    ('time', 'position', 'velocity', 'reason'),
+    [
+        pytest.param(10.0, 1e6, 0.0, 'outside its limits', id='far beyond the limits'),
+        pytest.param(10.0, 0.0, 1e4, 'its limit is', id='far beyond them between its points'),
+        pytest.param(1e-6, 0.5, 0.0, 'its limit is', id='in no time'),
+        pytest.param(1e9, 0.5, 0.0, 'allowed are 3600 s', id='for years'),
+        pytest.param(10.0, 1e308, 0.0, 'no number within', id='huge'),
+        pytest.param(10.0, 0.0, np.nan, 'no number within', id='NaN'),
+    ],
+)
+def test_paths_that_no_controller_follows_are_refused(
+    guard: CollisionGuard, time: float, position: float, velocity: float, reason: str
+):
+    points = np.array([turned(0.0), turned(position)])
+    velocities = np.zeros_like(points)
+    velocities[:, 0] = velocity
+    with pytest.raises(InvalidInputError, match=reason):
+        guard.planned('a', JointPath(np.array([0.0, time]), points, velocities, np.zeros_like(points)))
+    assert not guard.motions
+
+
+def test_measured_velocities_that_no_robot_has_are_looked_at_as_its_limits(
+    guard: CollisionGuard, stops: Stops
+):
+    guard.set_scene(ball(1.0))
+    guard.look(turned(0.5), np.full(6, 1e300))
+    guard.look(turned(0.5), np.array([1e6, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    assert 'ball' in stops.reasons[-1]
+
+
 def test_bad_values_are_refused(guard: CollisionGuard, stops: Stops):
     bad: Any = np.full(6, np.nan)
     for q, q_dot in ((bad, None), (turned(0.0), bad)):

@@ -8,6 +8,8 @@ import pytest
 from robots_controller.control.control_loop import STOPPED, ControlLoop
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
 from robots_controller.control.controller_rates import ControllerRates
+from robots_controller.control.faults import EMERGENCY_STOP
+from robots_controller.control.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult
@@ -42,6 +44,7 @@ class Rig:
         self.results: list[MotionResult] = []
         self.progresses: list[float] = []
         self.refusals: list[str] = []
+        self.stops: list[StopState] = []
         self.loop = ControlLoop(Controller(AXES, settings), rates, self, progress_every=progress_every)
         self.looks = 0
         self.q = START
@@ -55,6 +58,9 @@ class Rig:
 
     def stream_refused(self, error: RobotsError, _now: float) -> None:
         self.refusals.append(str(error))
+
+    def stop_changed(self, state: StopState) -> None:
+        self.stops.append(state)
 
     @property
     def now(self) -> float:
@@ -134,6 +140,29 @@ def test_a_stop_for_a_reason_leaves_a_pause(rig: Rig) -> None:
     rig.loop.stop('somebody came near')
     assert rig.run_until_result().message == 'somebody came near'
     assert rig.loop.controller.paused
+
+
+def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(rig: Rig) -> None:
+    rig.loop.follow(motion(START, GOAL), '1')
+    rig.run(100)
+    rig.loop.trip(EMERGENCY_STOP, 'button', stands=True)
+    assert rig.run_until_result().message == 'button'
+    rig.run(10)
+    assert [(state.reason, state.drives_on) for state in rig.stops] == [
+        ('', True),
+        ('button', True),
+        ('button', False),
+    ]
+    with pytest.raises(RobotsError, match='cannot reset: button'):
+        rig.loop.reset()
+    rig.loop.clear(EMERGENCY_STOP)
+    rig.run(1)
+    rig.loop.follow(motion(rig.q, GOAL), '2')
+    assert rig.run_until_result().message == 'button; ~/reset lets the robot move again'
+    rig.loop.reset()
+    rig.loop.follow(motion(rig.q, GOAL), '3')
+    assert rig.run_until_result().ok
+    assert rig.stops[-1] == StopState()
 
 
 def test_half_the_override_takes_twice_the_time() -> None:

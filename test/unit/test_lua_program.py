@@ -90,6 +90,22 @@ def test_exception_of_a_callback_ends_the_program_and_is_told(tmp_path: Path):
     assert isinstance(ended[0].__cause__, TypeError)
 
 
+@pytest.mark.parametrize('text', ['wait(1000)', 'while true do pcall(wait, 1) end', 'while true do end'])
+def test_a_program_fails_for_a_reason_from_outside_wherever_it_is(tmp_path: Path, text: str):
+    host = LuaHost(tmp_path)
+    assert not host.program.fail('too early')
+    host.start(f'print("here")\n{text}')
+    host.wait_for_print()
+    assert host.program.fail('emergency stop')
+    assert host.program.join(DEADLINE)
+    assert host.program.run_state is RunState.FAILED
+    assert str(host.program.error).endswith(': emergency stop')
+    assert str(host.program.error).startswith('test.lua:')
+    host.start('wait(0)')
+    assert host.program.join(DEADLINE)
+    assert host.program.run_state is RunState.FINISHED
+
+
 def test_life_of_a_program(tmp_path: Path):
     host = LuaHost(tmp_path)
     program = host.program

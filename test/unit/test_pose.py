@@ -56,6 +56,13 @@ def test_zero_quaternion_is_refused():
         Pose.from_quaternion([0, 0, 0], [0, 0, 0, 0])
 
 
+def test_a_quaternion_of_any_usable_length_is_meant_as_a_rotation_and_no_other():
+    pose = Pose.from_quaternion([0, 0, 0], [0.0, 0.0, 1e8, 0.0])
+    np.testing.assert_allclose(pose.T, Pose.from_quaternion([0, 0, 0], [0, 0, 1, 0]).T, atol=EXACT)
+    with pytest.raises(InvalidInputError, match='length'):
+        Pose.from_quaternion([0, 0, 0], [0.0, 0.0, 1e200, 0.0])
+
+
 def test_quaternion_is_x_y_z_w_and_normalised():
     pose = Pose.from_quaternion([0, 0, 0], [0.0, 0.0, 3.0, 0.0])
     np.testing.assert_allclose(pose.T, HALF_TURN, atol=EXACT)

@@ -13,6 +13,7 @@ import trimesh
 from robots_core import UrdfRobotModel, load_robot_model
 from robots_core.errors import InvalidInputError, JointLimitError, UnknownRobotError
 from robots_core.robot_model.shapes import Box, Cylinder, Mesh, Sphere
+from robots_core.robot_model.urdf.urdf_meshes import mesh_path
 
 INERTIAL = (
     '<inertial><origin xyz="0.5 0 0"/><mass value="{mass}"/>'
@@ -153,6 +154,12 @@ def test_mesh_of_an_installed_package_is_found(tmp_path: Path, monkeypatch: pyte
     write_arm(tmp_path / 'prefix' / 'share' / 'arm_description')
     robot = UrdfRobotModel(write_arm(tmp_path / 'here', mesh='package://arm_description/meshes/cube.stl'))
     assert len(robot.visualization.shapes) == 3
+
+
+@pytest.mark.parametrize('name', [5000 * 'x', 'package://[none', 'file://[/x'])
+def test_text_that_names_no_mesh_file_is_refused(tmp_path: Path, name: str):
+    with pytest.raises(UnknownRobotError, match='names no mesh file'):
+        mesh_path(name, tmp_path)
 
 
 def test_mesh_that_is_missing_or_broken_is_refused(tmp_path: Path):

@@ -195,6 +195,11 @@ class ProgramHost:
         self.motions.stop()
         return f'{self.program.file} stops'
 
+    def fail(self, reason: str) -> None:
+        """Stop a program that is running, and the robot on its path, for this reason: it has failed."""
+        if self.program.fail(reason):
+            self.motions.stop()
+
     def reset(self) -> str:
         """Set the program back to its start.
 

@@ -1,5 +1,6 @@
 """ControlLoop: one period of the controller after the other, whatever the transport is."""
 
+import contextlib
 from collections import deque
 from collections.abc import Callable
 from functools import partial
@@ -7,6 +8,8 @@ from typing import Literal, Protocol
 
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_rates import ControllerRates
+from robots_controller.control.faults import Fault
+from robots_controller.control.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult
@@ -28,6 +31,9 @@ class ControlPort(Protocol):
 
     def stream_refused(self, error: RobotsError, now: float) -> None:
         """A streamed point was refused."""
+
+    def stop_changed(self, state: StopState) -> None:
+        """A fault holds the robot, the drives are switched, or the robot may move; also at the start."""
 
 
 class ControlLoop:
@@ -53,6 +59,7 @@ class ControlLoop:
         self.feedback_due = True
         """The next cycle takes feedback."""
         self._reported = -1.0
+        self._stop_state: StopState | None = None
 
     @property
     def pending(self) -> bool:
@@ -84,6 +91,23 @@ class ControlLoop:
         """Stop and give up all motions for this reason; a pause stays."""
         self._mailbox.append(partial(self._stop, reason, resume=False))
 
+    def trip(self, fault: Fault, reason: str, *, stands: bool = False) -> None:
+        """Stop by a fault, see `Controller.trip`."""
+        self._mailbox.append(partial(self.controller.trip, fault, reason, stands=stands))
+
+    def clear(self, fault: Fault) -> None:
+        """The cause of a fault is gone; the stop stays until `reset`."""
+        self._mailbox.append(lambda _: self.controller.stops.clear(fault))
+
+    def reset(self) -> None:
+        """Let the robot move again after a fault.
+
+        Raises:
+            RobotsError: it moves, or the cause is still there.
+        """
+        self.controller.check_reset()
+        self._mailbox.append(self._reset)
+
     # -- the loop -------------------------------------------------------------------------------------
 
     def step(self, now: float, position: Array | None) -> Array | None:
@@ -106,6 +130,9 @@ class ControlLoop:
         controller = self.controller
         while controller.outcomes:
             self._port.result(controller.outcomes.popleft())
+        if controller.stops.state is not self._stop_state:
+            self._stop_state = controller.stops.state
+            self._port.stop_changed(self._stop_state)
         self._report_progress()
         self.cycle += 1
         self.feedback_due = self._rates.feedback_due(self.cycle, controller)
@@ -135,6 +162,10 @@ class ControlLoop:
             self.controller.stream(point, id_, now)
         except RobotsError as error:
             self._port.stream_refused(error, now)
+
+    def _reset(self, _now: float) -> None:
+        with contextlib.suppress(RobotsError):  # something has come up since it was asked for
+            self.controller.reset()
 
     def _stop(self, reason: str, _now: float, *, resume: bool) -> None:
         self.controller.stop(reason)

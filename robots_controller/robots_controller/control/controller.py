@@ -9,18 +9,23 @@ import numpy as np
 
 from robots_controller.control.brake import Brake
 from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.control.faults import REFERENCE_REFUSED, Fault, StopCategory
+from robots_controller.control.feedback_watch import FeedbackWatch
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.interpolator import Interpolator
 from robots_controller.control.limit_guard import LimitGuard
 from robots_controller.control.motion_queue import MotionQueue
 from robots_controller.control.path_speed import PathSpeed
+from robots_controller.control.stop_latch import StopLatch
 from robots_controller.control.streamed_reference import StreamedReference, StreamPoint
-from robots_core.errors import TrajectoryRefusedError
+from robots_core.errors import RobotsError, TrajectoryRefusedError
 from robots_core.motion_result import MotionResult
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, fraction
 from robots_planning.motion_results import PASSED
 from robots_planning.trajectory import Trajectory
+
+NO_FEEDBACK = 'no feedback from the robot: is its drive publishing joint_states?'
 
 
 class ControllerState(StrEnum):
@@ -32,6 +37,7 @@ class ControllerState(StrEnum):
     SETTLING = 'settling'
     BRAKING = 'braking'
     STREAMING = 'following a stream'
+    STOPPED = 'stopped by a fault'
 
 
 class Controller:
@@ -63,10 +69,9 @@ class Controller:
         self._stream = StreamedReference(axes, period=period, timeout=self.settings.stream_timeout)
         self._stream_refused_until = -np.inf
         self._brake: Brake | None = None
-        self._feedback: Array | None = None
-        self._feedback_time = -np.inf
-        self._feedback_new = False
-        self._feedback_lost = True
+        self._feedback = FeedbackWatch(axes, self.settings)
+        self.stops = StopLatch()
+        """What stopped the robot, until `reset`."""
 
     @property
     def state(self) -> ControllerState:
@@ -78,7 +83,7 @@ class Controller:
         if self._stream.active:
             return ControllerState.STREAMING
         if self._motion is None:
-            return ControllerState.HOLDING
+            return ControllerState.STOPPED if self.stops.latched else ControllerState.HOLDING
         if self._motion.settling_since is not None:
             return ControllerState.SETTLING
         return ControllerState.FOLLOWING
@@ -86,7 +91,7 @@ class Controller:
     @property
     def feedback_lost(self) -> bool:
         """No feedback within `feedback_timeout`."""
-        return self._feedback_lost
+        return self._feedback.lost
 
     @property
     def progress(self) -> float:
@@ -123,10 +128,9 @@ class Controller:
 
         Raises:
             TrajectoryRefusedError: it starts elsewhere, the robot is being stopped or follows a stream,
-                there is no feedback, or another number of axes.
+                there is no feedback, a fault is not reset, or another number of axes.
         """
-        if self._reference is None or self._feedback_lost:
-            raise TrajectoryRefusedError('no feedback from the robot: is its drive publishing joint_states?')
+        self._refuse_stopped()
         if trajectory.num_axes != self._axes.num_axes:
             raise TrajectoryRefusedError(
                 f'the trajectory has {trajectory.num_axes} axes, the robot has {self._axes.num_axes}'
@@ -134,6 +138,7 @@ class Controller:
         if self.state in (ControllerState.BRAKING, ControllerState.STREAMING):
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
         standing = self._motion is None
+        assert self._reference is not None
         self._motions.put(trajectory, id_, now, self._reference, join_time)
         if standing:
             self._path_speed.reset(self._target_speed())
@@ -149,12 +154,11 @@ class Controller:
             now: Time, s.
 
         Raises:
-            TrajectoryRefusedError: a motion is still running, there is no feedback, or the stream was stopped
-                and has not paused since.
+            TrajectoryRefusedError: a motion is still running, there is no feedback, a fault is not reset, or
+                the stream was stopped and has not paused since.
             InvalidInputError: the point breaks a limit or is due too far ahead.
         """
-        if self._reference is None or self._feedback_lost:
-            raise TrajectoryRefusedError('no feedback from the robot: is its drive publishing joint_states?')
+        self._refuse_stopped()
         point.check(self._axes, now)
         stopped = self._stream.failure is not None and not self._stream.stale
         if stopped or now < self._stream_refused_until:
@@ -168,12 +172,58 @@ class Controller:
             self._stream.begin(id_, now)
         self._stream.put(point, now)
 
+    def _refuse_stopped(self) -> None:
+        if self.stops.latched:
+            raise TrajectoryRefusedError(f'{self.stops.state.reason}; ~/reset lets the robot move again')
+        if self._feedback.lost:
+            raise TrajectoryRefusedError(NO_FEEDBACK)
+
     def stop(self, reason: str) -> None:
         """Stop on the path and give up the motion; without one, nothing happens."""
         if self._stream.active and (self._stream.stale or not self._stream.failure):
             self._stream.failure, self._stream.stale = reason, False
         if self._motion is not None and self._motion.failure is None:
             self._motion.failure = reason
+
+    def trip(self, fault: Fault, reason: str, now: float, *, stands: bool = False) -> None:
+        """Stop by a fault, as its category says; the robot does not move again before `reset`.
+
+        Args:
+            fault: The fault.
+            reason: What has happened, for a person.
+            now: Time, s.
+            stands: Its cause stays until `stops.clear`.
+        """
+        if fault.moving_only and self._standing:
+            return
+        if not self.stops.trip(fault, reason, stands=stands):
+            return
+        self.stop(reason)
+        self._path_speed.hurry = fault.category < StopCategory.TWO
+        if fault.category is StopCategory.ZERO:
+            self._let_go(now, reason)
+
+    def check_reset(self) -> None:
+        """Check that the robot stands and nothing is there any more that stopped it.
+
+        Raises:
+            RobotsError: it moves, or something is.
+        """
+        if not self._standing:
+            raise RobotsError('cannot reset: the robot is still moving')
+        if self._feedback.lost:
+            raise RobotsError(f'cannot reset: {NO_FEEDBACK}')
+        self.stops.check_reset()
+
+    def reset(self) -> None:
+        """Let the robot move again after a fault; it starts from where it stands.
+
+        Raises:
+            RobotsError: as `check_reset`.
+        """
+        self.check_reset()
+        self.stops.reset()
+        self._path_speed.hurry = False
 
     def step(self, now: float, feedback: Array | None) -> Array | None:
         """One period: returns the next reference.
@@ -185,26 +235,40 @@ class Controller:
         Returns:
             (3, n): position, velocity, acceleration; None before the first feedback.
         """
-        self._take_feedback(now, feedback)
+        finding = self._feedback.look(now, feedback, self._reference)
         if self._reference is None:
-            return None
+            if feedback is not None:
+                self._stand_at(feedback)
+            return self._reference
+        if finding is not None:
+            self.trip(*finding, now)
         if self._brake is not None:
             self._step_brake(now)
         elif self._stream.active:
             self._step_stream(now)
         elif self._motion is not None:
             self._step_motion(self._motion, now)
+        elif self.stops.latched:
+            self._stay_stopped(feedback)
         return self._reference
 
-    def _take_feedback(self, now: float, feedback: Array | None) -> None:
-        self._feedback_new = feedback is not None
-        if feedback is not None:
-            self._feedback, self._feedback_time, self._feedback_lost = feedback, now, False
-            if self._reference is None:
-                self._stand_at(feedback)
-        elif not self._feedback_lost and now - self._feedback_time > self.settings.feedback_timeout:
-            self._feedback_lost = True
-            self.stop(f'no feedback for {self.settings.feedback_timeout:g} s: is the drive still running?')
+    @property
+    def _standing(self) -> bool:
+        return self._motion is None and self._brake is None and not self._stream.active
+
+    def _stay_stopped(self, feedback: Array | None) -> None:
+        """Switch the drives off if the fault says so; the reference then follows the feedback."""
+        self.stops.stands()
+        if not self.stops.state.drives_on and feedback is not None:
+            self._stand_at(feedback)
+
+    def _let_go(self, now: float, reason: str) -> None:
+        """Give the motion up at once: the drives are switched off."""
+        self.stops.stands()
+        assert self._reference is not None
+        self._brake = None
+        self._stand_at(self._reference[0])
+        self._end_moving(now, reason)
 
     def _stand_at(self, position: Array) -> None:
         self._sample = np.zeros((3, self._axes.num_axes))
@@ -212,6 +276,7 @@ class Controller:
         self._reference = self._sample.copy()
         self._interpolator.reset(position)
         self._guard.reset(position)
+        self._feedback.restart()
 
     def _target_speed(self) -> float:
         return 0.0 if self.paused else self.override
@@ -227,8 +292,6 @@ class Controller:
             return
         self._unchanged = 0 if moved else self._unchanged + 1
         if self._unchanged < self._interpolator.window:
-            if not stopping:
-                self._check_following(motion)
             self._join(now)
             return
         if motion.failure is not None:
@@ -251,8 +314,6 @@ class Controller:
     def _step_stream(self, now: float) -> None:
         stream = self._stream
         assert self._reference is not None
-        if stream.failure is None:
-            stream.failure = self._lag(self._reference)
         reference, over = stream.step(now, self._reference, self._target_speed())
         if over:
             self._end_stream(now, stream.failure or '')
@@ -302,33 +363,15 @@ class Controller:
         reason = f'reference refused by the limit guard: {broken}'
         assert self._reference is not None
         self._brake = Brake(self._axes, self._reference, self.settings.period, reason)
+        self.stops.trip(REFERENCE_REFUSED, reason)
         return False
-
-    def _check_following(self, motion: FollowedMotion) -> None:
-        if self._reference is not None:
-            motion.failure = self._lag(self._reference)
-
-    def _lag(self, reference: Array) -> str | None:
-        """Which axis is too far from the reference, for a person."""
-        # Feedback that is late says nothing about the drives; `feedback_timeout` judges that.
-        if self._feedback is None or not self._feedback_new:
-            return None
-        error = np.abs(self._feedback - reference[0])
-        worst = int(error.argmax())
-        if error[worst] <= self.settings.following_error:
-            return None
-        unit = self._axes.unit(worst)
-        return (
-            f'{self._axes.names[worst]} is {error[worst]:.4g} {unit} behind its reference, allowed is '
-            f'{self.settings.following_error:g} {unit}: does the drive follow?'
-        )
 
     def _settle(self, motion: FollowedMotion, now: float) -> None:
         assert motion.settling_since is not None
-        assert self._feedback is not None
+        assert self._feedback.position is not None
         target = motion.trajectory.position[-1]
-        error = np.abs(self._feedback - target)
-        fresh = self._feedback_time >= motion.settling_since
+        error = np.abs(self._feedback.position - target)
+        fresh = self._feedback.time >= motion.settling_since
         if motion.failure is not None:
             self._finish(motion, now, motion.failure, ok=False)
         elif fresh and error.max() <= self.settings.goal_tolerance:
@@ -353,10 +396,13 @@ class Controller:
             return
         self._brake = None
         self._stand_at(self._reference[0])
+        self._end_moving(now, brake.reason)
+
+    def _end_moving(self, now: float, reason: str) -> None:
         if self._stream.active:
-            self._end_stream(now, brake.reason)
+            self._end_stream(now, reason)
         if self._motion is not None:
-            self._finish(self._motion, now, brake.reason, ok=False)
+            self._finish(self._motion, now, reason, ok=False)
 
     def _finish(self, motion: FollowedMotion, now: float, message: str, *, ok: bool) -> None:
         self._unchanged = 0

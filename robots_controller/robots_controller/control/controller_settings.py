@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from robots_core.validation import positive
+from robots_core.watchdog import WATCHDOG
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +27,7 @@ class ControllerSettings:
     period: float = 0.004
     smoothing_time: float = 0.02
     ramp_time: float = 0.2
-    feedback_timeout: float = 0.5
+    feedback_timeout: float = WATCHDOG
     goal_tolerance: float = 1e-5
     settling_time: float = 3.0
     following_error: float = 0.5

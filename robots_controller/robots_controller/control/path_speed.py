@@ -31,6 +31,8 @@ class PathSpeed:
         self._largest = acceleration * period**2 * (1.0 + ROUNDING)
         self._ramp = period**2 / positive(ramp_time, 'ramp_time', 's')
         self._advance = period
+        self.hurry = False
+        """Change the speed as fast as the limits permit, whatever the ramp time."""
 
     @property
     def speed(self) -> float:
@@ -54,7 +56,8 @@ class PathSpeed:
         """
         change = target * self._period - self._advance
         if change != 0.0:
-            change = min(max(change, -self._ramp), self._ramp)
+            if not self.hurry:
+                change = min(max(change, -self._ramp), self._ramp)
             self._advance += self._allowed(change, path_time, position)
         return path_time + self._advance
 

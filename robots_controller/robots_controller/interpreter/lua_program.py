@@ -83,6 +83,7 @@ class LuaProgram(SharedData):
         self._thread: threading.Thread | None = None
         self._line = 0
         self._error: ProgramError | None = None
+        self._failure = ''
 
     # -- the run ----------------------------------------------------------------------------------
 
@@ -117,7 +118,7 @@ class LuaProgram(SharedData):
                 raise ProgramError('no program is open; open one first')
             self._refuse_while_running('run')
             self._refuse_while_moving('run')
-            self._line_source, self._line, self._error = None, 0, None
+            self._line_source, self._line, self._error, self._failure = None, 0, None, ''
             self.debugger.step('in' if hold else None, entry=hold)
             self._set_hold_reason('')
             self._state.set_run_state(RunState.RUNNING)
@@ -134,6 +135,17 @@ class LuaProgram(SharedData):
             True if it was running. It ends a moment later: see `join`.
         """
         return self._state.stop()
+
+    def fail(self, reason: str) -> bool:
+        """Stop the program for good, as `stop`; it has failed, for this reason.
+
+        Returns:
+            True if it was running.
+        """
+        with self._state.condition:
+            if not self._state.stopping:
+                self._failure = reason
+            return self._state.stop()
 
     def pause(self) -> bool:
         """Hold the program at its next statement, wait or motion, and the robot on its path.
@@ -298,6 +310,8 @@ class LuaProgram(SharedData):
         )
         error, stopped = run.run()
         with self._state.condition:
+            if stopped and error is None and self._failure:
+                error = ProgramError(self._failure, file=self.line_file, line=self._line)
             self._error = error
             self._set_hold_reason('')
             if error is not None:

@@ -14,7 +14,7 @@ from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
-from robots_core.watchdog import WATCHDOG, checked_watchdog
+from robots_core.watchdog import LONGEST, WATCHDOG, checked_watchdog
 from robots_planning.motion_settings import NOTHING
 
 DEFAULT_ROBOT: Final = 'bello_bot'
@@ -122,6 +122,8 @@ def cell_graph(
     """
     check_level(drive)
     watched = {'watchdog': checked_watchdog(watchdog)}
+    # In lock-step the controller is that of a simulation.
+    feedback = {} if lockstep else {'feedback_timeout': watchdog or LONGEST}
     if guided and guided not in METHODS:
         raise RobotsError(f'unknown inverse kinematics {guided!r}; valid are {", ".join(METHODS)}')
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
@@ -140,7 +142,7 @@ def cell_graph(
     bridge = node('robots_controller', 'io_bridge_node', io_map=io_map, fail_safe=fail_safe, **watched)
     return (
         node('robots_core', 'drive_node', rate=rate, level=drive, payload=list(payload)),
-        node('robots_controller', 'controller_node', rate=rate, **tolerance, **watched),
+        node('robots_controller', 'controller_node', rate=rate, **tolerance, **watched, **feedback),
         node('robots_planning', 'planning_node', scene=scene, payload=list(payload), **watched),
         node(
             'robots_controller',

@@ -1,5 +1,6 @@
 """CellMonitor: what happens in the cell, as a stream of plain events."""
 
+import contextlib
 import heapq
 import itertools
 import threading
@@ -32,11 +33,13 @@ from robots_controller.live_cell.cell_events import (
     ProgramPrint,
     ProgramStatus,
 )
+from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     diagnostic_values,
     motion_result_from_message,
+    number_in,
     pose_from_message,
     stamp_id,
 )
@@ -116,7 +119,8 @@ class CellMonitor(Node):
         self, message_type: Any, topic: str, events: Callable[[Any], Iterable[Event]], qos: QoSProfile
     ) -> None:
         def on_message(message: Any, info: dict[str, int]) -> None:
-            with self._lock:
+            # What is not valid is refused and reported by the nodes that it is meant for.
+            with self._lock, contextlib.suppress(RobotsError):
                 for event in events(message):
                     self._push(info, event)
 
@@ -133,7 +137,7 @@ class CellMonitor(Node):
             if status.name.startswith(prefix) and '/' not in name:
                 values = diagnostic_values(status)
                 yield NodeHealth(
-                    pid=int(values.get('pid', 0)),
+                    pid=int(number_in(values, 'pid', 0.0)),
                     node=name,
                     ok=status.level == DiagnosticStatus.OK,
                     message=status.message,
@@ -165,7 +169,7 @@ def _program_status(message: DiagnosticStatus) -> Iterable[Event]:
     yield ProgramStatus(
         state=values.get('state', ''),
         file=values.get('file', ''),
-        line=int(values.get('line') or 0),
+        line=int(number_in(values, 'line', 0.0)),
         source=values.get('source', ''),
         error=values.get('error', ''),
     )

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64
+from std_msgs.msg import Bool, Float64
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
@@ -18,6 +18,8 @@ from robots_controller.control.control_loop import ControllerRequest, ControlLoo
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.control.faults import EMERGENCY_STOP, LOST_NODES
+from robots_controller.control.stop_latch import StopState
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
@@ -25,7 +27,7 @@ from robots_core.realtime import ask_for_realtime
 from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.joint_state_reader import JointStateReader
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import NANOSECONDS, motion_result_message, stamp_id
+from robots_core.ros.messages import NANOSECONDS, diagnostic_status, motion_result_message, stamp_id
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, subscribe_state
 from robots_core.ros.reference_stream import ReferenceStream
@@ -39,7 +41,6 @@ HEALTH_RATE = 10.0  # Hz
 # A callback may hold the interpreter for this long before the loop gets its turn.
 SWITCH_INTERVAL = 1e-4  # s
 REFUSAL_PERIOD = 1.0  # s
-WATCHED = ('planning_node', 'lua_program_node', 'collision_node')
 
 
 class ControllerNode(RobotNode):
@@ -98,12 +99,14 @@ class ControllerNode(RobotNode):
         self._references = ReferenceStream(self, 'joint_reference', self._names, time_from_start=1.0 / rate)
         self._progress_publisher = self.create_publisher(Float64, 'motion_progress', STATE)
         self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
+        self._drives_publisher = self.create_publisher(Bool, 'drives_on', STATE)
+        self._stop_publisher = self.create_publisher(DiagnosticStatus, 'stop_status', STATE)
         self._feedback = PolledSubscription(self, JointState, 'joint_states', SENSOR, raw=True)
         self._joint_states = JointStateReader(self._names)
         self._position: Array | None = None
         self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND)
         subscribe_state(self, Float64, 'override', self._on_override)
-        self.watch = HeartbeatWatch(self, WATCHED, watchdog_parameter(self), self._on_lost)
+        self.watch = HeartbeatWatch(self, tuple(LOST_NODES), watchdog_parameter(self), self._on_watched)
         answers: dict[ControllerRequest, str] = {
             'pause': 'stopping on the path',
             'resume': 'moving on',
@@ -111,6 +114,9 @@ class ControllerNode(RobotNode):
         }
         for request, answer in answers.items():
             self.create_service(Trigger, f'~/{request}', partial(self._serve, request, answer))
+        self.create_service(Trigger, '~/emergency_stop', self._serve_emergency_stop)
+        self.create_service(Trigger, '~/reset', self._serve_reset)
+        subscribe_state(self, Bool, 'emergency_stop', self._on_emergency_stop)
         self._report_due = self.create_guard_condition(self.look_after_health)
         self._executor_priority = priority - 1
 
@@ -169,6 +175,21 @@ class ControllerNode(RobotNode):
         self.journal.error(f'joint_trajectory: {error}', throttle_duration_sec=REFUSAL_PERIOD)
         self._refusal, self._refusal_time = error, now
 
+    def stop_changed(self, state: StopState) -> None:
+        """See `ControlPort`."""
+        self._drives_publisher.publish(Bool(data=state.drives_on))
+        self._stop_publisher.publish(
+            diagnostic_status(
+                'stop',
+                state.reason or 'none',
+                level=DiagnosticStatus.ERROR if state.fault else DiagnosticStatus.OK,
+                hardware_id=self.robot_name,
+                **state.values,
+            )
+        )
+        if state.fault and state.drives_on:
+            self.journal.error(f'stopped: {state.reason}')
+
     def _publish_result(self, result: MotionResult) -> None:
         self._result_publisher.publish(motion_result_message(result, self.robot_name))
 
@@ -185,8 +206,8 @@ class ControllerNode(RobotNode):
     def _condition(self) -> tuple[bytes, str]:
         if self._controller.state is ControllerState.WAITING:
             return DiagnosticStatus.WARN, 'waiting for joint_states'
-        if self._controller.feedback_lost:
-            return DiagnosticStatus.ERROR, 'joint_states are lost'
+        if self._controller.stops.latched:
+            return DiagnosticStatus.ERROR, f'stopped until ~/reset: {self._controller.stops.state.reason}'
         if self.now() - self._refusal_time < REFUSAL_PERIOD:
             return DiagnosticStatus.WARN, f'joint_trajectory: {self._refusal}'
         return DiagnosticStatus.OK, 'ready'
@@ -233,8 +254,30 @@ class ControllerNode(RobotNode):
             return
         self._control.set_override(override)
 
-    def _on_lost(self, _: str, reason: str) -> None:
-        self._control.stop(reason)
+    def _on_watched(self, name: str, reason: str) -> None:
+        if reason:
+            self._control.trip(LOST_NODES[name], reason, stands=name == 'collision_node')
+        else:
+            self._control.clear(LOST_NODES[name])
+
+    def _on_emergency_stop(self, message: Bool) -> None:
+        if message.data:
+            self._control.trip(EMERGENCY_STOP, 'emergency stop by topic emergency_stop', stands=True)
+        else:
+            self._control.clear(EMERGENCY_STOP)
+
+    def _serve_emergency_stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._control.trip(EMERGENCY_STOP, 'emergency stop by ~/emergency_stop')
+        response.success, response.message = True, 'stopping, then switching the drives off, until ~/reset'
+        return response
+
+    def _serve_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        try:
+            self._control.reset()
+            response.success, response.message = True, 'the robot may move again'
+        except RobotsError as error:
+            response.success, response.message = False, str(error)
+        return response
 
     def _serve(
         self, request: ControllerRequest, answer: str, _: Trigger.Request, response: Trigger.Response

@@ -9,7 +9,6 @@ from std_msgs.msg import String
 from robots_controller.cell.guide_recording import GuideRecording, read_guide_recording
 from robots_controller.cell.guide_replay import GuideReplay
 from robots_core.blocks.following.guide import Guide
-from robots_core.errors import RobotsError
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
 from robots_core.ros.qos import COMMAND, subscribe_state
@@ -46,9 +45,8 @@ class GuidePlayerNode(RobotNode):
     def _on_guide(self, message: String) -> None:
         try:
             self._replay.hand_over(Guide(message.data), self._nanoseconds())
-        except (ValueError, RobotsError) as error:
-            self.refuse('guide', RobotsError(str(error)))
-        self._play()
+        finally:
+            self._play()
 
     def _nanoseconds(self) -> int:
         return int(self.get_clock().now().nanoseconds)

@@ -11,7 +11,7 @@ from robots_controller.io.io_image import Channel, image_sizes
 from robots_core.ros.messages import doubles
 from robots_core.ros.qos import STATE, subscribe_state
 from robots_core.ros.timed_node import TimedNode
-from robots_core.validation import Array
+from robots_core.validation import Array, finite_vector
 
 
 class InputImages:
@@ -74,7 +74,7 @@ class OutputImages:
         return now - self._seen[channel.image]
 
     def _on_message(self, image: str, message: Any) -> None:
-        self._values[image] = np.asarray(message.data, dtype=np.float64)
+        self._values[image] = finite_vector(message.data, len(message.data), image)
         self._seen[image] = self._node.now()
         self._on_change()
 

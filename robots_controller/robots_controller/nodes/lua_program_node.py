@@ -180,8 +180,9 @@ class LuaProgramNode(RobotNode):
         )
         PathSwitchingMessages(self, self.host.switching, axes.names)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
+        self.create_subscription(DiagnosticStatus, 'stop_status', self._on_stop_status, STATE)
         self.create_timer(WATCH_PERIOD, self.host.motions.watch)
-        HeartbeatWatch(self, ['planning_node'], watchdog_parameter(self), self._on_planner_lost)
+        HeartbeatWatch(self, ['planning_node'], watchdog_parameter(self), self._on_planner_watched)
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
         self._io = IoServices(self, self._program.io, self._on_inputs)
         host = self.host
@@ -294,8 +295,15 @@ class LuaProgramNode(RobotNode):
         if self._turns is not None:
             self._turns.changed()
 
-    def _on_planner_lost(self, _: str, reason: str) -> None:
-        self.host.motions.lose_planner(reason)
+    def _on_stop_status(self, message: DiagnosticStatus) -> None:
+        if message.level != DiagnosticStatus.OK:
+            self.host.fail(message.message)
+            if self._turns is not None:
+                self._turns.changed()
+
+    def _on_planner_watched(self, _: str, reason: str) -> None:
+        if reason:
+            self.host.motions.lose_planner(reason)
 
     # -- the program's robot and controller, from its thread ------------------------------------------
 

@@ -13,10 +13,11 @@ from robots_controller.cell.path_switching import PathSwitching
 from robots_core.errors import RobotsError
 from robots_core.ros.lockstep.phases import NEVER, Phase
 from robots_core.ros.lockstep.timed_work import LockstepTurn
-from robots_core.ros.messages import diagnostic_values, serialized_stamp_id
+from robots_core.ros.messages import diagnostic_values, number_in, serialized_stamp_id
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, STREAM
 from robots_core.ros.timed_node import TimedNode
+from robots_core.validation import fraction
 from robots_planning.nodes.trajectory_messages import trajectory_from_message
 from robots_planning.trajectory import Trajectory
 
@@ -55,9 +56,9 @@ class PathSwitchingMessages:
 
     def _on_plan(self, message: DiagnosticStatus) -> None:
         ends = diagnostic_values(message)
-        id_ = ends.pop('id')
+        id_ = ends.pop('id', '')
         if self._switching.awaits(id_):
-            self._ends[id_] = {one: float(end) for one, end in ends.items()}
+            self._ends[id_] = {one: number_in(ends, one, 0.0) for one in ends}
             self._put(id_)
 
     def _put(self, id_: str) -> None:
@@ -86,7 +87,7 @@ class PathSwitchingMessages:
 
     def _on_progress(self, message: Float64) -> None:
         now = self._node.now()
-        self._switching.progress(now, message.data)
+        self._switching.progress(now, fraction(message.data, 'motion_progress'))
         # In simulated time progress comes in every period, and nothing is extrapolated.
         if self._switching.next_time < math.inf and not self._node.simulated_time:
             if self._timer is not None:

@@ -10,6 +10,7 @@ from robots_controller.cell.program_host import ProgramHost
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
 from robots_controller.control.controller import ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles
+from robots_controller.control.stop_latch import StopState
 from robots_controller.io.io_image import image_sizes
 from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.program.joint_feedback import JointFeedback
@@ -204,7 +205,7 @@ class SimulatedCell:
             self._mail.popleft()()
 
     def _stands(self) -> bool:
-        return self._controller.state is ControllerState.HOLDING
+        return self._controller.state in (ControllerState.HOLDING, ControllerState.STOPPED)
 
     def _end_program(self) -> None:
         self._running = False
@@ -388,6 +389,16 @@ class SimulatedCell:
 
     def stream_refused(self, error: RobotsError, now: float) -> None:
         """See `ControlPort`; a stopped sender goes on sending, as in a live cell."""
+
+    def stop_changed(self, state: StopState) -> None:
+        """See `ControlPort`."""
+        self._log.stop(state)
+        if state.fault is not None:
+            self._mail.append(lambda: self._fail(state.reason))
+
+    def _fail(self, reason: str) -> None:
+        self._host.fail(reason)
+        self._changed = True
 
     # -- ports of the program ---------------------------------------------------------------------
 

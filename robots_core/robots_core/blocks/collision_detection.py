@@ -33,6 +33,7 @@ ENGINES: Final[dict[str, type[CollisionEngine]]] = {'fcl': FclEngine, 'coal': Co
 
 # Tolerance of the proof of an engine's distance; python-fcl's own tolerance is 1e-6 m.
 PROOF_TOLERANCE = 1e-5  # m
+MARGINS: Final = (5e-4, 0.5)  # m
 # Pairs of an attached object and a link with at most so many axes between them are excluded if proven apart.
 NEAR_AXES = 2
 NEAR_BUDGET = 300  # joint positions evaluated for that proof
@@ -333,6 +334,18 @@ class CollisionDetection:
         parts, first = arrays[0], arrays[1]
         R, t = self._set.R, self._set.t
         return proven(parts, R, t, first[i], first[j], distance, p_i, p_j, PROOF_TOLERANCE)
+
+
+def usable_margin(margin: float) -> float:
+    """`margin` if a cell can be run with it: with none a robot touches what it passes, with much none moves.
+
+    Raises:
+        InvalidInputError: outside `MARGINS`.
+    """
+    low, high = MARGINS
+    if not low <= margin <= high:
+        raise InvalidInputError(f'margin = {margin!r} m must be in [{low:g}, {high:g}] m')
+    return float(margin)
 
 
 def checked_margin(margin: float) -> float:

@@ -18,7 +18,7 @@ from robots_core.blocks.collision.collision_guard import (
 )
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
-from robots_core.blocks.collision_detection import ENGINES, CollisionDetection, checked_margin
+from robots_core.blocks.collision_detection import ENGINES, CollisionDetection, usable_margin
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.joint_trajectories import complete_points
@@ -33,6 +33,7 @@ from robots_core.ros.presence import is_served
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
+from robots_core.validation import fraction
 
 MAX_RATE = 250.0  # Hz
 SERVICE_PERIOD = 5.0  # s between reports that nothing can stop the robot
@@ -48,7 +49,7 @@ class CollisionNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('collision_node', **options)
         margin = self.parameter(
-            'collision_margin', GUARD_MARGIN, 'distance to keep, m', check=checked_margin, read_only=True
+            'collision_margin', GUARD_MARGIN, 'distance to keep, m', check=usable_margin, read_only=True
         )
         engine = self.parameter(
             'collision_engine', 'fcl', f'one of {", ".join(ENGINES)}', check=_known_engine, read_only=True
@@ -87,14 +88,11 @@ class CollisionNode(RobotNode):
     def _on_trajectory(self, message: JointTrajectory) -> None:
         if len(message.points) < 2:  # an empty one stops, and one point is a streamed reference
             return
-        try:
-            time, rows = complete_points(message, self._names, 'joint_trajectory')
-            self.guard.planned(stamp_id(message.header.stamp), JointPath(time, *rows))
-        except RobotsError as error:
-            self.refuse('joint_trajectory', error, stream=True)
+        time, rows = complete_points(message, self._names, 'joint_trajectory')
+        self.guard.planned(stamp_id(message.header.stamp), JointPath(time, *rows))
 
     def _on_progress(self, message: Float64) -> None:
-        self.guard.progress(message.data)
+        self.guard.progress(fraction(message.data, 'motion_progress'))
 
     def _on_result(self, message: DiagnosticStatus) -> None:
         if self.guard.ended(motion_result_from_message(message).id):

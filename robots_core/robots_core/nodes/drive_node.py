@@ -136,8 +136,12 @@ class DriveNode(RobotNode):
     def _carry(self) -> None:
         """Take over the payload that programs set, between two steps."""
         message = self._settings.take()
-        if message is not None:
-            carry_payload(self, self._carried, message)
+        if message is None:
+            return
+        try:
+            carry_payload(self._carried, message)
+        except RobotsError as error:
+            self.refuse('motion_settings', error, stream=True)
 
     def _step(self, _now: float) -> None:
         self._carry()

@@ -77,9 +77,7 @@ class DynamicsNode(RobotNode):
         self._base = BaseMotion(_orientation(orientation))
         self._load(payload_from_parameters(self))
         carried = CarriedPayload(self._load)
-        subscribe_state(
-            self, DiagnosticStatus, 'motion_settings', lambda message: carry_payload(self, carried, message)
-        )
+        subscribe_state(self, DiagnosticStatus, 'motion_settings', partial(carry_payload, carried))
         if not self._floats:
             subscribe_state(self, MultiDOFJointTrajectory, 'base_motion', self._on_base_motion)
         n = self.robot.num_axes
@@ -110,10 +108,7 @@ class DynamicsNode(RobotNode):
             self._dynamics.base = base
 
     def _on_base_motion(self, message: MultiDOFJointTrajectory) -> None:
-        try:
-            self._move_base(base_motion_from_message(message))
-        except RobotsError as error:
-            self.refuse('base_motion', error, stream=True)
+        self._move_base(base_motion_from_message(message))
 
     def _publish(self) -> None:
         newest = None

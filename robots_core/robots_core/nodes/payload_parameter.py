@@ -6,7 +6,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload, payload_of
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.robot_node import RobotNode
 
@@ -23,14 +23,19 @@ def payload_from_parameters(node: RobotNode, *, read_only: bool = False) -> Payl
     return payload_of(value)
 
 
-def carry_payload(node: RobotNode, carried: CarriedPayload, settings: DiagnosticStatus) -> None:
-    """Carry the payload of a message of `motion_settings`; one that is not valid is reported."""
+def carry_payload(carried: CarriedPayload, settings: DiagnosticStatus) -> None:
+    """Carry the payload of a message of `motion_settings`.
+
+    Raises:
+        InvalidInputError: it is none.
+    """
     text = diagnostic_values(settings).get('payload')
     if text is None:
         return
     try:
-        carried.carry(json.loads(text))
-    except (ValueError, TypeError) as error:
-        node.refuse('motion_settings', InvalidInputError(f'payload = {text}: {error}'))
-    except RobotsError as error:
-        node.refuse('motion_settings', error)
+        values = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InvalidInputError(f'payload = {text[:80]!r} is not JSON: {error}') from None
+    if not isinstance(values, list):
+        raise InvalidInputError(f'payload = {text[:80]!r} is no list of numbers')
+    carried.carry(values)

@@ -6,7 +6,6 @@ from visualization_msgs.msg import MarkerArray
 
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision.scene_file import read_scene
-from robots_core.errors import RobotsError
 from robots_core.nodes.scene_messages import updated_scene
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.robot_node import RobotNode
@@ -27,17 +26,12 @@ class WatchedScene:
         path = node.parameter('scene', '', 'scene file (YAML); empty for none', read_only=True)
         self.scene = read_scene(path) if path else Scene()
         on_change(self.scene)
-        self._node = node
         self._on_change = on_change
         # Who publishes several objects one by one must not lose any; what is latched reaches the other one.
         for qos in (COMMAND, STATE):
             node.create_subscription(MarkerArray, 'collision_objects', self._on_objects, qos)
 
     def _on_objects(self, message: MarkerArray) -> None:
-        try:
-            scene = updated_scene(self.scene, message)
-            self._on_change(scene)
-        except RobotsError as error:
-            self._node.refuse('collision_objects', error)
-            return
+        scene = updated_scene(self.scene, message)
+        self._on_change(scene)
         self.scene = scene

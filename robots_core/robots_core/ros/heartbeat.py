@@ -55,13 +55,13 @@ class HeartbeatWatch:
         node: Who watches.
         names: Names of the nodes, in the namespace of this one.
         timeout: See `Watchdog`, s.
-        on_lost: Called with a node's name and the reason, for a person, when it is lost.
+        on_change: Called with a node's name and, when it is lost, a reason for a person; '' when it is back.
     """
 
     def __init__(
-        self, node: TimedNode, names: Sequence[str], timeout: float, on_lost: Callable[[str, str], None]
+        self, node: TimedNode, names: Sequence[str], timeout: float, on_change: Callable[[str, str], None]
     ) -> None:
-        self._node, self._timeout, self._on_lost = node, timeout, on_lost
+        self._node, self._timeout, self._on_change = node, timeout, on_change
         self._watched: dict[str, tuple[PolledSubscription, Watchdog]] = {}
         if timeout == 0.0 or node.simulated_time:
             return
@@ -78,10 +78,12 @@ class HeartbeatWatch:
     def _look(self) -> None:
         now = self._node.now()
         for name, (beats, watchdog) in self._watched.items():
+            before = watchdog.lost
             if watchdog.look(now, alive=beats.take() is not None):
-                self._on_lost(
-                    name, f'no sign of life of {name} for {self._timeout:g} s: is it still running?'
-                )
+                reason = f'no sign of life of {name} for {self._timeout:g} s: is it still running?'
+                self._on_change(name, reason)
+            elif before and not watchdog.lost:
+                self._on_change(name, '')
 
 
 def watchdog_parameter(node: RobotNode) -> float:

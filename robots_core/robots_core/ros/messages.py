@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import array
+import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -17,11 +18,13 @@ from sensor_msgs.msg import JointState
 from robots_core.errors import InvalidInputError, JointNamesError
 from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
-from robots_core.validation import Array
+from robots_core.validation import Array, bounded_vector
 
 # CDR: the encapsulation, and then a message that begins with a header has the stamp's two 32-bit words.
 ENCAPSULATION_SIZE: Final = 4
 NANOSECONDS: Final = 1_000_000_000
+FARTHEST: Final = 1000.0  # m
+RESULT_NUMBERS: Final = ('ended', 'progress')
 SERIALIZED_STAMP: Final = struct.Struct('<iI')
 
 
@@ -103,10 +106,12 @@ def pose_from_message(message: PoseMessage) -> Pose:
     """A Pose from geometry_msgs/Pose.
 
     Raises:
-        InvalidInputError: values that are not finite, or a quaternion of zero length.
+        InvalidInputError: values that are not finite, a quaternion of no usable length, or a position
+            further than `FARTHEST` from the frame.
     """
     p, o = message.position, message.orientation
-    return Pose.from_quaternion([p.x, p.y, p.z], [o.x, o.y, o.z, o.w])
+    r = bounded_vector([p.x, p.y, p.z], 3, 'position', FARTHEST, 'm')
+    return Pose.from_quaternion(r, [o.x, o.y, o.z, o.w])
 
 
 def pose_message(pose: Pose) -> PoseMessage:
@@ -144,6 +149,22 @@ def diagnostic_values(status: DiagnosticStatus) -> dict[str, str]:
     return {item.key: item.value for item in status.values}
 
 
+def number_in(values: Mapping[str, str], key: str, default: float) -> float:
+    """A number among the key-value pairs of a DiagnosticStatus; the default where there is none.
+
+    Raises:
+        InvalidInputError: a text that is no finite number.
+    """
+    text = values.get(key, default)
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise InvalidInputError(f'{key} = {text!r} must be a finite number')
+    return number
+
+
 def motion_result_message(result: MotionResult, robot: str) -> DiagnosticStatus:
     """A result as it travels on `motion_result`; `robot` is the robot's name."""
     level = DiagnosticStatus.OK if result.ok else DiagnosticStatus.ERROR
@@ -152,7 +173,13 @@ def motion_result_message(result: MotionResult, robot: str) -> DiagnosticStatus:
 
 
 def motion_result_from_message(status: DiagnosticStatus) -> MotionResult:
-    """The result of a message; all details are texts."""
+    """The result of a message; all details are texts.
+
+    Raises:
+        InvalidInputError: a detail that is a number of motions, and here none.
+    """
     details = diagnostic_values(status)
+    for key in RESULT_NUMBERS:
+        number_in(details, key, 0.0)
     id_ = details.pop('id', '')
     return MotionResult(id_, status.level == DiagnosticStatus.OK, status.message, details)

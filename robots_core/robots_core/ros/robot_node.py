@@ -10,6 +10,7 @@ from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValu
 from rclpy.parameter import Parameter
 
 from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.parameter_changes import CHANGES, Change
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
@@ -38,6 +39,7 @@ class RobotNode(TimedNode):
     def __init__(self, name: str, *, robot: str = 'bello_bot', **options: Any) -> None:
         super().__init__(name, **options)
         self._checks: dict[str, Callable[[Any], object]] = {}
+        self._changes = CHANGES.get(name, {})
         self.add_on_set_parameters_callback(self._check_parameters)
         self.robot_name: str = self.parameter(
             'robot_model', robot, "the robot's name, or urdf:/path/to/robot.urdf", read_only=True
@@ -87,8 +89,17 @@ class RobotNode(TimedNode):
             self._checks[name] = check
         return value
 
+    @property
+    def moving(self) -> bool:
+        """The robot moves, as far as this node has to do with it."""
+        return False
+
     def _check_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
         for parameter in parameters:
+            standing = self._changes.get(parameter.name) is Change.STANDING
+            if standing and self.is_changed(parameter) and self.moving:
+                reason = f'{parameter.name} may change only {Change.STANDING}'
+                return SetParametersResult(successful=False, reason=reason)
             check = self._checks.get(parameter.name)
             if check is None:
                 continue
@@ -137,6 +148,19 @@ class RobotNode(TimedNode):
         if self.context.ok():
             self.report_health(DiagnosticStatus.ERROR, f'internal error: {error!r}')
         super().thread_failed(error)
+
+    def create_subscription(
+        self, msg_type: Any, topic: str, callback: Callable[[Any], None], qos_profile: Any, **options: Any
+    ) -> Any:
+        """As `Node.create_subscription`; a RobotsError of the callback refuses the message, see `refuse`."""
+
+        def take(message: Any) -> None:
+            try:
+                callback(message)
+            except RobotsError as error:
+                self.refuse(topic, error, stream=qos_profile is not COMMAND)
+
+        return super().create_subscription(msg_type, topic, take, qos_profile, **options)
 
     def refuse(self, topic: str, error: RobotsError, *, stream: bool = False) -> None:
         """Log and report bad input on a topic; the node goes on.

@@ -4,9 +4,10 @@ import time
 from collections.abc import Callable
 from typing import Any, ClassVar, Final
 
-from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.clock import Clock
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
 
 from robots_core.errors import InvalidInputError
@@ -60,6 +61,19 @@ class TimedNode(Node):
         if parameter_services:
             self._parameter_service = ParameterService(self)  # its services are counted
         self._clock_loops = ClockLoops(self) if follows_clock else None
+        self.add_on_set_parameters_callback(self._keep_clock)
+
+    def _keep_clock(self, parameters: list[Parameter]) -> SetParametersResult:
+        for parameter in parameters:
+            if parameter.name == 'use_sim_time' and self.is_changed(parameter):
+                reason = 'use_sim_time is chosen at the start: loops and timers keep the clock that they have'
+                return SetParametersResult(successful=False, reason=reason)
+        return SetParametersResult(successful=True)
+
+    def is_changed(self, parameter: Parameter) -> bool:
+        """A declared parameter would get another value."""
+        name = parameter.name
+        return bool(self.has_parameter(name) and self.get_parameter(name).value != parameter.value)
 
     def now(self) -> float:
         """Time in s: of the node's clock if it is simulated, otherwise of `time.monotonic`."""

@@ -10,7 +10,6 @@ from geometry_msgs.msg import TwistStamped
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.errors import RobotsError
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.loop import Loop
@@ -79,19 +78,12 @@ class JogStream:
 
     def _on_twist(self, message: TwistStamped) -> None:
         v, w = message.twist.linear, message.twist.angular
-        try:
-            axes = jog_axes(message.header.frame_id)
-            twist = [v.x, v.y, v.z, w.x, w.y, w.z]
-            self._jog(message, partial(self.jogging.jog_tool, twist, axes))
-        except RobotsError as error:
-            self._node.refuse('teach_twist', error, stream=True)
+        twist = [v.x, v.y, v.z, w.x, w.y, w.z]
+        self._jog(message, partial(self.jogging.jog_tool, twist, jog_axes(message.header.frame_id)))
 
     def _on_joints(self, message: JointState) -> None:
-        try:
-            velocity = joint_values(message.name, message.velocity, self._names, 'teach_joints')
-            self._jog(message, partial(self.jogging.jog_axes, velocity))
-        except RobotsError as error:
-            self._node.refuse('teach_joints', error, stream=True)
+        velocity = joint_values(message.name, message.velocity, self._names, 'teach_joints')
+        self._jog(message, partial(self.jogging.jog_axes, velocity))
 
     def _jog(self, message: Any, jog: Callable[[float, float], None]) -> None:
         """Give a command, with its age by the stamp and the time in s; a first one starts the loop."""

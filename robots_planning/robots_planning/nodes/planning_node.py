@@ -15,7 +15,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
+from robots_core.blocks.collision_detection import CollisionDetection, usable_margin
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.watched_scene import WatchedScene
@@ -30,6 +30,7 @@ from robots_core.ros.messages import (
     joint_values,
     motion_result_from_message,
     motion_result_message,
+    number_in,
     pose_from_message,
     stamp_id,
 )
@@ -38,7 +39,7 @@ from robots_core.ros.presence import publishers_of
 from robots_core.ros.qos import COMMAND, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
-from robots_core.validation import Array
+from robots_core.validation import Array, fraction
 from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
 from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, checked
@@ -69,7 +70,7 @@ class PlanningNode(RobotNode):
             self.robot, engine=self.parameter('collision_engine', 'fcl', 'fcl or coal', read_only=True)
         )
         margin = self.parameter(
-            'collision_margin', COLLISION_MARGIN, 'distance that motions keep, m', check=checked_margin
+            'collision_margin', COLLISION_MARGIN, 'distance that motions keep, m', check=usable_margin
         )
         self._scene = WatchedScene(self, collision.set_scene)
         planning = PathPlanning(self.robot, collision=collision, collision_margin=margin)
@@ -111,7 +112,7 @@ class PlanningNode(RobotNode):
             self._action = FollowJointTrajectory(
                 self, lambda message, id_: self._worker.submit(self._send_given, message, id_)
             )
-        HeartbeatWatch(self, ['controller_node'], watchdog_parameter(self), self._on_controller_lost)
+        HeartbeatWatch(self, ['controller_node'], watchdog_parameter(self), self._on_controller_watched)
         self._look = self.create_timer(LOOK_PERIOD, self._look_for_reference)
         self.report_health(DiagnosticStatus.WARN, 'waiting for joint_reference')
 
@@ -147,6 +148,11 @@ class PlanningNode(RobotNode):
         self.planner.replace_motions(replace=replace)
         if replace and self._progress is None:  # only then it matters; it comes often
             self._progress = self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
+
+    @property
+    def moving(self) -> bool:
+        """A motion is on its way, or somebody jogs."""
+        return self.planner.moving or self._jogging.jogging.active
 
     # -- messages to the planner ---------------------------------------------------------------------
 
@@ -189,11 +195,8 @@ class PlanningNode(RobotNode):
             raise InvalidInputError(f'frame {frame!r} is unknown; poses are given in {BASE_FRAME!r}')
 
     def _on_reference_pose(self, message: PoseStamped) -> None:
-        try:
-            self.planner.reference_pose = self._pose(message)
-        except RobotsError as error:
-            self.planner.reference_pose = None
-            self.refuse('reference_pose', error)
+        self.planner.reference_pose = None  # a trigger does not lead to one before this, whatever it is
+        self.planner.reference_pose = self._pose(message)
 
     def _on_trigger(self, message: Bool) -> None:
         stamp = self.get_clock().now().to_msg()
@@ -219,16 +222,17 @@ class PlanningNode(RobotNode):
         self.planner.wait_no_longer()
 
     def _on_progress(self, message: Float64) -> None:
-        self.planner.progress(message.data)
+        self.planner.progress(fraction(message.data, 'motion_progress'))
 
-    def _on_controller_lost(self, _: str, reason: str) -> None:
-        self.planner.lose_controller(reason)
+    def _on_controller_watched(self, _: str, reason: str) -> None:
+        if reason:
+            self.planner.lose_controller(reason)
 
     def _on_motion_result(self, message: DiagnosticStatus) -> None:
         result = motion_result_from_message(message)
         if self._action is not None:
             self._action.ended(result)
-        self.planner.result(result, float(result.details.get('ended', self.time())))
+        self.planner.result(result, number_in(result.details, 'ended', self.time()))
 
     # -- the planner's port: messages out, from its thread too ---------------------------------------
 

@@ -156,12 +156,11 @@ class Motions:
         blend, before = arguments.options.blend, self._state.motions
         chained = bool(before and before[-1].blend)
         if blend:
-            self._run.settings |= {
-                'blend_zone': blend if kind.cartesian else 0.0,
-                'joint_blend_zone': 0.0 if kind.cartesian else blend,
-            }
+            self._run.change(
+                blend_zone=blend if kind.cartesian else 0.0, joint_blend_zone=0.0 if kind.cartesian else blend
+            )
         elif not chained and 'blend_zone' in self._run.settings:
-            self._run.settings |= {'blend_zone': 0.0, 'joint_blend_zone': 0.0}
+            self._run.change(blend_zone=0.0, joint_blend_zone=0.0)
         command = MotionCommand(
             kind,
             self._run.line,

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 from robots_controller.degrees import pose_to_program
 from robots_controller.interpreter.lua_arguments import Arguments
@@ -12,6 +12,7 @@ from robots_controller.program.motion_command import Kind, OutputChange
 from robots_controller.program.motion_target import MotionTarget, RobotView
 from robots_controller.program.program_state import ProgramState
 from robots_core.pose import Pose
+from robots_planning.motion_settings import CHECKS
 
 Handlers = Mapping[str, Callable[[Arguments], Result | Waiting]]
 """What serves a call, by the name of the function."""
@@ -36,6 +37,16 @@ class RunContext:
     target: MotionTarget
     settings: dict[str, object] = field(default_factory=dict)
     line: int = 0
+
+    def change(self, **settings: Any) -> None:
+        """Change modal settings, for the motions that follow.
+
+        Raises:
+            InvalidInputError: a value that is not valid; nothing is changed then.
+        """
+        for name, value in settings.items():
+            CHECKS[name](value, name)
+        self.settings |= settings
 
     def shown(self, pose: Pose) -> PoseValues:
         """A pose as the program has it."""

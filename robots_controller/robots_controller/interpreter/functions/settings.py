@@ -120,7 +120,7 @@ class Settings:
             'setTool': self._set_tool,
             'setBase': self._set_base,
             'setOrientationConvention': self._set_convention,
-            'setHold': lambda a: run.settings.update(hold=a.values[0]),
+            'setHold': lambda a: run.change(hold=a.values[0]),
             'setPayload': self._set_payload,
             'getTool': lambda _: (run.shown(run.target.tool),),
             'getBase': lambda _: (run.shown(run.target.base),),
@@ -129,17 +129,19 @@ class Settings:
             'setSpeed': self._set_limits('speed'),
             'setAcceleration': self._set_limits('acceleration'),
             'setPlanner': self._set_planner,
-            'setConfiguration': lambda a: run.settings.update(configuration=a.values[0] or ''),
-            'setJerkLimited': lambda a: run.settings.update(jerk_limited=bool(a.values[0])),
+            'setConfiguration': lambda a: run.change(configuration=a.values[0] or ''),
+            'setJerkLimited': lambda a: run.change(jerk_limited=bool(a.values[0])),
         }
 
     def _set_tool(self, arguments: Arguments) -> None:
-        self._run.target.tool = self._run.view.pose(arguments.values)
-        self._run.settings['tool'] = _seven(self._run.target.tool)
+        tool = self._run.view.pose(arguments.values)
+        self._run.change(tool=_seven(tool))
+        self._run.target.tool = tool
 
     def _set_base(self, arguments: Arguments) -> None:
-        self._run.target.base = self._run.view.pose(arguments.values)
-        self._run.settings['base'] = _seven(self._run.target.base)
+        base = self._run.view.pose(arguments.values)
+        self._run.change(base=_seven(base))
+        self._run.target.base = base
 
     def _set_convention(self, arguments: Arguments) -> None:
         self._run.view = replace(self._run.view, convention=arguments.values[0])
@@ -148,7 +150,7 @@ class Settings:
         payload = tuple(value or 0.0 for value in arguments.values)
         payload_of(payload)
         yield from self._waits.standstill()
-        self._run.settings['payload'] = payload
+        self._run.change(payload=payload)
         return None
 
     def _get_payload(self, _: Arguments) -> Result:
@@ -160,17 +162,21 @@ class Settings:
         self._run.cell.set_override(arguments.values[0])
 
     def _set_planner(self, arguments: Arguments) -> None:
-        given = zip(('joint_planner', 'cartesian_planner'), arguments.values, strict=True)
-        self._run.settings |= {name: value for name, value in given if value is not None}
+        # Checked already, by name: loading planners takes half a second.
+        self._run.settings |= _given(('joint_planner', 'cartesian_planner'), arguments)
 
     def _set_limits(self, what: str) -> Callable[[Arguments], None]:
         names = (f'{what}_fraction', f'cartesian_{what}', f'rotation_{what}')
 
         def set_limits(arguments: Arguments) -> None:
-            given = zip(names, arguments.values, strict=True)
-            self._run.settings |= {name: value for name, value in given if value is not None}
+            self._run.change(**_given(names, arguments))
 
         return set_limits
+
+
+def _given(names: tuple[str, ...], arguments: Arguments) -> dict[str, Any]:
+    """Arguments by these names, without those that were left out."""
+    return {name: v for name, v in zip(names, arguments.values, strict=True) if v is not None}
 
 
 def _seven(pose: Pose) -> tuple[float, ...]:

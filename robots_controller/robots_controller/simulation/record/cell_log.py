@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 from robots_controller.cell.guide_recording import GuidingMessage
+from robots_controller.control.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.io.io_image import Channel, IoImage
 from robots_controller.program.motion_command import MotionCommand, OutputChange
@@ -42,6 +43,7 @@ STATUS_NAMES: Final = {
     'motion_result': 'motion',
     'motion_settings': 'motion settings',
     'program_status': 'program',
+    'stop_status': 'stop',
 }
 
 
@@ -255,6 +257,12 @@ class CellLog:
         """Done part of the current path."""
         if self._bag is not None:
             self._bag.progress(self._clock.nanoseconds, progress)
+
+    def stop(self, state: StopState) -> None:
+        """A fault holds the robot, or not any more."""
+        self._plain('drives_on', 'std_msgs/msg/Bool', state.drives_on)
+        level = ros.OK if state.fault is None else ros.ERROR
+        self._status('stop_status', state.reason or 'none', state.values, level=level)
 
     def collision_status(self, seen: CollisionStatus) -> None:
         """Write how close the robot is to something."""

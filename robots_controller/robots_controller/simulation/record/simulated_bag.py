@@ -35,6 +35,7 @@ LATCHED: Final = frozenset(
         'command_state',
         'digital_inputs',
         'digital_outputs',
+        'drives_on',
         'finished',
         'forced_inputs',
         'guide',
@@ -48,6 +49,7 @@ LATCHED: Final = frozenset(
         'override',
         'program_status',
         'robot_description',
+        'stop_status',
         'tcp_pose',
     )
 )

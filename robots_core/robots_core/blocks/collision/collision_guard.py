@@ -11,6 +11,7 @@ from robots_core.blocks.collision.path_search import RESOLUTION
 from robots_core.blocks.collision.results import PathProximity, Proximity
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
+from robots_core.errors import InvalidInputError
 from robots_core.validation import Array
 
 Level = Literal['ok', 'warning', 'error']
@@ -18,6 +19,7 @@ Level = Literal['ok', 'warning', 'error']
 GUARD_MARGIN: Final = 0.002  # m
 LOOKAHEAD: Final = 1.0  # s
 LOOK_RATE: Final = 25.0  # Hz
+FASTEST: Final = 2.0  # of the axes' velocity limits; the bounds of a path are not tight
 # A look, a call of the service and a period of the controller may pass before a guided robot brakes.
 REACTION_TIME: Final = 0.1  # s
 
@@ -103,8 +105,9 @@ class CollisionGuard:
         """Watch a motion from now on, after those before it.
 
         Raises:
-            InvalidInputError: a path of another number of axes.
+            InvalidInputError: a path of another number of axes, or far past their limits.
         """
+        self._check(path)
         motion = _Motion(path, self.detection.first_approach(path, margin=self.margin))
         if not self.motions:
             self._progress = 0.0
@@ -113,6 +116,19 @@ class CollisionGuard:
         closest = np.inf if start is None else start.distance
         self._floor = min(self.margin, max(closest - 2.0 * RESOLUTION, 0.0))
         self._stop_before_dangers()
+
+    def _check(self, path: JointPath) -> None:
+        """Refuse what no controller follows: how long its check takes has no bound."""
+        axes = self.detection.robot.axes_data
+        for position in (path.position.min(axis=0), path.position.max(axis=0)):
+            axes.check_position(position, 'the path')
+        too_fast = np.flatnonzero(~(path.fastest() <= FASTEST * axes.velocity))
+        if too_fast.size:
+            axis = too_fast[0]
+            raise InvalidInputError(
+                f'{axes.names[axis]} moves at up to {path.fastest()[axis]:.6g} '
+                f'{axes.unit(axis, "velocity")} on the path, its limit is {axes.velocity[axis]:.6g}'
+            )
 
     def progress(self, progress: float) -> None:
         """Take the done part of the first motion, 0..1."""
@@ -150,7 +166,9 @@ class CollisionGuard:
         """Stop a robot that moves without a path before it comes too close to something."""
         danger = None
         if q_dot is not None and q_dot.any():
-            time = REACTION_TIME + float((np.abs(q_dot) / self.detection.robot.axes_data.acceleration).max())
+            axes = self.detection.robot.axes_data
+            q_dot = np.clip(q_dot, -axes.velocity, axes.velocity)  # a driver may report anything
+            time = REACTION_TIME + float((np.abs(q_dot) / axes.acceleration).max())
             way = JointPath.straight(q, q + time * q_dot)
             danger = self.detection.first_approach(way, margin=self.margin)
         self._guided_into = danger is not None and self._stop(danger.proximity.describe())

@@ -13,6 +13,8 @@ from robots_core.validation import Array, read_only
 
 # Bounds by control points are the tighter the shorter the pieces are.
 LONGEST_PIECE = 0.02  # s
+LONGEST_PATH = 3600.0  # s
+LARGEST = 1e9  # s, rad (m) and their derivatives
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,8 +30,8 @@ class JointPath:
         acceleration: (m, n) rad/s^2 (m/s^2).
 
     Raises:
-        InvalidInputError: shapes that do not match, values that are not finite, or time that does not
-            increase.
+        InvalidInputError: shapes that do not match, values that are not finite or past `LARGEST`,
+            time that does not increase, or more than `LONGEST_PATH` of it.
     """
 
     time: Array
@@ -42,13 +44,17 @@ class JointPath:
     def __post_init__(self) -> None:
         for name in ('time', 'position', 'velocity', 'acceleration'):
             values = read_only(getattr(self, name))
-            if not np.isfinite(values).all():
-                raise InvalidInputError(f'path {name} holds a value that is not finite')
+            if not (np.abs(values) <= LARGEST).all():  # also true for NaN
+                raise InvalidInputError(f'path {name} holds a value that is no number within +-{LARGEST:g}')
             object.__setattr__(self, name, values)
         m = self.time.size
         shape = self.position.shape
         if self.time.shape != (m,) or m < 2 or not (np.diff(self.time) > 0.0).all():
             raise InvalidInputError('a path needs at least 2 points at increasing times')
+        if self.end - self.start > LONGEST_PATH:
+            raise InvalidInputError(
+                f'the path takes {self.end - self.start:.6g} s; allowed are {LONGEST_PATH:g} s'
+            )
         if len(shape) != 2 or {shape, self.velocity.shape, self.acceleration.shape} != {(m, shape[-1])}:
             raise InvalidInputError(
                 f'position {shape}, velocity {self.velocity.shape} and acceleration '
@@ -108,6 +114,11 @@ class JointPath:
         travel = (1.0 - part) * self._travel[index] + part * self._travel[index + 1]
         farthest: Array = np.maximum(travel[1] - travel[0], travel[2] - travel[1])
         return farthest
+
+    def fastest(self) -> Array:
+        """Bounds on the axes' speeds, (n,) rad/s (m/s): of control points, a little above what they reach."""
+        speeds: Array = (np.diff(self._travel, axis=0) / np.diff(self._curve.x)[:, None]).max(axis=0)
+        return speeds
 
     def fraction(self, t: float) -> float:
         """Part of the time that has passed, 0..1."""

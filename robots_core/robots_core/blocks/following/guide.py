@@ -1,6 +1,10 @@
 """Guide: what a program lets guide its robot."""
 
+from __future__ import annotations
+
 from enum import StrEnum
+
+from robots_core.errors import InvalidInputError
 
 
 class Guide(StrEnum):
@@ -9,3 +13,7 @@ class Guide(StrEnum):
     NONE = 'NONE'
     SENSOR = 'SENSOR'
     PERSON = 'PERSON'
+
+    @classmethod
+    def _missing_(cls, value: object) -> Guide:
+        raise InvalidInputError(f'unknown guide {value!r}; guides are {", ".join(cls)}')

@@ -5,10 +5,11 @@ from numpy.typing import ArrayLike
 
 from robots_core.orientation import rotation_from_vector
 from robots_core.pose import Pose
-from robots_core.validation import Array, finite_vector, positive
+from robots_core.validation import Array, bounded_vector, positive
 
 # A sample is extrapolated for this many sample intervals, so that a late one does not stop the robot.
 HORIZON_INTERVALS = 1.5
+FASTEST = 1000.0  # m/s, rad/s
 NO_TWIST = np.zeros(6)
 
 
@@ -49,9 +50,9 @@ class PoseReference:
         """Take a sample of the twist, (6,): velocity (m/s), angular velocity (rad/s), at a time, s.
 
         Raises:
-            InvalidInputError: not six finite numbers.
+            InvalidInputError: not six numbers up to `FASTEST`.
         """
-        self._given, self._twist_time = finite_vector(twist, 6, 'twist'), time
+        self._given, self._twist_time = bounded_vector(twist, 6, 'twist', FASTEST, 'm/s, rad/s'), time
 
     def fresh_pose(self, now: float) -> bool:
         """Whether a pose arrived within the timeout."""

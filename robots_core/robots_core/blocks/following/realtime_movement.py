@@ -120,11 +120,16 @@ class RealtimeMovement:
         self.place(q)
 
     def place(self, q: ArrayLike, q_dot: ArrayLike | None = None) -> None:
-        """Start again from a state of the robot, (n,) each, rad (m) and rad/s; at rest by default."""
+        """Start again from a state of the robot, (n,) each, rad (m) and rad/s; at rest by default.
+
+        A velocity above its limit counts as the limit.
+        """
         axes = self.robot.axes_data
         start = np.clip(axes.check_position(q, 'q'), axes.lower, axes.upper)
         still = np.zeros_like(start)
-        moving = still if q_dot is None else finite_vector(q_dot, axes.num_axes, 'q_dot')
+        moving = still
+        if q_dot is not None:
+            moving = np.clip(finite_vector(q_dot, axes.num_axes, 'q_dot'), -axes.velocity, axes.velocity)
         self._state = np.array([start, moving, still])
         self._movement = MovementState.STALE if moving.any() else MovementState.IDLE
         self._integrated: Pose | None = None
@@ -139,7 +144,7 @@ class RealtimeMovement:
         Poses without it are differentiated; without poses the tool follows it from where it is (servoing).
 
         Raises:
-            InvalidInputError: not six finite numbers.
+            InvalidInputError: not six numbers up to `FASTEST`.
         """
         self._reference.put_twist(twist, time)
 

@@ -9,10 +9,11 @@ import numpy as np
 
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
-from robots_core.validation import Array, finite_vector, read_only
+from robots_core.validation import Array, bounded_vector, finite_vector, read_only
 
 # Relative to the largest moment: figures of bodies are printed with some six digits.
 INERTIA_TOLERANCE = 1e-6
+LARGEST = 1e6  # kg, m, kg m^2
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +87,7 @@ def payload_of(values: Sequence[float], name: str = 'payload') -> Payload:
             f'{name} has {count} numbers; a payload is mass (kg) and centre x y z in tool0 (m), and then '
             f'maybe inertia xx xy xz yy yz zz (kg m^2)'
         )
-    mass, x, y, z, *moments = finite_vector(values, count, name).tolist()
+    mass, x, y, z, *moments = bounded_vector(values, count, name, LARGEST, 'kg (m)').tolist()
     xx, xy, xz, yy, yz, zz = moments or np.zeros(6)
     return Payload(mass, np.array([x, y, z]), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
 

@@ -19,24 +19,33 @@ def mesh_path(filename: str, folder: Path) -> Path:
         folder: Where relative names start.
 
     Raises:
-        UnknownRobotError: no such file.
+        UnknownRobotError: no such file, or no file's name.
     """
+    try:
+        found = next((path for path in _candidates(filename, folder) if path.is_file()), None)
+    except (OSError, ValueError) as problem:  # too long, a null character, or no address
+        raise UnknownRobotError(f'{filename[:100]!r} names no mesh file: {_cause(problem)}') from None
+    if found is None:
+        raise UnknownRobotError(f'mesh file {filename!r} not found below {folder}')
+    return found
+
+
+def _cause(problem: OSError | ValueError) -> str:
+    return (problem.strerror if isinstance(problem, OSError) else None) or str(problem)
+
+
+def _candidates(filename: str, folder: Path) -> list[Path]:
     parts = urlparse(filename)
     relative = unquote(parts.path).lstrip('/')
     if parts.scheme == 'file':
-        candidates = [Path(unquote(parts.path))]
-    elif parts.scheme == 'package':
+        return [Path(unquote(parts.path))]
+    if parts.scheme == 'package':
         above = [folder.resolve(), *folder.resolve().parents]
         candidates = [parent / relative for parent in above if parent.name == parts.netloc]
         candidates += [parent / parts.netloc / relative for parent in above]
         prefixes = filter(None, os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep))
-        candidates += [Path(prefix) / 'share' / parts.netloc / relative for prefix in prefixes]
-    else:
-        candidates = [folder / filename]
-    for candidate in candidates:
-        if candidate.is_file():
-            return candidate
-    raise UnknownRobotError(f'mesh file {filename!r} not found below {folder}')
+        return candidates + [Path(prefix) / 'share' / parts.netloc / relative for prefix in prefixes]
+    return [folder / filename]
 
 
 def with_absolute_meshes(xml: str, folder: Path) -> str:

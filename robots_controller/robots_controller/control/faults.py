@@ -1,0 +1,120 @@
+"""The faults that stop the robot, each with its stop category. No certified safety function."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Final
+
+
+class StopCategory(IntEnum):
+    """How a machine is stopped, IEC 60204-1."""
+
+    ZERO = 0
+    """The drives are switched off at once: they brake, off the path."""
+    ONE = 1
+    """The robot stops on its path, as fast as its limits permit; then the drives are switched off."""
+    TWO = 2
+    """The robot stops on its path; the drives stay on."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Something that stops the robot until it is reset.
+
+    Attributes:
+        name: Short.
+        category: How the robot stops.
+        reaction: How long it may take until the stop begins.
+        meaning: What has happened, for a person.
+        moving_only: It counts only while the robot moves.
+    """
+
+    name: str
+    category: StopCategory
+    reaction: str
+    meaning: str
+    moving_only: bool = False
+
+
+PLANNER_LOST: Final = Fault(
+    'planner lost',
+    StopCategory.TWO,
+    '`watchdog`',
+    'planning_node gives no sign of life while the robot moves',
+    moving_only=True,
+)
+PROGRAM_LOST: Final = Fault(
+    'program lost',
+    StopCategory.TWO,
+    '`watchdog`',
+    'lua_program_node gives no sign of life while the robot moves',
+    moving_only=True,
+)
+GUARD_LOST: Final = Fault(
+    'collision guard lost',
+    StopCategory.TWO,
+    '`watchdog`',
+    'collision_node gives no sign of life; reset when it is back',
+)
+FEEDBACK_LOST: Final = Fault(
+    'feedback lost',
+    StopCategory.ONE,
+    '`feedback_timeout`',
+    'no valid joint_states; reset when they are back',
+)
+FEEDBACK_FROZEN: Final = Fault(
+    'feedback frozen',
+    StopCategory.ONE,
+    '5 looks at 50 Hz and 0.02 rad (m)',
+    'the feedback of an axis does not change while its reference moves',
+)
+FEEDBACK_JUMPED: Final = Fault(
+    'feedback jumped',
+    StopCategory.ZERO,
+    'one look: 20 ms moving, 50 ms standing',
+    'the feedback of an axis changes by more than the axis can move, or while the robot stands',
+)
+FOLLOWING_ERROR: Final = Fault(
+    'following error',
+    StopCategory.ONE,
+    'one look: 20 ms moving, 50 ms standing',
+    'an axis is farther from its reference than `following_error`',
+)
+REFERENCE_REFUSED: Final = Fault(
+    'reference refused',
+    StopCategory.TWO,
+    'at once',
+    'the limit guard refuses a reference, and does not send it; the robot brakes off the path',
+)
+EMERGENCY_STOP: Final = Fault(
+    'emergency stop',
+    StopCategory.ONE,
+    'one period',
+    'service `~/emergency_stop`, or `true` on topic `emergency_stop`; reset when that is `false` again',
+)
+FOREIGN_WRITER: Final = Fault(
+    'foreign writer',
+    StopCategory.ONE,
+    'one period',
+    'another node publishes what controller_node alone publishes',
+)
+
+FAULTS: Final = (
+    EMERGENCY_STOP,
+    FEEDBACK_JUMPED,
+    FEEDBACK_LOST,
+    FEEDBACK_FROZEN,
+    FOLLOWING_ERROR,
+    FOREIGN_WRITER,
+    REFERENCE_REFUSED,
+    PLANNER_LOST,
+    PROGRAM_LOST,
+    GUARD_LOST,
+)
+"""All that the controller stops for."""
+
+LOST_NODES: Final = {
+    'planning_node': PLANNER_LOST,
+    'lua_program_node': PROGRAM_LOST,
+    'collision_node': GUARD_LOST,
+}
+"""The fault that the loss of a node is."""

@@ -1,0 +1,132 @@
+"""FeedbackWatch: feedback that is lost, frozen, jumps or is too far from the reference."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.control.faults import (
+    FEEDBACK_FROZEN,
+    FEEDBACK_JUMPED,
+    FEEDBACK_LOST,
+    FOLLOWING_ERROR,
+    Fault,
+)
+from robots_core.robot_model.axes_data import AxesData
+from robots_core.validation import Array
+from robots_core.watchdog import Watchdog
+
+Finding = tuple[Fault, str]
+
+# Drives with stiction may hold an axis for a thousandth; encoders resolve far finer than this.
+FROZEN_DISTANCE: Final = 0.02  # rad, m
+FROZEN_LOOKS: Final = 5
+# What a standing robot gives way to a push, or settles by after a stop.
+JUMP: Final = 0.05  # rad, m
+# Feedback of a busy machine is late by this.
+LATENESS: Final = 0.1  # s
+SETTLED: Final = 1.0  # s from the end of a reference until the robot stands, whatever its drives
+
+
+class FeedbackWatch:
+    """Judges the feedback of each period, all axes at once.
+
+    Args:
+        axes: The robot's limits.
+        settings: See `ControllerSettings`.
+    """
+
+    def __init__(self, axes: AxesData, settings: ControllerSettings) -> None:
+        self._axes, self._settings = axes, settings
+        self._watchdog = Watchdog(settings.feedback_timeout)
+        self.position: Array | None = None
+        """Newest feedback, (n,), rad (m)."""
+        self.time = -np.inf
+        """When it came, s."""
+        self._moved = -np.inf
+        self._anchor: Array | None = None
+        self._unchanged = np.zeros(axes.num_axes, dtype=np.int64)
+
+    @property
+    def lost(self) -> bool:
+        """There is no feedback, or none any more."""
+        return self.position is None or self._watchdog.lost
+
+    def restart(self) -> None:
+        """The reference was set anew."""
+        self._anchor = None
+
+    def look(self, now: float, feedback: Array | None, reference: Array | None) -> Finding | None:
+        """Judge what came in this period.
+
+        Args:
+            now: Time, s.
+            feedback: Joint positions, (n,), or None if none came.
+            reference: The last one that was sent, (3, n).
+
+        Returns:
+            What is wrong, and its text for a person; a loss is found once.
+        """
+        lost = self._watchdog.look(now, alive=feedback is not None)
+        if feedback is None:
+            timeout = self._settings.feedback_timeout
+            reason = f'no feedback for {timeout:g} s: is the drive still running?'
+            return (FEEDBACK_LOST, reason) if lost else None
+        finding = None
+        if reference is not None and self.position is not None:
+            if reference[1].any():
+                self._moved = now
+            finding = (
+                self._jumped(now, feedback, self.position)
+                or self._frozen(feedback, self.position, reference[0])
+                or self._behind(feedback, reference[0])
+            )
+        self.position, self.time = feedback, now
+        return finding
+
+    def _jumped(self, now: float, feedback: Array, before: Array) -> Finding | None:
+        change = np.abs(feedback - before)
+        if change.max() <= JUMP:
+            return None
+        allowed = np.full_like(change, JUMP)
+        if now - self._moved < SETTLED:
+            allowed += self._axes.velocity * (now - self.time + LATENESS)
+        worst = int((change - allowed).argmax())
+        if change[worst] <= allowed[worst]:
+            return None
+        return FEEDBACK_JUMPED, (
+            f'the feedback of {self._axes.names[worst]} has jumped by {change[worst]:.4g} '
+            f'{self._axes.unit(worst)}, allowed is {allowed[worst]:.4g} {self._axes.unit(worst)}: is its '
+            'encoder working, does another node publish joint_states?'
+        )
+
+    def _frozen(self, feedback: Array, before: Array, reference: Array) -> Finding | None:
+        if self._anchor is None:
+            self._anchor = reference.copy()
+            self._unchanged[:] = 0
+        changed = feedback != before
+        self._unchanged += 1
+        self._unchanged[changed] = 0
+        self._anchor[changed] = reference[changed]
+        moved = np.abs(reference - self._anchor)
+        frozen = (moved > FROZEN_DISTANCE) & (self._unchanged >= FROZEN_LOOKS)
+        if not frozen.any():
+            return None
+        worst = int(frozen.argmax())
+        return FEEDBACK_FROZEN, (
+            f'the feedback of {self._axes.names[worst]} has not changed while its reference moved by '
+            f'{moved[worst]:.3g} {self._axes.unit(worst)}: is its encoder working, does the drive follow?'
+        )
+
+    def _behind(self, feedback: Array, reference: Array) -> Finding | None:
+        error = np.abs(feedback - reference)
+        worst, allowed = int(error.argmax()), self._settings.following_error
+        if error[worst] <= allowed:
+            return None
+        unit = self._axes.unit(worst)
+        return FOLLOWING_ERROR, (
+            f'{self._axes.names[worst]} is {error[worst]:.4g} {unit} behind its reference, allowed is '
+            f'{allowed:g} {unit}: does the drive follow?'
+        )

@@ -1,0 +1,37 @@
+"""What may change while nodes run, and when: every other parameter keeps the value of the start."""
+
+from collections.abc import Mapping
+from enum import StrEnum
+from typing import Final
+
+
+class Change(StrEnum):
+    """When a parameter may change."""
+
+    ANYTIME = 'at any time'
+    NEXT_MOTION = 'at any time; it holds for the motions that are commanded after it'
+    NEXT_PROGRAM = 'at any time; it holds for the next program that is opened'
+    STANDING = 'while the robot stands'
+
+
+CHANGES: Final[Mapping[str, Mapping[str, Change]]] = {
+    'planning_node': {
+        **dict.fromkeys(('speed_fraction', 'acceleration_fraction'), Change.NEXT_MOTION),
+        **dict.fromkeys(('cartesian_speed', 'cartesian_acceleration'), Change.NEXT_MOTION),
+        **dict.fromkeys(('rotation_speed', 'rotation_acceleration'), Change.NEXT_MOTION),
+        **dict.fromkeys(('jerk_limited', 'joint_planner', 'cartesian_planner'), Change.NEXT_MOTION),
+        **dict.fromkeys(('configuration', 'hold', 'tool', 'base', 'payload'), Change.NEXT_MOTION),
+        **dict.fromkeys(('blend_zone', 'joint_blend_zone', 'new_command'), Change.NEXT_MOTION),
+        'collision_margin': Change.STANDING,
+    },
+    'lua_program_node': {
+        **dict.fromkeys(('program', 'points_file'), Change.NEXT_PROGRAM),
+        **dict.fromkeys(('breakpoints', 'step_mode'), Change.ANYTIME),
+    },
+    'direct_kinematics_node': {'tool': Change.ANYTIME},
+    'dynamics_node': dict.fromkeys(('filter_time', 'base_orientation', 'payload'), Change.ANYTIME),
+    'drive_node': dict.fromkeys(
+        ('fault_stopped', 'fault_frozen', 'fault_lost', 'fault_noise'), Change.ANYTIME
+    ),
+}
+"""By node and parameter. Programs change modal settings between motions that blend, while the robot moves."""

@@ -1,0 +1,79 @@
+"""What may change while nodes run: what is declared, what is documented and what is refused are one table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.parameter import Parameter
+
+from robots_core.errors import InvalidInputError
+from robots_core.parameter_changes import CHANGES
+from robots_core.ros.robot_node import RobotNode
+from robots_planning.nodes.planning_node import PlanningNode
+
+from .bench import Bench
+from .planning_bench import PlanningBench
+from .suite_nodes import OPTIONS, suite_nodes
+
+RCLPY: set[str] = {'use_sim_time', 'start_type_description_service'}
+
+
+@pytest.mark.parametrize('name', sorted(suite_nodes()))
+def test_the_table_has_what_a_node_lets_change(ros_nodes: Any, name: str) -> None:
+    node = ros_nodes.add(suite_nodes()[name](**ros_nodes.options(**OPTIONS.get(name, {}))))
+    declared = set(node._parameters) - RCLPY
+    assert {one for one in declared if not node.describe_parameter(one).read_only} == set(
+        CHANGES.get(name, {})
+    )
+    if isinstance(node, RobotNode):
+        (result,) = node.set_parameters([Parameter('use_sim_time', value=True)])
+        assert not result.successful
+        assert 'chosen at the start' in result.reason
+
+
+def test_the_documentation_has_the_table() -> None:
+    rows = [line for line in Path('docs/parameter_changes.md').read_text().splitlines() if '| `' in line]
+    assert rows == [
+        f'| `{node}` | `{parameter}` | {change} |'
+        for node, changes in CHANGES.items()
+        for parameter, change in changes.items()
+    ]
+
+
+def test_the_margin_of_collisions_stays_while_the_robot_moves(ros_nodes: Any) -> None:
+    bench = PlanningBench(ros_nodes)
+    bench.stand(bench.robot.home)
+    bench.set_parameters(bench.node, collision_margin=0.01)
+    motion = bench.command('ptpjoint_joint', bench.robot.home + 0.1, 5)
+    bench.planned()
+    (result,) = bench.node.set_parameters([Parameter('collision_margin', value=0.02)])
+    assert (result.successful, result.reason) == (
+        False,
+        'collision_margin may change only while the robot stands',
+    )
+    bench.set_parameters(bench.node, collision_margin=0.01, blend_zone=0.05)  # as it is; for the next motion
+    bench.end(motion)
+    bench.set_parameters(bench.node, collision_margin=0.02)
+    assert bench.node.planner.planning.collision_margin == 0.02
+
+
+@pytest.mark.parametrize(
+    ('name', 'value', 'reason'),
+    [
+        ('collision_margin', 0.0, r'0.0 m must be in \[0.0005, 0.5\] m'),
+        ('collision_margin', 1e9, r'must be in \[0.0005, 0.5\] m'),
+        ('cartesian_speed', 1e9, r'cartesian_speed = 1e\+09 m/s must be in \[1e-05, 20\] m/s'),
+        ('blend_zone', 1e9, r'blend_zone = 1e\+09 m must be in \[0, 1\] m'),
+        ('tool', [1e9, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], r'tool\[0\] = 1e\+09 m must be within \+-10 m'),
+        ('payload', [1e9, 0.0, 0.0, 0.0], r'payload\[0\] = 1e\+09'),
+    ],
+)
+def test_values_that_no_arm_works_with_are_refused(
+    ros_nodes: Any, name: str, value: Any, reason: str
+) -> None:
+    bench = Bench(ros_nodes)
+    node = bench.start_node(PlanningNode)
+    with pytest.raises(InvalidInputError, match=reason):
+        bench.set_parameters(node, **{name: value})

@@ -1,0 +1,53 @@
+"""Stops by faults in a simulated cell: the program fails, and the robot stands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from robots_controller.control.faults import EMERGENCY_STOP, PLANNER_LOST, Fault
+from robots_controller.recording.bag_file import read_bag
+from robots_controller.simulation.cell_parts import cell_parts
+from robots_controller.simulation.simulated_cell import SimulatedCell
+from robots_controller.simulation.simulation_run import SimulationRun
+
+ROBOT = 'kuka_kr210_r2700'
+TEXT = """
+while true do
+  ptpJointSpaceAngles(20, -80, 80, 0, 60, 0)
+  ptpJointSpaceAngles(-20, -80, 80, 0, 60, 0)
+end
+"""
+
+
+def stopped(folder: Path, text: str, fault: Fault, at: float) -> SimulationRun:
+    """A run that this fault ends at a time, s."""
+    program = folder / 'program.lua'
+    program.write_text(text)
+
+    def trip(time: float, _line: int) -> None:
+        if time >= at and not cell._controller.stops.latched:
+            cell._control.trip(fault, f'{fault.name}!')
+
+    parts = cell_parts(program, robot=ROBOT, drive='second_order')
+    cell = SimulatedCell(parts, bag=folder / 'bag', longest=20.0, on_progress=trip)
+    return cell.run()
+
+
+@pytest.mark.parametrize('fault', [EMERGENCY_STOP, PLANNER_LOST], ids=lambda f: f.name)
+def test_a_fault_ends_the_program_and_the_robot_stands(tmp_path: Path, fault: Fault) -> None:
+    run = stopped(tmp_path, TEXT, fault, at=0.5)
+    assert run.state == 'FAILED'
+    assert str(run.error) == f'program.lua:3: {fault.name}!'
+    assert run.duration < 2.0
+    assert np.abs(run.velocity[-1]).max() < 0.05
+    found = read_bag(tmp_path / 'bag').deserialized(['/stop_status'])
+    assert [status.message for _, status in found['/stop_status']][:2] == ['none', f'{fault.name}!']
+
+
+def test_an_emergency_stop_ends_a_program_that_waits(tmp_path: Path) -> None:
+    run = stopped(tmp_path, 'wait(15)', EMERGENCY_STOP, at=0.0)
+    assert str(run.error) == 'program.lua:1: emergency stop!'
+    assert run.duration < 1.0
