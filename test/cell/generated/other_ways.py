@@ -55,7 +55,7 @@ def _live_problems(
         return
     there, here = _places(program, bag), _places(program, folder_bag(simulation))
     # The last ones before a program fails may be on for less time than the recorder needs to see them.
-    if there.keys() != here.keys() and (simulation.ok or there.keys() > here.keys()):
+    if there.keys() != here.keys() and (simulation.ok or not there.keys() <= here.keys()):
         yield f'outputs {sorted(there)} are switched on paths, simulated: {sorted(here)}'
         return
     for output, points in there.items():
