@@ -8,6 +8,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 IDLE_LATENCY_DEVICE = Path('/dev/cpu_dma_latency')
+LOAD = Path('/proc/loadavg')
 
 
 def ask_for_realtime(priority: int) -> bool:
@@ -24,6 +25,19 @@ def ask_for_realtime(priority: int) -> bool:
     except PermissionError:
         return False
     return True
+
+
+def processor_share() -> float:
+    """The share of a processor that each process gets that could run now, above 0 to 1.
+
+    By the number of those that can run, now or in the last minute, whichever is more (Linux; elsewhere 1).
+    """
+    try:
+        minute, _, _, now, _ = LOAD.read_text().split()
+    except OSError:
+        return 1.0
+    runnable = max(float(minute), float(now.partition('/')[0]) - 1.0)  # without this one
+    return min(1.0, (os.cpu_count() or 1) / max(runnable, 1.0))
 
 
 @contextmanager

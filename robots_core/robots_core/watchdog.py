@@ -1,5 +1,6 @@
 """Watchdog: something that gives signs of life is lost when they stop coming."""
 
+from collections.abc import Callable
 from typing import Final
 
 from robots_core.errors import InvalidInputError
@@ -16,14 +17,16 @@ class Watchdog:
     """Judges by the watcher's own time, as far as it was spent with looking.
 
     What was never seen is not lost. A watcher that the machine has held up counts one regular step for that:
-    what it watches may have been held up too.
+    what it watches may have been held up too. Where processes have to share processors, silence counts by the
+    share that each of them gets.
 
     Args:
         timeout: Without a sign of life for this long it is lost, s; see `checked_watchdog`.
+        share: The share of a processor that a process gets now, above 0 to 1, see `processor_share`.
     """
 
-    def __init__(self, timeout: float) -> None:
-        self._timeout = timeout
+    def __init__(self, timeout: float, share: Callable[[], float] = lambda: 1.0) -> None:
+        self._timeout, self._share = timeout, share
         self._silence: float | None = None
         self._before = 0.0
 
@@ -47,7 +50,9 @@ class Watchdog:
         if alive:
             self._silence = 0.0
         elif self._silence is not None:
-            self._silence += step
+            # To ask for the share takes longer than a look: not between two signs of life of a quiet machine.
+            usual = self._silence <= 2.0 * self._timeout / LOOKS
+            self._silence += step if usual else step * self._share()
         return self.lost and not lost
 
 

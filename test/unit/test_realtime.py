@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import struct
 import threading
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 
 from robots_core import realtime
 from robots_core.periodic_thread import PeriodicThread
+from robots_core.realtime import processor_share
 
 # s; far more than a thread takes to start.
 PATIENCE = 20.0
@@ -69,3 +71,21 @@ def test_a_thread_asks_while_it_runs(device: Path):
     thread.stop()
     assert not thread.alive
     assert str(device) not in open_files()
+
+
+@pytest.mark.parametrize(('minute', 'now'), [('0.50', '1/200'), ('8.00', '1/200'), ('0.10', '41/200')])
+def test_processes_share_the_processors_that_there_are(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, minute: str, now: str
+) -> None:
+    load = tmp_path / 'loadavg'
+    load.write_text(f'{minute} 0.00 0.00 {now} 4711\n')
+    monkeypatch.setattr(realtime, 'LOAD', load)
+    runnable = max(float(minute), int(now.partition('/')[0]) - 1)
+    assert processor_share() == min(1.0, (os.cpu_count() or 1) / max(runnable, 1.0))
+
+
+def test_without_figures_each_process_has_a_processor(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(realtime, 'LOAD', tmp_path / 'none')
+    assert processor_share() == 1.0

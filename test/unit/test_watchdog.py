@@ -46,6 +46,14 @@ def test_the_time_in_which_nobody_looked_does_not_count() -> None:
     assert any(looks(watchdog, 3, alive=False, since=60.0 + (LOOKS - 2) * STEP))
 
 
+def test_silence_counts_by_the_share_of_a_processor() -> None:
+    watchdog = Watchdog(TIMEOUT, lambda: 0.25)
+    watchdog.look(0.0, alive=True)
+    found = looks(watchdog, 40, alive=False)
+    # As ever for the first 2 + 1 looks, then a quarter each.
+    assert found.index(True) + 1 in (3 + 4 * (LOOKS - 3), 4 + 4 * (LOOKS - 3))
+
+
 @pytest.mark.parametrize('value', [-0.2, 0.05, 61.0, float('nan'), float('inf')])
 def test_timeouts_that_no_machine_keeps_are_refused(value: float) -> None:
     with pytest.raises(InvalidInputError, match=r'watchdog = .* must be in \[0\.1, 60\] s, or 0 for none'):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from enum import StrEnum
 
 import numpy as np
@@ -49,9 +50,16 @@ class Controller:
     Args:
         axes: The robot's limits.
         settings: See `ControllerSettings`.
+        processor_share: See `Watchdog`.
     """
 
-    def __init__(self, axes: AxesData, settings: ControllerSettings | None = None) -> None:
+    def __init__(
+        self,
+        axes: AxesData,
+        settings: ControllerSettings | None = None,
+        *,
+        processor_share: Callable[[], float] = lambda: 1.0,
+    ) -> None:
         self.settings = settings or ControllerSettings()
         self.outcomes: deque[MotionResult] = deque()
         """Ends of motions, oldest first; the caller takes them out."""
@@ -69,7 +77,7 @@ class Controller:
         self._stream = StreamedReference(axes, period=period, timeout=self.settings.stream_timeout)
         self._stream_refused_until = -np.inf
         self._brake: Brake | None = None
-        self._feedback = FeedbackWatch(axes, self.settings)
+        self._feedback = FeedbackWatch(axes, self.settings, processor_share)
         self.stops = StopLatch()
         """What stopped the robot, until `reset`."""
 

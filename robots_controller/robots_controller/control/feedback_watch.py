@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -36,11 +37,12 @@ class FeedbackWatch:
     Args:
         axes: The robot's limits.
         settings: See `ControllerSettings`.
+        share: See `Watchdog`.
     """
 
-    def __init__(self, axes: AxesData, settings: ControllerSettings) -> None:
+    def __init__(self, axes: AxesData, settings: ControllerSettings, share: Callable[[], float]) -> None:
         self._axes, self._settings = axes, settings
-        self._watchdog = Watchdog(settings.feedback_timeout)
+        self._watchdog = Watchdog(settings.feedback_timeout, share)
         self.position: Array | None = None
         """Newest feedback, (n,), rad (m)."""
         self.time = -np.inf

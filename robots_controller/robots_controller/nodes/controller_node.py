@@ -23,7 +23,7 @@ from robots_controller.control.stop_latch import StopState
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
-from robots_core.realtime import ask_for_realtime
+from robots_core.realtime import ask_for_realtime, processor_share
 from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.joint_state_reader import JointStateReader
 from robots_core.ros.lockstep.phases import Phase
@@ -85,7 +85,9 @@ class ControllerNode(RobotNode):
             bounds=(-1.0, 1.0),
             read_only=True,
         )
-        self._controller = Controller(self.robot.axes_data, ControllerSettings(period=1.0 / rate, **options))
+        settings = ControllerSettings(period=1.0 / rate, **options)
+        share = {} if self.simulated_time else {'processor_share': processor_share}
+        self._controller = Controller(self.robot.axes_data, settings, **share)
         self._names = list(self.robot.axes_data.names)
         self._refusal: RobotsError | None = None
         self._refusal_time = -math.inf

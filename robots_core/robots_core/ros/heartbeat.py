@@ -7,6 +7,7 @@ from rclpy.serialization import serialize_message
 from std_msgs.msg import Empty
 
 from robots_core.periodic_thread import PeriodicThread
+from robots_core.realtime import processor_share
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import SENSOR
 from robots_core.ros.robot_node import RobotNode
@@ -67,7 +68,7 @@ class HeartbeatWatch:
             return
         for name in names:
             beats = PolledSubscription(node, Empty, f'{name}/{HEARTBEAT}', SENSOR, raw=True)
-            self._watched[name] = beats, Watchdog(timeout)
+            self._watched[name] = beats, Watchdog(timeout, processor_share)
         node.create_timer(timeout / LOOKS, self._look)
 
     @property
