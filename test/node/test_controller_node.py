@@ -298,7 +298,7 @@ def test_drives_with_motors_and_masses_come_to_the_target(ros_nodes: Any) -> Non
     [
         ('fault_stopped', ['A2'], PATIENT, 'does the drive follow?'),
         ('fault_frozen', ['A3'], PATIENT, 'does the drive follow?'),
-        ('fault_lost', ['A5'], 2.0, 'no feedback for 2 s'),
+        ('fault_lost', ['A5'], 0.5, 'no feedback for 0.5 s'),
     ],
 )
 def test_a_fault_of_the_drives_stops_the_motion(
