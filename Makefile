@@ -98,11 +98,9 @@ lint: .venv/.installed_tests  ## Lint, format and type checks
 
 .PHONY: test
 test: build lint  ## Lint, types and all tests
-	@$(RUN) python -m pytest -n auto --dist worksteal test/contract test/property test/unit
-	@# Nodes wait for each other most of the time.
-	@$(RUN) python -m pytest -n 2 --dist worksteal test/node
-	@# Whole cells: no more of them at once than a small machine carries.
-	@$(RUN) python -m pytest -n 2 --dist worksteal test/bag test/cell
+	@# One more at once than there are processors: nodes wait for each other most of the time.
+	@$(RUN) python -m pytest -n $$(($$(nproc) + 1)) --dist worksteal test/contract test/property test/unit \
+	  test/node test/bag test/cell
 
 .PHONY: test-under-load
 test-under-load:  ## The same beside twice as many busy processes as there are cores
