@@ -166,6 +166,16 @@ def test_a_stop_by_a_fault_fails_the_program_where_it_is(ros_nodes: Any, tmp_pat
     assert bench.wait_for_state('FAILED')['error'].endswith(': emergency stop')
 
 
+def test_a_fault_sets_outputs_that_a_program_has_left_on(ros_nodes: Any, tmp_path: Path):
+    bench = LuaBench(ros_nodes, tmp_path, fail_safe=['digital_output.2=hold'])
+    bench.start('setDigitalOutput(1, true) setDigitalOutput(2, true)')
+    bench.wait_for_state('FINISHED')
+    assert bench.digital[-1][:2] == [1, 1]
+    stop = diagnostic_status('stop', 'emergency stop', level=DiagnosticStatus.ERROR)
+    bench.publish('stop_status', stop, STATE)
+    bench.wait(lambda: bench.digital[-1][:2] == [0, 1], 'fail-safe outputs')
+
+
 def test_stop_stops_program_and_robot_until_the_robot_says_so(ros_nodes: Any, tmp_path: Path):
     bench = LuaBench(ros_nodes, tmp_path)
     bench.on_command = ignore

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from robots_controller.control.faults import EMERGENCY_STOP
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.fail_safe import fail_safe_texts, parse_fail_safe
 from robots_controller.io.io_map import OUTPUT_TIMEOUT, parse_io_map
@@ -17,6 +18,7 @@ from robots_core import load_robot_model
 from robots_core.errors import InvalidInputError, RobotsError
 
 from .simulated_program import PERIOD, ROBOT, run_text
+from .test_simulated_stops import stopped
 
 DECLARED = """
 signals: {gun: digital_output.1, gripper: digital_output.2, coolant: digital_output.3}
@@ -138,10 +140,11 @@ def test_a_program_that_finishes_keeps_its_outputs(tmp_path: Path):
 
 
 MOVE = 'ptpJointSpaceAngles(0, -90, 90, 0, 90, 0)\n'
-SEAM = """linearRelative(0, 0, -0.4, 0, 0, 0, {blend = 0.05, on_path = {
-  {distance_after_start = 0.02, output = "gun", value = true},
-  {distance_before_end = 0.05, output = "gripper", value = true}}})
+RAW_SEAM = """linearRelative(0, 0, -0.4, 0, 0, 0, {blend = 0.05, on_path = {
+  {distance_after_start = 0.02, output = 1, value = true},
+  {distance_before_end = 0.05, output = 2, value = true}}})
 """
+SEAM = RAW_SEAM.replace('= 1,', '= "gun",').replace('= 2,', '= "gripper",')
 
 
 def switched(run: SimulationRun) -> list[tuple[int, float, float]]:
@@ -170,3 +173,12 @@ def test_motions_before_one_that_is_refused_have_their_outputs_and_then_they_are
     assert run.state == 'FAILED'
     assert [one[:2] for one in switched(run)] == [(1, 1.0), (2, 1.0), (1, 0.0)]
     assert switched(run)[-1][2] == pytest.approx(run.motions[1].ended, abs=PERIOD)
+
+
+def test_a_fault_takes_their_outputs_from_motions_that_a_failed_program_has_left(tmp_path: Path):
+    run = stopped(tmp_path, f'{MOVE}{RAW_SEAM}linearRelative(0, 0, 9, 0, 0, 0)', EMERGENCY_STOP, at=2.4)
+    reasons = [motion.message for motion in run.motions]
+    assert reasons[1] == 'emergency stop!'
+    on, off = switched(run)
+    assert (on[:2], off[:2]) == ((1, 1.0), (1, 0.0))
+    assert on[2] < 2.4 <= off[2] < 2.5 < run.motions[1].ended

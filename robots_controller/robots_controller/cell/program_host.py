@@ -196,9 +196,11 @@ class ProgramHost:
         return f'{self.program.file} stops'
 
     def fail(self, reason: str) -> None:
-        """Stop a program that is running, and the robot on its path, for this reason: it has failed."""
+        """A fault stops the robot: a program that runs fails for this reason, and outputs get fail-safe."""
         if self.program.fail(reason):
             self.motions.stop()
+        else:
+            self.make_outputs_safe()
 
     def reset(self) -> str:
         """Set the program back to its start.
