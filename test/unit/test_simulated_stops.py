@@ -7,7 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robots_controller.control.faults import EMERGENCY_STOP, PLANNER_LOST, Fault
+from robots_controller.control.faults import (
+    EMERGENCY_STOP,
+    FEEDBACK_JUMPED,
+    PLANNER_LOST,
+    Fault,
+    StopCategory,
+)
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.simulation.cell_parts import cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
@@ -36,14 +42,16 @@ def stopped(folder: Path, text: str, fault: Fault, at: float) -> SimulationRun:
     return cell.run()
 
 
-@pytest.mark.parametrize('fault', [EMERGENCY_STOP, PLANNER_LOST], ids=lambda f: f.name)
+@pytest.mark.parametrize('fault', [EMERGENCY_STOP, PLANNER_LOST, FEEDBACK_JUMPED], ids=lambda f: f.name)
 def test_a_fault_ends_the_program_and_the_robot_stands(tmp_path: Path, fault: Fault) -> None:
     run = stopped(tmp_path, TEXT, fault, at=0.5)
     assert run.state == 'FAILED'
     assert str(run.error) == f'program.lua:3: {fault.name}!'
     assert run.duration < 2.0
-    assert np.abs(run.velocity[-1]).max() < 0.05
-    found = read_bag(tmp_path / 'bag').deserialized(['/stop_status'])
+    assert np.abs(run.velocity[-1]).max() < (0.05 if fault is PLANNER_LOST else 1e-12)
+    found = read_bag(tmp_path / 'bag').deserialized(['/stop_status', '/drives_on'])
+    drives_on = [message.data for _, message in found['/drives_on']]
+    assert drives_on[-1] == (fault.category is StopCategory.TWO)
     assert [status.message for _, status in found['/stop_status']][:2] == ['none', f'{fault.name}!']
 
 

@@ -256,7 +256,7 @@ class Controller:
             self._step_stream(now)
         elif self._motion is not None:
             self._step_motion(self._motion, now)
-        elif self.stops.latched:
+        if self.stops.latched and self._standing:
             self._stay_stopped(feedback)
         return self._reference
 
@@ -265,10 +265,10 @@ class Controller:
         return self._motion is None and self._brake is None and not self._stream.active
 
     def _stay_stopped(self, feedback: Array | None) -> None:
-        """Switch the drives off if the fault says so; the reference then follows the feedback."""
-        self.stops.stands()
+        """Switch the drives off if the fault says so; from then on the reference follows the feedback."""
         if not self.stops.state.drives_on and feedback is not None:
             self._stand_at(feedback)
+        self.stops.stands()
 
     def _let_go(self, now: float, reason: str) -> None:
         """Give the motion up at once: the drives are switched off."""

@@ -141,7 +141,7 @@ def cell_graph(
 
     bridge = node('robots_controller', 'io_bridge_node', io_map=io_map, fail_safe=fail_safe, **watched)
     return (
-        node('robots_core', 'drive_node', rate=rate, level=drive, payload=list(payload)),
+        node('robots_core', 'drive_node', rate=rate, level=drive, payload=list(payload), **watched),
         node('robots_controller', 'controller_node', rate=rate, **tolerance, **watched, **feedback),
         node('robots_planning', 'planning_node', scene=scene, payload=list(payload), **watched),
         node(

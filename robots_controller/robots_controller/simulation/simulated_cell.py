@@ -29,6 +29,7 @@ from robots_controller.simulation.simulated_guide import SimulatedGuide
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGuard
 from robots_core.blocks.collision.joint_path import JointPath
+from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.errors import ProgramError, RobotsError
@@ -70,6 +71,7 @@ class SimulatedCell:
         axes = robot.axes_data
         self._period_ns = round(period * NANOSECONDS)
         self._drives = parts.drives
+        self._supervised = SupervisedDrives(parts.drives, axes, period=period)
         self.clock = SimulatedClock()
         torque = parts.drives.torque is not None
         self._recording = Recording(axes.num_axes, torque=torque)
@@ -205,7 +207,9 @@ class SimulatedCell:
             self._mail.popleft()()
 
     def _stands(self) -> bool:
-        return self._controller.state in (ControllerState.HOLDING, ControllerState.STOPPED)
+        if self._controller.state is ControllerState.STOPPED:
+            return self._controller.stops.state.drives_on or self._supervised.braked
+        return self._controller.state is ControllerState.HOLDING
 
     def _end_program(self) -> None:
         self._running = False
@@ -288,7 +292,7 @@ class SimulatedCell:
         assert reference is not None
         self._control.report()
         cost.switch('drives')
-        q, q_dot = self._drives.step(reference[0], reference[1])
+        q, q_dot = self._supervised.step(now, reference[0], reference[1])
         cost.switch('other')
         self._settled = self._stands() and not q_dot.any() and np.array_equal(q, position)
         cost.switch('recording')
@@ -393,6 +397,7 @@ class SimulatedCell:
     def stop_changed(self, state: StopState) -> None:
         """See `ControlPort`."""
         self._log.stop(state)
+        self._supervised.power(on=state.drives_on)
         if state.fault is not None:
             self._mail.append(lambda: self._fail(state.reason))
 

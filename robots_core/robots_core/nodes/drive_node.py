@@ -7,25 +7,27 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.drives.drive_faults import DriveFaults, FaultInjection, known_axes
 from robots_core.blocks.drives.drive_level import check_level, drive_train
+from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import RobotsError
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
+from robots_core.realtime import processor_share
+from robots_core.ros.heartbeat import watchdog_parameter
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import doubles
+from robots_core.ros.messages import NANOSECONDS, doubles, nanoseconds
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, STATE
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
 
-# References that come late are extrapolated for so many periods; then the drives hold.
-MAX_EXTRAPOLATED = 5
 FAULTS = ('fault_stopped', 'fault_frozen', 'fault_lost', 'fault_noise')
 
 
@@ -89,9 +91,18 @@ class DriveNode(RobotNode):
         self._settings = PolledSubscription(self, DiagnosticStatus, 'motion_settings', STATE)
         self._injection = FaultInjection(axes.names)
         self._declare_faults()
-        self._reference: Array = np.array(q)
-        self._velocity: Array = np.zeros(axes.num_axes)
-        self._extrapolated = 0
+        watchdog = watchdog_parameter(self)
+        lasting = self.simulated_time and self.participant is None  # a clock that runs away from its nodes
+        self._supervised = SupervisedDrives(
+            self._drives,
+            axes,
+            period=self._period,
+            timeout=np.inf if lasting or watchdog == 0.0 else watchdog,
+            **({} if self.simulated_time else {'processor_share': processor_share}),
+        )
+        self._problem = ''
+        self._figures = {'rate': rate, 'drives': level}
+        self._power = PolledSubscription(self, Bool, 'drives_on', STATE)
         self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', REFERENCE)
         self._message = JointState(name=list(axes.names))
         self._publisher = self.create_publisher(JointState, 'joint_states', STATE)
@@ -100,7 +111,7 @@ class DriveNode(RobotNode):
         self._loop = self.start_loop(
             self._step, period=self._period, name='drives', realtime_priority=priority
         )
-        self.ready(rate=rate, drives=level)
+        self.ready(**self._figures)
 
     def _declare_faults(self) -> None:
         def exist(values: Any) -> None:
@@ -143,29 +154,30 @@ class DriveNode(RobotNode):
         except RobotsError as error:
             self.refuse('motion_settings', error, stream=True)
 
-    def _step(self, _now: float) -> None:
+    def _step(self, now: float) -> None:
         self._carry()
+        power = self._power.take()
+        if power is not None:
+            self._supervised.power(on=power.data)
         message = self._references.take()
-        if message is None:
-            self._extrapolate()
-        else:
-            try:
-                self._reference, self._velocity = self._read(message)
-                self._extrapolated = 0
-            except RobotsError as error:
-                self.refuse('joint_reference', error, stream=True)
-                self._extrapolate()
-        q, q_dot = self._drives.step(*self._injection.reference(self._reference, self._velocity))
-        self._report(q, q_dot)
+        try:
+            reference = self._read(message)
+        except RobotsError as error:
+            self.refuse('joint_reference', error, stream=True)
+            reference = None, None, None
+        self._report(*self._supervised.step(now, *reference))
+        self._report_problem()
 
-    def _extrapolate(self) -> None:
-        """Go on at the last speed for a while: the controller's clock and this one are not in step."""
-        self._extrapolated += 1
-        if self._extrapolated > MAX_EXTRAPOLATED:
-            self._velocity = np.zeros_like(self._velocity)
+    def _report_problem(self) -> None:
+        problem = self._supervised.problem
+        if problem == self._problem:
+            return
+        self._problem = problem
+        if problem:
+            self.report_health(DiagnosticStatus.WARN, problem, **self._figures)
+            self.journal.warning(problem)
         else:
-            axes = self.robot.axes_data
-            self._reference = np.clip(self._reference + self._period * self._velocity, axes.lower, axes.upper)
+            self.ready(**self._figures)
 
     def _report(self, q: Array, q_dot: Array) -> None:
         q, q_dot, reporting = self._injection.feedback(q, q_dot)
@@ -182,10 +194,14 @@ class DriveNode(RobotNode):
             state.effort = doubles(torque)
         self._publisher.publish(state)
 
-    def _read(self, message: JointTrajectory) -> tuple[Array, Array]:
-        axes = self.robot.axes_data
+    def _read(self, message: JointTrajectory | None) -> tuple[Array | None, Array | None, float | None]:
+        """Position and velocity (n,) of a reference, as they reach the drives, and its stamp, s."""
+        if message is None:
+            return None, None, None
+        axes, stamp = self.robot.axes_data, nanoseconds(message.header.stamp)
         q, q_dot, _ = single_point(message, axes.names, 'joint_reference')
-        return axes.check_position(q, 'joint_reference'), q_dot
+        reference = self._injection.reference(axes.check_position(q, 'joint_reference'), q_dot)
+        return *reference, stamp / NANOSECONDS
 
     def destroy_node(self) -> None:
         """End the loop before what it uses."""

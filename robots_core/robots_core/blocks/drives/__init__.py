@@ -1,1 +1,1 @@
-"""Simulated drives: ideal, second-order, and rigid-body with motors, gears, friction and masses; faults."""
+"""Simulated drives: ideal, second-order, rigid-body with motors, gears and masses; faults and brakes."""

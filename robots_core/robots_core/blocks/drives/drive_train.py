@@ -43,6 +43,10 @@ class DriveTrain(ABC):
             InvalidInputError: a reference of another shape or not finite.
         """
 
+    @abstractmethod
+    def rest(self) -> None:
+        """Stand still where the axes are: brakes hold them."""
+
     def load(self, payload: Payload) -> None:  # noqa: B027  # most drives have no masses
         """Carry this payload from now on; it counts in drives with masses."""
 
@@ -84,6 +88,10 @@ class IdealDrive(DriveTrain):
             else np.array(finite_vector(q_dot_ref, n, 'q_dot_ref'))
         )
         return self._position, self._velocity
+
+    def rest(self) -> None:
+        """See `DriveTrain.rest`."""
+        self._velocity = np.zeros_like(self._position)
 
 
 class SecondOrderDrive(DriveTrain):
@@ -132,6 +140,10 @@ class SecondOrderDrive(DriveTrain):
         self._state = np.einsum('ijn,jn->in', self._transition, state)
         self._state[0] += q_ref
         return self._state[0], self._state[1]
+
+    def rest(self) -> None:
+        """See `DriveTrain.rest`."""
+        self._state = np.array([self._state[0], np.zeros_like(self._state[0])])
 
 
 def _transition(w: Array, D: Array, period: float) -> Array:

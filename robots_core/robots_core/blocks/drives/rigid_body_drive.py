@@ -109,6 +109,16 @@ class RigidBodyDrive(DriveTrain):
         state[kernel.INTEGRAL] = held + drives.position_gain * (state[kernel.MOTOR] - q)
         self._end[0] = q
 
+    def rest(self) -> None:
+        """See `DriveTrain.rest`."""
+        q = self._state[kernel.Q].copy()
+        for values in (self._state, self._end, self._feed):
+            values[:] = 0.0
+        if self._model is not None:
+            self._model = FeedForward(self._dynamics, self.drives, q)
+        self._reference = q
+        self._rest(q)
+
     def load(self, payload: Payload) -> None:
         """See `DriveTrain.load`; the feed-forward includes the payload."""
         self._dynamics = loaded_chain(self.robot, payload, self._base).arrays
