@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from urllib.parse import quote
 
 from robots_core.errors import RobotsError
 
@@ -17,7 +18,7 @@ def first_time(name: str) -> bool:
         RobotsError: the folder for that cannot be used.
     """
     try:
-        (_folder() / f'{_plain(name)}.started').open('x').close()
+        (_folder() / f'{quote(name, safe="")}.started').open('x').close()
     except FileExistsError:
         return False
     return True
@@ -30,7 +31,7 @@ def alone(name: str) -> Iterator[None]:
     Raises:
         RobotsError: another one is; or the folder for that cannot be used.
     """
-    with (_folder() / f'{_plain(name)}.lock').open('a+') as file:
+    with (_folder() / f'{quote(name, safe="")}.lock').open('a+') as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -40,10 +41,6 @@ def alone(name: str) -> Iterator[None]:
         file.write(str(os.getpid()))
         file.flush()
         yield
-
-
-def _plain(name: str) -> str:
-    return ''.join(character if character.isalnum() else '-' for character in name)
 
 
 def _folder() -> Path:

@@ -18,8 +18,10 @@ from std_msgs.msg import UInt8, UInt8MultiArray
 from std_srvs.srv import Trigger
 
 from robots_controller.live_cell.cell_command import parse_options, run_cell
+from robots_controller.recording.bag_file import read_bag
 from robots_core.errors import RobotsError
 from robots_core.ros.messages import diagnostic_values
+from written_bags import no_file_larger_than
 
 from .bag_checks import read_messages
 from .cell_process import CellProcess
@@ -150,6 +152,25 @@ def test_a_cell_looks_for_nodes_that_others_have_started_before_it_starts_its_ow
     assert run_cell(options, Console(file=text, width=200)) == 1
     assert 'there is another drive_node in namespace /' in text.getvalue()
     assert not list(tmp_path.glob('*/log/*'))
+
+
+def test_a_full_disk_is_told_while_the_cell_runs_on_and_leads_to_an_error_code(
+    session_ros_domain: int, tmp_path: Path
+) -> None:
+    del session_ros_domain
+    (tmp_path / 'wait.lua').write_text('wait(20)\nprint("still here")')
+    options = ('--program', str(tmp_path / 'wait.lua'), '--once', '--lockstep', '--port', '0')
+    text = io.StringIO()
+    with no_file_larger_than(600_000):
+        code = run_cell(
+            parse_options([*options, '--record', str(tmp_path / 'out')]), Console(file=text, width=200)
+        )
+    assert code == 1
+    told, after = text.getvalue().split('cannot take more: File too large; it ends early')
+    assert 'recording: ' in told
+    assert 'still here' in after
+    (bag,) = tmp_path.glob('out/*/bag')
+    assert len(read_bag(bag).messages) > 100
 
 
 PROGRAM = 'setDigitalOutput(1, true) setDigitalOutput(2, true)\nptpJointSpaceAngles(%s)\n'

@@ -24,7 +24,7 @@ def test_one_process_is_alone_until_it_ends():
     with alone('cell 0 /'):
         with pytest.raises(RobotsError, match=f'it is process {os.getpid()}'), alone('cell 0 /'):
             pytest.fail('two are alone')
-        with alone('cell 0 /left'), alone('cell 1 /'):
+        with alone('cell 0 /a/b'), alone('cell 0 /a_b'), alone('cell 1 /'):
             pass
     with alone('cell 0 /'):
         pass

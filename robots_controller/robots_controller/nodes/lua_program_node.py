@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import partial
@@ -12,7 +11,6 @@ from typing import Any, Final
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
-from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 
@@ -25,6 +23,7 @@ from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.io.fail_safe import parse_fail_safe
 from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.autostart import Autostart
+from robots_controller.nodes.feedback_client import FeedbackClient
 from robots_controller.nodes.io_services import IoServices
 from robots_controller.nodes.lockstep_turns import LockstepTurns
 from robots_controller.nodes.path_switching_messages import PathSwitchingMessages
@@ -39,12 +38,10 @@ from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.messages import (
     diagnostic_status,
-    joint_values,
     motion_result_from_message,
 )
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import is_served
-from robots_core.ros.qos import COMMAND, SENSOR, STATE
+from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_planning.motion_settings import NOTHING
@@ -53,9 +50,6 @@ from robots_planning.robot_command_state import RobotCommandState
 JOIN_TIMEOUT: Final = 5.0  # s
 WATCH_PERIOD: Final = 0.1  # s
 STATUS_PERIOD: Final = 0.02  # s, after which a change that could not be reported at once is reported
-# Drives report their position far more often; a program that asks at its start waits for the first one.
-FEEDBACK_TIMEOUT: Final = 2.0  # s
-FEEDBACK_PERIOD: Final = 0.005  # s
 
 Handler = Callable[[], str]
 """Does what a service is asked for and says so; raises a RobotsError."""
@@ -136,9 +130,7 @@ class LuaProgramNode(RobotNode):
         self._override_publisher = self.create_publisher(Float64, 'override', STATE)
         self._status_publisher = self.create_publisher(DiagnosticStatus, 'program_status', STATE)
         self._print_logger = self.journal.get_child('print')
-        self._feedback = PolledSubscription(self, JointState, 'joint_states', SENSOR)
-        self._measured: JointFeedback | None = None
-        self._waiting = threading.Condition()  # notified by the clock alone
+        self._feedback = FeedbackClient(self, axes.names)
         self._planner = PlannerClient(self, axes.names)
         self._controller = {
             name: self.create_client(Trigger, f'controller_node/{name}')
@@ -309,28 +301,7 @@ class LuaProgramNode(RobotNode):
 
     def joint_feedback(self) -> JointFeedback:
         """See `RobotPort`; waits for the first feedback."""
-        clock = self.host.clock
-        end = clock.now() + FEEDBACK_TIMEOUT
-        while True:
-            message = self._feedback.take()
-            if message is not None:
-                self._measured = self._as_feedback(message)
-            if self._measured is not None:
-                return self._measured
-            if clock.now() > end or self._program.stopping:
-                raise ProgramError('no joint_states received: is drive_node running?')
-            with self._waiting:
-                clock.wait(self._waiting, clock.now() + FEEDBACK_PERIOD)
-
-    def _as_feedback(self, message: JointState) -> JointFeedback:
-        wanted = self.robot.axes_data.names
-        position, velocity, torque = (
-            joint_values(message.name, values, wanted, 'joint_states') if values else None
-            for values in (message.position, message.velocity, message.effort)
-        )
-        if position is None:
-            raise ProgramError('joint_states have no position')
-        return JointFeedback(position, velocity, torque)
+        return self._feedback.measured(self.host.clock, lambda: self._program.stopping)
 
     def guide(self, guide: Guide) -> None:
         """See `RobotPort`."""

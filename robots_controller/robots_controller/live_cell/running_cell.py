@@ -1,0 +1,189 @@
+"""RunningCell: waits for the nodes of a cell, runs its program, and watches the processes."""
+
+import argparse
+import math
+import time
+
+from rich.markup import escape
+
+from robots_controller.cell_arguments import EXIT_FAILED, EXIT_OK
+from robots_controller.live_cell.cell_events import (
+    Event,
+    MotionEnded,
+    MotionPlanned,
+    NodeHealth,
+    ProgramStatus,
+)
+from robots_controller.live_cell.cell_listener import CellListener
+from robots_controller.live_cell.cell_view import CellView
+from robots_controller.live_cell.node_processes import NodeProcesses
+from robots_controller.live_cell.node_restarts import NodeRestarts
+from robots_controller.recording.motion_record import MOTION_TOPICS
+
+START_TIMEOUT = 600.0  # s, for all nodes to be ready on a slow machine
+WAIT_REPORT = 10.0  # s between reports of what is waited for
+SERVICE_TIMEOUT = 60.0  # s
+LOOK_TIME = 0.3  # s, for nodes of another cell to be found before the own ones are started
+SETTLING_TIME = 2.0  # s after all are ready, in which another cell would have been noticed
+REST_TIMEOUT = 5.0  # s, for the robot to stop on its path
+POLL = 0.05  # s between looks at processes and events
+
+# What a report needs; the recorder is subscribed to these before the program starts.
+REPORTED_TOPICS = (*MOTION_TOPICS, 'command_state', 'digital_outputs', 'joint_reference', 'joint_states')
+
+
+class RunningCell:
+    """A running cell: waits for its nodes, runs the program, watches the processes."""
+
+    def __init__(
+        self,
+        options: argparse.Namespace,
+        processes: NodeProcesses,
+        listener: CellListener,
+        view: CellView,
+        restarts: NodeRestarts,
+    ) -> None:
+        self._options, self._restarts = options, restarts
+        self._processes = processes
+        self._listener = listener
+        self._monitor, self._recorder = listener.monitor, listener.recorder
+        self._console = view.console
+        self._waiting = set(processes.names)
+        self._failed = False
+        self._motion: str | None = None
+        self._ended = False
+        self._settled = math.inf
+        self._recording_ended = False
+        self._starting = True
+        self._reported = time.monotonic()
+        self._foreign = ''
+        """A node of this cell's that lives in another process too."""
+        self.program_ended = False
+        self._view = view
+
+    def others(self) -> str:
+        """A node of this cell's names that is there before any is started; '' for none."""
+        deadline = time.monotonic() + LOOK_TIME
+        while time.monotonic() < deadline:
+            if found := self._monitor.nodes() & set(self._processes.names):
+                return min(found)
+            time.sleep(POLL)
+        return ''
+
+    def run(self) -> int:
+        """Until the program has ended, a node dies, or forever."""
+        if not self._until(self._ready, START_TIMEOUT):
+            if not self._ended:
+                self._console.print(f'[bold red]not ready after {START_TIMEOUT:g} s:[/] {self._late}')
+            return EXIT_FAILED
+        self._settled, self._starting = time.monotonic() + SETTLING_TIME, False
+        if self._options.program and not (self._call('open') and self._call('run')):
+            return EXIT_FAILED
+        self._listener.release()
+        while self._healthy():
+            self._show_events()
+            # What was sent before a program fails goes on to its end, and its outputs with it.
+            if self.program_ended and self._options.once and self._motion is None:
+                return EXIT_FAILED if self._failed else EXIT_OK
+        return EXIT_FAILED
+
+    def watch(self) -> None:
+        """Until a node dies, or forever."""
+        while self._healthy():
+            self._show_events()
+
+    def bring_to_rest(self) -> None:
+        """Stop a running motion on its path, before the nodes end."""
+        if self._motion is None or not self._processes.runs('controller_node'):
+            return
+        self._monitor.call('controller_node/stop')
+        deadline = time.monotonic() + REST_TIMEOUT
+        while self._motion is not None and time.monotonic() < deadline:
+            self._show_events()
+
+    def _ready(self) -> bool:
+        # Health changes with time, which stands still at the first instant of a lock-step run.
+        ready = self._listener.held if self._options.lockstep else not self._waiting
+        if ready and (self._recorder is None or self._recorder.records(REPORTED_TOPICS)):
+            return True
+        if time.monotonic() - self._reported >= WAIT_REPORT:
+            self._reported = time.monotonic()
+            self._console.print(f'waiting for {self._late}')
+        return False
+
+    @property
+    def _late(self) -> str:
+        return ', '.join(sorted(self._waiting)) or 'the recorder'
+
+    def _until(self, condition: object, timeout: float) -> bool:
+        deadline = time.monotonic() + timeout
+        assert callable(condition)
+        while not condition():
+            if not self._healthy() or time.monotonic() > deadline:
+                return False
+            self._show_events()
+        return True
+
+    def _healthy(self) -> bool:
+        """All nodes live, and this cell is alone in its place; otherwise says why not, once."""
+        if self._ended:
+            return False
+        for node in self._processes.take_dead():
+            self._console.print(f'[bold red]{node.name} {node.reason}[/]\n{escape(node.last_lines)}')
+            if not self._restarts.died(node) or self._starting:
+                self._ended = True
+        for name in self._restarts.start_due():
+            self._view.expect(name)
+        if self._listener.problem:
+            self._console.print(f'[bold red]{escape(self._listener.problem)}[/]')
+            self._ended = True
+        if self._recorder is not None and self._recorder.problem and not self._recording_ended:
+            self._recording_ended = True
+            self._console.print(f'[bold red]recording: {escape(self._recorder.problem)}[/]')
+        # The established cell keeps the namespace; the newcomer exits.
+        if self._foreign and time.monotonic() < self._settled:
+            self._console.print(occupied(self._foreign, self._options.namespace))
+            self._ended = True
+        return not self._ended
+
+    def _call(self, service: str) -> bool:
+        future = self._listener.call(f'lua_program_node/{service}')
+        if not self._until(future.done, SERVICE_TIMEOUT):
+            self._console.print(f'[bold red]lua_program_node does not answer ~/{service}[/]')
+            return False
+        response = future.result()
+        if not response.success:
+            self._console.print(f'[bold red]{response.message}[/]')
+        return bool(response.success)
+
+    def _show_events(self) -> None:
+        """Show what came in since the last call."""
+        for event in self._monitor.take():
+            if isinstance(event, NodeHealth) and not self._processes.owns(event.node, event.pid):
+                if event.node in self._processes.names:
+                    self._foreign = event.node
+                continue
+            self._note(event)
+            self._view.show(event)
+        time.sleep(POLL)
+
+    def _note(self, event: Event) -> None:
+        match event:
+            case NodeHealth(node=node) if event.ok or event.works:
+                self._waiting.discard(node)
+            case MotionPlanned(id_):
+                self._motion = id_
+            case MotionEnded(id_) if id_ == self._motion:
+                self._motion = None
+            case ProgramStatus(state):
+                self._restarts.program_reported(event)
+                self.program_ended = state in ('FINISHED', 'FAILED', 'STOPPED')
+                self._failed = state in ('FAILED', 'STOPPED')
+
+
+def occupied(found: str, namespace: str, detail: str = '') -> str:
+    """Why a cell cannot run: something of another one was found in its namespace."""
+    return (
+        f'[bold red]there is another {found} in namespace {namespace}[/]{escape(detail)}: '
+        f'another cell is running; stop it, or give this one a --namespace or a ROS_DOMAIN_ID'
+    )
