@@ -94,8 +94,8 @@ EMERGENCY_STOP: Final = Fault(
 FOREIGN_WRITER: Final = Fault(
     'foreign writer',
     StopCategory.ONE,
-    'one period',
-    'another node publishes what controller_node alone publishes',
+    '0.1 s',
+    'another node publishes `joint_reference` or `drives_on`; reset when it is gone',
 )
 
 FAULTS: Final = (

@@ -18,7 +18,7 @@ from robots_controller.control.control_loop import ControllerRequest, ControlLoo
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.faults import EMERGENCY_STOP, LOST_NODES
+from robots_controller.control.faults import EMERGENCY_STOP, FOREIGN_WRITER, LOST_NODES
 from robots_controller.control.stop_latch import StopState
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_core.errors import InvalidInputError, RobotsError
@@ -29,6 +29,7 @@ from robots_core.ros.joint_state_reader import JointStateReader
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import NANOSECONDS, diagnostic_status, motion_result_message, stamp_id
 from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.presence import publishers_of
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, subscribe_state
 from robots_core.ros.reference_stream import ReferenceStream
 from robots_core.ros.robot_node import RobotNode
@@ -41,6 +42,8 @@ HEALTH_RATE = 10.0  # Hz
 # A callback may hold the interpreter for this long before the loop gets its turn.
 SWITCH_INTERVAL = 1e-4  # s
 REFUSAL_PERIOD = 1.0  # s
+OWN_TOPICS = ('joint_reference', 'drives_on')
+WRITERS_PERIOD = 0.1  # s between looks for others that publish these
 
 
 class ControllerNode(RobotNode):
@@ -106,7 +109,13 @@ class ControllerNode(RobotNode):
         self._feedback = PolledSubscription(self, JointState, 'joint_states', SENSOR, raw=True)
         self._joint_states = JointStateReader(self._names)
         self._position: Array | None = None
-        self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND)
+        self.create_subscription(
+            JointTrajectory,
+            'joint_trajectory',
+            self._on_trajectory,
+            COMMAND,
+            from_anyone=lambda message: not message.points,  # it stops
+        )
         subscribe_state(self, Float64, 'override', self._on_override)
         self.watch = HeartbeatWatch(self, tuple(LOST_NODES), watchdog_parameter(self), self._on_watched)
         answers: dict[ControllerRequest, str] = {
@@ -119,6 +128,9 @@ class ControllerNode(RobotNode):
         self.create_service(Trigger, '~/emergency_stop', self._serve_emergency_stop)
         self.create_service(Trigger, '~/reset', self._serve_reset)
         subscribe_state(self, Bool, 'emergency_stop', self._on_emergency_stop)
+        self._foreign_writers: set[str] = set()
+        if self.participant is None:
+            self.create_timer(WRITERS_PERIOD, self._look_for_writers)
         self._report_due = self.create_guard_condition(self.look_after_health)
         self._executor_priority = priority - 1
 
@@ -237,11 +249,7 @@ class ControllerNode(RobotNode):
 
     def _on_streamed_point(self, message: JointTrajectory, id_: str) -> None:
         ros_time, now = self.get_clock().now().nanoseconds, self.now()
-        try:
-            point = stream_point_from_message(message, self._names, ros_time=ros_time, now=now)
-        except RobotsError as error:
-            self.refuse('joint_trajectory', error)
-            return
+        point = stream_point_from_message(message, self._names, ros_time=ros_time, now=now)
         self._control.stream(point, id_)
 
     def _refuse_motion(self, id_: str, error: RobotsError) -> None:
@@ -249,18 +257,25 @@ class ControllerNode(RobotNode):
         self.journal.error(f'joint_trajectory: {error}')
 
     def _on_override(self, message: Float64) -> None:
-        try:
-            override = fraction(message.data, 'override')
-        except InvalidInputError as error:
-            self.refuse('override', error)
-            return
-        self._control.set_override(override)
+        self._control.set_override(fraction(message.data, 'override'))
 
     def _on_watched(self, name: str, reason: str) -> None:
         if reason:
             self._control.trip(LOST_NODES[name], reason, stands=name == 'collision_node')
         else:
             self._control.clear(LOST_NODES[name])
+
+    def _look_for_writers(self) -> None:
+        """Stop while another node writes to the drives: not all drives can tell its references apart."""
+        writers = {name for topic in OWN_TOPICS for name in publishers_of(self, topic).values()}
+        # What a restart has left behind has this name.
+        foreign = writers - {self.get_fully_qualified_name()}
+        if foreign and foreign != self._foreign_writers:
+            reason = f'{", ".join(sorted(foreign))} publishes {" or ".join(OWN_TOPICS)}'
+            self._control.trip(FOREIGN_WRITER, reason, stands=True)
+        elif self._foreign_writers and not foreign:
+            self._control.clear(FOREIGN_WRITER)
+        self._foreign_writers = foreign
 
     def _on_emergency_stop(self, message: Bool) -> None:
         if message.data:

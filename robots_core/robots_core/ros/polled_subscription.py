@@ -2,12 +2,15 @@
 
 import math
 import time
-from collections.abc import Iterator
+from collections import deque
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message
 
+from robots_core.ros.identified_messages import IdentifiedMessages
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.lockstep.participant import PATIENCE, Participant
 
@@ -36,17 +39,30 @@ class PolledSubscription:
         participant: Participant | None = getattr(node, 'participant', None)
         self._participant = None if participant is None or participant.started else participant
         self._topic: str = self._subscription.topic_name
+        self._now: Callable[[], float] = getattr(node, 'now', time.monotonic)
+        self._watch = node.writer_watch(topic) if hasattr(node, 'writer_watch') else None
+        self._identified = None if self._watch is None else IdentifiedMessages(self._subscription)
         self._newest = 0  # sequence number of the message
 
     def take(self) -> Any:
         """The newest message since the last call, or None."""
+        if self._identified is not None:
+            accepted = deque(self._accepted(), maxlen=1)
+            return self._read(accepted[0]) if accepted else None
         newest = None
         for message, _ in self.take_all():
             newest = message
         return newest
 
     def take_all(self) -> Iterator[tuple[Any, dict[str, int]]]:
-        """All messages since the last call, oldest first, each with its info (`source_timestamp`, ns)."""
+        """All messages since the last call, oldest first, each with its info (`source_timestamp`, ns).
+
+        There is no info where a topic has its writers (see `RobotNode.writer_watch`).
+        """
+        if self._identified is not None:
+            for data in self._accepted():
+                yield self._read(data), {}
+            return
         subscription, deadline = self._subscription, math.inf
         while True:
             taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
@@ -59,6 +75,18 @@ class PolledSubscription:
             else:
                 deadline = min(deadline, time.monotonic() + PATIENCE)
                 self._participant.wait_for_message(self._topic, deadline)
+
+    def _accepted(self) -> Iterator[bytes]:
+        """Serialized messages of the topic's writers since the last call."""
+        assert self._identified is not None
+        assert self._watch is not None
+        while (taken := self._identified.take()) is not None:
+            if self._watch.accepts(taken[1], self._now()):
+                yield taken[0]
+
+    def _read(self, data: bytes) -> Any:
+        subscription = self._subscription
+        return data if subscription.raw else deserialize_message(data, subscription.msg_type)
 
     @property
     def publishers(self) -> int:

@@ -1,7 +1,9 @@
 """RobotNode: what every node of the suite has: a robot, a health report, checked parameters."""
 
+import math
 import os
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -12,13 +14,18 @@ from rclpy.parameter import Parameter
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.parameter_changes import CHANGES, Change
 from robots_core.robot_choice import load_robot_model
+from robots_core.ros.identified_messages import IdentifiedSubscription
+from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
+from robots_core.ros.presence import publishers_of
 from robots_core.ros.qos import COMMAND
 from robots_core.ros.timed_node import TimedNode
+from robots_core.topic_writers import WRITERS, WriterWatch
 
 HEALTH_PERIOD = 1.0  # s
 REPEAT_PERIOD = 5.0  # s
+STRANGER_SHOWN = 2.0  # s
 
 
 class RobotNode(TimedNode):
@@ -49,6 +56,8 @@ class RobotNode(TimedNode):
         self._health_values: dict[str, object] = {}
         self._was_ready = False
         self._bad_streams: dict[str, float] = {}
+        self._strangers: dict[str, tuple[float, str]] = {}  # by topic: when, and what was said
+        self._identified: dict[Any, IdentifiedSubscription] = {}
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', COMMAND)
         self.create_timer(HEALTH_PERIOD, self._repeat_health, phase=Phase.OBSERVE)
 
@@ -130,6 +139,11 @@ class RobotNode(TimedNode):
 
     def _publish_health(self) -> None:
         level, message = self._health
+        now = self.now()
+        strangers = [text for since, text in self._strangers.values() if now - since <= STRANGER_SHOWN]
+        if strangers:
+            message = '; '.join(strangers if level == DiagnosticStatus.OK else [message, *strangers])
+            level = max(level, DiagnosticStatus.WARN)
         status = diagnostic_status(
             self.get_fully_qualified_name(),
             message,
@@ -150,9 +164,25 @@ class RobotNode(TimedNode):
         super().thread_failed(error)
 
     def create_subscription(
-        self, msg_type: Any, topic: str, callback: Callable[[Any], None], qos_profile: Any, **options: Any
+        self,
+        msg_type: Any,
+        topic: str,
+        callback: Callable[[Any], None],
+        qos_profile: Any,
+        *,
+        from_anyone: Callable[[Any], bool] = lambda _: False,
+        **options: Any,
     ) -> Any:
-        """As `Node.create_subscription`; a RobotsError of the callback refuses the message, see `refuse`."""
+        """As `Node.create_subscription`; a RobotsError of the callback refuses the message, see `refuse`.
+
+        Args:
+            msg_type: The topic's type.
+            topic: Its name. Where it is one of `WRITERS`, messages of others are dropped and reported.
+            callback: Gets the messages.
+            qos_profile: Quality of service.
+            from_anyone: Messages that are taken from others too.
+            options: As of `Node.create_subscription`.
+        """
 
         def take(message: Any) -> None:
             try:
@@ -160,7 +190,40 @@ class RobotNode(TimedNode):
             except RobotsError as error:
                 self.refuse(topic, error, stream=qos_profile is not COMMAND)
 
-        return super().create_subscription(msg_type, topic, take, qos_profile, **options)
+        watch = self.writer_watch(topic)
+        if watch is None or isinstance(options.get('callback_group'), NeverExecuted):
+            return super().create_subscription(msg_type, topic, take, qos_profile, **options)
+        group = options.pop('callback_group', None) or self.default_callback_group
+        options['callback_group'] = NeverExecuted()
+        subscription = super().create_subscription(msg_type, topic, take, qos_profile, **options)
+        identified = IdentifiedSubscription(
+            subscription, group, lambda identity: watch.accepts(identity, self.now()), from_anyone
+        )
+        self._identified[subscription] = identified
+        self.add_waitable(identified)
+        return subscription
+
+    def destroy_subscription(self, subscription: Any) -> bool:
+        """As `Node.destroy_subscription`."""
+        if (identified := self._identified.pop(subscription, None)) is not None:
+            self.remove_waitable(identified)
+        return super().destroy_subscription(subscription)
+
+    def writer_watch(self, topic: str) -> WriterWatch | None:
+        """Separates writers of a topic from others; None for topics without, and in lock-step."""
+        if topic not in WRITERS or self.participant is not None:
+            return None
+        namespace = self.get_namespace().rstrip('/') + '/'
+        return WriterWatch(
+            topic, namespace, partial(publishers_of, self, topic), partial(self._on_stranger, topic)
+        )
+
+    def _on_stranger(self, topic: str, text: str) -> None:
+        now, (since, before) = self.now(), self._strangers.get(topic, (-math.inf, ''))
+        self._strangers[topic] = now, text
+        if text != before or now - since > STRANGER_SHOWN:
+            self.journal.error(text)
+            self._publish_health()
 
     def refuse(self, topic: str, error: RobotsError, *, stream: bool = False) -> None:
         """Log and report bad input on a topic; the node goes on.

@@ -1,0 +1,100 @@
+"""Which nodes publish what moves a robot: what others publish there is dropped."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+SILENCE: Final = 0.5  # s after which the writer of a stream has lost its place
+LOOK_PERIOD: Final = 0.1  # s between looks for the name of a stranger
+
+
+@dataclass(frozen=True)
+class Writers:
+    """Who writes to a topic.
+
+    Attributes:
+        nodes: Names of the suite's nodes that do.
+        places: As long as fewer nodes write, another one may, in the place of one of the suite.
+        stream: There is a single writer, whose messages follow each other closely.
+    """
+
+    nodes: tuple[str, ...]
+    places: int = 1
+    stream: bool = False
+
+
+WRITERS: Final[Mapping[str, Writers]] = {
+    'joint_reference': Writers(('controller_node',), stream=True),
+    'joint_states': Writers(('drive_node',), stream=True),
+    'drives_on': Writers(('controller_node',)),
+    'joint_trajectory': Writers(('planning_node', 'inverse_kinematics_node')),
+    'motion_result': Writers(('controller_node', 'planning_node'), places=2),
+}
+"""By topic. In the place of `drive_node` stands any driver; in that of the others a user's own node may."""
+
+
+@dataclass
+class WriterWatch:
+    """Decides of each message of a topic whether it is of a writer, by its publisher's identity.
+
+    The first writer of a stream keeps its place until it is silent for `SILENCE`, or until the suite's own
+    node comes; a node that is started anew so takes the place of the one before. On other topics a node of
+    the suite may always write, and another one as long as a place is free.
+
+    Args:
+        topic: Its name in `WRITERS`.
+        namespace: Where the suite's nodes are, ending with a slash.
+        publishers: Full node names by identity, of all publishers that are known.
+        on_stranger: Gets a line for a person when messages are dropped.
+    """
+
+    topic: str
+    namespace: str
+    publishers: Callable[[], Mapping[bytes, str]]
+    on_stranger: Callable[[str], None]
+    _writers: dict[bytes, str] = field(default_factory=dict)  # with their nodes' names
+    _strangers: dict[bytes, float] = field(default_factory=dict)  # with the time of the last look
+    _heard: float = -math.inf  # of a stream
+
+    def accepts(self, identity: bytes, now: float) -> bool:
+        """A message is of a writer.
+
+        Args:
+            identity: Of its publisher.
+            now: s.
+        """
+        if identity in self._writers:
+            self._heard = now
+            return True
+        if now - self._strangers.get(identity, -math.inf) < LOOK_PERIOD:
+            return False
+        names = self.publishers()
+        if not self._has_place(identity, names, now):
+            self._strangers[identity] = now
+            self.on_stranger(self._described(names.get(identity, 'an unknown node')))
+            return False
+        if WRITERS[self.topic].stream:
+            self._writers.clear()
+        self._writers[identity] = names.get(identity, '')
+        self._strangers.pop(identity, None)
+        self._heard = now
+        return True
+
+    def _has_place(self, identity: bytes, names: Mapping[bytes, str], now: float) -> bool:
+        writers = WRITERS[self.topic]
+        own = {self.namespace + name for name in writers.nodes}
+        name = names.get(identity, '')
+        if writers.stream:
+            (present,) = self._writers or [b'']
+            outranks = name in own and names.get(present, name) not in own
+            return not self._writers or outranks or now - self._heard > SILENCE
+        others = {one for one in names.values() if one != name}
+        taken = others & (own | {*self._writers.values()})
+        return name in own or len(taken) < writers.places
+
+    def _described(self, stranger: str) -> str:
+        writers = ' and '.join(sorted({*self._writers.values()} - {''}) or WRITERS[self.topic].nodes)
+        return f'{stranger} publishes {self.topic} beside {writers}; its messages are dropped'

@@ -1,0 +1,159 @@
+"""What strangers publish beside the nodes that move the robot is dropped, and they are named."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from robots_controller.nodes.controller_node import ControllerNode
+from robots_core import load_robot_model
+from robots_core.motion_result import MotionResult
+from robots_core.nodes.drive_node import DriveNode
+from robots_core.ros.identified_messages import IdentifiedMessages
+from robots_core.ros.lockstep.counted import NeverExecuted
+from robots_core.ros.messages import (
+    doubles,
+    joint_state_message,
+    motion_result_from_message,
+    motion_result_message,
+    stamp_id,
+)
+from robots_core.ros.qos import COMMAND, STATE
+from robots_planning.nodes.planning_node import PlanningNode
+
+from .bench import Bench
+
+NAME = 'kuka_kr210_r2700'
+ROBOT = load_robot_model(NAME)
+NAMES = list(ROBOT.axes_data.names)
+HOME = np.array(ROBOT.home)
+GOAL = HOME + 0.3
+PATIENT = 20.0  # s
+CRAWL = 0.002  # override: the motion goes on until it is raised
+
+
+class Cell(Bench):
+    """Planner, controller and drives, and a stranger."""
+
+    def __init__(self, runner: Any) -> None:
+        super().__init__(runner)
+        options = {'robot_model': NAME, 'watchdog': PATIENT}
+        self.drive = self.start_node(DriveNode, robot_model=NAME, realtime_priority=0)
+        self.controller = self.start_node(
+            ControllerNode, **options, realtime_priority=0, feedback_timeout=PATIENT
+        )
+        self.planner = self.start_node(PlanningNode, **options)
+        self.stranger = runner.create_node('stranger')
+        self.positions = self.collect(
+            'joint_states', JointState, read=lambda message: np.array(message.position)
+        )
+        self.results = self.collect('motion_result', DiagnosticStatus, COMMAND, motion_result_from_message)
+        self.wait(lambda: self.positions, 'joint_states')
+
+    def move_slowly(self) -> str:
+        """Begin a motion to the goal that lasts until the override is raised."""
+        self.publish('override', Float64(data=CRAWL), STATE)
+        self.wait(lambda: self.controller._controller.override == CRAWL, 'the override')
+        self.wait(lambda: self.planner.reference() is not None, 'the first reference')
+        message = joint_state_message(self.peer.get_clock().now().to_msg(), NAMES, GOAL)
+        self.publish('ptpjoint_joint', message)
+        self.wait(lambda: self.planner.moving, 'a motion')
+        self.wait(lambda: np.any(self.positions[-1] != HOME), 'a moving robot')
+        return stamp_id(message.header.stamp)
+
+    def until_named(self, node: str, topic: str, forged: Any, qos: Any = COMMAND) -> Any:
+        """Let the stranger publish until a node names it; returns its publisher."""
+        publisher = self.stranger.create_publisher(type(forged), topic, qos)
+        text = f'/stranger publishes {topic} beside '
+
+        def named() -> bool:
+            publisher.publish(forged)
+            return any(
+                one.name == node and one.level != DiagnosticStatus.OK and text in one.message
+                for one in self.health
+            )
+
+        self.wait(named, f'{node} names the stranger')
+        return publisher
+
+
+def test_messages_come_with_the_identity_that_the_graph_has(ros_nodes: Any) -> None:
+    taker = ros_nodes.create_node('taker')
+    subscription = taker.create_subscription(
+        Float64, 'number', lambda _: None, 10, callback_group=NeverExecuted(), raw=True
+    )
+    messages = IdentifiedMessages(subscription)
+    assert messages.take() is None
+    senders = [ros_nodes.create_node(f'sender_{k}') for k in range(2)]
+    publishers = [sender.create_publisher(Float64, 'number', 10) for sender in senders]
+    ros_nodes.wait_for(lambda: all(one.get_subscription_count() for one in publishers))
+    for k, publisher in enumerate(publishers):
+        publisher.publish(Float64(data=float(k)))
+    found = [ros_nodes.wait_for(messages.take) for _ in publishers]
+    names = {bytes(one.endpoint_gid): one.node_name for one in taker.get_publishers_info_by_topic('number')}
+    assert {names[identity] for _, identity in found} == {'sender_0', 'sender_1'}
+
+
+def test_strangers_do_not_disturb_a_motion_and_are_named(ros_nodes: Any) -> None:
+    cell = Cell(ros_nodes)
+    id_ = cell.move_slowly()
+    elsewhere = JointTrajectory(joint_names=NAMES, points=[JointTrajectoryPoint(positions=doubles(HOME))])
+    for node, topic, forged in (
+        ('/planning_node', 'motion_result', motion_result_message(MotionResult(id_, True, 'reached'), NAME)),
+        ('/controller_node', 'joint_trajectory', elsewhere),
+        ('/controller_node', 'joint_states', JointState(name=NAMES, position=doubles(HOME + 0.6))),
+    ):
+        cell.until_named(node, topic, forged)
+    assert cell.planner.planner.knows(id_)  # the forged result ended nothing
+    cell.results.clear()
+    cell.publish('override', Float64(data=1.0), STATE)
+    cell.wait(lambda: cell.results, 'the end of the motion')
+    assert (cell.results[0].id, cell.results[0].ok) == (id_, True)
+    np.testing.assert_allclose(cell.positions[-1], GOAL, atol=0.02)
+
+
+def test_a_stranger_at_the_drives_stops_the_robot_and_they_do_not_follow_it(ros_nodes: Any) -> None:
+    cell = Cell(ros_nodes)
+    forged = JointTrajectory(joint_names=NAMES, points=[JointTrajectoryPoint(positions=doubles(GOAL))])
+    publisher = cell.until_named('/drive_node', 'joint_reference', forged, STATE)
+    cell.until_health(DiagnosticStatus.ERROR, '/stranger publishes joint_reference')
+    assert np.abs(np.array(cell.positions) - HOME).max() < 0.01
+    assert '/stranger' in cell.call('controller_node/reset').message
+    ros_nodes.call(lambda: cell.stranger.destroy_publisher(publisher))
+    cell.wait(lambda: cell.call('controller_node/reset').success, 'a reset when the stranger is gone')
+
+
+def test_anyone_may_stop_by_an_empty_trajectory(ros_nodes: Any) -> None:
+    cell = Cell(ros_nodes)
+    cell.move_slowly()
+    publisher = cell.stranger.create_publisher(JointTrajectory, 'joint_trajectory', COMMAND)
+    cell.wait(publisher.get_subscription_count, 'the controller listens')
+    publisher.publish(JointTrajectory())
+    cell.wait(lambda: cell.results, 'the end of the motion')
+    assert not cell.results[0].ok
+    assert 'empty' in cell.results[0].message
+
+
+@pytest.mark.parametrize('qos', [COMMAND, STATE])
+def test_a_subscription_with_writers_ends_as_any(ros_nodes: Any, qos: Any) -> None:
+    bench = Bench(ros_nodes)
+    node, taken = bench.start_node(DriveNode, robot_model=NAME, realtime_priority=0), []
+    subscription = node.create_subscription(
+        JointTrajectory,
+        'joint_trajectory',
+        taken.append,
+        qos,
+        callback_group=MutuallyExclusiveCallbackGroup(),
+    )
+    publisher = bench.publisher('joint_trajectory', JointTrajectory, STATE)
+    publisher.publish(JointTrajectory())
+    bench.wait(lambda: taken, 'a message')
+    ros_nodes.call(lambda: node.destroy_subscription(subscription))
+    bench.wait(lambda: publisher.get_subscription_count() == 0, 'the end of the subscription')

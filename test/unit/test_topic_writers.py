@@ -1,0 +1,116 @@
+"""WriterWatch: writers keep their places, restarted nodes get theirs, others are named and dropped."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from robots_core.topic_writers import LOOK_PERIOD, SILENCE, WRITERS, WriterWatch
+
+PERIOD = 0.004  # s
+
+
+class Graph:
+    """A topic's publishers, and what was said of strangers."""
+
+    def __init__(self, topic: str, **names: str) -> None:
+        self.names = {identity.encode(): f'/cell/{name}' for identity, name in names.items()}
+        self.looks = 0
+        self.said: list[str] = []
+        self.watch = WriterWatch(topic, '/cell/', self._look, self.said.append)
+
+    def _look(self) -> dict[bytes, str]:
+        self.looks += 1
+        return self.names
+
+    def accepts(self, identity: str, now: float = 0.0) -> bool:
+        return self.watch.accepts(identity.encode(), now)
+
+
+def test_the_first_writer_of_a_stream_keeps_its_place():
+    graph = Graph('joint_states', driver='driver', other='other')
+    for k in range(1000):
+        assert graph.accepts('driver', k * PERIOD)
+        assert not graph.accepts('other', k * PERIOD)
+    assert set(graph.said) == {
+        '/cell/other publishes joint_states beside /cell/driver; its messages are dropped'
+    }
+    assert graph.looks <= 1000 * PERIOD / LOOK_PERIOD + 2  # it costs next to nothing
+
+
+def test_a_writer_without_a_name_yet_is_one():
+    graph = Graph('joint_reference')
+    assert graph.accepts('new')
+    assert not graph.accepts('other')
+    assert 'an unknown node publishes joint_reference beside controller_node' in graph.said[0]
+
+
+def test_a_silent_writer_of_a_stream_loses_its_place():
+    graph = Graph('joint_reference', first='controller_node', anew='controller_node')
+    assert graph.accepts('first', 0.0)
+    assert not graph.accepts('anew', SILENCE - LOOK_PERIOD)
+    assert graph.accepts('anew', SILENCE + 0.01)
+    assert not graph.accepts('first', SILENCE + 0.02)
+
+
+def test_the_own_node_takes_its_place_from_a_stranger():
+    graph = Graph('joint_reference', stranger='stranger', own='controller_node')
+    assert graph.accepts('stranger')
+    assert graph.accepts('own')
+    assert not graph.accepts('stranger', 1e-3)
+
+
+def test_where_all_writers_are_there_nobody_else_is_taken():
+    graph = Graph('motion_result', first='controller_node', second='planning_node', other='other')
+    for now in (0.0, 100.0):
+        assert not graph.accepts('other', now)
+        assert graph.accepts('first', now)
+        assert graph.accepts('second', now)
+    assert graph.said[-1] == (
+        '/cell/other publishes motion_result beside /cell/controller_node and /cell/planning_node; '
+        'its messages are dropped'
+    )
+
+
+def test_another_node_may_take_the_place_of_one_that_is_missing():
+    graph = Graph('motion_result', planner='planning_node', own='controller_of_a_user')
+    assert graph.accepts('planner')
+    assert graph.accepts('own')
+    graph.names[b'third'] = '/cell/third'
+    assert not graph.accepts('third')
+    graph.names[b'controller'] = '/cell/controller_node'
+    assert graph.accepts('controller')  # the suite's own is taken always
+
+
+@pytest.mark.parametrize('present', WRITERS['joint_trajectory'].nodes)
+def test_trajectories_beside_a_planner_or_a_guide_are_dropped(present: str):
+    graph = Graph('joint_trajectory', other='other', present=present)
+    assert not graph.accepts('other')
+    for node in WRITERS['joint_trajectory'].nodes:
+        graph.names[node.encode()] = f'/cell/{node}'
+        assert graph.accepts(node)
+    alone = Graph('joint_trajectory', other='other')
+    assert alone.accepts('other')
+
+
+def test_a_node_that_is_started_anew_is_taken_beside_what_is_left_of_it():
+    graph = Graph('motion_result', controller='controller_node', planner='planning_node')
+    assert graph.accepts('controller')
+    graph.names[b'anew'] = '/cell/controller_node'
+    assert graph.accepts('anew')
+
+
+def test_the_same_names_of_another_cell_are_strangers():
+    graph = Graph('motion_result', controller='controller_node', planner='planning_node')
+    graph.names[b'other'] = '/other/controller_node'
+    assert not graph.accepts('other')
+
+
+def test_the_documentation_has_the_writers():
+    _, _, section = Path('docs/stops.md').read_text().partition('## Who publishes what moves the robot')
+    rows = [line.split(' | ')[:2] for line in section.partition('\n## ')[0].splitlines() if '| `' in line]
+    assert rows == [
+        [f'| `{topic}`', ', '.join(f'`{node}`' for node in writers.nodes)]
+        for topic, writers in WRITERS.items()
+    ]
