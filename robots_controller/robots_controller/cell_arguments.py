@@ -40,6 +40,13 @@ def add_cell_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--goal-tolerance', type=float, help='largest error of an axis that has reached its target, rad'
     )
+    parser.add_argument(
+        '--tool-speed-limit',
+        type=float,
+        default=0.0,
+        metavar='M_PER_S',
+        help='highest speed of the tool and of the frames of all axes, on every motion; 0 for none',
+    )
 
 
 def _payload(text: str) -> tuple[float, ...]:

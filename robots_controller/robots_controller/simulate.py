@@ -28,6 +28,7 @@ def simulate(
     bag: Path | str | None = None,
     rate: float = 250.0,
     goal_tolerance: float | None = None,
+    tool_speed_limit: float = 0.0,
     payload: tuple[float, ...] = NOTHING,
     collision_margin: float = COLLISION_MARGIN,
     points_file: Path | str = '',
@@ -55,6 +56,7 @@ def simulate(
         rate: References per second, Hz.
         goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
             default.
+        tool_speed_limit: Highest speed of the tool and of the frames of all axes, m/s; 0 for none.
         payload: What the robot carries until its program sets another payload, see `MotionSettings`.
         collision_margin: Distance that motions keep, m.
         points_file: Taught points; '' for the file beside the program.
@@ -81,6 +83,7 @@ def simulate(
         io_map=io_map,
         rate=rate,
         goal_tolerance=goal_tolerance,
+        tool_speed_limit=tool_speed_limit,
         payload=payload,
         collision_margin=collision_margin,
         points_file=points_file,

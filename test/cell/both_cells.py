@@ -29,12 +29,11 @@ class Runs:
     simulated: Bag
 
 
-def check_both_cells(lockstep: LockstepRun, drive: str, bag: Path) -> None:
-    """Simulate what has run in lock-step, into a bag, and compare."""
+def check_both_cells(lockstep: LockstepRun, drive: str, bag: Path, **options: Any) -> None:
+    """Simulate what has run in lock-step, into a bag and with these options, and compare."""
     header = read_program_header(lockstep.program)
-    run = simulate(
-        lockstep.program, robot=header.robot, drive=drive, scene=header.scene, io=header.io, bag=bag
-    )
+    options |= {'robot': header.robot, 'scene': header.scene, 'io': header.io}
+    run = simulate(lockstep.program, drive=drive, bag=bag, **options)
     assert lockstep.returncode == (0 if run.ok else 1), lockstep.text
     runs = Runs(lockstep, run, read_bag(lockstep.bag), read_bag(bag))
     check_references_and_feedback_to_the_last_bit(runs)

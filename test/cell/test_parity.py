@@ -1,11 +1,15 @@
 """The nodes in lock-step and the simulation do the same, to the last bit."""
 
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
+from robots_core import load_robot_model
 from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
 
+from .bag_checks import PERIOD, read_messages
 from .both_cells import check_both_cells
 from .lockstep_runs import PROGRAMS, LockstepRuns
 
@@ -19,3 +23,24 @@ CASES += [(name, 'rigid_body') for name in LANGUAGE if name != 'language/guided.
 @pytest.mark.parametrize(('name', 'drive'), CASES)
 def test_both_cells_do_the_same(name: str, drive: str, lockstep_runs: LockstepRuns, tmp_path: Path) -> None:
     check_both_cells(lockstep_runs.run(name, drive), drive, tmp_path / 'bag')
+
+
+def test_both_cells_keep_a_speed_limit_alike(lockstep_runs: LockstepRuns, tmp_path: Path) -> None:
+    program = tmp_path / 'limited.lua'
+    program.write_text(
+        '-- Robot: kuka_kr210_r2700\n'
+        'ptpJointSpaceAngles(0, -90, 90, 0, 60, 0)\n'
+        'setTool(0.1, 0, 0.3, 0, 0, 0)\n'
+        'linearRelative(0, 0.2, 0, 0, 0, 0, {blend = 0.05})\n'
+        'linearRelative(0, 0, -0.2, 0, 0, 0)\n'
+    )
+    run = lockstep_runs.run_file(program, '--tool-speed-limit', '0.5')
+    check_both_cells(run, 'second_order', tmp_path / 'bag', tool_speed_limit=0.5)
+    places = [message.points[0].positions for message in references(run.bag)]
+    robot = load_robot_model('kuka_kr210_r2700')
+    frames = np.array([robot.kinematic_model.frame_axes(np.asarray(q))[0] for q in places])
+    assert 0.4 < np.linalg.norm(np.diff(frames, axis=0), axis=2).max() / PERIOD < 0.5
+
+
+def references(bag: Path) -> list[Any]:
+    return [message for _, message in read_messages(bag, ['/joint_reference'])['/joint_reference']]

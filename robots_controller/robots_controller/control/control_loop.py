@@ -9,6 +9,8 @@ from typing import Literal, Protocol
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.faults import Fault
+from robots_controller.control.followed_motion import FollowedMotion
+from robots_controller.control.path_speed_cap import PathSpeedCap
 from robots_controller.control.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.errors import RobotsError
@@ -70,7 +72,8 @@ class ControlLoop:
 
     def follow(self, trajectory: Trajectory, id_: str, *, join_time: float = 0.0) -> None:
         """Follow a trajectory, see `Controller.follow`."""
-        self._mailbox.append(partial(self._follow, trajectory, id_, join_time))
+        cap = self.controller.path_speed_cap(trajectory)
+        self._mailbox.append(partial(self._follow, trajectory, id_, join_time, cap))
 
     def stream(self, point: StreamPoint, id_: str) -> None:
         """Follow a point of a stream, see `Controller.stream`."""
@@ -79,6 +82,12 @@ class ControlLoop:
     def set_override(self, value: float) -> None:
         """Scale the speed of all motions, 0..1."""
         self._mailbox.append(lambda _: self.controller.set_override(value))
+
+    def change_caps(self) -> None:
+        """Compute anew how fast the frames may follow the motions that there are."""
+        controller = self.controller
+        caps = [(motion, controller.path_speed_cap(motion.trajectory)) for motion in controller.motions]
+        self._mailbox.append(lambda _: _set_caps(caps))
 
     def request(self, request: ControllerRequest) -> None:
         """Pause on the path, resume, or stop and give up all motions."""
@@ -149,9 +158,11 @@ class ControlLoop:
             self._reported = progress
             self._port.progress(progress)
 
-    def _follow(self, trajectory: Trajectory, id_: str, join_time: float, now: float) -> None:
+    def _follow(
+        self, trajectory: Trajectory, id_: str, join_time: float, cap: PathSpeedCap | None, now: float
+    ) -> None:
         try:
-            self.controller.follow(trajectory, id_, now, join_time=join_time)
+            self.controller.follow(trajectory, id_, now, join_time=join_time, cap=cap)
         except RobotsError as error:
             self._port.result(MotionResult.refused(id_, error))
             return
@@ -174,3 +185,8 @@ class ControlLoop:
 
     def _pause(self, _now: float, *, paused: bool) -> None:
         self.controller.paused = paused
+
+
+def _set_caps(caps: list[tuple[FollowedMotion, PathSpeedCap | None]]) -> None:
+    for motion, cap in reversed(caps):  # what a motion leads to comes behind it
+        motion.set_cap(cap)

@@ -13,10 +13,12 @@ from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.faults import REFERENCE_REFUSED, Fault, StopCategory
 from robots_controller.control.feedback_watch import FeedbackWatch
 from robots_controller.control.followed_motion import FollowedMotion
+from robots_controller.control.frame_speed_limit import FrameSpeedLimit
 from robots_controller.control.interpolator import Interpolator
 from robots_controller.control.limit_guard import LimitGuard
 from robots_controller.control.motion_queue import MotionQueue
 from robots_controller.control.path_speed import PathSpeed
+from robots_controller.control.path_speed_cap import PathSpeedCap
 from robots_controller.control.stop_latch import StopLatch
 from robots_controller.control.streamed_reference import StreamedReference, StreamPoint
 from robots_core.errors import RobotsError, TrajectoryRefusedError
@@ -50,6 +52,7 @@ class Controller:
     Args:
         axes: The robot's limits.
         settings: See `ControllerSettings`.
+        frame_limit: How fast tool and frames may move; without a limit by default.
         processor_share: See `Watchdog`.
     """
 
@@ -58,6 +61,7 @@ class Controller:
         axes: AxesData,
         settings: ControllerSettings | None = None,
         *,
+        frame_limit: FrameSpeedLimit | None = None,
         processor_share: Callable[[], float] = lambda: 1.0,
     ) -> None:
         self.settings = settings or ControllerSettings()
@@ -65,7 +69,7 @@ class Controller:
         """Ends of motions, oldest first; the caller takes them out."""
         self.override = 1.0
         self.paused = False
-        self._axes = axes
+        self._axes, self._frame_limit = axes, frame_limit
         period = self.settings.period
         self._interpolator = Interpolator(axes.num_axes, max(1, round(self.settings.smoothing_time / period)))
         self._path_speed = PathSpeed(axes.acceleration, period=period, ramp_time=self.settings.ramp_time)
@@ -123,7 +127,26 @@ class Controller:
         """
         self.override = fraction(override, 'override')
 
-    def follow(self, trajectory: Trajectory, id_: str, now: float, *, join_time: float = 0.0) -> None:
+    def path_speed_cap(self, trajectory: Trajectory) -> PathSpeedCap | None:
+        """How fast the frames may follow a trajectory; takes milliseconds; from any thread."""
+        if self._frame_limit is None:
+            return None
+        return self._frame_limit.cap(trajectory, self._axes.acceleration, self.settings.ramp_time)
+
+    @property
+    def motions(self) -> list[FollowedMotion]:
+        """The motion that is followed and those after it; from any thread."""
+        return self._motions.all
+
+    def follow(
+        self,
+        trajectory: Trajectory,
+        id_: str,
+        now: float,
+        *,
+        join_time: float = 0.0,
+        cap: PathSpeedCap | None = None,
+    ) -> None:
         """Follow a trajectory: now, after those before it, or in the place of the running one.
 
         Args:
@@ -133,6 +156,7 @@ class Controller:
             join_time: If above 0, the trajectory starts on the running motion instead, at this path time (s)
                 and moving as that one does there, and takes its place. If below 0, it starts on the last
                 motion, so long before its end (s), and carries it on: that one ends there as passed.
+            cap: Of its path, see `path_speed_cap`.
 
         Raises:
             TrajectoryRefusedError: it starts elsewhere, the robot is being stopped or follows a stream,
@@ -147,9 +171,10 @@ class Controller:
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
         standing = self._motion is None
         assert self._reference is not None
-        self._motions.put(trajectory, id_, now, self._reference, join_time)
+        motion = FollowedMotion(trajectory, id_, now, cap)
+        self._motions.put(motion, self._reference, join_time)
         if standing:
-            self._path_speed.reset(self._target_speed())
+            self._path_speed.reset(self._capped(motion, self._target_speed()))
 
     def stream(self, point: StreamPoint, id_: str, now: float) -> None:
         """Follow a point, the next of a stream or the first of one.
@@ -289,12 +314,17 @@ class Controller:
     def _target_speed(self) -> float:
         return 0.0 if self.paused else self.override
 
+    def _capped(self, motion: FollowedMotion, speed: float) -> float:
+        if motion.cap is None:
+            return speed
+        return min(speed, motion.cap.at(motion.path_time, self.settings.period))
+
     def _step_motion(self, motion: FollowedMotion, now: float) -> None:
         stopping = motion.failure is not None
         if motion.settling_since is not None:
             self._settle(motion, now)
             return
-        moved = self._advance(motion, 0.0 if stopping else self._target_speed())
+        moved = self._advance(motion, 0.0 if stopping else self._capped(motion, self._target_speed()))
         if not self._put_out(self._sample):
             self._step_brake(now)
             return
@@ -322,7 +352,10 @@ class Controller:
     def _step_stream(self, now: float) -> None:
         stream = self._stream
         assert self._reference is not None
-        reference, over = stream.step(now, self._reference, self._target_speed())
+        speed = self._target_speed()
+        if self._frame_limit is not None:
+            speed = min(speed, self._frame_limit.stream_share(self._reference[0]))
+        reference, over = stream.step(now, self._reference, speed)
         if over:
             self._end_stream(now, stream.failure or '')
             self._stand_at(self._reference[0])

@@ -6,6 +6,7 @@ from bisect import bisect_right
 
 import numpy as np
 
+from robots_controller.control.path_speed_cap import PathSpeedCap
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 
@@ -21,12 +22,14 @@ class FollowedMotion:
         trajectory: The path and its planned timing.
         id_: The command that asked for it.
         now: Time of the start, s.
+        cap: Highest speed on its path, in its place; None for its own.
     """
 
-    def __init__(self, trajectory: Trajectory, id_: str, now: float) -> None:
+    def __init__(self, trajectory: Trajectory, id_: str, now: float, cap: PathSpeedCap | None = None) -> None:
         self.trajectory = trajectory
         self.id = id_
         self.start = now
+        self.cap = cap
         self.path_time = 0.0
         self.failure: str | None = None
         self.settling_since: float | None = None
@@ -52,6 +55,14 @@ class FollowedMotion:
         """Let another motion go on from a path time on."""
         self.successor, self.join_time, self.passes = successor, join_time, passes
         successor._before = (self, join_time)
+        self.set_cap(self.cap)
+
+    def set_cap(self, cap: PathSpeedCap | None) -> None:
+        """Follow the path no faster; its successor has its cap already."""
+        after = None if self.successor is None else self.successor.cap
+        if cap is not None and after is not None:
+            cap = cap.ending(self.join_time, float(after.speed[0]))
+        self.cap = cap
 
     def forget_before(self) -> None:
         """What was before is long past; a robot may be led on for hours."""

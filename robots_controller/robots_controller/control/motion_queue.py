@@ -34,15 +34,11 @@ class MotionQueue:
         self.waiting: deque[FollowedMotion] = deque()
         self._axes = axes
 
-    def put(
-        self, trajectory: Trajectory, id_: str, now: float, reference: Array, join_time: float = 0.0
-    ) -> None:
+    def put(self, motion: FollowedMotion, reference: Array, join_time: float = 0.0) -> None:
         """Take a motion.
 
         Args:
-            trajectory: What to follow.
-            id_: Its command.
-            now: Time, s.
+            motion: What to follow.
             reference: Where the robot's reference stands if no motion is followed, (3, n).
             join_time: Path time of the running motion at which this one goes on in its place, s; below 0:
                 that of the last motion, from its end, at which this one carries it on; 0: after its end.
@@ -51,7 +47,7 @@ class MotionQueue:
             TrajectoryRefusedError: it starts nowhere that the robot will be, the running motion has been
                 given up, or there are too many.
         """
-        motion, running = FollowedMotion(trajectory, id_, now), self.current
+        trajectory, running = motion.trajectory, self.current
         if running is not None and running.failure is not None:
             raise TrajectoryRefusedError(
                 'the robot is still moving: it stops, and may be sent again when it stands'
@@ -96,6 +92,12 @@ class MotionQueue:
         self.current.path_time = replaced.path_time - replaced.join_time
         self.current.start = now - self.current.path_time
         return replaced
+
+    @property
+    def all(self) -> list[FollowedMotion]:
+        """All motions, in their order; from any thread."""
+        heads = [*([] if self.current is None else [self.current]), *list(self.waiting)]
+        return [motion for head in heads for motion in (head, *_successors(head))]
 
     def clear(self) -> list[FollowedMotion]:
         """Forget all motions; returns those that never began."""

@@ -44,7 +44,7 @@ from robots_core.watchdog import WATCHDOG
 FILES = ('program', 'io', 'io_map', 'scene', 'references')  # options
 GRAPH_OPTIONS = (
     *FILES,
-    *('robot', 'drive', 'rate', 'goal_tolerance', 'watchdog', 'payload', 'guided'),
+    *('robot', 'drive', 'rate', 'goal_tolerance', 'tool_speed_limit', 'watchdog', 'payload', 'guided'),
     *('port', 'debug_port', 'lockstep'),
 )
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
+from robots_controller.control.frame_speed_limit import checked_speed_limit
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.fail_safe import fail_safe_texts
 from robots_core.blocks.collision.scene_file import read_scene
@@ -81,6 +82,7 @@ def cell_graph(
     rate: float = 250.0,
     drive: str = 'second_order',
     goal_tolerance: float | None = None,
+    tool_speed_limit: float = 0.0,
     watchdog: float = WATCHDOG,
     payload: tuple[float, ...] = NOTHING,
     port: int = 8080,
@@ -104,6 +106,7 @@ def cell_graph(
         drive: Level of the drives, one of `DRIVE_LEVELS`.
         goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
             default. Elastic gears and friction of `rigid_body` drives can keep an axis from standing closer.
+        tool_speed_limit: Highest speed of the tool and of the frames of all axes, m/s; 0 for none.
         watchdog: How long a node that others depend on may give no sign of life, s; 0: any time.
         payload: What the robot carries until its program sets another payload, see `MotionSettings`.
         port: First port to try for the browser page.
@@ -127,6 +130,7 @@ def cell_graph(
     if guided and guided not in METHODS:
         raise RobotsError(f'unknown inverse kinematics {guided!r}; valid are {", ".join(METHODS)}')
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
+    capped = {'tool_speed_limit': checked_speed_limit(tool_speed_limit)} if tool_speed_limit else {}
     cell_io = read_cell_io(io, io_map)
     labels, fail_safe = cell_io.labels, fail_safe_texts(cell_io.fail_safe) or ['']
     names = {f'{image.removesuffix("s")}_names': list(names) for image, names in labels.items()}
@@ -142,7 +146,7 @@ def cell_graph(
     bridge = node('robots_controller', 'io_bridge_node', io_map=io_map, fail_safe=fail_safe, **watched)
     return (
         node('robots_core', 'drive_node', rate=rate, level=drive, payload=list(payload), **watched),
-        node('robots_controller', 'controller_node', rate=rate, **tolerance, **watched, **feedback),
+        node('robots_controller', 'controller_node', rate=rate, **tolerance, **capped, **watched, **feedback),
         node('robots_planning', 'planning_node', scene=scene, payload=list(payload), **watched),
         node(
             'robots_controller',

@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from std_srvs.srv import Trigger
@@ -19,6 +20,7 @@ from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.faults import EMERGENCY_STOP, FOREIGN_WRITER, LOST_NODES
+from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
 from robots_controller.control.stop_latch import StopState
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_core.errors import InvalidInputError, RobotsError
@@ -27,7 +29,13 @@ from robots_core.realtime import ask_for_realtime, processor_share
 from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.joint_state_reader import JointStateReader
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import NANOSECONDS, diagnostic_status, motion_result_message, stamp_id
+from robots_core.ros.messages import (
+    NANOSECONDS,
+    diagnostic_status,
+    diagnostic_values,
+    motion_result_message,
+    stamp_id,
+)
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import publishers_of
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, subscribe_state
@@ -35,6 +43,7 @@ from robots_core.ros.reference_stream import ReferenceStream
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array, fraction
+from robots_planning.motion_settings import settings_from_text
 from robots_planning.nodes.trajectory_messages import join_time, trajectory_from_message
 from robots_planning.verification import verify
 
@@ -90,7 +99,14 @@ class ControllerNode(RobotNode):
         )
         settings = ControllerSettings(period=1.0 / rate, **options)
         share = {} if self.simulated_time else {'processor_share': processor_share}
-        self._controller = Controller(self.robot.axes_data, settings, **share)
+        limit = self.parameter(
+            'tool_speed_limit',
+            0.0,
+            'highest speed of the tool and of the frames of all axes, on every motion, m/s; 0 for none',
+            check=checked_speed_limit,
+        )
+        self._frame_limit = FrameSpeedLimit(self.robot, limit)
+        self._controller = Controller(self.robot.axes_data, settings, frame_limit=self._frame_limit, **share)
         self._names = list(self.robot.axes_data.names)
         self._refusal: RobotsError | None = None
         self._refusal_time = -math.inf
@@ -117,6 +133,8 @@ class ControllerNode(RobotNode):
             from_anyone=lambda message: not message.points,  # it stops
         )
         subscribe_state(self, Float64, 'override', self._on_override)
+        subscribe_state(self, DiagnosticStatus, 'motion_settings', self._on_settings)
+        self.add_post_set_parameters_callback(self._on_parameters)
         self.watch = HeartbeatWatch(self, tuple(LOST_NODES), watchdog_parameter(self), self._on_watched)
         answers: dict[ControllerRequest, str] = {
             'pause': 'stopping on the path',
@@ -258,6 +276,15 @@ class ControllerNode(RobotNode):
 
     def _on_override(self, message: Float64) -> None:
         self._control.set_override(fraction(message.data, 'override'))
+
+    def _on_settings(self, message: DiagnosticStatus) -> None:
+        self._frame_limit.set_tool(settings_from_text(diagnostic_values(message)).tool_pose.r)
+
+    def _on_parameters(self, parameters: list[Parameter]) -> None:
+        for parameter in parameters:
+            if parameter.name == 'tool_speed_limit':
+                self._frame_limit.limit = parameter.value
+                self._control.change_caps()
 
     def _on_watched(self, name: str, reason: str) -> None:
         if reason:

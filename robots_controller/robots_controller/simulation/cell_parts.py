@@ -7,6 +7,7 @@ from pathlib import Path
 from robots_controller.cell.guide_recording import GuideRecording, read_guide_recording
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.control.frame_speed_limit import FrameSpeedLimit
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.fail_safe import FailSafe
 from robots_controller.io.plc_script import PlcScript
@@ -38,6 +39,7 @@ class CellParts:
         drives: The drives.
         payload: What the robot carries until its program sets another payload.
         controller: The controller.
+        frame_limit: How fast tool and frames may move.
         planning: The planner, with the check for collisions.
         plc_script: What the PLC does; without rules if there is none.
         io_labels: Names of inputs and outputs.
@@ -57,6 +59,7 @@ class CellParts:
     drives: DriveTrain
     payload: tuple[float, ...]
     controller: Controller
+    frame_limit: FrameSpeedLimit
     planning: PathPlanning
     plc_script: PlcScript
     io_labels: Mapping[str, Sequence[str]]
@@ -78,6 +81,7 @@ def cell_parts(
     io_map: Path | str = '',
     rate: float = 250.0,
     goal_tolerance: float | None = None,
+    tool_speed_limit: float = 0.0,
     payload: tuple[float, ...] = NOTHING,
     collision_margin: float = COLLISION_MARGIN,
     points_file: Path | str = '',
@@ -96,6 +100,8 @@ def cell_parts(
     if scene:
         collision.set_scene(read_scene(scene))
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
+    frame_limit = FrameSpeedLimit(model, tool_speed_limit)
+    settings = ControllerSettings(period=period, **tolerance)
     return CellParts(
         program=Path(program),
         points_file=Path(points_file) if points_file else None,
@@ -104,7 +110,8 @@ def cell_parts(
         drive=drive,
         drives=drive_train(drive, model, model.home, period=period, payload=payload_of(payload)),
         payload=payload,
-        controller=Controller(model.axes_data, ControllerSettings(period=period, **tolerance)),
+        controller=Controller(model.axes_data, settings, frame_limit=frame_limit),
+        frame_limit=frame_limit,
         planning=PathPlanning(model, collision=collision, collision_margin=collision_margin),
         plc_script=cell_io.offline,
         io_labels=cell_io.labels,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -67,8 +67,8 @@ class InProcessPlanner:
         """Gets the results that the planner sends."""
         self.on_planned: Callable[[str, Mapping[str, float], Trajectory], None] = lambda *_: None
         """Gets each plan with its id and the ends of its commands."""
-        self.on_payload: Callable[[Sequence[float]], None] = lambda _: None
-        """Gets the payload of the modal settings whenever they are set."""
+        self.on_settings: Callable[[MotionSettings], None] = lambda _: None
+        """Gets the modal settings whenever they are set."""
 
     # -- the program's end ----------------------------------------------------------------------------
 
@@ -165,7 +165,7 @@ class InProcessPlanner:
         self._configured = settings
         self._log.settings(wanted)
         self._do('planning', lambda: self.planner.configure(wanted))
-        self.on_payload(wanted.payload)
+        self.on_settings(wanted)
         done(None)
 
     def _command(self, id_: str, command: MotionCommand, target: Target, settings: MotionSettings) -> None:

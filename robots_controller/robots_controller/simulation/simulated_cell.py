@@ -35,6 +35,7 @@ from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.validation import read_only
+from robots_planning.motion_settings import MotionSettings
 from robots_planning.trajectory import Trajectory
 
 WATCH_PERIOD = 0.1  # s between looks at motions that nothing would end
@@ -118,7 +119,8 @@ class SimulatedCell:
         )
         link.on_result = self._motion_ended
         link.on_planned = self._motion_planned
-        link.on_payload = CarriedPayload(parts.drives.load, parts.payload).carry
+        link.on_settings = self._settings_changed
+        self._carried = CarriedPayload(parts.drives.load, parts.payload)
         self._program = self._host.program
         self._plc = ScriptedPlc(parts.plc_script, self.clock.now())
         self._plc_images = image_sizes(self._plc.inputs)
@@ -327,6 +329,10 @@ class SimulatedCell:
     def _note_start(self) -> None:
         if self._planner.motions:
             self._records.started(self._planner.motions[0].id, self.clock.elapsed)
+
+    def _settings_changed(self, settings: MotionSettings) -> None:
+        self._carried.carry(settings.payload)
+        self._parts.frame_limit.set_tool(settings.tool_pose.r)
 
     def _motion_planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory) -> None:
         self._host.switching.planned(id_, ends, lambda: trajectory)
