@@ -31,6 +31,11 @@ class Watchdog:
         self._before = 0.0
 
     @property
+    def seen(self) -> bool:
+        """A sign of life has come."""
+        return self._silence is not None
+
+    @property
     def lost(self) -> bool:
         """It was seen, and then was silent for the timeout."""
         return self._silence is not None and self._silence > self._timeout

@@ -17,6 +17,9 @@ import pytest
 from ament_index_python.packages import get_package_prefix
 from diagnostic_msgs.msg import DiagnosticArray
 
+from robots_core.ros.heartbeat import HeartbeatWatch
+from robots_core.ros.timed_node import TimedNode
+
 PACKAGES = ('robots_core', 'robots_planning', 'robots_controller')
 EXECUTABLES = sorted(
     {
@@ -83,18 +86,28 @@ def test_program_explains_itself(
     assert capsys.readouterr().out.startswith(f'usage: {executable} ')
 
 
-def test_nodes_report_their_health_and_end_however_often_they_are_interrupted(ros_nodes: Any) -> None:
+def test_nodes_report_health_and_life_and_end_however_often_they_are_interrupted(ros_nodes: Any) -> None:
     names: set[str] = set()
-    node = ros_nodes.create_node()
+    changes: list[tuple[str, bool]] = []
+    node = ros_nodes.add(TimedNode('watcher', context=ros_nodes.context))
     node.create_subscription(
         DiagnosticArray, '/diagnostics', lambda m: names.update(s.name for s in m.status), 100
     )
+    executables = [executable for _, executable in NODES]
+    watch = HeartbeatWatch(node, executables, 3.0, lambda name, reason: changes.append((name, bool(reason))))
     processes = {executable: start(package, executable) for package, executable in NODES}
     try:
         ros_nodes.wait_for(
             lambda: names.issuperset(f'/{executable}' for executable in processes),
             what='health of all nodes',
         )
+        ros_nodes.wait_for(lambda: not watch.unseen, what='heartbeats of all nodes')
+        for number, lost in ((signal.SIGSTOP, True), (signal.SIGCONT, False)):
+            processes['planning_node'].send_signal(number)
+            ros_nodes.wait_for(
+                lambda lost=lost: ('planning_node', lost) in changes,
+                what=f'a frozen process, lost: {lost}',
+            )
         # As `ros2 launch` does on Ctrl-C: once from the terminal, once from launch, which then insists.
         deadline = time.monotonic() + DEADLINE
         for number in itertools.cycle((signal.SIGINT, signal.SIGINT, signal.SIGTERM)):

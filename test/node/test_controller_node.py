@@ -193,9 +193,9 @@ def test_lost_feedback_brakes_on_the_path(ros_nodes: Any) -> None:
 @pytest.mark.parametrize('name', ['planning_node', 'lua_program_node', 'collision_node'])
 def test_a_node_that_is_lost_brakes_on_the_path(ros_nodes: Any, name: str) -> None:
     bench = ControllerBench(ros_nodes, watchdog=1.0)
-    heartbeat = Heartbeat(ros_nodes.add(TimedNode(name, context=ros_nodes.context)))
-    watched = bench.controller.watch._watched[name][1]
-    bench.wait(lambda: watched._silence is not None, 'its heartbeat')
+    node = ros_nodes.add(TimedNode(name, context=ros_nodes.context))
+    heartbeat = Heartbeat(node)
+    bench.wait(lambda: name not in bench.controller.watch.unseen, 'its heartbeat')
     bench.send_slowly(AWAY)
     heartbeat.stop()
     result = bench.result()
@@ -203,6 +203,11 @@ def test_a_node_that_is_lost_brakes_on_the_path(ros_nodes: Any, name: str) -> No
     assert result.message.startswith(f'no sign of life of {name} for 1 s')
     part = (bench.references[-1] - HOME) / (AWAY - HOME)
     np.testing.assert_allclose(part, part[0], atol=1e-9)
+    if name == 'collision_node':  # without it the robot would move unguarded
+        assert 'cannot reset: no sign of life' in bench.call('controller_node/reset').message
+        heartbeat = Heartbeat(node)
+    bench.wait(lambda: bench.call('controller_node/reset').success, 'the reset')
+    heartbeat.stop()
 
 
 @pytest.mark.parametrize('how', ['service', 'topic'])

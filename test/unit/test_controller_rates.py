@@ -49,8 +49,8 @@ def test_a_robot_that_is_not_heard_of_is_lost(robot: BaseRobotModel):
     for cycle in range(1, 150):
         controller.step(0.004 * cycle, None)
         lost.append(controller.feedback_lost)
-    assert lost.index(True) in (124, 125)  # one more for rounding
-    assert all(lost[125:])
+    assert 124 <= lost.index(True) <= 131  # not every period looks for a loss
+    assert all(lost[131:])
 
 
 def test_processors_are_kept_awake_for_fast_loops_alone():

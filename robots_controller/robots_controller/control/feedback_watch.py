@@ -17,13 +17,15 @@ from robots_controller.control.faults import (
 )
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
-from robots_core.watchdog import Watchdog
+from robots_core.watchdog import LOOKS, Watchdog
 
 Finding = tuple[Fault, str]
 
 # Drives with stiction may hold an axis for a thousandth; encoders resolve far finer than this.
 FROZEN_DISTANCE: Final = 0.02  # rad, m
 FROZEN_LOOKS: Final = 5
+# For a loss, within the timeout.
+MOST_LOOKS: Final = 4.0 * LOOKS
 # What a standing robot gives way to a push, or settles by after a stop.
 JUMP: Final = 0.05  # rad, m
 # Feedback of a busy machine is late by this.
@@ -47,6 +49,8 @@ class FeedbackWatch:
         """Newest feedback, (n,), rad (m)."""
         self.time = -np.inf
         """When it came, s."""
+        self._looked = -np.inf
+        self._interval = settings.feedback_timeout / MOST_LOOKS
         self._moved = -np.inf
         self._anchor: Array | None = None
         self._unchanged = np.zeros(axes.num_axes, dtype=np.int64)
@@ -71,6 +75,9 @@ class FeedbackWatch:
         Returns:
             What is wrong, and its text for a person; a loss is found once.
         """
+        if feedback is None and now - self._looked < self._interval:
+            return None
+        self._looked = now
         lost = self._watchdog.look(now, alive=feedback is not None)
         if feedback is None:
             timeout = self._settings.feedback_timeout
@@ -80,16 +87,16 @@ class FeedbackWatch:
         if reference is not None and self.position is not None:
             if reference[1].any():
                 self._moved = now
+            change = np.abs(feedback - self.position)
             finding = (
-                self._jumped(now, feedback, self.position)
-                or self._frozen(feedback, self.position, reference[0])
-                or self._behind(feedback, reference[0])
+                self._jumped(now, change)
+                or self._frozen(change, reference[0])
+                or self._behind(np.abs(feedback - reference[0]))
             )
         self.position, self.time = feedback, now
         return finding
 
-    def _jumped(self, now: float, feedback: Array, before: Array) -> Finding | None:
-        change = np.abs(feedback - before)
+    def _jumped(self, now: float, change: Array) -> Finding | None:
         if change.max() <= JUMP:
             return None
         allowed = np.full_like(change, JUMP)
@@ -104,14 +111,13 @@ class FeedbackWatch:
             'encoder working, does another node publish joint_states?'
         )
 
-    def _frozen(self, feedback: Array, before: Array, reference: Array) -> Finding | None:
-        if self._anchor is None:
-            self._anchor = reference.copy()
+    def _frozen(self, change: Array, reference: Array) -> Finding | None:
+        if self._anchor is None or change.all():
+            self._anchor = reference
             self._unchanged[:] = 0
-        changed = feedback != before
-        self._unchanged += 1
-        self._unchanged[changed] = 0
-        self._anchor[changed] = reference[changed]
+            return None
+        self._unchanged = np.where(change, 0, self._unchanged + 1)
+        self._anchor = np.where(change, reference, self._anchor)
         moved = np.abs(reference - self._anchor)
         frozen = (moved > FROZEN_DISTANCE) & (self._unchanged >= FROZEN_LOOKS)
         if not frozen.any():
@@ -122,8 +128,7 @@ class FeedbackWatch:
             f'{moved[worst]:.3g} {self._axes.unit(worst)}: is its encoder working, does the drive follow?'
         )
 
-    def _behind(self, feedback: Array, reference: Array) -> Finding | None:
-        error = np.abs(feedback - reference)
+    def _behind(self, error: Array) -> Finding | None:
         worst, allowed = int(error.argmax()), self._settings.following_error
         if error[worst] <= allowed:
             return None

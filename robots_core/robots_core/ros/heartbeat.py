@@ -76,6 +76,11 @@ class HeartbeatWatch:
         """Names of the nodes that are lost now."""
         return tuple(name for name, (_, watchdog) in self._watched.items() if watchdog.lost)
 
+    @property
+    def unseen(self) -> tuple[str, ...]:
+        """Names of the nodes that have given no sign of life yet."""
+        return tuple(name for name, (_, watchdog) in self._watched.items() if not watchdog.seen)
+
     def _look(self) -> None:
         now = self._node.now()
         for name, (beats, watchdog) in self._watched.items():
