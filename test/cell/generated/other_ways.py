@@ -1,5 +1,6 @@
 """Generated programs through real nodes, in lock-step and live: what must be as it is in their simulation."""
 
+import traceback
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
@@ -26,8 +27,8 @@ def lockstep_problems(program: GeneratedProgram, folder: Path) -> list[str]:
     path, code, text, bag = _run(program, folder, '--lockstep')
     try:
         check_both_cells(LockstepRun(Path(path), code, text, Path(bag)), 'ideal', folder / 'other_bag')
-    except AssertionError as error:
-        return [f'lock-step: {error}']
+    except AssertionError:
+        return [f'lock-step: {traceback.format_exc(limit=-2)}\n{text}']
     return []
 
 
@@ -46,8 +47,8 @@ def _live_problems(
     messages = read_messages(bag, ['/joint_reference', '/digital_outputs'])
     try:
         check_references(messages, load_robot_model(program.robot))
-    except AssertionError as error:
-        yield str(error)
+    except AssertionError:
+        yield traceback.format_exc(limit=-1)
     if "'abort'" in program.text:
         return
     if (code == 0) != simulation.ok or run_report(bag).ok != simulation.ok:
