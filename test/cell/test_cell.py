@@ -20,7 +20,9 @@ from std_srvs.srv import Trigger
 from robots_controller.live_cell.cell_command import parse_options, run_cell
 from robots_controller.recording.bag_file import read_bag
 from robots_core.errors import RobotsError
+from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.messages import diagnostic_values
+from robots_core.ros.timed_node import TimedNode
 from written_bags import no_file_larger_than
 
 from .bag_checks import read_messages
@@ -145,11 +147,11 @@ def test_a_second_cell_beside_the_first_ends_with_the_reason(start_cell: StartCe
 def test_a_cell_looks_for_nodes_that_others_have_started_before_it_starts_its_own(
     ros_nodes: Any, tmp_path: Path
 ) -> None:
-    peer = ros_nodes.create_node('drive_node')
-    ros_nodes.wait_for(lambda: 'drive_node' in peer.get_node_names(), what='the node')
+    heartbeat = Heartbeat(ros_nodes.add(TimedNode('drive_node', context=ros_nodes.context)))
     text = io.StringIO()
     options = parse_options(['--robot', 'bello_bot', '--record', str(tmp_path)])
     assert run_cell(options, Console(file=text, width=200)) == 1
+    heartbeat.stop()
     assert 'there is another drive_node in namespace /' in text.getvalue()
     assert not list(tmp_path.glob('*/log/*'))
 
@@ -206,13 +208,13 @@ def test_a_program_s_node_that_is_killed_leaves_fail_safe_outputs_and_comes_back
     (tmp_path / 'map.yaml').write_text(OUTPUTS)
     (tmp_path / 'far.lua').write_text(f'setSpeed(0.01)\n{PROGRAM % "0, -60, 60, 0, 45, 0"}')
     options = ('--robot', 'kuka_kr210_r2700', '--program', str(tmp_path / 'far.lua'))
-    cell = start_cell(*options, '--io-map', str(tmp_path / 'map.yaml'), '--watchdog', '5')
+    cell = start_cell(*options, '--io-map', str(tmp_path / 'map.yaml'))
     cell.until('plc/none has been silent')
     cell.until('PTPJOINT_JOINT to')
     wait(lambda: words and images and words[-1] == 0b11 and images[-1] == [1, 1], what='outputs')
     before = len(images)
     os.kill(cell.node_pids()['lua_program_node'], signal.SIGKILL)
-    cell.until('lua_program_node is started again in 5.5 s')
+    cell.until('lua_program_node is started again in 0.5 s')
     wait(lambda: words[-1] == 0b10 and images[-1] == [0, 1], what='fail-safe outputs')
     cell.until('far.lua was interrupted at line 3: lua_program_node killed by SIGKILL')
     cell.until('ready')

@@ -14,7 +14,7 @@ from robots_controller.live_cell.restart_policy import (
 
 
 def test_each_death_in_a_row_doubles_the_delay_until_there_are_too_many():
-    policy, now, delays = RestartPolicy(0.0), 100.0, []
+    policy, now, delays = RestartPolicy(), 100.0, []
     while (delay := policy.died('drive_node', now)) is not None:
         delays.append(delay)
         assert policy.due(now + 0.99 * delay) == []
@@ -26,7 +26,7 @@ def test_each_death_in_a_row_doubles_the_delay_until_there_are_too_many():
 
 
 def test_a_node_that_was_steady_begins_anew_and_nodes_are_judged_each_for_itself():
-    policy = RestartPolicy(0.0)
+    policy = RestartPolicy()
     assert policy.died('a', 0.0) == FIRST_DELAY
     policy.due(FIRST_DELAY)
     assert policy.died('a', 1.0) == 2 * FIRST_DELAY
@@ -34,8 +34,3 @@ def test_a_node_that_was_steady_begins_anew_and_nodes_are_judged_each_for_itself
     assert sorted(policy.due(10.0)) == ['a', 'b']
     assert policy.died('a', 10.0 + STEADY) == FIRST_DELAY
     assert policy.died('b', 10.0 + 0.9 * STEADY) == pytest.approx(2 * FIRST_DELAY)
-
-
-def test_a_node_comes_back_after_its_loss_was_noticed():
-    """Otherwise nobody would know that the motions and orders it had are lost."""
-    assert RestartPolicy(2.0).died('controller_node', 0.0) == 2.0 + FIRST_DELAY

@@ -172,7 +172,7 @@ def _run_alone(
         outputs = LeftOutputs(listener.monitor, read_cell_io(options.io, options.io_map).fail_safe)
         # A lock-step run ends with a participant that is lost.
         restarting = not (options.once or options.no_restart or options.lockstep)
-        policy = RestartPolicy(options.watchdog) if restarting else None
+        policy = RestartPolicy() if restarting else None
         restarts = NodeRestarts(processes, listener.monitor, outputs, console, policy)
         cell = RunningCell(options, processes, listener, view, restarts)
         try:

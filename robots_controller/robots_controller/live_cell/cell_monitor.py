@@ -35,6 +35,7 @@ from robots_controller.live_cell.cell_events import (
 )
 from robots_core.errors import RobotsError
 from robots_core.pose import Pose
+from robots_core.ros.heartbeat import HEARTBEAT
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     diagnostic_values,
@@ -92,10 +93,9 @@ class CellMonitor(Node):
         with self._lock:
             return dict(self._outputs)
 
-    def nodes(self) -> set[str]:
-        """Names of the nodes in the namespace that have been found so far."""
-        here = self.get_namespace()
-        return {name for name, namespace in self.get_node_names_and_namespaces() if namespace == here}
+    def present(self, nodes: Iterable[str]) -> list[str]:
+        """Which of these nodes were found so far to give signs of life."""
+        return [name for name in nodes if self.count_publishers(f'{name}/{HEARTBEAT}')]
 
     def take(self) -> list[Event]:
         """Events that are old enough to be in order, oldest first."""

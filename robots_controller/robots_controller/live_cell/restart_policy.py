@@ -18,14 +18,9 @@ class _Deaths:
 
 
 class RestartPolicy:
-    """Each death in a row doubles the delay of the next start, until there are too many.
+    """Each death in a row doubles the delay of the next start, until there are too many."""
 
-    Args:
-        watchdog: How long a lost node may be unnoticed by the others, s: it does not come back before that.
-    """
-
-    def __init__(self, watchdog: float) -> None:
-        self._watchdog = watchdog
+    def __init__(self) -> None:
         self._deaths: dict[str, _Deaths] = {}
         self._due: dict[str, float] = {}
 
@@ -35,7 +30,7 @@ class RestartPolicy:
         deaths.row = 1 if now - deaths.started >= STEADY else deaths.row + 1
         if deaths.row >= MOST_DEATHS:
             return None
-        delay = self._watchdog + min(FIRST_DELAY * 2.0 ** (deaths.row - 1), LONGEST_DELAY)
+        delay = min(FIRST_DELAY * 2.0 ** (deaths.row - 1), LONGEST_DELAY)
         self._due[node] = now + delay
         return delay
 

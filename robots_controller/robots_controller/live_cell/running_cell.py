@@ -65,8 +65,8 @@ class RunningCell:
         """A node of this cell's names that is there before any is started; '' for none."""
         deadline = time.monotonic() + LOOK_TIME
         while time.monotonic() < deadline:
-            if found := self._monitor.nodes() & set(self._processes.names):
-                return min(found)
+            if found := self._monitor.present(self._processes.names):
+                return found[0]
             time.sleep(POLL)
         return ''
 

@@ -1,10 +1,11 @@
 """Heartbeats: a process that dies or freezes is noticed by the nodes that depend on it."""
 
+import secrets
 from collections.abc import Callable, Sequence
 from typing import Final
 
 from rclpy.serialization import serialize_message
-from std_msgs.msg import Empty
+from std_msgs.msg import UInt64
 
 from robots_core.periodic_thread import PeriodicThread
 from robots_core.realtime import processor_share
@@ -21,6 +22,8 @@ PERIOD: Final = 0.04  # s
 class Heartbeat:
     """Publishes `~/heartbeat` from a thread of its own: callbacks that take long do not hold it up.
 
+    Its number is that of the process: one that was started anew has another.
+
     In simulated time there is none: lock-step misses a lost process by itself.
 
     Args:
@@ -31,8 +34,8 @@ class Heartbeat:
         self._thread: PeriodicThread | None = None
         if node.simulated_time:
             return
-        publisher = node.create_publisher(Empty, f'~/{HEARTBEAT}', SENSOR)
-        message = serialize_message(Empty())
+        publisher = node.create_publisher(UInt64, f'~/{HEARTBEAT}', SENSOR)
+        message = serialize_message(UInt64(data=secrets.randbits(64)))
         self._thread = PeriodicThread(
             lambda _: publisher.publish(message),
             period=PERIOD,
@@ -50,6 +53,8 @@ class Heartbeat:
 class HeartbeatWatch:
     """Notices that other nodes, once seen, have died or frozen; in the executor's thread.
 
+    One that comes back as another process before its silence was noticed has been lost too.
+
     In simulated time, and with a timeout of 0, none is ever lost.
 
     Args:
@@ -64,10 +69,11 @@ class HeartbeatWatch:
     ) -> None:
         self._node, self._timeout, self._on_change = node, timeout, on_change
         self._watched: dict[str, tuple[PolledSubscription, Watchdog]] = {}
+        self._processes: dict[str, bytes] = {}  # their last signs of life
         if timeout == 0.0 or node.simulated_time:
             return
         for name in names:
-            beats = PolledSubscription(node, Empty, f'{name}/{HEARTBEAT}', SENSOR, raw=True)
+            beats = PolledSubscription(node, UInt64, f'{name}/{HEARTBEAT}', SENSOR, raw=True)
             self._watched[name] = beats, Watchdog(timeout, processor_share)
         node.create_timer(timeout / LOOKS, self._look)
 
@@ -84,8 +90,13 @@ class HeartbeatWatch:
     def _look(self) -> None:
         now = self._node.now()
         for name, (beats, watchdog) in self._watched.items():
-            before = watchdog.lost
-            if watchdog.look(now, alive=beats.take() is not None):
+            before, beat = watchdog.lost, beats.take()
+            if beat is not None and beat != self._processes.setdefault(name, beat):
+                self._processes[name] = beat
+                if not before:
+                    self._on_change(name, f'{name} has died and was started anew')
+                    before = True
+            if watchdog.look(now, alive=beat is not None):
                 reason = f'no sign of life of {name} for {self._timeout:g} s: is it still running?'
                 self._on_change(name, reason)
             elif before and not watchdog.lost:
