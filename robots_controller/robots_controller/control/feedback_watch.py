@@ -44,7 +44,7 @@ class FeedbackWatch:
 
     def __init__(self, axes: AxesData, settings: ControllerSettings, share: Callable[[], float]) -> None:
         self._axes, self._settings = axes, settings
-        self._watchdog = Watchdog(settings.feedback_timeout, share)
+        self._watchdog, self._share = Watchdog(settings.feedback_timeout, share), share
         self.position: Array | None = None
         """Newest feedback, (n,), rad (m)."""
         self.time = -np.inf
@@ -120,6 +120,9 @@ class FeedbackWatch:
         self._anchor = np.where(change, reference, self._anchor)
         moved = np.abs(reference - self._anchor)
         frozen = (moved > FROZEN_DISTANCE) & (self._unchanged >= FROZEN_LOOKS)
+        # Drives of a busy machine get references late, and stand meanwhile.
+        if frozen.any():
+            frozen &= self._unchanged * self._share() >= FROZEN_LOOKS
         if not frozen.any():
             return None
         worst = int(frozen.argmax())
