@@ -42,5 +42,19 @@ def test_both_cells_keep_a_speed_limit_alike(lockstep_runs: LockstepRuns, tmp_pa
     assert 0.4 < np.linalg.norm(np.diff(frames, axis=0), axis=2).max() / PERIOD < 0.5
 
 
+def test_an_emergency_stop_does_the_same_in_both_cells(lockstep_runs: LockstepRuns, tmp_path: Path) -> None:
+    (tmp_path / 'plc.yaml').write_text(
+        'signals: {e_stop: digital_input.2}\nemergency_stop: {e_stop: off}\ninitial: {e_stop: 1}\n'
+        'rules:\n  - {when: start, after: 0.5, set: {e_stop: 0}}\n'
+    )
+    program = tmp_path / 'program.lua'
+    program.write_text(
+        '-- Robot: kuka_kr210_r2700  IO: plc.yaml\nptpJointSpaceAngles(60, -80, 80, 0, 60, 0)\nwait(1)\n'
+    )
+    run = lockstep_runs.run_file(program)
+    assert 'emergency stop by digital_input.2' in run.text
+    check_both_cells(run, 'second_order', tmp_path / 'bag')
+
+
 def references(bag: Path) -> list[Any]:
     return [message for _, message in read_messages(bag, ['/joint_reference'])['/joint_reference']]

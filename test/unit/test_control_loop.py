@@ -145,7 +145,7 @@ def test_a_stop_for_a_reason_leaves_a_pause(rig: Rig) -> None:
 def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(rig: Rig) -> None:
     rig.loop.follow(motion(START, GOAL), '1')
     rig.run(100)
-    rig.loop.trip(EMERGENCY_STOP, 'button', stands=True)
+    rig.loop.watch(EMERGENCY_STOP, 'button')
     assert rig.run_until_result().message == 'button'
     rig.run(10)
     assert [(state.reason, state.drives_on) for state in rig.stops] == [
@@ -155,7 +155,7 @@ def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(
     ]
     with pytest.raises(RobotsError, match='cannot reset: button'):
         rig.loop.reset()
-    rig.loop.clear(EMERGENCY_STOP)
+    rig.loop.watch(EMERGENCY_STOP, '')
     rig.run(1)
     rig.loop.follow(motion(rig.q, GOAL), '2')
     assert rig.run_until_result().message == 'button; ~/reset lets the robot move again'

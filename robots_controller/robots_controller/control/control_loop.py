@@ -104,9 +104,12 @@ class ControlLoop:
         """Stop by a fault, see `Controller.trip`."""
         self._mailbox.append(partial(self.controller.trip, fault, reason, stands=stands))
 
-    def clear(self, fault: Fault) -> None:
-        """The cause of a fault is gone; the stop stays until `reset`."""
-        self._mailbox.append(lambda _: self.controller.stops.clear(fault))
+    def watch(self, fault: Fault, reason: str) -> None:
+        """Stop by a fault whose reason stays; '' says that it is gone, and the stop stays until `reset`."""
+        if reason:
+            self.trip(fault, reason, stands=True)
+        else:
+            self._mailbox.append(lambda _: self.controller.stops.clear(fault))
 
     def reset(self) -> None:
         """Let the robot move again after a fault.

@@ -91,6 +91,12 @@ EMERGENCY_STOP: Final = Fault(
     'one period',
     'service `~/emergency_stop`, or `true` on topic `emergency_stop`; reset when that is `false` again',
 )
+EMERGENCY_INPUT: Final = Fault(
+    'emergency stop input',
+    StopCategory.ONE,
+    'one period',
+    'a digital input that `emergency_stop` names in a file of the cell; reset when it is released',
+)
 FOREIGN_WRITER: Final = Fault(
     'foreign writer',
     StopCategory.ONE,
@@ -100,6 +106,7 @@ FOREIGN_WRITER: Final = Fault(
 
 FAULTS: Final = (
     EMERGENCY_STOP,
+    EMERGENCY_INPUT,
     FEEDBACK_JUMPED,
     FEEDBACK_LOST,
     FEEDBACK_FROZEN,

@@ -21,12 +21,14 @@ class CellIo:
         io_map: Of channels to topics; empty if there is none.
         labels: Names of channels, by image.
         fail_safe: Values of outputs when no running program answers for them.
+        emergency_stop: Values of digital inputs that stop the robot, by channel.
     """
 
     script: PlcScript
     io_map: IoMap
     labels: Mapping[str, list[str]]
     fail_safe: FailSafe
+    emergency_stop: Mapping[str, int]
 
     @property
     def offline(self) -> PlcScript:
@@ -62,4 +64,13 @@ def read_cell_io(io: Path | str = '', io_map: Path | str = '') -> CellIo:
         if script.fail_safe[name] != rows.fail_safe[name]:
             raise RobotsError(f'{name} has one fail-safe value in {io} and another in {io_map}')
     safe = {**script.fail_safe, **rows.fail_safe}
-    return CellIo(script, rows, channel_labels(list(signals.values())), MappingProxyType(safe))
+    stopping = {**script.emergency_stop, **rows.emergency_stop}
+    if {**rows.emergency_stop, **script.emergency_stop} != stopping:
+        raise RobotsError(f'{io} and {io_map} name one input as emergency stop with different values')
+    return CellIo(
+        script,
+        rows,
+        channel_labels(list(signals.values())),
+        MappingProxyType(safe),
+        MappingProxyType(stopping),
+    )

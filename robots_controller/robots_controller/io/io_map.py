@@ -7,6 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final, Literal
 
+from robots_controller.io.emergency_inputs import read_emergency_stop
 from robots_controller.io.fail_safe import FailSafe, fail_safe_of, read_fail_safe
 from robots_controller.io.field_path import FieldPath
 from robots_controller.io.io_image import Channel, Direction
@@ -96,12 +97,14 @@ class IoMap:
         outputs: Outputs to topics.
         signals: Names of channels.
         fail_safe: Values of outputs when no running program answers for them.
+        emergency_stop: Values of digital inputs that stop the robot, by channel.
     """
 
     inputs: tuple[IoRow, ...] = ()
     outputs: tuple[IoRow, ...] = ()
     signals: Mapping[str, Channel] = field(default_factory=lambda: MappingProxyType({}))
     fail_safe: FailSafe = field(default_factory=lambda: MappingProxyType({}))
+    emergency_stop: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
 
 
 def read_io_map(path: Path | str) -> IoMap:
@@ -122,6 +125,7 @@ def parse_io_map(text: str, file: str = 'io_map.yaml') -> IoMap:
     section = parse_yaml(text, file)
     signals = read_signals(section)
     safe = read_fail_safe(section, signals)
+    stopping = read_emergency_stop(section, signals)
     inputs = [row for item in section.sections('inputs') for row in _rows(item, 'input', signals, safe)]
     outputs = [row for item in section.sections('outputs') for row in _rows(item, 'output', signals, safe)]
     section.finish()
@@ -130,7 +134,13 @@ def parse_io_map(text: str, file: str = 'io_map.yaml') -> IoMap:
     _check_topics([*inputs, *outputs])
     if not (inputs or outputs):
         raise section.error('the file maps nothing; it needs rows below inputs or outputs')
-    return IoMap(tuple(inputs), tuple(outputs), MappingProxyType(signals), MappingProxyType(safe))
+    return IoMap(
+        tuple(inputs),
+        tuple(outputs),
+        MappingProxyType(signals),
+        MappingProxyType(safe),
+        MappingProxyType(stopping),
+    )
 
 
 def _rows(

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final, Literal
 
+from robots_controller.io.emergency_inputs import read_emergency_stop
 from robots_controller.io.fail_safe import FailSafe, read_fail_safe
 from robots_controller.io.io_image import Channel
 from robots_controller.io.io_signals import channel_at, read_signals
@@ -83,12 +84,14 @@ class PlcScript:
         initial: Inputs that do not start at 0.
         signals: Names of channels.
         fail_safe: Values of the robot's outputs when no running program answers for them.
+        emergency_stop: Values of digital inputs that stop the robot, by channel.
     """
 
     rules: tuple[PlcRule, ...]
     initial: Mapping[Channel, float] = field(default_factory=lambda: MappingProxyType({}))
     signals: Mapping[str, Channel] = field(default_factory=lambda: MappingProxyType({}))
     fail_safe: FailSafe = field(default_factory=lambda: MappingProxyType({}))
+    emergency_stop: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def channels(self) -> tuple[Channel, ...]:
@@ -128,10 +131,17 @@ def parse_plc_script(text: str, file: str = 'plc.yaml') -> PlcScript:
     start = dict(_setting(initial, key, signals) for key in initial.keys) if initial else {}
     rules = tuple(_rule(item, signals) for item in section.sections('rules'))
     fail_safe = read_fail_safe(section, signals)
+    stopping = read_emergency_stop(section, signals)
     section.finish()
-    if not (rules or start or fail_safe):
-        raise section.error('the file says nothing; it needs rules, initial or fail_safe values')
-    return PlcScript(rules, MappingProxyType(start), MappingProxyType(signals), MappingProxyType(fail_safe))
+    if not (rules or start or fail_safe or stopping):
+        raise section.error('the file says nothing; it needs rules, initial, fail_safe or emergency_stop')
+    return PlcScript(
+        rules,
+        MappingProxyType(start),
+        MappingProxyType(signals),
+        MappingProxyType(fail_safe),
+        MappingProxyType(stopping),
+    )
 
 
 def _rule(item: YamlSection, signals: Mapping[str, Channel]) -> PlcRule:

@@ -10,6 +10,7 @@ from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
 from robots_controller.control.frame_speed_limit import checked_speed_limit
 from robots_controller.io.cell_io import read_cell_io
+from robots_controller.io.emergency_inputs import emergency_stop_texts
 from robots_controller.io.fail_safe import fail_safe_texts
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
@@ -132,6 +133,7 @@ def cell_graph(
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
     capped = {'tool_speed_limit': checked_speed_limit(tool_speed_limit)} if tool_speed_limit else {}
     cell_io = read_cell_io(io, io_map)
+    stopping = {'emergency_stop_inputs': emergency_stop_texts(cell_io.emergency_stop) or ['']}
     labels, fail_safe = cell_io.labels, fail_safe_texts(cell_io.fail_safe) or ['']
     names = {f'{image.removesuffix("s")}_names': list(names) for image, names in labels.items()}
     if scene:
@@ -146,7 +148,16 @@ def cell_graph(
     bridge = node('robots_controller', 'io_bridge_node', io_map=io_map, fail_safe=fail_safe, **watched)
     return (
         node('robots_core', 'drive_node', rate=rate, level=drive, payload=list(payload), **watched),
-        node('robots_controller', 'controller_node', rate=rate, **tolerance, **capped, **watched, **feedback),
+        node(
+            'robots_controller',
+            'controller_node',
+            rate=rate,
+            **tolerance,
+            **capped,
+            **stopping,
+            **watched,
+            **feedback,
+        ),
         node('robots_planning', 'planning_node', scene=scene, payload=list(payload), **watched),
         node(
             'robots_controller',

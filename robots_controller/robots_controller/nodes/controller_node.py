@@ -11,7 +11,7 @@ from typing import Any, Final
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64
+from std_msgs.msg import Bool, Float64, UInt8MultiArray
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
@@ -19,9 +19,10 @@ from robots_controller.control.control_loop import ControllerRequest, ControlLoo
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.faults import EMERGENCY_STOP, FOREIGN_WRITER, LOST_NODES
+from robots_controller.control.faults import EMERGENCY_INPUT, EMERGENCY_STOP, FOREIGN_WRITER, LOST_NODES
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
 from robots_controller.control.stop_latch import StopState
+from robots_controller.io.emergency_inputs import parse_emergency_stop
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
@@ -146,6 +147,16 @@ class ControllerNode(RobotNode):
         self.create_service(Trigger, '~/emergency_stop', self._serve_emergency_stop)
         self.create_service(Trigger, '~/reset', self._serve_reset)
         subscribe_state(self, Bool, 'emergency_stop', self._on_emergency_stop)
+        texts = self.parameter(
+            'emergency_stop_inputs',
+            [''],
+            "digital inputs that stop the robot, as 'digital_input.3 off'",
+            check=parse_emergency_stop,
+            read_only=True,
+        )
+        self._emergency_inputs = parse_emergency_stop(texts)
+        if any(texts):
+            subscribe_state(self, UInt8MultiArray, 'digital_inputs', self._on_digital_inputs)
         self._foreign_writers: set[str] = set()
         if self.participant is None:
             self.create_timer(WRITERS_PERIOD, self._look_for_writers)
@@ -287,28 +298,26 @@ class ControllerNode(RobotNode):
                 self._control.change_caps()
 
     def _on_watched(self, name: str, reason: str) -> None:
-        if reason:
-            self._control.trip(LOST_NODES[name], reason, stands=name == 'collision_node')
-        else:
-            self._control.clear(LOST_NODES[name])
+        if name == 'collision_node':
+            self._control.watch(LOST_NODES[name], reason)
+        elif reason:
+            self._control.trip(LOST_NODES[name], reason)
 
     def _look_for_writers(self) -> None:
         """Stop while another node writes to the drives: not all drives can tell its references apart."""
         writers = {name for topic in OWN_TOPICS for name in publishers_of(self, topic).values()}
         # What a restart has left behind has this name.
         foreign = writers - {self.get_fully_qualified_name()}
-        if foreign and foreign != self._foreign_writers:
+        if foreign != self._foreign_writers:
             reason = f'{", ".join(sorted(foreign))} publishes {" or ".join(OWN_TOPICS)}'
-            self._control.trip(FOREIGN_WRITER, reason, stands=True)
-        elif self._foreign_writers and not foreign:
-            self._control.clear(FOREIGN_WRITER)
+            self._control.watch(FOREIGN_WRITER, reason if foreign else '')
         self._foreign_writers = foreign
 
     def _on_emergency_stop(self, message: Bool) -> None:
-        if message.data:
-            self._control.trip(EMERGENCY_STOP, 'emergency stop by topic emergency_stop', stands=True)
-        else:
-            self._control.clear(EMERGENCY_STOP)
+        self._control.watch(EMERGENCY_STOP, 'emergency stop by topic emergency_stop' if message.data else '')
+
+    def _on_digital_inputs(self, message: UInt8MultiArray) -> None:
+        self._control.watch(EMERGENCY_INPUT, self._emergency_inputs.reason(message.data))
 
     def _serve_emergency_stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._control.trip(EMERGENCY_STOP, 'emergency stop by ~/emergency_stop')

@@ -9,6 +9,11 @@ from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit
 from robots_controller.io.cell_io import read_cell_io
+from robots_controller.io.emergency_inputs import (
+    EmergencyInputs,
+    emergency_stop_texts,
+    parse_emergency_stop,
+)
 from robots_controller.io.fail_safe import FailSafe
 from robots_controller.io.plc_script import PlcScript
 from robots_core.blocks.collision.scene_file import read_scene
@@ -44,6 +49,7 @@ class CellParts:
         plc_script: What the PLC does; without rules if there is none.
         io_labels: Names of inputs and outputs.
         fail_safe: Values of outputs when no running program answers for them.
+        emergency_stop: Inputs that stop the robot.
         scene: Path of the scene, '' for none.
         io: Path of the PLC's script, '' for none.
         references: What guides the robot; None for nothing.
@@ -64,6 +70,7 @@ class CellParts:
     plc_script: PlcScript
     io_labels: Mapping[str, Sequence[str]]
     fail_safe: FailSafe
+    emergency_stop: EmergencyInputs
     scene: str
     io: str
     references: GuideRecording | None
@@ -116,6 +123,7 @@ def cell_parts(
         plc_script=cell_io.offline,
         io_labels=cell_io.labels,
         fail_safe=cell_io.fail_safe,
+        emergency_stop=parse_emergency_stop(emergency_stop_texts(cell_io.emergency_stop)),
         scene=str(scene),
         io=str(io),
         references=read_guide_recording(references, model.axes_data.names) if references else None,

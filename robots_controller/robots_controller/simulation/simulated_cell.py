@@ -10,6 +10,7 @@ from robots_controller.cell.program_host import ProgramHost
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
 from robots_controller.control.controller import ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles
+from robots_controller.control.faults import EMERGENCY_INPUT
 from robots_controller.control.stop_latch import StopState
 from robots_controller.io.io_image import image_sizes
 from robots_controller.io.scripted_plc import ScriptedPlc
@@ -145,6 +146,7 @@ class SimulatedCell:
         self._changed = False
         self._deadlocks = DeadlockDetection(longest, self._recording)
         self._interrupted = self._over = self._running = False
+        self._emergency = ''
 
     def stop(self) -> None:
         """End the simulation after the period under way; from any thread, and from a signal handler."""
@@ -177,6 +179,7 @@ class SimulatedCell:
             io.set_value(io.find(channel.name), value)
         self._log.begin(io, self._parts.io_labels, self._plc_images)
         self._host.open(self._parts.program, self._parts.points_file or '')
+        self._watch_emergency_inputs()
         self._tick()  # the program finds a robot that stands, and its position
         self._running = True
         self.cost.begin()
@@ -321,6 +324,14 @@ class SimulatedCell:
             if self._program.io.set_value(channel, change.value):
                 self._log.input(channel, change.value, self._plc_images[channel.image])
                 self._changed = True
+        self._watch_emergency_inputs()
+
+    def _watch_emergency_inputs(self) -> None:
+        size = self._plc_images.get('digital_inputs', 0)
+        reason = self._parts.emergency_stop.reason(self._program.digital_inputs[:size].tolist())
+        if reason != self._emergency:
+            self._emergency = reason
+            self._control.watch(EMERGENCY_INPUT, reason)
 
     def _stop_before_collision(self, reason: str) -> bool:  # noqa: ARG002  # as ~/stop, which takes none
         self._control.request('stop')

@@ -1,0 +1,78 @@
+"""EmergencyInputs: digital inputs that stop the robot. No certified safety function."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
+
+from robots_controller.io.io_image import Channel
+from robots_controller.io.io_signals import channel_at, parse_channel
+from robots_core.errors import InvalidInputError
+from robots_core.yaml_section import YamlSection
+
+VALUES: Final = {'off': 0, 'on': 1}
+
+
+class EmergencyInputs:
+    """Inputs that stop the robot while they have a value.
+
+    Args:
+        stopping: The values that stop, 0 or 1, by the inputs' indices from 1 on.
+    """
+
+    def __init__(self, stopping: Mapping[int, int]) -> None:
+        self._stopping = dict(stopping)
+
+    def reason(self, image: Sequence[int]) -> str:
+        """Which inputs stop the robot, for a person; '' if none does.
+
+        Args:
+            image: The digital inputs from the first one on; one that is not in it stops nothing.
+        """
+        named = [
+            f'digital_input.{index}'
+            for index, value in self._stopping.items()
+            if index <= len(image) and int(image[index - 1]) == value
+        ]
+        return f'emergency stop by {", ".join(named)}' if named else ''
+
+
+def read_emergency_stop(section: YamlSection, signals: Mapping[str, Channel]) -> dict[str, int]:
+    """The section `emergency_stop` of a file: `{e_stop: off}`; the values that stop, by channel.
+
+    Raises:
+        InvalidInputError: no digital input, or another value; with its line.
+    """
+    below = section.section('emergency_stop')
+    found: dict[str, int] = {}
+    for key in below.keys if below else ():
+        assert below is not None
+        channel = channel_at(below, key, below.line_of(key), signals)
+        if channel.image != 'digital_inputs':
+            raise below.error(f'{key} is no digital input; only these can be an emergency stop', key)
+        found[channel.name] = int(below.switch(key))
+    return found
+
+
+def emergency_stop_texts(stopping: Mapping[str, int]) -> list[str]:
+    """As a parameter of a node: 'digital_input.3 off'."""
+    words = {value: word for word, value in VALUES.items()}
+    return [f'{name} {words[value]}' for name, value in stopping.items()]
+
+
+def parse_emergency_stop(texts: Iterable[str]) -> EmergencyInputs:
+    """What `emergency_stop_texts` wrote; an empty text says nothing.
+
+    Raises:
+        InvalidInputError: not of the form 'digital_input.3 off'.
+    """
+    found: dict[int, int] = {}
+    for text in filter(None, texts):
+        name, _, word = text.partition(' ')
+        channel = parse_channel(name, {})
+        if channel.image != 'digital_inputs' or word not in VALUES:
+            raise InvalidInputError(
+                f"{text!r} is no emergency stop; valid are 'digital_input.3 off' and 'digital_input.3 on'"
+            )
+        found[channel.index] = VALUES[word]
+    return EmergencyInputs(found)

@@ -1,0 +1,84 @@
+"""Emergency stop by a digital input: how files declare it, and a simulated cell that it stops."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from robots_controller.io.cell_io import read_cell_io
+from robots_controller.io.emergency_inputs import emergency_stop_texts, parse_emergency_stop
+from robots_core.errors import InvalidInputError, RobotsError
+
+from .simulated_program import run_text
+
+PLC = """
+signals: {e_stop: digital_input.2}
+emergency_stop: {e_stop: off}
+initial: {e_stop: 1}
+"""
+MOVE = (
+    'while true do ptpJointSpaceAngles(20, -80, 80, 0, 60, 0) ptpJointSpaceAngles(-20, -80, 80, 0, 60, 0) end'
+)
+
+
+def written(folder: Path, text: str, name: str = 'plc.yaml') -> Path:
+    path = folder / name
+    path.write_text(text)
+    return path
+
+
+def test_the_inputs_of_a_file_stop_at_their_values(tmp_path: Path) -> None:
+    io = read_cell_io(written(tmp_path, PLC + 'rules: []'))
+    assert dict(io.emergency_stop) == {'digital_input.2': 0}
+    inputs = parse_emergency_stop([*emergency_stop_texts(io.emergency_stop), 'digital_input.3 on', ''])
+    assert inputs.reason([0, 1, 0]) == ''
+    assert inputs.reason([1, 0, 0]) == 'emergency stop by digital_input.2'
+    assert inputs.reason([1, 0, 1]) == 'emergency stop by digital_input.2, digital_input.3'
+    assert inputs.reason([1]) == ''  # nothing is known of them
+
+
+@pytest.mark.parametrize(
+    ('text', 'reason'),
+    [
+        ('emergency_stop: {digital_output.1: off}', r'plc\.yaml:1: digital_output\.1 is no digital input'),
+        ('emergency_stop: {analog_input.1: off}', r'plc\.yaml:1: analog_input\.1 is no digital input'),
+        ('emergency_stop: {digital_input.1: 5}', r'plc\.yaml:1: digital_input\.1 is 5; valid are'),
+        ('emergency_stop: {button: off}', r"plc\.yaml:1: 'button' is no channel"),
+    ],
+)
+def test_what_cannot_stop_is_refused_with_its_line(tmp_path: Path, text: str, reason: str) -> None:
+    with pytest.raises(InvalidInputError, match=reason):
+        read_cell_io(written(tmp_path, text))
+
+
+@pytest.mark.parametrize('text', ['digital_input.1', 'digital_input.1 low', 'digital_output.1 on', 'x on'])
+def test_parameters_that_name_no_input_and_value_are_refused(text: str) -> None:
+    with pytest.raises(InvalidInputError, match='is no'):
+        parse_emergency_stop([text])
+
+
+def test_two_files_that_say_different_things_are_refused(tmp_path: Path) -> None:
+    script = written(tmp_path, 'emergency_stop: {digital_input.1: off}')
+    rows = 'outputs:\n  - {channel: digital_output.1, topic: a, type: Bool}\n'
+    same = written(tmp_path, rows + 'emergency_stop: {digital_input.1: off}', 'same.yaml')
+    assert dict(read_cell_io(script, same).emergency_stop) == {'digital_input.1': 0}
+    other = written(tmp_path, rows + 'emergency_stop: {digital_input.1: on}', 'other.yaml')
+    with pytest.raises(RobotsError, match='name one input as emergency stop with different values'):
+        read_cell_io(script, other)
+
+
+def test_an_input_ends_the_program_and_stops_the_robot(tmp_path: Path) -> None:
+    rules = 'rules:\n  - {when: start, after: 0.5, set: {e_stop: 0}}\n'
+    run = run_text(tmp_path, MOVE, io=written(tmp_path, PLC + rules))
+    assert run.state == 'FAILED'
+    assert str(run.error) == 'program.lua:1: emergency stop by digital_input.2'
+    assert 0.5 < run.duration < 1.5
+    assert not run.velocity[-1].any()
+
+
+def test_a_circuit_that_is_open_from_the_start_lets_nothing_move(tmp_path: Path) -> None:
+    run = run_text(tmp_path, MOVE, io=written(tmp_path, PLC.replace('e_stop: 1', 'e_stop: 0')))
+    assert run.state == 'FAILED'
+    assert 'emergency stop by digital_input.2' in str(run.error)
+    assert not run.velocity.any()
