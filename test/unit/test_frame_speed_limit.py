@@ -152,6 +152,17 @@ def test_it_changes_on_the_path_without_a_stop() -> None:
     np.testing.assert_allclose(on_line, along[:, None] * on_line[-1], atol=1e-9)
 
 
+def test_motions_in_a_row_keep_it() -> None:
+    cell = Cell('kuka_kr210_r2700', LIMIT)
+    there = motion(cell.robot, 'joint')
+    cell.loop.follow(there, 'there')
+    cell.loop.follow(LinearJoint(cell.robot).generate(there.position[-1], cell.robot.home), 'back')
+    cell.run()
+    assert not cell.failures
+    np.testing.assert_allclose(cell.q, cell.robot.home, atol=1e-9)
+    assert cell.speeds().max() <= LIMIT
+
+
 def test_motions_that_take_the_place_of_others_keep_it() -> None:
     cell = Cell('kuka_kr210_r2700', LIMIT)
     planner = LinearJoint(cell.robot)

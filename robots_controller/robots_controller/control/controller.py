@@ -14,10 +14,9 @@ from robots_controller.control.faults import REFERENCE_REFUSED, Fault, StopCateg
 from robots_controller.control.feedback_watch import FeedbackWatch
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit
-from robots_controller.control.interpolator import Interpolator
 from robots_controller.control.limit_guard import LimitGuard
 from robots_controller.control.motion_queue import MotionQueue
-from robots_controller.control.path_speed import PathSpeed
+from robots_controller.control.path_following import PathFollowing
 from robots_controller.control.path_speed_cap import PathSpeedCap
 from robots_controller.control.stop_latch import StopLatch
 from robots_controller.control.streamed_reference import StreamedReference, StreamPoint
@@ -71,15 +70,11 @@ class Controller:
         self.paused = False
         self._axes, self._frame_limit = axes, frame_limit
         period = self.settings.period
-        self._interpolator = Interpolator(axes.num_axes, max(1, round(self.settings.smoothing_time / period)))
-        self._path_speed = PathSpeed(axes.acceleration, period=period, ramp_time=self.settings.ramp_time)
+        self._following = PathFollowing(axes, self.settings)
         self._guard = LimitGuard(axes, period=period)
         self._reference: Array | None = None
-        self._sample = np.zeros((3, axes.num_axes))
-        self._unchanged = 0
         self._motions = MotionQueue(axes)
         self._stream = StreamedReference(axes, period=period, timeout=self.settings.stream_timeout)
-        self._stream_refused_until = -np.inf
         self._brake: Brake | None = None
         self._feedback = FeedbackWatch(axes, self.settings, processor_share)
         self.stops = StopLatch()
@@ -174,7 +169,7 @@ class Controller:
         motion = FollowedMotion(trajectory, id_, now, cap)
         self._motions.put(motion, self._reference, join_time)
         if standing:
-            self._path_speed.reset(self._capped(motion, self._target_speed()))
+            self._following.begin(motion, self._target_speed())
 
     def stream(self, point: StreamPoint, id_: str, now: float) -> None:
         """Follow a point, the next of a stream or the first of one.
@@ -193,12 +188,7 @@ class Controller:
         """
         self._refuse_stopped()
         point.check(self._axes, now)
-        stopped = self._stream.failure is not None and not self._stream.stale
-        if stopped or now < self._stream_refused_until:
-            self._stream_refused_until = now + self.settings.stream_timeout
-            raise TrajectoryRefusedError(
-                f'the stream was stopped; it may begin anew after {self.settings.stream_timeout:g} s of pause'
-            )
+        self._stream.refuse_stopped(now)
         if self._motion is not None or self._brake is not None:
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
         if not self._stream.active:
@@ -213,8 +203,7 @@ class Controller:
 
     def stop(self, reason: str) -> None:
         """Stop on the path and give up the motion; without one, nothing happens."""
-        if self._stream.active and (self._stream.stale or not self._stream.failure):
-            self._stream.failure, self._stream.stale = reason, False
+        self._stream.stop(reason)
         if self._motion is not None and self._motion.failure is None:
             self._motion.failure = reason
 
@@ -232,7 +221,7 @@ class Controller:
         if not self.stops.trip(fault, reason, stands=stands):
             return
         self.stop(reason)
-        self._path_speed.hurry = fault.category < StopCategory.TWO
+        self._following.hurry(on=fault.category < StopCategory.TWO)
         if fault.category is StopCategory.ZERO:
             self._let_go(now, reason)
 
@@ -256,7 +245,7 @@ class Controller:
         """
         self.check_reset()
         self.stops.reset()
-        self._path_speed.hurry = False
+        self._following.hurry(on=False)
 
     def step(self, now: float, feedback: Array | None) -> Array | None:
         """One period: returns the next reference.
@@ -304,32 +293,22 @@ class Controller:
         self._end_moving(now, reason)
 
     def _stand_at(self, position: Array) -> None:
-        self._sample = np.zeros((3, self._axes.num_axes))
-        self._sample[0] = position
-        self._reference = self._sample.copy()
-        self._interpolator.reset(position)
+        self._reference = self._following.stand_at(position)
         self._guard.reset(position)
         self._feedback.restart()
 
     def _target_speed(self) -> float:
         return 0.0 if self.paused else self.override
 
-    def _capped(self, motion: FollowedMotion, speed: float) -> float:
-        if motion.cap is None:
-            return speed
-        return min(speed, motion.cap.at(motion.path_time, self.settings.period))
-
     def _step_motion(self, motion: FollowedMotion, now: float) -> None:
         stopping = motion.failure is not None
         if motion.settling_since is not None:
             self._settle(motion, now)
             return
-        moved = self._advance(motion, 0.0 if stopping else self._capped(motion, self._target_speed()))
-        if not self._put_out(self._sample):
+        if not self._guarded(self._following.step(motion, 0.0 if stopping else self._target_speed())):
             self._step_brake(now)
             return
-        self._unchanged = 0 if moved else self._unchanged + 1
-        if self._unchanged < self._interpolator.window:
+        if not self._following.standing:
             self._join(now)
             return
         if motion.failure is not None:
@@ -347,7 +326,7 @@ class Controller:
         if replaced is not None:
             assert self._motion is not None
             message = PASSED if replaced.passes else f'replaced by motion {self._motion.id}'
-            self.outcomes.append(_outcome(replaced, now, message, ok=replaced.passes))
+            self.outcomes.append(replaced.outcome(now, message, ok=replaced.passes))
 
     def _step_stream(self, now: float) -> None:
         stream = self._stream
@@ -363,37 +342,7 @@ class Controller:
             self._step_brake(now)
 
     def _end_stream(self, now: float, failure: str) -> None:
-        stream = self._stream
-        duration = round(now - stream.start, 6)
-        message = failure or 'the stream ended'
-        self.outcomes.append(MotionResult(stream.id, not failure, message, {'duration': duration}))
-        if failure and not stream.stale:  # a sender that goes on has to notice
-            self._stream_refused_until = now + self.settings.stream_timeout
-        stream.end()
-
-    def _advance(self, motion: FollowedMotion, target: float) -> bool:
-        """Move along the path for one period; False when the reference stands."""
-        law = self._path_speed
-        before, speed_before = motion.path_time, law.speed
-        motion.path_time = law.step(target, before, motion.position)
-        if motion.path_time == before or before >= motion.trajectory.duration:
-            self._sample[1:] = 0.0
-            return False
-        path = motion.sample(motion.path_time)
-        speed = law.speed
-        self._sample[0] = path[0]
-        self._sample[1] = path[1] * speed
-        self._sample[2] = path[2] * speed**2
-        if speed != speed_before:
-            # The derivative at this instant may lie past its mean over the period; only that mean moves
-            # the robot, and the path speed keeps it inside the limits.
-            limit = self._axes.acceleration
-            change = path[1] * ((speed - speed_before) / self.settings.period)
-            self._sample[2] = np.clip(self._sample[2] + change, -limit, limit)
-        return True
-
-    def _put_out(self, sample: Array) -> bool:
-        return self._guarded(self._interpolator.push(sample))
+        self.outcomes.append(self._stream.end(now, failure))
 
     def _guarded(self, reference: Array) -> bool:
         """Take a reference if it breaks no limit; otherwise start to brake."""
@@ -446,22 +395,13 @@ class Controller:
             self._finish(self._motion, now, reason, ok=False)
 
     def _finish(self, motion: FollowedMotion, now: float, message: str, *, ok: bool) -> None:
-        self._unchanged = 0
-        self.outcomes.append(_outcome(motion, now, message, ok=ok))
+        self.outcomes.append(motion.outcome(now, message, ok=ok))
         if ok:
             self._motions.start_next(now)
-            self._path_speed.reset(self._target_speed())
+            if self._motion is not None:
+                self._following.begin(self._motion, self._target_speed())
             return
         for unbegun in self._motions.clear():
             unbegun.start = now
             reason = f'given up with the motion before it: {message}'
-            self.outcomes.append(_outcome(unbegun, now, reason, ok=False))
-
-
-def _outcome(motion: FollowedMotion, now: float, message: str, *, ok: bool) -> MotionResult:
-    details: dict[str, str | float] = {
-        'duration': round(now - motion.start, 6),
-        'planned_duration': round(min(motion.trajectory.duration, motion.join_time), 6),
-        'progress': round(motion.progress, 6),
-    }
-    return MotionResult(motion.id, ok, message, details)
+            self.outcomes.append(unbegun.outcome(now, reason, ok=False))

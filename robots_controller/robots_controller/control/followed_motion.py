@@ -7,6 +7,7 @@ from bisect import bisect_right
 import numpy as np
 
 from robots_controller.control.path_speed_cap import PathSpeedCap
+from robots_core.motion_result import MotionResult
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 
@@ -40,6 +41,15 @@ class FollowedMotion:
         """The successor carries this motion on and does not replace it."""
         self._before: tuple[FollowedMotion, float] | None = None
         self._times: list[float] = trajectory.time.tolist()
+
+    def outcome(self, now: float, message: str, *, ok: bool) -> MotionResult:
+        """Its result, if it ends now (s)."""
+        details: dict[str, str | float] = {
+            'duration': round(now - self.start, 6),
+            'planned_duration': round(min(self.trajectory.duration, self.join_time), 6),
+            'progress': round(self.progress, 6),
+        }
+        return MotionResult(self.id, ok, message, details)
 
     @property
     def progress(self) -> float:

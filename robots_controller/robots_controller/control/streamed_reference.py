@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from robots_core.blocks.following.axis_following import AxisFollowing
-from robots_core.errors import InvalidInputError
+from robots_core.errors import InvalidInputError, TrajectoryRefusedError
+from robots_core.motion_result import MotionResult
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, read_only
 
@@ -85,7 +86,7 @@ class StreamedReference:
         """The failure is that no point came: a new one is followed at once, from wherever the robot is."""
         self._period = period
         self._point: StreamPoint | None = None
-        self._received = -np.inf
+        self._received = self._refused_until = -np.inf
 
     @property
     def active(self) -> bool:
@@ -102,9 +103,31 @@ class StreamedReference:
         if self.stale:
             self.failure, self.stale = None, False
 
-    def end(self) -> None:
-        """Forget the stream."""
+    def refuse_stopped(self, now: float) -> None:
+        """A stopped stream may begin anew after a pause: its sender has to notice.
+
+        Raises:
+            TrajectoryRefusedError: it was stopped, and its points have not paused since.
+        """
+        stopped = self.failure is not None and not self.stale
+        if stopped or now < self._refused_until:
+            self._refused_until = now + self.timeout
+            raise TrajectoryRefusedError(
+                f'the stream was stopped; it may begin anew after {self.timeout:g} s of pause'
+            )
+
+    def stop(self, reason: str) -> None:
+        """Brake for this reason, if a stream is followed; one that was stopped before keeps its own."""
+        if self.active and (self.stale or not self.failure):
+            self.failure, self.stale = reason, False
+
+    def end(self, now: float, failure: str) -> MotionResult:
+        """Forget the stream; returns its result, '' being no failure."""
+        if failure and not self.stale:
+            self._refused_until = now + self.timeout
         self._point, self.failure, self.stale = None, None, False
+        message, details = failure or 'the stream ended', {'duration': round(now - self.start, 6)}
+        return MotionResult(self.id, not failure, message, details)
 
     def step(self, now: float, reference: Array, speed: float) -> tuple[Array, bool]:
         """Next reference (3, n), and whether the stream is over and the robot stands.

@@ -1,0 +1,84 @@
+"""PathFollowing: follows the path of a motion, at the planned speed or below it."""
+
+import numpy as np
+
+from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.control.followed_motion import FollowedMotion
+from robots_controller.control.interpolator import Interpolator
+from robots_controller.control.path_speed import PathSpeed
+from robots_core.robot_model.axes_data import AxesData
+from robots_core.validation import Array
+
+
+class PathFollowing:
+    """Samples a path as far as its speed permits, and averages the samples.
+
+    Args:
+        axes: The robot's limits.
+        settings: See `ControllerSettings`.
+    """
+
+    def __init__(self, axes: AxesData, settings: ControllerSettings) -> None:
+        self._axes, self._period = axes, settings.period
+        window = max(1, round(settings.smoothing_time / settings.period))
+        self._average = Interpolator(axes.num_axes, window)
+        self._speed = PathSpeed(axes.acceleration, period=settings.period, ramp_time=settings.ramp_time)
+        self._sample = np.zeros((3, axes.num_axes))
+        self._unchanged = 0
+
+    @property
+    def standing(self) -> bool:
+        """The reference has come to rest: all samples of the average are the same."""
+        return self._unchanged >= self._average.window
+
+    def hurry(self, *, on: bool) -> None:
+        """Change the speed as fast as the limits permit, whatever the ramp time."""
+        self._speed.hurry = on
+
+    def stand_at(self, position: Array) -> Array:
+        """Stand at joint positions (n,); returns the reference, (3, n)."""
+        self._sample = np.zeros((3, self._axes.num_axes))
+        self._sample[0] = position
+        self._average.reset(position)
+        return self._sample.copy()
+
+    def begin(self, motion: FollowedMotion, speed: float) -> None:
+        """Follow a motion that starts where the reference stands, at a speed of 0..1."""
+        self._unchanged = 0
+        self._speed.reset(self._capped(motion, speed))
+
+    def step(self, motion: FollowedMotion, speed: float) -> Array:
+        """Follow a motion for one period, its speed going to `speed`, 0..1.
+
+        Returns:
+            The reference, (3, n): position, velocity, acceleration.
+        """
+        moved = self._advance(motion, self._capped(motion, speed))
+        self._unchanged = 0 if moved else self._unchanged + 1
+        return self._average.push(self._sample)
+
+    def _capped(self, motion: FollowedMotion, speed: float) -> float:
+        if motion.cap is None:
+            return speed
+        return min(speed, motion.cap.at(motion.path_time, self._period))
+
+    def _advance(self, motion: FollowedMotion, target: float) -> bool:
+        """Move along the path for one period; False when the reference stands."""
+        law = self._speed
+        before, speed_before = motion.path_time, law.speed
+        motion.path_time = law.step(target, before, motion.position)
+        if motion.path_time == before or before >= motion.trajectory.duration:
+            self._sample[1:] = 0.0
+            return False
+        path = motion.sample(motion.path_time)
+        speed = law.speed
+        self._sample[0] = path[0]
+        self._sample[1] = path[1] * speed
+        self._sample[2] = path[2] * speed**2
+        if speed != speed_before:
+            # The derivative at this instant may lie past its mean over the period; only that mean moves
+            # the robot, and the path speed keeps it inside the limits.
+            limit = self._axes.acceleration
+            change = path[1] * ((speed - speed_before) / self._period)
+            self._sample[2] = np.clip(self._sample[2] + change, -limit, limit)
+        return True
