@@ -9,8 +9,10 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
+from robots_controller.io.fail_safe import fail_safe_texts, parse_fail_safe, safe_value
 from robots_controller.io.field_path import FieldPath
 from robots_controller.io.io_conversion import INTEGERS, InputValue, from_field, to_field
+from robots_controller.io.io_image import Channel, IoImage
 from robots_controller.io.io_map import IoRow, parse_io_map
 from robots_controller.io.io_signals import parse_channel
 from robots_controller.io.plc_script import parse_plc_script
@@ -125,11 +127,43 @@ def test_the_changes_lead_from_the_initial_to_the_final_inputs(steps: list[tuple
     assert values == plc.inputs
 
 
+OUTPUT_NAMES = st.sampled_from(['digital', 'analog']).flatmap(
+    lambda kind: st.tuples(
+        st.integers(1, 8).map(lambda index: f'{kind}_output.{index}'),
+        st.none() | (st.sampled_from([0.0, 1.0]) if kind == 'digital' else st.floats(-1e300, 1e300)),
+    )
+)
+
+
+@given(st.lists(OUTPUT_NAMES).map(dict), st.lists(st.tuples(st.integers(1, 8), st.floats(-1e9, 1e9))))
+def test_safe_outputs_are_as_declared_whatever_they_were(
+    declared: dict[str, float | None], before: list[tuple[int, float]]
+):
+    assert parse_fail_safe(fail_safe_texts(declared)) == declared
+    io = IoImage(digital=8, analog=8)
+    for index, value in before:
+        io.set_value(io.channel('analog', 'output', index), value)
+        io.set_value(io.channel('digital', 'output', index), float(value > 0.0))
+    outputs = [channel for channel in io.channels if channel.direction == 'output']
+    values = {channel: io.value(channel) for channel in outputs}
+
+    def make_safe() -> list[Channel]:
+        return io.set_outputs(lambda output, value: safe_value(declared, output, value))
+
+    changed = make_safe()
+    for channel in outputs:
+        expected = declared.get(channel.name, 0.0)
+        assert io.value(channel) == (values[channel] if expected is None else expected)
+        assert (channel in changed) == (io.value(channel) != values[channel])
+    assert make_safe() == []
+
+
 WORDS = st.sampled_from(
     [
         *('inputs:', 'outputs:', 'signals:', 'rules:', 'initial:', '  - ', '    ', '{', '}', 'when: start'),
         *('channel: digital_input.1', 'topic: a', 'type: Bool', 'field: "x["', 'bit: 70', 'set: {}', '\n'),
         *('timeout: 1', 'fail_safe: 0', 'bits: {0: x}', 'qos: 1', 'if: x is on', 'a: b', ', '),
+        *('fail_safe:', 'digital_output.1: hold', 'analog_output.1: [1]', 'fail_safe: hold', 'x: .nan'),
     ]
 )
 
