@@ -111,9 +111,10 @@ generated-programs: build  ## Programs generated from seeds: FIRST=0, COUNT=2000
 	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test" python -m cell.generated.run_seeds $(or $(FIRST),0) $(or $(COUNT),2000) $$(nproc) $(or $(WAYS),simulated)
 
 .PHONY: fuzz
-fuzz: build .venv/.installed_tests  ## Generated messages to every node, damaged files and programs: DURATION=600 s at least
+fuzz: build .venv/.installed_tests  ## Generated messages to every node, damaged files and programs, generated programs: for DURATION=600 s
 	@$(RUN) end=$$((SECONDS + $(or $(DURATION),600))); while [ $$SECONDS -lt $$end ]; do \
-	  python -m pytest -q -n auto --hypothesis-profile=fuzz test/node/test_message_fuzz.py test/property/test_damaged_files.py; done
+	  python -m pytest -q -n auto --timeout 0 --hypothesis-profile=fuzz test/node/test_message_fuzz.py test/property/test_damaged_files.py; \
+	  PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test" python -m cell.generated.run_seeds $$((RANDOM * 30)) 30 $$(nproc) simulated; done
 
 .PHONY: benchmark-controller
 benchmark-controller: build  ## The controller's timing side by side with a bare rclpy timer

@@ -1,12 +1,22 @@
 """Shapes fixed to the frames of a robot, for display and for collision checks."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.validation import Array, positive, read_only
+
+SMALLEST: Final = 1e-9  # m
+LARGEST: Final = 1e5  # m
+
+
+def _size(value: float, name: str) -> None:
+    if not SMALLEST <= positive(value, name, 'm') <= LARGEST:
+        raise InvalidInputError(f'{name} = {value:.6g} m must be in [{SMALLEST:g}, {LARGEST:g}] m')
 
 
 @dataclass(frozen=True)
@@ -17,7 +27,7 @@ class Box:
 
     def __post_init__(self) -> None:
         for length in self.size:
-            positive(length, 'box edge', 'm')
+            _size(length, 'box edge')
 
 
 @dataclass(frozen=True)
@@ -28,8 +38,8 @@ class Cylinder:
     length: float
 
     def __post_init__(self) -> None:
-        positive(self.radius, 'cylinder radius', 'm')
-        positive(self.length, 'cylinder length', 'm')
+        _size(self.radius, 'cylinder radius')
+        _size(self.length, 'cylinder length')
 
 
 @dataclass(frozen=True)
@@ -43,8 +53,8 @@ class Capsule:
     length: float
 
     def __post_init__(self) -> None:
-        positive(self.radius, 'capsule radius', 'm')
-        positive(self.length, 'capsule length', 'm')
+        _size(self.radius, 'capsule radius')
+        _size(self.length, 'capsule length')
 
 
 @dataclass(frozen=True)
@@ -54,18 +64,27 @@ class Sphere:
     radius: float
 
     def __post_init__(self) -> None:
-        positive(self.radius, 'sphere radius', 'm')
+        _size(self.radius, 'sphere radius')
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangle mesh: `vertices` (k, 3) in metres, `faces` (f, 3) indices, both read-only."""
+    """Triangle mesh: `vertices` (k, 3) in metres, `faces` (f, 3) indices, both read-only.
+
+    Raises:
+        InvalidInputError: a vertex that is not finite, or further away than `LARGEST`.
+    """
 
     vertices: Array
     faces: NDArray[np.int64]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, 'vertices', read_only(self.vertices))
+        vertices = read_only(self.vertices)
+        if not (np.abs(vertices) <= LARGEST).all():  # also true for NaN
+            raise InvalidInputError(
+                f'a mesh has a vertex that is no point within {LARGEST:g} m of its origin'
+            )
+        object.__setattr__(self, 'vertices', vertices)
         faces = np.array(self.faces, dtype=np.int64)
         faces.flags.writeable = False
         object.__setattr__(self, 'faces', faces)
