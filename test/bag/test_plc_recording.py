@@ -173,7 +173,8 @@ def record_answers(ros_nodes: Any, folder: Path) -> Path:
         ros_nodes.call(run.end)
         assert player.complete
         ros_nodes.wait_for(lambda: count(recorder.path, '/plc/words') == WORDS, what='the whole bag')
-    recorder.close()
+        # Before the program's node ends, which sets outputs to their fail-safe values.
+        recorder.close()
     return recorder.path
 
 
