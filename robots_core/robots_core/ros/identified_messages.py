@@ -16,6 +16,8 @@ from rclpy.subscription import Subscription
 from rclpy.utilities import get_rmw_implementation_identifier
 from rclpy.waitable import NumberOfEntities, Waitable
 
+IDENTIFYING: Final = ('rmw_fastrtps_cpp', 'rmw_fastrtps_dynamic_cpp')
+"""Middlewares whose messages come with the identities that the graph has."""
 TAKE_FAILED: Final = 401  # RCL_RET_SUBSCRIPTION_TAKE_FAILED: there is none
 
 
@@ -51,6 +53,11 @@ def _functions() -> tuple[Any, Any]:
     allocator = ctypes.CDLL('librcutils.so').rcutils_get_default_allocator
     allocator.restype = _Allocator
     return take, allocator
+
+
+def publishers_are_identified() -> bool:
+    """Whether the middleware is one that says whose a message is."""
+    return get_rmw_implementation_identifier() in IDENTIFYING
 
 
 class IdentifiedMessages:

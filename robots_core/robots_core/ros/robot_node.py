@@ -14,7 +14,7 @@ from rclpy.parameter import Parameter
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.parameter_changes import CHANGES, Change
 from robots_core.robot_choice import load_robot_model
-from robots_core.ros.identified_messages import IdentifiedSubscription
+from robots_core.ros.identified_messages import IdentifiedSubscription, publishers_are_identified
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
@@ -210,8 +210,8 @@ class RobotNode(TimedNode):
         return super().destroy_subscription(subscription)
 
     def writer_watch(self, topic: str) -> WriterWatch | None:
-        """Separates writers of a topic from others; None for topics without, and in lock-step."""
-        if topic not in WRITERS or self.participant is not None:
+        """Separates writers of a topic from others; None where none are dropped."""
+        if topic not in WRITERS or self.participant is not None or not publishers_are_identified():
             return None
         namespace = self.get_namespace().rstrip('/') + '/'
         return WriterWatch(
