@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import re
+import select
 import signal
 from collections.abc import Callable
 from pathlib import Path
@@ -26,7 +27,7 @@ from robots_core.ros.timed_node import TimedNode
 from written_bags import no_file_larger_than
 
 from .bag_checks import read_messages
-from .cell_process import CellProcess
+from .cell_process import DEADLINE, CellProcess
 from .lockstep_runs import PROGRAMS, LockstepRuns
 
 StartCell = Callable[..., CellProcess]
@@ -109,6 +110,17 @@ def test_ctrl_c_and_terminate_stop_all_nodes(start_cell: StartCell, number: sign
     assert 'Traceback' not in cell.text
     logs = ''.join(file.read_text() for file in cell.out.glob('*/log/*.log'))
     assert 'Traceback' not in logs
+
+
+def test_nodes_end_with_a_cell_that_is_killed(start_cell: StartCell) -> None:
+    cell = start_cell('--robot', 'bello_bot')
+    cell.until_ready()
+    pidfds = [os.pidfd_open(pid) for pid in cell.node_pids().values()]
+    cell.process.kill()
+    for pidfd in pidfds:
+        assert select.select([pidfd], [], [], DEADLINE)[0]
+        os.close(pidfd)
+    assert 'Traceback' not in ''.join(file.read_text() for file in cell.out.glob('*/log/*.log'))
 
 
 def test_a_node_that_died_is_named_with_the_reason(start_cell: StartCell) -> None:

@@ -5,10 +5,12 @@ import os
 import select
 import signal
 import sys
+import threading
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import EntryPoint, distribution
+from multiprocessing import parent_process
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
 from typing import Any, Final
@@ -177,8 +179,17 @@ def _run(entry_point: EntryPoint, arguments: list[str], log: Path, environment: 
     os.environ.clear()
     os.environ.update(environment)
     sys.argv = arguments
+    threading.Thread(target=_end_with_cell, name='cell', daemon=True).start()
     end_at_once_while_loading()
     sys.exit(entry_point.load()())
+
+
+def _end_with_cell() -> None:
+    """End this node when the cell's own process has died, which would have ended it."""
+    cell = parent_process()
+    assert cell is not None
+    cell.join()
+    os.kill(os.getpid(), signal.SIGTERM)
 
 
 def _yaml(value: Any) -> str:
