@@ -293,7 +293,7 @@ class TeachBox:
             np.linalg.lstsq(J, np.column_stack([missing, change]), rcond=None)[0].T,
             FOLLOWED * self.robot.axes_data.acceleration * dt,
         )
-        with np.errstate(divide='ignore', invalid='ignore'):
+        with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
             parts = np.where(further > 0.0, room - going_on, room + going_on) / np.abs(further)
         return float(np.clip(np.nanmin(parts), LEAST_FOLLOWED, 1.0))
 

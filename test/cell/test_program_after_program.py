@@ -38,28 +38,39 @@ class Operator:
         self.nodes = nodes
         self.node = nodes.create_node('operator')
         self.status: dict[str, str] = {}
-        self._clients: dict[str, Any] = {}
+        services = {'set_parameters': SetParameters, 'open': Trigger, 'run': Trigger}
+        self._clients = {
+            name: self.node.create_client(kind, f'lua_program_node/{name}') for name, kind in services.items()
+        }
         self.node.create_subscription(DiagnosticStatus, 'program_status', self._on_status, STATE)
 
     def _on_status(self, message: DiagnosticStatus) -> None:
         self.status = diagnostic_values(message)
 
-    def _call(self, service_type: Any, name: str, request: Any) -> Any:
-        if name not in self._clients:
-            self._clients[name] = self.node.create_client(service_type, f'lua_program_node/{name}')
-        client = self._clients[name]
-        self.nodes.wait_for(client.service_is_ready, what=name)
-        future = client.call_async(request)
+    def until_found(self) -> None:
+        """A service drops its answers to a client that it has not found yet: ask what changes nothing."""
+        for client in self._clients.values():
+            self.nodes.wait_for(client.service_is_ready, what=client.service_name)
+        futures: list[Any] = []
+
+        def answered() -> bool:
+            futures.append(self._clients['set_parameters'].call_async(SetParameters.Request()))
+            return any(future.done() for future in futures)
+
+        self.nodes.wait_for(answered, what='an answer')
+
+    def _call(self, name: str, request: Any) -> Any:
+        future = self._clients[name].call_async(request)
         return self.nodes.wait_for(lambda: future.done() and future.result(), what=name)
 
     def run(self, program: Path) -> str:
         """Open and run a program; returns '' or why it failed."""
         parameter = Parameter('program', value=str(program)).to_parameter_msg()
-        self._call(SetParameters, 'set_parameters', SetParameters.Request(parameters=[parameter]))
-        opened = self._call(Trigger, 'open', Trigger.Request())
+        self._call('set_parameters', SetParameters.Request(parameters=[parameter]))
+        opened = self._call('open', Trigger.Request())
         if not opened.success:
             return str(opened.message)
-        started = self._call(Trigger, 'run', Trigger.Request())
+        started = self._call('run', Trigger.Request())
         assert started.success, started.message
         self.nodes.wait_for(
             lambda: (
@@ -76,6 +87,7 @@ def test_every_mistake_is_explained_and_the_next_program_runs(
     cell = start_cell('--robot', ROBOT, '--lockstep')
     cell.until_ready()
     operator = Operator(ros_nodes)
+    operator.until_found()
     good = tmp_path / 'good.lua'
     home = np.degrees(load_robot_model(ROBOT).home)
     turned = ', '.join(f'{angle:.6f}' for angle in np.add(home, [5.0, *6 * [0.0]]))

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from robots_core import load_robot_model
 from robots_planning import TeachBox
+from robots_planning.teach_box import FASTEST
 
 DT = 0.004
 _LOADED = {name: load_robot_model(name) for name in ('kuka_kr210_r2700', 'bello_bot', 'kinova_j2n6s300')}
@@ -39,7 +40,8 @@ def test_limits_hold_whatever_is_commanded(
         if frame == 'axes':
             box.jog_axes(np.array(values[:n]) * axes.velocity, now)
         else:
-            box.jog_tool(0.3 * np.array(values[:6]), now, frame)  # type: ignore[arg-type]  # drawn from them
+            twist = np.clip(0.3 * np.array(values[:6]), -FASTEST, FASTEST)
+            box.jog_tool(twist, now, frame)  # type: ignore[arg-type]  # drawn from them
         for _ in range(periods):
             step = box.step(now)
             now += DT
