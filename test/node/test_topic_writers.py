@@ -112,11 +112,15 @@ def test_strangers_do_not_disturb_a_motion_and_are_named(ros_nodes: Any) -> None
     ):
         cell.until_named(node, topic, forged)
     assert cell.planner.planner.knows(id_)  # the forged result ended nothing
-    cell.results.clear()
     cell.publish('override', Float64(data=1.0), STATE)
-    cell.wait(lambda: cell.results, 'the end of the motion')
-    assert (cell.results[0].id, cell.results[0].ok) == (id_, True)
-    np.testing.assert_allclose(cell.positions[-1], GOAL, atol=0.02)
+
+    def ends() -> list[MotionResult]:  # the forged ones have no duration
+        return [result for result in cell.results if 'duration' in result.details]
+
+    cell.wait(ends, 'the end of the motion')
+    assert [(result.id, result.ok) for result in ends()] == [(id_, True)]
+    # The feedback behind the result may still be on its way to the test.
+    cell.wait(lambda: np.abs(cell.positions[-1] - GOAL).max() < 0.02, 'the goal in joint_states')
 
 
 def test_a_stranger_at_the_drives_stops_the_robot_and_they_do_not_follow_it(ros_nodes: Any) -> None:
