@@ -13,26 +13,12 @@ from robots_controller.control.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult
-from robots_core.robot_model.axes_data import AxesData
-from robots_planning.trajectory import Trajectory
+
+from .two_axes import quintic, two_axes
 
 PERIOD = 0.004
-AXES = AxesData(
-    names=('A1', 'A2'),
-    lower=np.array([-3.0, -2.0]),
-    upper=np.array([3.0, 2.0]),
-    velocity=np.array([2.0, 1.0]),
-    acceleration=np.array([4.0, 3.0]),
-    jerk=np.array([20.0, 12.0]),
-    effort=np.ones(2),
-)
+AXES = two_axes((4.0, 3.0))
 START, GOAL = np.zeros(2), np.array([0.4, -0.2])
-
-
-def motion(start: np.ndarray, goal: np.ndarray, duration: float = 1.0) -> Trajectory:
-    """Minimum-jerk motion: one quintic."""
-    zero = np.zeros((2, 2))
-    return Trajectory(np.array([0.0, duration]), np.array([start, goal]), zero, zero)
 
 
 class Rig:
@@ -88,7 +74,7 @@ def rig() -> Rig:
 
 def test_requests_hold_from_the_next_period_on_and_in_their_order(rig: Rig) -> None:
     rig.loop.request('pause')
-    rig.loop.follow(motion(START, GOAL), '1')
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     assert not rig.loop.controller.paused
     rig.run(1)
     assert rig.loop.controller.paused
@@ -100,14 +86,14 @@ def test_requests_hold_from_the_next_period_on_and_in_their_order(rig: Rig) -> N
 
 
 def test_motions_end_in_their_order(rig: Rig) -> None:
-    rig.loop.follow(motion(START, GOAL), '1')
-    rig.loop.follow(motion(GOAL, START), '2')
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
+    rig.loop.follow(quintic(GOAL, START, 1.0), '2')
     assert [rig.run_until_result().id for _ in range(2)] == ['1', '2']
     np.testing.assert_allclose(rig.q, START, atol=1e-12)
 
 
 def test_a_trajectory_that_starts_elsewhere_is_refused(rig: Rig) -> None:
-    rig.loop.follow(motion(GOAL, START), '1')
+    rig.loop.follow(quintic(GOAL, START, 1.0), '1')
     rig.run(1)
     (result,) = rig.results
     assert (result.id, result.ok) == ('1', False)
@@ -116,8 +102,8 @@ def test_a_trajectory_that_starts_elsewhere_is_refused(rig: Rig) -> None:
 
 @pytest.mark.parametrize('paused', [False, True])
 def test_a_stop_gives_up_all_motions_and_ends_a_pause(rig: Rig, paused: bool) -> None:  # noqa: FBT001
-    rig.loop.follow(motion(START, GOAL), '1')
-    rig.loop.follow(motion(GOAL, START), '2')
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
+    rig.loop.follow(quintic(GOAL, START, 1.0), '2')
     rig.run(100)
     if paused:
         rig.loop.request('pause')
@@ -129,12 +115,12 @@ def test_a_stop_gives_up_all_motions_and_ends_a_pause(rig: Rig, paused: bool) ->
     assert STOPPED in {result.message for result in results}
     assert not rig.loop.controller.paused
     rig.run(100)
-    rig.loop.follow(motion(rig.q, GOAL), '3')
+    rig.loop.follow(quintic(rig.q, GOAL, 1.0), '3')
     assert rig.run_until_result().ok
 
 
 def test_a_stop_for_a_reason_leaves_a_pause(rig: Rig) -> None:
-    rig.loop.follow(motion(START, GOAL), '1')
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     rig.run(100)
     rig.loop.request('pause')
     rig.loop.stop('somebody came near')
@@ -143,7 +129,7 @@ def test_a_stop_for_a_reason_leaves_a_pause(rig: Rig) -> None:
 
 
 def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(rig: Rig) -> None:
-    rig.loop.follow(motion(START, GOAL), '1')
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     rig.run(100)
     rig.loop.watch(EMERGENCY_STOP, 'button')
     assert rig.run_until_result().message == 'button'
@@ -157,10 +143,10 @@ def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(
         rig.loop.reset()
     rig.loop.watch(EMERGENCY_STOP, '')
     rig.run(1)
-    rig.loop.follow(motion(rig.q, GOAL), '2')
+    rig.loop.follow(quintic(rig.q, GOAL, 1.0), '2')
     assert rig.run_until_result().message == 'button; ~/reset lets the robot move again'
     rig.loop.reset()
-    rig.loop.follow(motion(rig.q, GOAL), '3')
+    rig.loop.follow(quintic(rig.q, GOAL, 1.0), '3')
     assert rig.run_until_result().ok
     assert rig.stops[-1] == StopState()
 
@@ -172,7 +158,7 @@ def test_half_the_override_takes_twice_the_time() -> None:
         rig.loop.set_override(override)
         rig.run(1000)
         before = rig.loop.cycle
-        rig.loop.follow(motion(START, GOAL), '1')
+        rig.loop.follow(quintic(START, GOAL, 1.0), '1')
         assert rig.run_until_result().ok
         durations.append((rig.loop.cycle - before) * PERIOD)
     # Smoothing and settling are not slower.
@@ -180,7 +166,7 @@ def test_half_the_override_takes_twice_the_time() -> None:
 
 
 def test_progress_never_falls_and_both_ends_are_reported(rig: Rig) -> None:
-    rig.loop.follow(motion(START, GOAL), '1')
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     rig.run_until_result()
     begin = rig.progresses.index(0.0)
     assert rig.progresses[-1] == 1.0
@@ -190,7 +176,7 @@ def test_progress_never_falls_and_both_ends_are_reported(rig: Rig) -> None:
 def test_progress_is_reported_as_often_as_it_is_wanted() -> None:
     rare, often = Rig(progress_every=10), Rig()
     for rig in (rare, often):
-        rig.loop.follow(motion(START, GOAL), '1')
+        rig.loop.follow(quintic(START, GOAL, 1.0), '1')
         rig.run_until_result()
         assert {0.0, 1.0} <= set(rig.progresses)
     assert set(rare.progresses) < set(often.progresses)
@@ -223,5 +209,5 @@ def test_cycles_of_a_robot_that_stands_may_be_left_out(rig: Rig) -> None:
     rig.loop.pass_over(3 * rates.holding_every)
     rig.run(rates.holding_every)
     assert rig.looks == 1
-    rig.loop.follow(motion(START, GOAL), '1')
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     assert rig.run_until_result().ok

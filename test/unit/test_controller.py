@@ -9,24 +9,11 @@ import pytest
 
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
 from robots_core.errors import InvalidInputError, TrajectoryRefusedError
-from robots_core.robot_model.axes_data import AxesData
 from robots_planning.trajectory import Trajectory
 
-AXES = AxesData(
-    names=('A1', 'A2'),
-    lower=np.array([-3.0, -2.0]),
-    upper=np.array([3.0, 2.0]),
-    velocity=np.array([2.0, 1.0]),
-    acceleration=np.array([2.0, 1.2]),
-    jerk=np.array([20.0, 12.0]),
-    effort=np.ones(2),
-)
+from .two_axes import quintic, two_axes
 
-
-def slow_move(start: np.ndarray, goal: np.ndarray, duration: float = 2.0) -> Trajectory:
-    """Minimum-jerk motion: one quintic."""
-    zero = np.zeros((2, 2))
-    return Trajectory(np.array([0.0, duration]), np.array([start, goal]), zero, zero)
+AXES = two_axes((2.0, 1.2))
 
 
 @pytest.fixture
@@ -55,7 +42,7 @@ def test_waits_for_feedback_before_it_sends_anything() -> None:
     assert controller.step(0.0, None) is None
     assert controller.state is ControllerState.WAITING
     with pytest.raises(TrajectoryRefusedError, match='no feedback'):
-        controller.follow(slow_move(np.zeros(2), np.ones(2)), 'x', 0.0)
+        controller.follow(quintic(np.zeros(2), np.ones(2)), 'x', 0.0)
 
 
 def test_stands_where_the_robot_stands() -> None:
@@ -66,7 +53,7 @@ def test_stands_where_the_robot_stands() -> None:
 
 
 def test_reports_the_end_with_planned_and_real_duration(controller: Controller) -> None:
-    controller.follow(slow_move(np.zeros(2), np.array([0.5, 0.2])), 'x', 0.0)
+    controller.follow(quintic(np.zeros(2), np.array([0.5, 0.2])), 'x', 0.0)
     run_until_outcome(controller, 0.0)
     outcome = controller.outcomes[0]
     assert (outcome.id, outcome.ok, outcome.message) == ('x', True, 'reached')
@@ -77,7 +64,7 @@ def test_reports_the_end_with_planned_and_real_duration(controller: Controller) 
 
 def test_refuses_a_trajectory_that_starts_elsewhere(controller: Controller) -> None:
     with pytest.raises(TrajectoryRefusedError, match=r'starts \+0\.1 rad from where A2 stands'):
-        controller.follow(slow_move(np.array([0.0, 0.1]), np.ones(2)), 'x', 0.0)
+        controller.follow(quintic(np.array([0.0, 0.1]), np.ones(2)), 'x', 0.0)
 
 
 def test_refuses_another_number_of_axes(controller: Controller) -> None:
@@ -95,7 +82,7 @@ def test_refuses_an_override_outside_its_range(controller: Controller, value: fl
 
 def test_says_which_axis_does_not_reach_its_target(controller: Controller) -> None:
     goal = np.array([0.3, 0.2])
-    controller.follow(slow_move(np.zeros(2), goal), 'x', 0.0)
+    controller.follow(quintic(np.zeros(2), goal), 'x', 0.0)
     run_until_outcome(controller, 0.0, lambda q: q + np.array([0.0, 1e-3]))
     outcome = controller.outcomes[0]
     assert not outcome.ok
@@ -103,7 +90,7 @@ def test_says_which_axis_does_not_reach_its_target(controller: Controller) -> No
 
 
 def test_says_which_axis_does_not_follow(controller: Controller) -> None:
-    controller.follow(slow_move(np.zeros(2), np.array([1.0, 0.0])), 'x', 0.0)
+    controller.follow(quintic(np.zeros(2), np.array([1.0, 0.0])), 'x', 0.0)
     run_until_outcome(controller, 0.0, lambda q: 0.3 * q)
     outcome = controller.outcomes[0]
     assert not outcome.ok
@@ -111,7 +98,7 @@ def test_says_which_axis_does_not_follow(controller: Controller) -> None:
 
 
 def test_takes_the_next_trajectory_after_feedback_was_lost_and_came_back(controller: Controller) -> None:
-    controller.follow(slow_move(np.zeros(2), np.array([0.5, 0.2])), 'x', 0.0)
+    controller.follow(quintic(np.zeros(2), np.array([0.5, 0.2])), 'x', 0.0)
     now = 0.0
     while not controller.outcomes:
         now += 0.01
@@ -121,7 +108,7 @@ def test_takes_the_next_trajectory_after_feedback_was_lost_and_came_back(control
     assert reference is not None
     controller.step(now + 0.01, reference[0])
     controller.reset()
-    controller.follow(slow_move(reference[0], np.zeros(2)), 'y', now)
+    controller.follow(quintic(reference[0], np.zeros(2)), 'y', now)
     run_until_outcome(controller, now)
     assert controller.outcomes[0].ok
 

@@ -8,19 +8,12 @@ import pytest
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
 from robots_controller.control.motion_queue import LONGEST_QUEUE
 from robots_core.errors import TrajectoryRefusedError
-from robots_core.robot_model.axes_data import AxesData
 from robots_planning.trajectory import Trajectory
 
+from .two_axes import two_axes
+
 PERIOD = 0.01
-AXES = AxesData(
-    names=('A1', 'A2'),
-    lower=np.array([-3.0, -2.0]),
-    upper=np.array([3.0, 2.0]),
-    velocity=np.array([2.0, 1.0]),
-    acceleration=np.array([2.0, 1.2]),
-    jerk=np.array([20.0, 12.0]),
-    effort=np.ones(2),
-)
+AXES = two_axes((2.0, 1.2))
 START, CORNER, END = np.zeros(2), np.array([0.5, 0.2]), np.array([0.1, 0.6])
 
 

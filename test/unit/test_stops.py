@@ -24,26 +24,12 @@ from robots_controller.control.faults import (
     StopCategory,
 )
 from robots_core.errors import RobotsError, TrajectoryRefusedError
-from robots_core.robot_model.axes_data import AxesData
-from robots_planning.trajectory import Trajectory
+
+from .two_axes import quintic, two_axes
 
 PERIOD = 0.004
-AXES = AxesData(
-    names=('A1', 'A2'),
-    lower=np.array([-3.0, -2.0]),
-    upper=np.array([3.0, 2.0]),
-    velocity=np.array([2.0, 1.0]),
-    acceleration=np.array([20.0, 12.0]),
-    jerk=np.array([200.0, 120.0]),
-    effort=np.ones(2),
-)
+AXES = two_axes((20.0, 12.0), jerk=(200.0, 120.0))
 START, GOAL = np.zeros(2), np.array([1.2, -0.6])
-
-
-def motion(start: np.ndarray, goal: np.ndarray, duration: float = 2.0) -> Trajectory:
-    """Minimum-jerk motion: one quintic."""
-    zero = np.zeros((2, 2))
-    return Trajectory(np.array([0.0, duration]), np.array([start, goal]), zero, zero)
 
 
 class Rig:
@@ -71,7 +57,7 @@ class Rig:
             self.step(feedback, lost=lost)
 
     def move(self) -> None:
-        self.controller.follow(motion(START, GOAL), 'm', self.now)
+        self.controller.follow(quintic(START, GOAL), 'm', self.now)
         self.run(250)
         assert self.moving
 
@@ -117,10 +103,10 @@ def test_a_fault_stops_on_the_path_and_holds_the_robot_until_reset(rig: Rig, fau
     assert (state.fault, state.drives_on) == (fault, fault.category is StopCategory.TWO)
     assert rig.controller.state is ControllerState.STOPPED
     with pytest.raises(TrajectoryRefusedError, match=f'{fault.name}!; ~/reset'):
-        rig.controller.follow(motion(rig.q, START), 'n', rig.now)
+        rig.controller.follow(quintic(rig.q, START), 'n', rig.now)
     rig.controller.reset()
     assert rig.controller.stops.state.drives_on
-    rig.controller.follow(motion(rig.q, START), 'n', rig.now)
+    rig.controller.follow(quintic(rig.q, START), 'n', rig.now)
     rig.run_out()
     assert rig.controller.outcomes[0].ok
 
@@ -165,7 +151,7 @@ def test_a_person_stops_without_a_latch(rig: Rig) -> None:
     rig.controller.stop('stopped by ~/stop')
     rig.run_out()
     assert not rig.controller.stops.latched
-    rig.controller.follow(motion(rig.q, START), 'n', rig.now)
+    rig.controller.follow(quintic(rig.q, START), 'n', rig.now)
 
 
 def test_reset_waits_for_standstill_and_for_the_end_of_the_cause(rig: Rig) -> None:
@@ -204,7 +190,7 @@ def test_feedback_that_comes_back_elsewhere_moves_nothing_and_the_robot_goes_on_
     rig.controller.reset()
     rig.run(50)
     np.testing.assert_array_equal(rig.references[-1], away)
-    rig.controller.follow(motion(away, GOAL), 'n', rig.now)
+    rig.controller.follow(quintic(away, GOAL), 'n', rig.now)
     rig.run_out()
     assert rig.controller.outcomes[0].ok
 
@@ -229,7 +215,7 @@ def test_frozen_feedback_is_found_before_the_following_error(rig: Rig) -> None:
 
 
 def test_an_axis_that_stands_while_others_move_is_not_frozen(rig: Rig) -> None:
-    rig.controller.follow(motion(START, np.array([1.0, 0.0])), 'm', rig.now)
+    rig.controller.follow(quintic(START, np.array([1.0, 0.0])), 'm', rig.now)
     rig.run_out()
     assert rig.controller.outcomes[0].ok
 
@@ -255,7 +241,7 @@ def test_a_robot_that_is_pushed_away_slowly_is_a_fault(rig: Rig) -> None:
 
 
 def test_a_reference_that_the_guard_refuses_is_latched(rig: Rig) -> None:
-    rig.controller.follow(motion(START, GOAL, duration=0.5), 'm', rig.now)
+    rig.controller.follow(quintic(START, GOAL, duration=0.5), 'm', rig.now)
     rig.run_out()
     assert rig.controller.stops.state.fault is REFERENCE_REFUSED
     assert 'refused by the limit guard' in rig.controller.outcomes[0].message

@@ -10,19 +10,12 @@ from hypothesis import strategies as st
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.errors import InvalidInputError, JointLimitError, TrajectoryRefusedError
-from robots_core.robot_model.axes_data import AxesData
 from robots_planning.trajectory import Trajectory
 
+from .two_axes import two_axes
+
 DT = 0.004
-AXES = AxesData(
-    names=('A1', 'A2'),
-    lower=np.array([-3.0, -2.0]),
-    upper=np.array([3.0, 2.0]),
-    velocity=np.array([2.0, 1.0]),
-    acceleration=np.array([4.0, 3.0]),
-    jerk=np.array([20.0, 12.0]),
-    effort=np.ones(2),
-)
+AXES = two_axes((4.0, 3.0))
 ZERO = np.zeros(2)
 # The guard's own tolerance: rounding of second differences.
 WITHIN = 1.0 + 2e-6
