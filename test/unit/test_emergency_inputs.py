@@ -31,7 +31,7 @@ def written(folder: Path, text: str, name: str = 'plc.yaml') -> Path:
 def test_the_inputs_of_a_file_stop_at_their_values(tmp_path: Path) -> None:
     io = read_cell_io(written(tmp_path, PLC + 'rules: []'))
     assert dict(io.emergency_stop) == {'digital_input.2': 0}
-    inputs = parse_emergency_stop([*emergency_stop_texts(io.emergency_stop), 'digital_input.3 on', ''])
+    inputs = parse_emergency_stop([*emergency_stop_texts(io.emergency_stop), 'digital_input.3=on', ''])
     assert inputs.reason([0, 1, 0]) == ''
     assert inputs.reason([1, 0, 0]) == 'emergency stop by digital_input.2'
     assert inputs.reason([1, 0, 1]) == 'emergency stop by digital_input.2, digital_input.3'
@@ -52,7 +52,7 @@ def test_what_cannot_stop_is_refused_with_its_line(tmp_path: Path, text: str, re
         read_cell_io(written(tmp_path, text))
 
 
-@pytest.mark.parametrize('text', ['digital_input.1', 'digital_input.1 low', 'digital_output.1 on', 'x on'])
+@pytest.mark.parametrize('text', ['digital_input.1', 'digital_input.1=low', 'digital_output.1=on', 'x=on'])
 def test_parameters_that_name_no_input_and_value_are_refused(text: str) -> None:
     with pytest.raises(InvalidInputError, match='is no'):
         parse_emergency_stop([text])

@@ -55,24 +55,24 @@ def read_emergency_stop(section: YamlSection, signals: Mapping[str, Channel]) ->
 
 
 def emergency_stop_texts(stopping: Mapping[str, int]) -> list[str]:
-    """As a parameter of a node: 'digital_input.3 off'."""
+    """As a parameter of a node: 'digital_input.3=off'."""
     words = {value: word for word, value in VALUES.items()}
-    return [f'{name} {words[value]}' for name, value in stopping.items()]
+    return [f'{name}={words[value]}' for name, value in stopping.items()]
 
 
 def parse_emergency_stop(texts: Iterable[str]) -> EmergencyInputs:
     """What `emergency_stop_texts` wrote; an empty text says nothing.
 
     Raises:
-        InvalidInputError: not of the form 'digital_input.3 off'.
+        InvalidInputError: not of the form 'digital_input.3=off'.
     """
     found: dict[int, int] = {}
     for text in filter(None, texts):
-        name, _, word = text.partition(' ')
+        name, _, word = text.partition('=')
         channel = parse_channel(name, {})
         if channel.image != 'digital_inputs' or word not in VALUES:
             raise InvalidInputError(
-                f"{text!r} is no emergency stop; valid are 'digital_input.3 off' and 'digital_input.3 on'"
+                f"{text!r} is no emergency stop; valid are 'digital_input.3=off' and 'digital_input.3=on'"
             )
         found[channel.index] = VALUES[word]
     return EmergencyInputs(found)

@@ -150,7 +150,7 @@ class ControllerNode(RobotNode):
         texts = self.parameter(
             'emergency_stop_inputs',
             [''],
-            "digital inputs that stop the robot, as 'digital_input.3 off'",
+            "digital inputs that stop the robot, as 'digital_input.3=off'",
             check=parse_emergency_stop,
             read_only=True,
         )
