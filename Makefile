@@ -8,7 +8,7 @@ SCENE ?=
 VIEW ?= 0
 # Of simulations.
 DRIVE ?= second_order
-# Of benchmark-inverse-kinematics: --markdown, --seed 1, ...
+# Of commands that print figures: --markdown, and others that they explain with --help.
 OPTIONS ?=
 ROS_DISTRO_SETUP := /opt/ros/jazzy/setup.bash
 
@@ -42,6 +42,8 @@ endif
 # Not what a shell has: the setup of a ROS 2 installation opens it to the whole subnet.
 ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 RUN = export ROS_DISTRO_SETUP=$(ROS_DISTRO_SETUP); source environment.bash; export ROS_AUTOMATIC_DISCOVERY_RANGE=$(ROS_AUTOMATIC_DISCOVERY_RANGE);
+
+ENDURANCE = PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/endurance"
 
 # By uv, which takes a quarter of the time; by pip where only pip is set up for the package index.
 INSTALL = export -n PYTHONPATH; .venv/bin/python -m pip install --quiet --disable-pip-version-check uv==0.13.9; \
@@ -100,7 +102,7 @@ lint: .venv/.installed_tests  ## Lint, format and type checks
 test: build lint  ## Lint, types and all tests
 	@# One more at once than there are processors: nodes wait for each other most of the time.
 	@$(RUN) python -m pytest -n $$(($$(nproc) + 1)) --dist worksteal test/contract test/property test/unit \
-	  test/node test/bag test/cell
+	  test/node test/bag test/cell test/endurance
 
 .PHONY: test-under-load
 test-under-load:  ## The same beside twice as many busy processes as there are cores
@@ -109,6 +111,10 @@ test-under-load:  ## The same beside twice as many busy processes as there are c
 .PHONY: generated-programs
 generated-programs: build  ## Programs generated from seeds: FIRST=0, COUNT=2000, WAYS=simulated,lockstep,live; names those that break a law
 	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test" python -m cell.generated.run_seeds $(or $(FIRST),0) $(or $(COUNT),2000) $$(nproc) $(or $(WAYS),simulated)
+
+.PHONY: random-motions
+random-motions: build  ## Random motions of all robots, held to their limits at 10 kHz: FIRST=0, COUNT=10000; names seeds that break one
+	@$(RUN) $(ENDURANCE) python -m random_motions $(or $(FIRST),0) $(or $(COUNT),10000) $$(nproc) $(OPTIONS)
 
 .PHONY: fuzz
 fuzz: build .venv/.installed_tests  ## Generated messages to every node, damaged files and programs, generated programs: for DURATION=600 s

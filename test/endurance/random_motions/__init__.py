@@ -1,0 +1,1 @@
+"""Random motions of all robots, held to their limits by plain differences: make random-motions."""
