@@ -14,6 +14,7 @@ from robots_controller.program.program_header import ProgramHeader, read_program
 from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import RobotsError
+from robots_core.operating_modes import OperatingMode
 from robots_planning.motion_settings import NOTHING
 
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
@@ -46,6 +47,12 @@ def add_cell_arguments(parser: argparse.ArgumentParser) -> None:
         default=0.0,
         metavar='M_PER_S',
         help='highest speed of the tool and of the frames of all axes, on every motion; 0 for none',
+    )
+    parser.add_argument(
+        '--operating-mode',
+        default=OperatingMode.AUTOMATIC.value,
+        choices=tuple(OperatingMode),
+        help='who may command the robot, and how fast it moves; %(default)s by default',
     )
 
 

@@ -11,6 +11,7 @@ from robots_controller.simulation.cell_parts import COLLISION_MARGIN, cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.following.following_methods import METHODS
+from robots_core.operating_modes import OperatingMode
 from robots_core.validation import positive
 from robots_planning.motion_settings import NOTHING
 
@@ -29,6 +30,7 @@ def simulate(
     rate: float = 250.0,
     goal_tolerance: float | None = None,
     tool_speed_limit: float = 0.0,
+    operating_mode: str = OperatingMode.AUTOMATIC,
     payload: tuple[float, ...] = NOTHING,
     collision_margin: float = COLLISION_MARGIN,
     points_file: Path | str = '',
@@ -57,6 +59,7 @@ def simulate(
         goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
             default.
         tool_speed_limit: Highest speed of the tool and of the frames of all axes, m/s; 0 for none.
+        operating_mode: One of `OperatingMode`; in T1 and T2 run is held all the time.
         payload: What the robot carries until its program sets another payload, see `MotionSettings`.
         collision_margin: Distance that motions keep, m.
         points_file: Taught points; '' for the file beside the program.
@@ -84,6 +87,7 @@ def simulate(
         rate=rate,
         goal_tolerance=goal_tolerance,
         tool_speed_limit=tool_speed_limit,
+        operating_mode=operating_mode,
         payload=payload,
         collision_margin=collision_margin,
         points_file=points_file,

@@ -57,6 +57,10 @@ class TrajectoryRefusedError(RobotsError):
     """The controller does not accept a trajectory."""
 
 
+class CommandRefusedError(RobotsError):
+    """Another commander owns the robot, or its operating mode excludes the sender."""
+
+
 class ProgramError(RobotsError):
     """A robot program that cannot be loaded or failed while running.
 

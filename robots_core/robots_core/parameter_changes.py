@@ -24,7 +24,7 @@ CHANGES: Final[Mapping[str, Mapping[str, Change]]] = {
         **dict.fromkeys(('blend_zone', 'joint_blend_zone', 'new_command'), Change.NEXT_MOTION),
         'collision_margin': Change.STANDING,
     },
-    'controller_node': {'tool_speed_limit': Change.ANYTIME},
+    'controller_node': {'tool_speed_limit': Change.ANYTIME, 'operating_mode': Change.STANDING},
     'lua_program_node': {
         **dict.fromkeys(('program', 'points_file'), Change.NEXT_PROGRAM),
         **dict.fromkeys(('breakpoints', 'step_mode'), Change.ANYTIME),

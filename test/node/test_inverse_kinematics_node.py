@@ -104,12 +104,25 @@ def test_a_twist_alone_is_servoed(ros_nodes: Any) -> None:
 def test_follows_only_while_the_program_lets_a_sensor_guide_the_robot(ros_nodes: Any) -> None:
     bench = GuidedRobot(ros_nodes)
     bench.publish('guide', String(data='NONE'), STATE)
-    bench.wait(lambda: bench.ik._guide == 'NONE', 'the guide')
+    bench.wait(lambda: bench.ik.commanders.guide == 'NONE', 'the guide')
     bench.pose = Pose(POSE.r + np.array([0.0, 0.01, 0.0]), POSE.T)
     count = len(bench.references)
     bench.wait(lambda: len(bench.references) > count + 100, 'references')
     assert not bench.stream
     bench.publish('guide', String(data='SENSOR'), STATE)
+    bench.until_at(bench.pose)
+
+
+def test_follows_only_while_nobody_else_commands_the_robot(ros_nodes: Any) -> None:
+    bench = GuidedRobot(ros_nodes)
+    bench.publish('commander', String(data='PENDANT'), STATE)
+    bench.wait(lambda: bench.ik.commanders.commander == 'PENDANT', 'the commander')
+    bench.pose = Pose(POSE.r + np.array([0.0, 0.01, 0.0]), POSE.T)
+    count = len(bench.references)
+    bench.wait(lambda: len(bench.references) > count + 100, 'references')
+    assert not bench.stream
+    bench.publish('guide', String(data='NONE'), STATE)
+    bench.publish('commander', String(data='SENSOR'), STATE)
     bench.until_at(bench.pose)
 
 

@@ -41,8 +41,13 @@ class JoggedRobot(Bench):
         self.results = self.collect('motion_result', DiagnosticStatus, COMMAND, motion_result_from_message)
         self.start_node(DriveNode, robot_model=NAME)
         # The test's own threads may hold up drives and planner, which share their interpreter.
-        self.start_node(
-            ControllerNode, robot_model=NAME, realtime_priority=0, feedback_timeout=20.0, stream_timeout=0.5
+        self.controller = self.start_node(
+            ControllerNode,
+            robot_model=NAME,
+            realtime_priority=0,
+            feedback_timeout=20.0,
+            stream_timeout=0.5,
+            operating_mode='T2',
         )
         self.start_node(PlanningNode, robot_model=NAME)
         self._timer: Any = None
@@ -98,6 +103,8 @@ def test_an_axis_moves_while_it_is_jogged_and_stops_without_commands(bench: Jogg
     asked = np.array([point.velocities for point in bench.points])
     assert (np.abs(asked) <= 0.1 * axes.velocity * (1.0 + 1e-9)).all()
     # The robot takes motions again once the stream is over.
+    bench.wait(lambda: not bench.controller.moving, 'the end of the stream')
+    bench.set_parameters(bench.controller, operating_mode='AUTOMATIC')
     bench.wait(lambda: bench.move(HOME).ok, 'a motion')
 
 

@@ -31,6 +31,7 @@ class Rig:
         self.progresses: list[float] = []
         self.refusals: list[str] = []
         self.stops: list[StopState] = []
+        self.enabled: list[bool] = []
         self.loop = ControlLoop(Controller(AXES, settings), rates, self, progress_every=progress_every)
         self.looks = 0
         self.q = START
@@ -44,6 +45,9 @@ class Rig:
 
     def stream_refused(self, error: RobotsError, _now: float) -> None:
         self.refusals.append(str(error))
+
+    def run_enabled(self, *, enabled: bool) -> None:
+        self.enabled.append(enabled)
 
     def stop_changed(self, state: StopState) -> None:
         self.stops.append(state)

@@ -71,6 +71,9 @@ class Cell:
     def stream_refused(self, error: Exception, _now: float) -> None:
         raise error
 
+    def run_enabled(self, *, enabled: bool) -> None:
+        """See `ControlPort`."""
+
     def stop_changed(self, state: object) -> None:
         """See `ControlPort`."""
 

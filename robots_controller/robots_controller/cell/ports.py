@@ -52,6 +52,9 @@ class ControllerPort(Protocol):
     def request(self, request: ControllerRequest) -> None:
         """Pause on the path, resume, or stop and give up all motions."""
 
+    def command(self, *, taken: bool) -> None:
+        """Take the robot for the program, or give it back; a refusal goes to `ProgramHost.lose_robot`."""
+
     def set_override(self, value: float) -> None:
         """Scale the speed of all motions, 0..1."""
 

@@ -13,6 +13,7 @@ from robots_controller.cell.path_switching import PathSwitching
 from robots_controller.cell.ports import ControllerPort, PlannerPort, ProgramObserver, RobotPort
 from robots_controller.cell.program_motions import ProgramMotions
 from robots_controller.cell.program_reporter import ProgramReporter
+from robots_controller.cell.run_permission import RunPermission
 from robots_controller.interpreter.debugger import Step
 from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE, LuaProgram
 from robots_controller.io.fail_safe import FailSafe, safe_value
@@ -32,7 +33,8 @@ class ProgramHost:
     """A program, its motions, the outputs that they switch, and the reports of all that.
 
     It is the cell (`CellPort`) of its `program`. A transport calls `result` with the ends of motions,
-    `switching` with plans and progress, `motions.watch` and `reporter.report_in_time` regularly.
+    `switching` with plans and progress, `motions.watch` and `reporter.report_in_time` regularly, and
+    `permission`, `stop_changed` and `run_enabled` with what the controller reports.
 
     Args:
         robot: The robot.
@@ -99,6 +101,7 @@ class ProgramHost:
             on_sent=self._sent,
             on_result=self._ended,
         )
+        self.permission = RunPermission(self.lose_robot)
         self._files: dict[MotionCommand, str] = {}  # the programs of motions that were not sent yet
 
     # -- operation ------------------------------------------------------------------------------------
@@ -143,8 +146,10 @@ class ProgramHost:
         """Run the program from its start; with `hold`, hold it before its first line.
 
         Raises:
-            ProgramError: no program is open, one is running, or the robot still moves.
+            RobotsError: as `RunPermission.check`; so do `resume` and `step`.
+            ProgramError: no program is open, one is running, the robot still moves.
         """
+        self.permission.check()
         self.program.run(hold=hold)
         self.clock.program_started()
         return f'{self.program.file} is held before its first line' if hold else f'{self.program.file} runs'
@@ -166,6 +171,7 @@ class ProgramHost:
         Raises:
             ProgramError: no program is held.
         """
+        self.permission.check()
         if not self.program.resume():
             raise ProgramError('no program is paused')
         self.reporter.report()
@@ -177,6 +183,7 @@ class ProgramHost:
         Raises:
             ProgramError: no program is open or held.
         """
+        self.permission.check()
         if self.program.run_state is RunState.OPENED:
             return self.run(hold=True)
         if not self.program.step(step):
@@ -194,13 +201,6 @@ class ProgramHost:
             raise ProgramError('no program is running')
         self.motions.stop()
         return f'{self.program.file} stops'
-
-    def fail(self, reason: str) -> None:
-        """A fault stops the robot: a program that runs fails for this reason, and outputs get fail-safe."""
-        if self.program.fail(reason):
-            self.motions.stop()
-        else:
-            self.make_outputs_safe()
 
     def reset(self) -> str:
         """Set the program back to its start.
@@ -220,6 +220,27 @@ class ProgramHost:
         for channel in io.set_outputs(lambda output, value: safe_value(self._fail_safe, output, value)):
             value, line = io.value(channel), self.program.line
             self._observer.outputs_changed(OutputChange(channel.kind, channel.index, value, line))
+
+    # -- reports of the controller --------------------------------------------------------------------
+
+    def stop_changed(self, reason: str) -> None:
+        """A fault stops the robot: a program that runs fails, outputs get fail-safe; '' after its reset."""
+        self.permission.stop_reason = reason
+        if reason and not self.lose_robot(reason):
+            self.make_outputs_safe()
+
+    def run_enabled(self, *, enabled: bool) -> None:
+        """A person holds run, or nobody needs to: otherwise the program is held."""
+        self.permission.enabled = enabled
+        self.program.set_enabled(enabled=enabled)
+        self.reporter.report()
+
+    def lose_robot(self, reason: str) -> bool:
+        """A program that runs fails, for this reason; False if none does."""
+        running = self.program.fail(reason)
+        if running:
+            self.motions.stop()
+        return running
 
     def _report_well(self) -> None:
         self.reporter.open_error = ''
@@ -341,7 +362,12 @@ class ProgramHost:
         """See `CellPort`."""
         if self._unsafe:
             self.make_outputs_safe()
+        self._controller.command(taken=True)
         self._report_well()
+        try:
+            self.permission.check()
+        except RobotsError as error:  # not asked by `run`, but by an editor
+            self.program.fail(str(error))
 
     def line_reached(self, line: int) -> None:
         """See `CellPort`."""
@@ -361,6 +387,7 @@ class ProgramHost:
 
     def ended(self, error: ProgramError | None) -> None:
         """See `CellPort`."""
+        self._controller.command(taken=False)
         self._observer.ended(error)
         self.reporter.report()
         self.clock.program_ended()

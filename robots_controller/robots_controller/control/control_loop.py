@@ -3,6 +3,7 @@
 import contextlib
 from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import Literal, Protocol
 
@@ -37,6 +38,17 @@ class ControlPort(Protocol):
     def stop_changed(self, state: StopState) -> None:
         """A fault holds the robot, the drives are switched, or the robot may move; also at the start."""
 
+    def run_enabled(self, *, enabled: bool) -> None:
+        """Motions of programs may go on, or wait for a person who holds run; also at the start."""
+
+
+@dataclass(eq=False)
+class _ComingMotion:
+    trajectory: Trajectory
+    id: str
+    join_time: float
+    cap: PathSpeedCap | None
+
 
 class ControlLoop:
     """The controller with its mailbox, which is emptied once per period.
@@ -56,24 +68,33 @@ class ControlLoop:
         self.controller, self._rates, self._port = controller, rates, port
         self._progress_every = progress_every
         self._mailbox: deque[Callable[[float], None]] = deque()
+        self._coming: list[_ComingMotion] = []  # in the mailbox
         self.cycle = 0
         """Number of the next cycle."""
         self.feedback_due = True
         """The next cycle takes feedback."""
         self._reported = -1.0
         self._stop_state: StopState | None = None
+        self._enabled: bool | None = None
+        self._now = 0.0  # of the last step
 
     @property
     def pending(self) -> bool:
         """A request waits for the next cycle."""
         return bool(self._mailbox)
 
+    @property
+    def at_rest(self) -> bool:
+        """Nothing moves the robot, and no motion waits for the next cycle."""
+        return self.controller.standing and not self._coming
+
     # -- requests -------------------------------------------------------------------------------------
 
     def follow(self, trajectory: Trajectory, id_: str, *, join_time: float = 0.0) -> None:
         """Follow a trajectory, see `Controller.follow`."""
-        cap = self.controller.path_speed_cap(trajectory)
-        self._mailbox.append(partial(self._follow, trajectory, id_, join_time, cap))
+        motion = _ComingMotion(trajectory, id_, join_time, self.controller.path_speed_cap(trajectory))
+        self._coming.append(motion)
+        self._mailbox.append(partial(self._follow, motion))
 
     def stream(self, point: StreamPoint, id_: str) -> None:
         """Follow a point of a stream, see `Controller.stream`."""
@@ -86,6 +107,8 @@ class ControlLoop:
     def change_caps(self) -> None:
         """Compute anew how fast the frames may follow the motions that there are."""
         controller = self.controller
+        for coming in list(self._coming):
+            coming.cap = controller.path_speed_cap(coming.trajectory)
         caps = [(motion, controller.path_speed_cap(motion.trajectory)) for motion in controller.motions]
         self._mailbox.append(lambda _: _set_caps(caps))
 
@@ -133,6 +156,7 @@ class ControlLoop:
             The reference (3, n), None before the first feedback.
         """
         controller, mailbox = self.controller, self._mailbox
+        self._now = now
         while mailbox:
             mailbox.popleft()(now)
         return controller.step(now, position)
@@ -145,6 +169,10 @@ class ControlLoop:
         if controller.stops.state is not self._stop_state:
             self._stop_state = controller.stops.state
             self._port.stop_changed(self._stop_state)
+        enabled = controller.authority.enabled(self._now)
+        if enabled is not self._enabled:
+            self._enabled = enabled
+            self._port.run_enabled(enabled=enabled)
         self._report_progress()
         self.cycle += 1
         self.feedback_due = self._rates.feedback_due(self.cycle, controller)
@@ -161,14 +189,16 @@ class ControlLoop:
             self._reported = progress
             self._port.progress(progress)
 
-    def _follow(
-        self, trajectory: Trajectory, id_: str, join_time: float, cap: PathSpeedCap | None, now: float
-    ) -> None:
+    def _follow(self, motion: _ComingMotion, now: float) -> None:
         try:
-            self.controller.follow(trajectory, id_, now, join_time=join_time, cap=cap)
+            self.controller.follow(
+                motion.trajectory, motion.id, now, join_time=motion.join_time, cap=motion.cap
+            )
         except RobotsError as error:
-            self._port.result(MotionResult.refused(id_, error))
+            self._port.result(MotionResult.refused(motion.id, error))
             return
+        finally:
+            self._coming.remove(motion)
         self._report_progress()
 
     def _stream(self, point: StreamPoint, id_: str, now: float) -> None:

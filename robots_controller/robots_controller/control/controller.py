@@ -9,6 +9,7 @@ from enum import StrEnum
 import numpy as np
 
 from robots_controller.control.brake import Brake
+from robots_controller.control.command_authority import CommandAuthority
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.faults import REFERENCE_REFUSED, Fault, StopCategory
 from robots_controller.control.feedback_watch import FeedbackWatch
@@ -52,6 +53,7 @@ class Controller:
         axes: The robot's limits.
         settings: See `ControllerSettings`.
         frame_limit: How fast tool and frames may move; without a limit by default.
+        authority: Operating mode and commander; automatic mode by default.
         processor_share: See `Watchdog`.
     """
 
@@ -61,11 +63,14 @@ class Controller:
         settings: ControllerSettings | None = None,
         *,
         frame_limit: FrameSpeedLimit | None = None,
+        authority: CommandAuthority | None = None,
         processor_share: Callable[[], float] = lambda: 1.0,
     ) -> None:
         self.settings = settings or ControllerSettings()
         self.outcomes: deque[MotionResult] = deque()
         """Ends of motions, oldest first; the caller takes them out."""
+        self.authority = authority or CommandAuthority()
+        """Who commands the robot, and whether its motions may go on."""
         self.override = 1.0
         self.paused = False
         self._axes, self._frame_limit = axes, frame_limit
@@ -169,7 +174,7 @@ class Controller:
         motion = FollowedMotion(trajectory, id_, now, cap)
         self._motions.put(motion, self._reference, join_time)
         if standing:
-            self._following.begin(motion, self._target_speed())
+            self._following.begin(motion, self._target_speed(enabled=self.authority.enabled(now)))
 
     def stream(self, point: StreamPoint, id_: str, now: float) -> None:
         """Follow a point, the next of a stream or the first of one.
@@ -216,7 +221,7 @@ class Controller:
             now: Time, s.
             stands: Its cause stays until `stops.clear`.
         """
-        if fault.moving_only and self._standing:
+        if fault.moving_only and self.standing:
             return
         if not self.stops.trip(fault, reason, stands=stands):
             return
@@ -231,7 +236,7 @@ class Controller:
         Raises:
             RobotsError: it moves, or something is.
         """
-        if not self._standing:
+        if not self.standing:
             raise RobotsError('cannot reset: the robot is still moving')
         if self._feedback.lost:
             raise RobotsError(f'cannot reset: {NO_FEEDBACK}')
@@ -270,12 +275,13 @@ class Controller:
             self._step_stream(now)
         elif self._motion is not None:
             self._step_motion(self._motion, now)
-        if self.stops.latched and self._standing:
+        if self.stops.latched and self.standing:
             self._stay_stopped(feedback)
         return self._reference
 
     @property
-    def _standing(self) -> bool:
+    def standing(self) -> bool:
+        """Nothing moves the robot: no motion, no stream, no brake."""
         return self._motion is None and self._brake is None and not self._stream.active
 
     def _stay_stopped(self, feedback: Array | None) -> None:
@@ -297,15 +303,16 @@ class Controller:
         self._guard.reset(position)
         self._feedback.restart()
 
-    def _target_speed(self) -> float:
-        return 0.0 if self.paused else self.override
+    def _target_speed(self, *, enabled: bool) -> float:
+        return self.override if enabled and not self.paused else 0.0
 
     def _step_motion(self, motion: FollowedMotion, now: float) -> None:
         stopping = motion.failure is not None
         if motion.settling_since is not None:
             self._settle(motion, now)
             return
-        if not self._guarded(self._following.step(motion, 0.0 if stopping else self._target_speed())):
+        enabled = not stopping and self.authority.enabled(now)
+        if not self._guarded(self._following.step(motion, self._target_speed(enabled=enabled))):
             self._step_brake(now)
             return
         if not self._following.standing:
@@ -331,7 +338,7 @@ class Controller:
     def _step_stream(self, now: float) -> None:
         stream = self._stream
         assert self._reference is not None
-        speed = self._target_speed()
+        speed = self._target_speed(enabled=self.authority.stream_enabled(now))
         if self._frame_limit is not None:
             speed = min(speed, self._frame_limit.stream_share(self._reference[0]))
         reference, over = stream.step(now, self._reference, speed)
@@ -399,7 +406,8 @@ class Controller:
         if ok:
             self._motions.start_next(now)
             if self._motion is not None:
-                self._following.begin(self._motion, self._target_speed())
+                enabled = self.authority.enabled(now)
+                self._following.begin(self._motion, self._target_speed(enabled=enabled))
             return
         for unbegun in self._motions.clear():
             unbegun.start = now

@@ -38,6 +38,7 @@ _STOP_TEXTS: Final[dict[HoldReason, str]] = {
     'breakpoint': 'Held at a breakpoint',
     'step': 'Held after a step',
     'pause': 'Paused',
+    'release': 'Held until run is held',
 }
 
 Message = dict[str, Any]

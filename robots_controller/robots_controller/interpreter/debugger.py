@@ -11,7 +11,7 @@ from robots_core.errors import InvalidInputError
 
 Step = Literal['in', 'over', 'out', 'motion']
 STEPS: Final[tuple[Step, ...]] = ('over', 'in', 'out', 'motion')
-HoldReason = Literal['', 'entry', 'breakpoint', 'step', 'pause']
+HoldReason = Literal['', 'entry', 'breakpoint', 'step', 'pause', 'release']
 
 
 @dataclass(frozen=True)

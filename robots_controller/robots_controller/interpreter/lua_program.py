@@ -75,6 +75,7 @@ class LuaProgram(SharedData):
         self._told_hold = False
         self.debugger = Debugger()
         self._hold_reason: HoldReason = ''
+        self._enabled = True
         self._call_stack = CallStack()
         self.points_file: Path | None = None
         """Where taught points stand; beside the program by default."""
@@ -163,6 +164,14 @@ class LuaProgram(SharedData):
         """
         return self._release(None)
 
+    def set_enabled(self, *, enabled: bool) -> None:
+        """Hold the program as long as a person does not hold run, and let it go on when one does."""
+        self._enabled = enabled
+        if not enabled:
+            self._hold('release')
+        elif self._hold_reason == 'release':
+            self._release(None)
+
     def step(self, step: Step = 'over') -> bool:
         """Let a held program go on for one step, see `Debugger.step`.
 
@@ -173,7 +182,7 @@ class LuaProgram(SharedData):
 
     @property
     def hold_reason(self) -> HoldReason:
-        """Why the program is held: 'pause', 'breakpoint', 'step', 'entry'; '' if it is not."""
+        """Why the program is held: 'pause', 'breakpoint', 'step', 'entry', 'release'; '' if it is not."""
         return self._hold_reason
 
     @property
@@ -264,7 +273,7 @@ class LuaProgram(SharedData):
 
     def _release(self, step: Step | None) -> bool:
         with self._state.condition:
-            if self._state.run_state is not RunState.PAUSED:
+            if self._state.run_state is not RunState.PAUSED or not self._enabled:
                 return False
             self.debugger.step(step)
             self._set_hold_reason('')

@@ -45,7 +45,7 @@ FILES = ('program', 'io', 'io_map', 'scene', 'references')  # options
 GRAPH_OPTIONS = (
     *FILES,
     *('robot', 'drive', 'rate', 'goal_tolerance', 'tool_speed_limit', 'watchdog', 'payload', 'guided'),
-    *('port', 'debug_port', 'lockstep'),
+    *('port', 'debug_port', 'operating_mode', 'lockstep'),
 )
 
 

@@ -16,6 +16,7 @@ from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
+from robots_core.operating_modes import OperatingMode
 from robots_core.watchdog import LONGEST, WATCHDOG, checked_watchdog
 from robots_planning.motion_settings import NOTHING
 
@@ -84,6 +85,7 @@ def cell_graph(
     drive: str = 'second_order',
     goal_tolerance: float | None = None,
     tool_speed_limit: float = 0.0,
+    operating_mode: str = OperatingMode.AUTOMATIC,
     watchdog: float = WATCHDOG,
     payload: tuple[float, ...] = NOTHING,
     port: int = 8080,
@@ -108,6 +110,7 @@ def cell_graph(
         goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
             default. Elastic gears and friction of `rigid_body` drives can keep an axis from standing closer.
         tool_speed_limit: Highest speed of the tool and of the frames of all axes, m/s; 0 for none.
+        operating_mode: One of `OperatingMode`.
         watchdog: How long a node that others depend on may give no sign of life, s; 0: any time.
         payload: What the robot carries until its program sets another payload, see `MotionSettings`.
         port: First port to try for the browser page.
@@ -131,6 +134,9 @@ def cell_graph(
     if guided and guided not in METHODS:
         raise RobotsError(f'unknown inverse kinematics {guided!r}; valid are {", ".join(METHODS)}')
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
+    # Nobody holds run while time stands still.
+    held = {'hold_timeout': 0.0} if lockstep else {}
+    mode = {'operating_mode': OperatingMode(operating_mode).value, **held}
     capped = {'tool_speed_limit': checked_speed_limit(tool_speed_limit)} if tool_speed_limit else {}
     cell_io = read_cell_io(io, io_map)
     stopping = {'emergency_stop_inputs': emergency_stop_texts(cell_io.emergency_stop) or ['']}
@@ -154,6 +160,7 @@ def cell_graph(
             rate=rate,
             **tolerance,
             **capped,
+            **mode,
             **stopping,
             **watched,
             **feedback,

@@ -1,15 +1,15 @@
 """Autostart: starts the program when everything that its motions need is there, however long that takes."""
 
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Final
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_controller.nodes.controller_client import ControllerClient
 from robots_controller.nodes.planner_client import PlannerClient
 from robots_controller.runtime_folder import first_time
 from robots_core.errors import RobotsError
-from robots_core.ros.presence import is_served
 from robots_core.ros.qos import COMMAND, STREAM
 from robots_core.ros.robot_node import RobotNode
 
@@ -27,7 +27,7 @@ class Autostart:
     Args:
         node: The program's node.
         planner: Sends motions.
-        stop: Client that stops the controller.
+        controller: Sends requests to the controller.
         start: Opens and runs the program.
 
     Parameters:
@@ -35,8 +35,14 @@ class Autostart:
         launch: Names the launch; '' for one that begins with this node.
     """
 
-    def __init__(self, node: RobotNode, planner: PlannerClient, stop: Any, start: Callable[[], None]) -> None:
-        self._node, self._planner, self._stop, self._start = node, planner, stop, start
+    def __init__(
+        self,
+        node: RobotNode,
+        planner: PlannerClient,
+        controller: ControllerClient,
+        start: Callable[[], None],
+    ) -> None:
+        self._node, self._planner, self._controller, self._start = node, planner, controller, start
         self._controller_works = False
         self._troubles: dict[str, str] = {}
         self._said, self._said_at = '', 0.0
@@ -81,7 +87,7 @@ class Autostart:
         planner = self._planner
         present = {
             'planning_node': planner.listens() and planner.configurable and bool(planner.followers()),
-            'controller_node': self._controller_works and is_served(self._node, self._stop),
+            'controller_node': self._controller_works and self._controller.works,
         }
         missing = [name for name, there in present.items() if not there]
         return missing + [trouble for name, trouble in self._troubles.items() if trouble and present[name]]

@@ -23,9 +23,11 @@ from robots_controller.control.faults import EMERGENCY_INPUT, EMERGENCY_STOP, FO
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
 from robots_controller.control.stop_latch import StopState
 from robots_controller.io.emergency_inputs import parse_emergency_stop
+from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
+from robots_core.operating_modes import Commander
 from robots_core.realtime import ask_for_realtime, processor_share
 from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.joint_state_reader import JointStateReader
@@ -106,8 +108,11 @@ class ControllerNode(RobotNode):
             'highest speed of the tool and of the frames of all axes, on every motion, m/s; 0 for none',
             check=checked_speed_limit,
         )
-        self._frame_limit = FrameSpeedLimit(self.robot, limit)
-        self._controller = Controller(self.robot.axes_data, settings, frame_limit=self._frame_limit, **share)
+        authority = authority_by_parameters(self)
+        self._frame_limit = FrameSpeedLimit(self.robot, authority.speed_limit(limit))
+        self._controller = Controller(
+            self.robot.axes_data, settings, frame_limit=self._frame_limit, authority=authority, **share
+        )
         self._names = list(self.robot.axes_data.names)
         self._refusal: RobotsError | None = None
         self._refusal_time = -math.inf
@@ -123,6 +128,7 @@ class ControllerNode(RobotNode):
         self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
         self._drives_publisher = self.create_publisher(Bool, 'drives_on', STATE)
         self._stop_publisher = self.create_publisher(DiagnosticStatus, 'stop_status', STATE)
+        self._commanders = CommanderServices(self, self._control, self._change_caps)
         self._feedback = PolledSubscription(self, JointState, 'joint_states', SENSOR, raw=True)
         self._joint_states = JointStateReader(self._names)
         self._position: Array | None = None
@@ -144,19 +150,7 @@ class ControllerNode(RobotNode):
         }
         for request, answer in answers.items():
             self.create_service(Trigger, f'~/{request}', partial(self._serve, request, answer))
-        self.create_service(Trigger, '~/emergency_stop', self._serve_emergency_stop)
-        self.create_service(Trigger, '~/reset', self._serve_reset)
-        subscribe_state(self, Bool, 'emergency_stop', self._on_emergency_stop)
-        texts = self.parameter(
-            'emergency_stop_inputs',
-            [''],
-            "digital inputs that stop the robot, as 'digital_input.3=off'",
-            check=parse_emergency_stop,
-            read_only=True,
-        )
-        self._emergency_inputs = parse_emergency_stop(texts)
-        if any(texts):
-            subscribe_state(self, UInt8MultiArray, 'digital_inputs', self._on_digital_inputs)
+        self._offer_emergency_stops()
         self._foreign_writers: set[str] = set()
         if self.participant is None:
             self.create_timer(WRITERS_PERIOD, self._look_for_writers)
@@ -172,6 +166,21 @@ class ControllerNode(RobotNode):
             realtime_priority=priority,
             idle_latency=latency if latency >= 0.0 else None,
         )
+
+    def _offer_emergency_stops(self) -> None:
+        self.create_service(Trigger, '~/emergency_stop', self._serve_emergency_stop)
+        self.create_service(Trigger, '~/reset', self._serve_reset)
+        subscribe_state(self, Bool, 'emergency_stop', self._on_emergency_stop)
+        texts = self.parameter(
+            'emergency_stop_inputs',
+            [''],
+            "digital inputs that stop the robot, as 'digital_input.3=off'",
+            check=parse_emergency_stop,
+            read_only=True,
+        )
+        self._emergency_inputs = parse_emergency_stop(texts)
+        if any(texts):
+            subscribe_state(self, UInt8MultiArray, 'digital_inputs', self._on_digital_inputs)
 
     # -- the loop ------------------------------------------------------------------------------------
 
@@ -233,6 +242,10 @@ class ControllerNode(RobotNode):
         if state.fault and state.drives_on:
             self.journal.error(f'stopped: {state.reason}')
 
+    def run_enabled(self, *, enabled: bool) -> None:
+        """See `ControlPort`."""
+        self._commanders.run_enabled(enabled=enabled)
+
     def _publish_result(self, result: MotionResult) -> None:
         self._result_publisher.publish(motion_result_message(result, self.robot_name))
 
@@ -291,17 +304,27 @@ class ControllerNode(RobotNode):
     def _on_settings(self, message: DiagnosticStatus) -> None:
         self._frame_limit.set_tool(settings_from_text(diagnostic_values(message)).tool_pose.r)
 
+    @property
+    def moving(self) -> bool:
+        """A motion, a stream or a brake moves the robot."""
+        return not self._control.at_rest
+
     def _on_parameters(self, parameters: list[Parameter]) -> None:
-        for parameter in parameters:
-            if parameter.name == 'tool_speed_limit':
-                self._frame_limit.limit = parameter.value
-                self._control.change_caps()
+        if any(parameter.name == 'tool_speed_limit' for parameter in parameters):
+            self._change_caps()
+
+    def _change_caps(self) -> None:
+        limit = self.get_parameter('tool_speed_limit').value
+        self._frame_limit.limit = self._controller.authority.speed_limit(limit)
+        self._control.change_caps()
 
     def _on_watched(self, name: str, reason: str) -> None:
         if name == 'collision_node':
             self._control.watch(LOST_NODES[name], reason)
         elif reason:
             self._control.trip(LOST_NODES[name], reason)
+            if name == 'lua_program_node':
+                self._commanders.give_back(Commander.PROGRAM)
 
     def _look_for_writers(self) -> None:
         """Stop while another node writes to the drives: not all drives can tell its references apart."""

@@ -11,11 +11,10 @@ from typing import Any, Final
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
-from std_msgs.msg import Float64, String
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from robots_controller.cell.program_host import ProgramHost
-from robots_controller.control.control_loop import ControllerRequest
 from robots_controller.editor.debug_adapter_server import DebugAdapterServer
 from robots_controller.editor.debug_token import new_token
 from robots_controller.interpreter.debugger import STEPS, breakpoints_by_file
@@ -23,6 +22,7 @@ from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.io.fail_safe import parse_fail_safe
 from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.autostart import Autostart
+from robots_controller.nodes.controller_client import ControllerClient
 from robots_controller.nodes.feedback_client import FeedbackClient
 from robots_controller.nodes.io_services import IoServices
 from robots_controller.nodes.lockstep_turns import LockstepTurns
@@ -40,7 +40,6 @@ from robots_core.ros.messages import (
     diagnostic_status,
     motion_result_from_message,
 )
-from robots_core.ros.presence import is_served
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
@@ -127,22 +126,18 @@ class LuaProgramNode(RobotNode):
         axes = self.robot.axes_data
         self._command_state_publisher = self.create_publisher(String, 'command_state', STATE)
         self._guide_publisher = self.create_publisher(String, 'guide', STATE)
-        self._override_publisher = self.create_publisher(Float64, 'override', STATE)
         self._status_publisher = self.create_publisher(DiagnosticStatus, 'program_status', STATE)
         self._print_logger = self.journal.get_child('print')
         self._feedback = FeedbackClient(self, axes.names)
         self._planner = PlannerClient(self, axes.names)
-        self._controller = {
-            name: self.create_client(Trigger, f'controller_node/{name}')
-            for name in ('pause', 'resume', 'stop')
-        }
+        self._controller = ControllerClient(self)
         self._turns = None if self.participant is None else LockstepTurns(self.participant)
         self.host = ProgramHost(
             self.robot,
             clock=ProgramClock(self) if self._turns is None else self._turns.clock,
             robot_port=self,
             planner=self._planner,
-            controller=self,
+            controller=self._controller,
             observer=self,
             **sizes,
             io_labels=labels,
@@ -172,7 +167,7 @@ class LuaProgramNode(RobotNode):
         )
         PathSwitchingMessages(self, self.host.switching, axes.names)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
-        self.create_subscription(DiagnosticStatus, 'stop_status', self._on_stop_status, STATE)
+        self._controller.report_to(self.host, self._changed)
         self.create_timer(WATCH_PERIOD, self.host.motions.watch)
         HeartbeatWatch(self, ['planning_node'], watchdog_parameter(self), self._on_planner_watched)
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
@@ -195,7 +190,7 @@ class LuaProgramNode(RobotNode):
         self.guide(Guide.NONE)
         host.reporter.report()
         self._debug_server = self._serve_editors(port, token) if port else None
-        Autostart(self, self._planner, self._controller['stop'], self._start)
+        Autostart(self, self._planner, self._controller, self._start)
         self.ready()
 
     def _names(self, channel: str) -> tuple[str, ...]:
@@ -274,9 +269,12 @@ class LuaProgramNode(RobotNode):
 
     # -- messages -------------------------------------------------------------------------------------
 
-    def _on_inputs(self, topic: str, error: InvalidInputError | None) -> None:
+    def _changed(self) -> None:
         if self._turns is not None:
             self._turns.changed()
+
+    def _on_inputs(self, topic: str, error: InvalidInputError | None) -> None:
+        self._changed()
         if error is None:
             self.ready()
         else:
@@ -284,20 +282,13 @@ class LuaProgramNode(RobotNode):
 
     def _on_motion_result(self, message: DiagnosticStatus) -> None:
         self.host.motions.result(motion_result_from_message(message))
-        if self._turns is not None:
-            self._turns.changed()
-
-    def _on_stop_status(self, message: DiagnosticStatus) -> None:
-        if message.level != DiagnosticStatus.OK:
-            self.host.fail(message.message)
-            if self._turns is not None:
-                self._turns.changed()
+        self._changed()
 
     def _on_planner_watched(self, _: str, reason: str) -> None:
         if reason:
             self.host.motions.lose_planner(reason)
 
-    # -- the program's robot and controller, from its thread ------------------------------------------
+    # -- the program's robot, from its thread -----------------------------------------------------
 
     def joint_feedback(self) -> JointFeedback:
         """See `RobotPort`; waits for the first feedback."""
@@ -306,21 +297,6 @@ class LuaProgramNode(RobotNode):
     def guide(self, guide: Guide) -> None:
         """See `RobotPort`."""
         self._guide_publisher.publish(String(data=guide.value))
-
-    def request(self, request: ControllerRequest) -> None:
-        """See `ControllerPort`."""
-        client = self._controller[request]
-        if is_served(self, client):
-            client.call_async(Trigger.Request())
-        else:
-            self.journal.warning(
-                f'controller_node/{request} is not there: is controller_node running?',
-                throttle_duration_sec=5.0,
-            )
-
-    def set_override(self, value: float) -> None:
-        """See `ControllerPort`."""
-        self._override_publisher.publish(Float64(data=value))
 
     # -- what the program does, from any thread -------------------------------------------------------
 

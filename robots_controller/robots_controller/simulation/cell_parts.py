@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from robots_controller.cell.guide_recording import GuideRecording, read_guide_recording
+from robots_controller.control.command_authority import CommandAuthority
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.frame_speed_limit import FrameSpeedLimit
+from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.emergency_inputs import (
     EmergencyInputs,
@@ -22,6 +23,7 @@ from robots_core.blocks.drives.drive_level import drive_train
 from robots_core.blocks.drives.drive_train import DriveTrain
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.blocks.multibody.payload import payload_of
+from robots_core.operating_modes import OperatingMode
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import positive
@@ -89,6 +91,7 @@ def cell_parts(
     rate: float = 250.0,
     goal_tolerance: float | None = None,
     tool_speed_limit: float = 0.0,
+    operating_mode: str = OperatingMode.AUTOMATIC,
     payload: tuple[float, ...] = NOTHING,
     collision_margin: float = COLLISION_MARGIN,
     points_file: Path | str = '',
@@ -107,7 +110,8 @@ def cell_parts(
     if scene:
         collision.set_scene(read_scene(scene))
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
-    frame_limit = FrameSpeedLimit(model, tool_speed_limit)
+    authority = CommandAuthority(OperatingMode(operating_mode), hold_timeout=0.0)
+    frame_limit = FrameSpeedLimit(model, authority.speed_limit(checked_speed_limit(tool_speed_limit)))
     settings = ControllerSettings(period=period, **tolerance)
     return CellParts(
         program=Path(program),
@@ -117,7 +121,7 @@ def cell_parts(
         drive=drive,
         drives=drive_train(drive, model, model.home, period=period, payload=payload_of(payload)),
         payload=payload,
-        controller=Controller(model.axes_data, settings, frame_limit=frame_limit),
+        controller=Controller(model.axes_data, settings, frame_limit=frame_limit, authority=authority),
         frame_limit=frame_limit,
         planning=PathPlanning(model, collision=collision, collision_margin=collision_margin),
         plc_script=cell_io.offline,

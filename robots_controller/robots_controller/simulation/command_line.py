@@ -32,7 +32,7 @@ from robots_core.errors import RobotsError
 
 SIMULATED = (  # options
     *('robot', 'drive', 'scene', 'io', 'io_map', 'rate', 'goal_tolerance', 'tool_speed_limit'),
-    *('payload', 'references', 'guided', 'longest'),
+    *('operating_mode', 'payload', 'references', 'guided', 'longest'),
 )
 DRAW_PERIOD = 0.1  # s of the machine's time between two drawings of the bar
 

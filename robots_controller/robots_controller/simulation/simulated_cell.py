@@ -35,6 +35,7 @@ from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
+from robots_core.operating_modes import Commander
 from robots_core.validation import read_only
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.trajectory import Trajectory
@@ -95,6 +96,7 @@ class SimulatedCell:
         controller = self._controller = parts.controller
         self._rates = ControllerRates(1.0 / period, controller.settings.feedback_timeout)
         self._control = ControlLoop(controller, self._rates, self, progress_every=1)
+        self._authority = controller.authority
         link = InProcessPlanner(
             parts.planning,
             payload=parts.payload,
@@ -177,8 +179,9 @@ class SimulatedCell:
         io = self._program.io
         for channel, value in self._plc.inputs.items():
             io.set_value(io.find(channel.name), value)
-        self._log.begin(io, self._parts.io_labels, self._plc_images)
+        self._log.begin(io, self._parts.io_labels, self._plc_images, self._authority.mode)
         self._host.open(self._parts.program, self._parts.points_file or '')
+        self._host.permission.mode_changed(self._authority.mode)
         self._watch_emergency_inputs()
         self._tick()  # the program finds a robot that stands, and its position
         self._running = True
@@ -416,10 +419,14 @@ class SimulatedCell:
         self._log.stop(state)
         self._supervised.power(on=state.drives_on)
         if state.fault is not None:
-            self._mail.append(lambda: self._fail(state.reason))
+            self._mail.append(lambda: self._stopped(state.reason))
 
-    def _fail(self, reason: str) -> None:
-        self._host.fail(reason)
+    def run_enabled(self, *, enabled: bool) -> None:
+        """See `ControlPort`; in a simulation nobody needs to hold run."""
+        self._log.run_enabled(enabled=enabled)
+
+    def _stopped(self, reason: str) -> None:
+        self._host.stop_changed(reason)
         self._changed = True
 
     # -- ports of the program ---------------------------------------------------------------------
@@ -437,6 +444,14 @@ class SimulatedCell:
     def request(self, request: ControllerRequest) -> None:
         """See `ControllerPort`."""
         self._control.request(request)
+
+    def command(self, *, taken: bool) -> None:
+        """See `ControllerPort`; nobody else is there."""
+        if taken:
+            self._authority.take(Commander.PROGRAM, standing=self._control.at_rest)
+        else:
+            self._authority.give_back(Commander.PROGRAM)
+        self._log.commander(self._authority.commander)
 
     def set_override(self, value: float) -> None:
         """See `ControllerPort`."""

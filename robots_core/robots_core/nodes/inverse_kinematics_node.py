@@ -11,7 +11,6 @@ from typing import Any, Final
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped, TwistStamped
-from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.following.following_methods import LARGEST_DEVIATION, METHODS, RATE
@@ -21,11 +20,13 @@ from robots_core.blocks.following.sensor_guidance import SensorGuidance
 from robots_core.blocks.inverse_kinematics.hold import check_hold
 from robots_core.errors import RobotsError
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
+from robots_core.operating_modes import Commander
+from robots_core.ros.commander_watch import CommanderWatch
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import STREAM, subscribe_state
+from robots_core.ros.qos import STREAM
 from robots_core.ros.reference_stream import ReferenceStream
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
@@ -44,7 +45,7 @@ class InverseKinematicsNode(RobotNode):
     For sensor-guided motion: references may come at any rate and may jump; the robot follows inside its
     limits. Their stamps say when they were valid. `reference_twist` beside fresh poses says how they move;
     alone it is followed itself (servoing). When neither comes for `timeout` the robot brakes to a stop. Where
-    `guide` is published, only while it is SENSOR.
+    `guide` is published, only while it is SENSOR, or while SENSOR is the commander.
     """
 
     phase = Phase.GUIDANCE
@@ -100,7 +101,6 @@ class InverseKinematicsNode(RobotNode):
         )
         self._names = list(self.robot.axes_data.names)
         self._controller_state: Array | None = None
-        self._guide: str | None = None
         self._oldest = math.inf
         self._last: RealtimeStep | None = None
         self._durations: deque[float] = deque(maxlen=round(10.0 * rate))
@@ -109,7 +109,7 @@ class InverseKinematicsNode(RobotNode):
         self._poses = PolledSubscription(self, PoseStamped, 'reference_pose', STREAM)
         self._twists = PolledSubscription(self, TwistStamped, 'reference_twist', STREAM)
         self._controller = PolledSubscription(self, JointTrajectory, 'joint_reference', STREAM)
-        subscribe_state(self, String, 'guide', self._on_guide)
+        self.commanders = CommanderWatch(self)
         self._stream = ReferenceStream(
             self, 'joint_trajectory', self._names, time_from_start=self._dt, qos=STREAM
         )
@@ -123,7 +123,7 @@ class InverseKinematicsNode(RobotNode):
     # -- the loop's thread ---------------------------------------------------------------------------
 
     def _step(self, now: float) -> None:
-        self._guidance.hand_over(handed_over=self._guide in (None, Guide.SENSOR))
+        self._guidance.hand_over(handed_over=self._handed_over())
         self._take_references(now)
         start = time.thread_time()
         step = self._guidance.step(now)
@@ -131,6 +131,11 @@ class InverseKinematicsNode(RobotNode):
             self._last = step
             self._stream.publish(np.array([step.q, step.q_dot, step.q_ddot]), now)
             self._durations.append(time.thread_time() - start)
+
+    def _handed_over(self) -> bool:
+        commanders = self.commanders
+        lent = commanders.guide in (None, Guide.SENSOR) or commanders.commander is Commander.SENSOR
+        return lent and commanders.allows(Commander.SENSOR)
 
     def _take_references(self, now: float) -> None:
         for message, _ in self._poses.take_all():
@@ -182,9 +187,6 @@ class InverseKinematicsNode(RobotNode):
         self.journal.error(self._refusal, throttle_duration_sec=REFUSAL_SHOWN)
 
     # -- the executor's thread -----------------------------------------------------------------------
-
-    def _on_guide(self, message: String) -> None:
-        self._guide = message.data
 
     def _report(self) -> None:
         values: dict[str, Any] = {'method': self._method, 'missed_deadlines': self._loop.missed}

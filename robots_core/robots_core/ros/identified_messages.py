@@ -102,24 +102,22 @@ class IdentifiedMessages:
 
 
 class IdentifiedSubscription(Waitable):
-    """Has an executor call back with the messages of accepted publishers.
+    """Has an executor call back with messages and their publishers' identities.
 
     Args:
         subscription: The subscription, which no executor takes messages from.
         callback_group: Of the callbacks.
-        accepts: Gets a publisher's identity.
-        from_anyone: Messages that every publisher may send.
+        callback: Gets a message, and its publisher's identity.
     """
 
     def __init__(
         self,
         subscription: Subscription,
         callback_group: CallbackGroup,
-        accepts: Callable[[bytes], bool],
-        from_anyone: Callable[[Any], bool],
+        callback: Callable[[Any, bytes], None],
     ) -> None:
         super().__init__(callback_group)  # type: ignore[no-untyped-call]
-        self._subscription, self._accepts, self._from_anyone = subscription, accepts, from_anyone
+        self._subscription, self._callback = subscription, callback
         self._messages = IdentifiedMessages(subscription)
         self._index: int | None = None
 
@@ -147,9 +145,16 @@ class IdentifiedSubscription(Waitable):
 
     async def execute(self, taken_data: tuple[bytes, bytes] | None) -> None:
         """See `Waitable`."""
-        if taken_data is None:
-            return
-        subscription, (data, identity) = self._subscription, taken_data
-        message = data if subscription.raw else deserialize_message(data, subscription.msg_type)
-        if self._accepts(identity) or self._from_anyone(message):
-            subscription.callback(message)
+        if taken_data is not None:
+            self._deliver(*taken_data)
+
+    def deliver_waiting(self) -> None:
+        """Call back with all messages that have come, now."""
+        while (taken := self._messages.take()) is not None:
+            self._deliver(*taken)
+
+    def _deliver(self, data: bytes, identity: bytes) -> None:
+        subscription = self._subscription
+        self._callback(
+            data if subscription.raw else deserialize_message(data, subscription.msg_type), identity
+        )

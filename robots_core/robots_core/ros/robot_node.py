@@ -19,6 +19,7 @@ from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
 from robots_core.ros.presence import publishers_of
+from robots_core.ros.publisher_names import PublisherNames
 from robots_core.ros.qos import COMMAND
 from robots_core.ros.timed_node import TimedNode
 from robots_core.topic_writers import WRITERS, WriterWatch
@@ -190,18 +191,63 @@ class RobotNode(TimedNode):
             except RobotsError as error:
                 self.refuse(topic, error, stream=qos_profile is not COMMAND)
 
+        def take_of_writers(message: Any, identity: bytes) -> None:
+            assert watch is not None
+            if watch.accepts(identity, self.now()) or from_anyone(message):
+                take(message)
+
         watch = self.writer_watch(topic)
         if watch is None or isinstance(options.get('callback_group'), NeverExecuted):
             return super().create_subscription(msg_type, topic, take, qos_profile, **options)
+        return self._create_identified(msg_type, topic, take_of_writers, qos_profile, **options)
+
+    def create_subscription_with_sender(
+        self, msg_type: Any, topic: str, callback: Callable[[Any, str], None], qos_profile: Any
+    ) -> Any:
+        """As `create_subscription`; the callback gets the sender's full node name too.
+
+        The name is '' where the middleware does not identify publishers, and in lock-step.
+        """
+
+        def take(message: Any, sender: str) -> None:
+            try:
+                callback(message, sender)
+            except RobotsError as error:
+                self.refuse(topic, error)
+
+        if self.participant is not None or not publishers_are_identified():
+            return super().create_subscription(
+                msg_type, topic, lambda message: take(message, ''), qos_profile
+            )
+        senders = PublisherNames(partial(publishers_of, self, topic))
+        return self._create_identified(
+            msg_type, topic, lambda message, identity: take(message, senders.name(identity)), qos_profile
+        )
+
+    def _create_identified(
+        self,
+        msg_type: Any,
+        topic: str,
+        callback: Callable[[Any, bytes], None],
+        qos_profile: Any,
+        **options: Any,
+    ) -> Any:
         group = options.pop('callback_group', None) or self.default_callback_group
         options['callback_group'] = NeverExecuted()
-        subscription = super().create_subscription(msg_type, topic, take, qos_profile, **options)
-        identified = IdentifiedSubscription(
-            subscription, group, lambda identity: watch.accepts(identity, self.now()), from_anyone
-        )
+        subscription = super().create_subscription(msg_type, topic, callback, qos_profile, **options)
+        identified = IdentifiedSubscription(subscription, group, callback)
         self._identified[subscription] = identified
         self.add_waitable(identified)
         return subscription
+
+    def deliver_waiting(self, subscription: Any) -> None:
+        """Call a subscription's callback with all messages that have come, now."""
+        if (identified := self._identified.get(subscription)) is not None:
+            identified.deliver_waiting()
+            return
+        handle = subscription.handle
+        while (taken := handle.take_message(subscription.msg_type, subscription.raw)) is not None:
+            subscription.callback(taken[0])
 
     def destroy_subscription(self, subscription: Any) -> bool:
         """As `Node.destroy_subscription`."""

@@ -6,7 +6,7 @@ from builtin_interfaces.msg import Time
 from rclpy.subscription import Subscription
 
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.timed_node import TimedNode
+from robots_core.ros.robot_node import RobotNode
 
 
 class CommandInbox:
@@ -19,7 +19,7 @@ class CommandInbox:
         node: Whose executor delivers.
     """
 
-    def __init__(self, node: TimedNode) -> None:
+    def __init__(self, node: RobotNode) -> None:
         self._waiting: list[tuple[tuple[int, int], Callable[[], None]]] = []
         self._more = False
         self._subscriptions: list[Subscription] = []
@@ -58,10 +58,7 @@ class CommandInbox:
         """
         # In lock-step all has been served.
         for subscription in () if self._turn is not None else self._subscriptions:
-            while (
-                taken := subscription.handle.take_message(subscription.msg_type, subscription.raw)
-            ) is not None:
-                subscription.callback(taken[0])
+            self._node.deliver_waiting(subscription)
         self.deliver()
 
     def deliver(self) -> None:

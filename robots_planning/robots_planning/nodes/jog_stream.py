@@ -10,6 +10,8 @@ from geometry_msgs.msg import TwistStamped
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
+from robots_core.operating_modes import Commander
+from robots_core.ros.commander_watch import CommanderWatch
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.loop import Loop
@@ -30,6 +32,7 @@ class JogStream:
         node: Owner.
         standing: Where the robot's reference stands, (n,); raises a PlanningError if it does not.
         busy: A motion is planned or runs: no jogging.
+        commanders: Says whether a person may jog.
     """
 
     def __init__(
@@ -38,8 +41,9 @@ class JogStream:
         *,
         standing: Callable[[], Array],
         busy: Callable[[], bool],
+        commanders: CommanderWatch,
     ) -> None:
-        self._node = node
+        self._node, self._commanders = node, commanders
         speed = node.parameter(
             'teach_speed', 0.1, 'part of the velocity limits to jog with', bounds=(0.001, 1.0), read_only=True
         )
@@ -87,6 +91,7 @@ class JogStream:
 
     def _jog(self, message: Any, jog: Callable[[float, float], None]) -> None:
         """Give a command, with its age by the stamp and the time in s; a first one starts the loop."""
+        self._commanders.check(Commander.PENDANT)
         sent = nanoseconds(message.header.stamp)
         age = (self._node.get_clock().now().nanoseconds - sent) / NANOSECONDS if sent else 0.0
         active = self.jogging.active

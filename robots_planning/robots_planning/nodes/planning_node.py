@@ -19,7 +19,9 @@ from robots_core.blocks.collision_detection import CollisionDetection, usable_ma
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.watched_scene import WatchedScene
+from robots_core.operating_modes import Commander
 from robots_core.pose import Pose
+from robots_core.ros.commander_watch import CommanderWatch
 from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.message_class import message_class
@@ -86,6 +88,7 @@ class PlanningNode(RobotNode):
                 check=self._replaces,
             )
         )
+        self._commanders = CommanderWatch(self)
         self._inbox = CommandInbox(self)
         self._worker = ThreadPoolExecutor(1, 'planner')
         self._patience = self.create_timer(BLEND_PATIENCE, self._release, autostart=False)
@@ -104,6 +107,7 @@ class PlanningNode(RobotNode):
             self,
             standing=self.planner.standing,
             busy=lambda: self.planner.moving,
+            commanders=self._commanders,
         )
         self._jogging.jogging.use_tool(self.planner.settings.tool_pose, self.planner.settings.hold)
         self.add_post_set_parameters_callback(self._on_settings)
@@ -132,10 +136,12 @@ class PlanningNode(RobotNode):
         for kind in MOTION_KINDS:
             command = partial(self._on_command, kind, readers[kind.target])
             message_type = message_class(kind.message_type)
-            self._inbox.subscribed(self.create_subscription(message_type, kind.topic, command, COMMAND))
+            self._inbox.subscribed(
+                self.create_subscription_with_sender(message_type, kind.topic, command, COMMAND)
+            )
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
         self.create_subscription(PoseStamped, 'reference_pose', self._on_reference_pose, STREAM)
-        self.create_subscription(Bool, 'trigger', self._on_trigger, COMMAND)
+        self.create_subscription_with_sender(Bool, 'trigger', self._on_trigger, COMMAND)
 
     @staticmethod
     def _replaces(value: str) -> bool:
@@ -156,11 +162,11 @@ class PlanningNode(RobotNode):
 
     # -- messages to the planner ---------------------------------------------------------------------
 
-    def _on_command(self, kind: MotionKind, read: Callable[[Any], Target], message: Any) -> None:
+    def _on_command(self, kind: MotionKind, read: Callable[[Any], Target], message: Any, sender: str) -> None:
         stamp = message.header.stamp
         if stamp.sec == 0 and stamp.nanosec == 0:
             stamp = self.get_clock().now().to_msg()
-        self._inbox.put(stamp, partial(self._command, kind, read, message, stamp_id(stamp)))
+        self._inbox.put(stamp, partial(self._command, kind, read, message, stamp_id(stamp), sender))
 
     def _command(
         self,
@@ -168,8 +174,10 @@ class PlanningNode(RobotNode):
         read: Callable[[Any], Target],
         message: Any,
         id_: str,
+        sender: str,
     ) -> None:
         try:
+            self._commanders.check(self._commanders.of_node(sender))
             target = read(message)
         except RobotsError as error:
             self.planner.refuse(id_, kind, error)
@@ -198,7 +206,8 @@ class PlanningNode(RobotNode):
         self.planner.reference_pose = None  # a trigger does not lead to one before this, whatever it is
         self.planner.reference_pose = self._pose(message)
 
-    def _on_trigger(self, message: Bool) -> None:
+    def _on_trigger(self, message: Bool, sender: str) -> None:
+        self._commanders.check(self._commanders.of_node(sender))
         stamp = self.get_clock().now().to_msg()
         self._inbox.put(stamp, partial(self.planner.trigger, stamp_id(stamp), level=message.data))
 
@@ -296,6 +305,7 @@ class PlanningNode(RobotNode):
             self.thread_failed(error)
 
     def _send_given(self, message: JointTrajectory, id_: str) -> None:
+        self._commanders.check(Commander.REMOTE)
         self.planner.send_given(id_, lambda q: waypoints_trajectory(message, self._names, q))
 
     # -- references ----------------------------------------------------------------------------------

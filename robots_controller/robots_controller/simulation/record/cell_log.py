@@ -30,6 +30,7 @@ from robots_core.blocks.collision.collision_guard import CollisionStatus
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
+from robots_core.operating_modes import Commander, OperatingMode
 from robots_planning.motion_settings import MotionSettings, settings_as_text
 from robots_planning.robot_command_state import RobotCommandState
 from robots_planning.trajectory import Trajectory
@@ -85,13 +86,20 @@ class CellLog:
         self.given_up: ProgramError | None = None
         """Why the cell stopped the program, if it did: the program has failed."""
 
-    def begin(self, io: IoImage, labels: Mapping[str, Sequence[str]], inputs: Mapping[str, int]) -> None:
+    def begin(
+        self,
+        io: IoImage,
+        labels: Mapping[str, Sequence[str]],
+        inputs: Mapping[str, int],
+        mode: OperatingMode,
+    ) -> None:
         """Write the state at the start.
 
         Args:
             io: The program's inputs and outputs.
             labels: Names of inputs and outputs, by image; in a live cell they are parameters of a node.
             inputs: Images of the inputs that the PLC sets, and the number of its inputs in each.
+            mode: The operating mode.
         """
         self.io = io
         if self._bag is not None and labels:
@@ -103,6 +111,8 @@ class CellLog:
             self.image(image)
         self.command_state(RobotCommandState.IDLE)
         self.guide(Guide.NONE)
+        self._plain('operating_mode', 'std_msgs/msg/String', mode.value)
+        self.commander(Commander.NOBODY)
         self.finished(done=False)
         for image, size in inputs.items():
             self.image(image, size=size)
@@ -143,6 +153,14 @@ class CellLog:
     def guide(self, guide: Guide) -> None:
         """What guides the robot."""
         self._plain('guide', 'std_msgs/msg/String', guide.value)
+
+    def commander(self, commander: Commander) -> None:
+        """Who commands the robot."""
+        self._plain('commander', 'std_msgs/msg/String', commander.value)
+
+    def run_enabled(self, *, enabled: bool) -> None:
+        """Motions of programs may go on."""
+        self._plain('run_enabled', 'std_msgs/msg/Bool', enabled)
 
     def motion_sent(self, id_: str, command: MotionCommand, file: str) -> None:
         """See `ProgramObserver`."""

@@ -1,0 +1,58 @@
+"""RunPermission: whether a program may run now."""
+
+from collections.abc import Callable
+
+from robots_core.errors import CommandRefusedError, ProgramError
+from robots_core.operating_modes import Commander, OperatingMode, check_command
+
+
+class RunPermission:
+    """What the controller has reported last.
+
+    Args:
+        on_lost: Gets the reason when a program may have the robot no longer.
+    """
+
+    def __init__(self, on_lost: Callable[[str], object]) -> None:
+        self._on_lost = on_lost
+        self._commander = Commander.NOBODY
+        self._mode: OperatingMode | None = None
+        self.stop_reason = ''
+        """The fault that stops the robot until it is reset; '' for none."""
+        self.enabled = True
+        """A person holds run, or nobody needs to."""
+
+    def commander_changed(self, commander: Commander) -> None:
+        """Who commands the robot."""
+        self._commander = commander
+        self._look()
+
+    def mode_changed(self, mode: OperatingMode) -> None:
+        """The operating mode."""
+        self._mode = mode
+        self._look()
+
+    def check(self) -> None:
+        """Check that a program may run.
+
+        Raises:
+            CommandRefusedError: another one commands the robot, or the mode excludes programs.
+            ProgramError: a fault stops the robot, or nobody holds run.
+        """
+        if self.stop_reason:
+            raise ProgramError(f'{self.stop_reason}; controller_node/reset lets the robot move again')
+        self._check_commander()
+        if not self.enabled:
+            raise ProgramError(
+                f'in operating mode {self._mode} programs run only while run is held: '
+                'true on topic hold_to_run, again and again'
+            )
+
+    def _check_commander(self) -> None:
+        check_command(Commander.PROGRAM, commander=self._commander, mode=self._mode)
+
+    def _look(self) -> None:
+        try:
+            self._check_commander()
+        except CommandRefusedError as error:
+            self._on_lost(error.message)

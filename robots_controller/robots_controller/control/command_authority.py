@@ -1,0 +1,98 @@
+"""CommandAuthority: one commander at a time, and the operating mode."""
+
+import math
+from typing import Final
+
+from robots_core.errors import CommandRefusedError
+from robots_core.operating_modes import MODES, Commander, OperatingMode, check_command, check_mode
+
+HOLD_TIMEOUT: Final = 0.2  # s
+
+
+class CommandAuthority:
+    """Who commands the robot, in which mode, and whether a person holds run.
+
+    One thread takes and gives back; another may ask `enabled`.
+
+    Args:
+        mode: The operating mode.
+        hold_timeout: Run counts as held for this long after the last sign of it, s; 0: nobody needs to.
+    """
+
+    def __init__(
+        self, mode: OperatingMode = OperatingMode.AUTOMATIC, *, hold_timeout: float = HOLD_TIMEOUT
+    ) -> None:
+        self._mode, self._hold_timeout = mode, hold_timeout
+        self._held_at = -math.inf
+        self.commander = Commander.NOBODY
+        """Who commands the robot."""
+
+    @property
+    def mode(self) -> OperatingMode:
+        """The operating mode."""
+        return self._mode
+
+    def set_mode(self, mode: OperatingMode) -> None:
+        """Change the mode, while the robot stands; a commander that it excludes loses the robot."""
+        self._mode = mode
+        self._held_at = -math.inf
+        if self.commander not in MODES[mode].commanders:
+            self.commander = Commander.NOBODY
+
+    def take(self, commander: Commander, *, standing: bool) -> None:
+        """Take the robot, which nobody commands; the one who has it may take it again.
+
+        Args:
+            commander: Takes it.
+            standing: The robot stands.
+
+        Raises:
+            CommandRefusedError: another one commands it, it moves, or the mode excludes the commander.
+        """
+        check_command(commander, commander=self.commander, mode=self._mode)
+        if self.commander is Commander.NOBODY and not standing:
+            raise CommandRefusedError(
+                f'{commander} cannot take the robot while it moves; it can when the robot stands'
+            )
+        self.commander = commander
+
+    def give_back(self, commander: Commander) -> None:
+        """Give the robot back.
+
+        Raises:
+            CommandRefusedError: another one commands it.
+        """
+        if self.commander not in (commander, Commander.NOBODY):
+            raise CommandRefusedError(f'{self.commander} commands the robot, not {commander}')
+        self.commander = Commander.NOBODY
+
+    def take_over(self, commander: Commander) -> None:
+        """Take the robot, whoever commands it; the transport stops what moves it.
+
+        Raises:
+            CommandRefusedError: the mode excludes the commander.
+        """
+        check_mode(commander, self._mode)
+        self.commander = commander
+
+    def hold(self, now: float, *, held: bool) -> None:
+        """A person holds run, or has released it; now in s, on the clock of `enabled`."""
+        self._held_at = now if held else -math.inf
+
+    def enabled(self, now: float) -> bool:
+        """Motions of programs may go on.
+
+        Args:
+            now: Time, s.
+        """
+        needed = MODES[self._mode].held and self._hold_timeout > 0.0
+        return not needed or now - self._held_at <= self._hold_timeout
+
+    def stream_enabled(self, now: float) -> bool:
+        """Streams may go on: who jogs holds a key, but what a program lets guide its robot does not."""
+        return self.commander is not Commander.PROGRAM or self.enabled(now)
+
+    def speed_limit(self, limit: float) -> float:
+        """The lower one of a limit of the tool's speed and the mode's, m/s; 0 is none."""
+        limits = [one for one in (limit, MODES[self._mode].tool_speed_limit) if one > 0.0]
+        return min(limits, default=0.0)

@@ -1,0 +1,117 @@
+"""CommanderServices: who commands the robot and in which mode, as messages of controller_node."""
+
+from collections.abc import Callable
+from functools import partial
+
+from rclpy.parameter import Parameter
+from std_msgs.msg import Bool, String
+from std_srvs.srv import SetBool, Trigger
+
+from robots_controller.control.command_authority import HOLD_TIMEOUT, CommandAuthority
+from robots_controller.control.control_loop import ControlLoop
+from robots_core.errors import CommandRefusedError
+from robots_core.operating_modes import Commander, OperatingMode
+from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.robot_node import RobotNode
+
+COMMANDERS = tuple(commander for commander in Commander if commander is not Commander.NOBODY)
+
+
+def authority_by_parameters(node: RobotNode) -> CommandAuthority:
+    """The authority that a node's parameters `operating_mode` and `hold_timeout` describe."""
+    mode = node.parameter(
+        'operating_mode',
+        OperatingMode.AUTOMATIC.value,
+        f'one of {", ".join(OperatingMode)}',
+        check=OperatingMode,
+    )
+    timeout = node.parameter(
+        'hold_timeout',
+        HOLD_TIMEOUT,
+        'in T1 and T2, run counts as held for this long after hold_to_run was true, s; 0: nobody needs to',
+        bounds=(0.0, 2.0),
+        read_only=True,
+    )
+    return CommandAuthority(OperatingMode(mode), hold_timeout=timeout)
+
+
+class CommanderServices:
+    """Publishes `commander`, `operating_mode` and `run_enabled`, latched; serves those who take the robot.
+
+    For each commander, `~/commander/<name>` takes the robot (true) or gives it back (false), and
+    `~/take_over/<name>` stops the robot and takes it from whoever has it.
+
+    Args:
+        node: The controller's node.
+        control: Its loop.
+        on_mode: Called when the mode has changed.
+    """
+
+    def __init__(self, node: RobotNode, control: ControlLoop, on_mode: Callable[[], None]) -> None:
+        self._node, self._control, self._on_mode = node, control, on_mode
+        self._authority = control.controller.authority
+        self._commander_publisher = node.create_publisher(String, 'commander', STATE)
+        self._mode_publisher = node.create_publisher(String, 'operating_mode', STATE)
+        self._enabled_publisher = node.create_publisher(Bool, 'run_enabled', STATE)
+        for commander in COMMANDERS:
+            name = commander.lower()
+            node.create_service(SetBool, f'~/commander/{name}', partial(self._serve, commander))
+            node.create_service(Trigger, f'~/take_over/{name}', partial(self._serve_take_over, commander))
+        node.create_subscription(Bool, 'hold_to_run', self._on_hold, COMMAND)
+        node.add_post_set_parameters_callback(self._on_parameters)
+        self._publish()
+
+    def run_enabled(self, *, enabled: bool) -> None:
+        """Motions of programs may go on, or wait."""
+        self._enabled_publisher.publish(Bool(data=enabled))
+
+    def give_back(self, commander: Commander) -> None:
+        """A commander is gone: if it has the robot, nobody has it any more."""
+        if self._authority.commander is commander:
+            self._authority.give_back(commander)
+            self._publish()
+
+    def _serve(
+        self, commander: Commander, request: SetBool.Request, response: SetBool.Response
+    ) -> SetBool.Response:
+        try:
+            if request.data:
+                self._authority.take(commander, standing=self._control.at_rest)
+                response.message = f'{commander} commands the robot'
+            else:
+                self._authority.give_back(commander)
+                response.message = 'nobody commands the robot'
+            response.success = True
+        except CommandRefusedError as error:
+            response.success, response.message = False, str(error)
+        self._publish()
+        return response
+
+    def _serve_take_over(
+        self, commander: Commander, _: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
+        try:
+            before = self._authority.commander
+            self._authority.take_over(commander)
+        except CommandRefusedError as error:
+            response.success, response.message = False, str(error)
+            return response
+        if before is not commander:
+            self._control.stop(f'{commander} took the robot over')
+        response.success, response.message = True, f'{commander} commands the robot'
+        self._publish()
+        return response
+
+    def _on_hold(self, message: Bool) -> None:
+        self._authority.hold(self._node.now(), held=message.data)
+
+    def _on_parameters(self, parameters: list[Parameter]) -> None:
+        for parameter in parameters:
+            if parameter.name == 'operating_mode':
+                self._authority.set_mode(OperatingMode(parameter.value))
+                self._publish()
+                self._on_mode()
+
+    def _publish(self) -> None:
+        self._commander_publisher.publish(String(data=self._authority.commander.value))
+        self._mode_publisher.publish(String(data=self._authority.mode.value))

@@ -1,0 +1,102 @@
+"""ControllerClient: a program's requests to controller_node, and what that reports of the robot."""
+
+from collections.abc import Callable
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from std_msgs.msg import Bool, Float64, String
+from std_srvs.srv import SetBool, Trigger
+
+from robots_controller.cell.program_host import ProgramHost
+from robots_controller.control.control_loop import ControllerRequest
+from robots_core.operating_modes import Commander, OperatingMode
+from robots_core.ros.presence import is_served
+from robots_core.ros.qos import STATE
+from robots_core.ros.robot_node import RobotNode
+
+MISSING_SHOWN = 5.0  # s
+
+
+class ControllerClient:
+    """See `ControllerPort`; safe from any thread.
+
+    Args:
+        node: The node to call from.
+    """
+
+    def __init__(self, node: RobotNode) -> None:
+        self._node = node
+        self._requests = {
+            name: node.create_client(Trigger, f'controller_node/{name}')
+            for name in ('pause', 'resume', 'stop')
+        }
+        self._commander = node.create_client(SetBool, 'controller_node/commander/program')
+        self._override = node.create_publisher(Float64, 'override', STATE)
+        self._taken = False
+
+    @property
+    def works(self) -> bool:
+        """The controller serves requests."""
+        return is_served(self._node, self._requests['stop'])
+
+    def report_to(self, host: ProgramHost, changed: Callable[[], None]) -> None:
+        """Report to a program's host.
+
+        Args:
+            host: The host.
+            changed: Called after each report.
+        """
+        self._host, self._changed = host, changed
+        for message_type, topic, callback in (
+            (DiagnosticStatus, 'stop_status', self._on_stop_status),
+            (String, 'commander', self._on_commander),
+            (String, 'operating_mode', self._on_mode),
+            (Bool, 'run_enabled', self._on_enabled),
+        ):
+            self._node.create_subscription(message_type, topic, callback, STATE)
+
+    def request(self, request: ControllerRequest) -> None:
+        """See `ControllerPort`."""
+        client = self._requests[request]
+        if is_served(self._node, client):
+            client.call_async(Trigger.Request())
+        else:
+            self._node.journal.warning(
+                f'controller_node/{request} is not there: is controller_node running?',
+                throttle_duration_sec=MISSING_SHOWN,
+            )
+
+    def command(self, *, taken: bool) -> None:
+        """See `ControllerPort`; a controller that comes later is asked then."""
+        self._taken = taken
+        if is_served(self._node, self._commander):
+            self._commander.call_async(SetBool.Request(data=taken)).add_done_callback(self._on_answer)
+
+    def set_override(self, value: float) -> None:
+        """See `ControllerPort`."""
+        self._override.publish(Float64(data=value))
+
+    def _on_answer(self, future: Any) -> None:
+        answer = future.result()
+        if self._taken and answer is not None and not answer.success:
+            self._host.lose_robot(answer.message)
+            self._changed()
+
+    def _on_stop_status(self, message: DiagnosticStatus) -> None:
+        self._host.stop_changed('' if message.level == DiagnosticStatus.OK else message.message)
+        self._changed()
+
+    def _on_commander(self, message: String) -> None:
+        commander = Commander(message.data)
+        if commander is Commander.NOBODY and self._taken:  # of a controller that was started anew
+            self.command(taken=True)
+        self._host.permission.commander_changed(commander)
+        self._changed()
+
+    def _on_mode(self, message: String) -> None:
+        self._host.permission.mode_changed(OperatingMode(message.data))
+        self._changed()
+
+    def _on_enabled(self, message: Bool) -> None:
+        self._host.run_enabled(enabled=message.data)
+        self._changed()

@@ -1,0 +1,63 @@
+"""CommanderWatch: who commands the robot and in which mode, as controller_node says."""
+
+from std_msgs.msg import String
+
+from robots_core.blocks.following.guide import Guide
+from robots_core.errors import RobotsError
+from robots_core.operating_modes import Commander, OperatingMode, check_command
+from robots_core.ros.qos import STATE, subscribe_state
+from robots_core.ros.robot_node import RobotNode
+
+PROGRAM_NODE = 'lua_program_node'
+
+
+class CommanderWatch:
+    """Follows `commander`, `operating_mode` and `guide`; without a controller everyone may command.
+
+    Args:
+        node: Who watches.
+    """
+
+    def __init__(self, node: RobotNode) -> None:
+        self._program = f'{node.get_namespace().rstrip("/")}/{PROGRAM_NODE}'
+        self.commander = Commander.NOBODY
+        """Who commands the robot."""
+        self.mode: OperatingMode | None = None
+        """The operating mode; None before the controller has said it."""
+        self.guide: Guide | None = None
+        """What the program lets guide its robot; None without a program's node."""
+        node.create_subscription(String, 'commander', self._on_commander, STATE)
+        node.create_subscription(String, 'operating_mode', self._on_mode, STATE)
+        subscribe_state(node, String, 'guide', self._on_guide)
+
+    def check(self, sender: Commander) -> None:
+        """Check that a commander may command the robot now.
+
+        Raises:
+            CommandRefusedError: another one commands the robot, or the mode excludes the sender.
+        """
+        guide = self.guide or Guide.NONE
+        check_command(sender, commander=self.commander, mode=self.mode, guide=guide)
+
+    def allows(self, sender: Commander) -> bool:
+        """A commander may command the robot now."""
+        try:
+            self.check(sender)
+        except RobotsError:
+            return False
+        return True
+
+    def of_node(self, name: str) -> Commander:
+        """What a node that commands motions is, by its full name; the present commander for ''."""
+        if not name:
+            return Commander.REMOTE if self.commander is Commander.NOBODY else self.commander
+        return Commander.PROGRAM if name == self._program else Commander.REMOTE
+
+    def _on_commander(self, message: String) -> None:
+        self.commander = Commander(message.data)
+
+    def _on_mode(self, message: String) -> None:
+        self.mode = OperatingMode(message.data)
+
+    def _on_guide(self, message: String) -> None:
+        self.guide = Guide(message.data)

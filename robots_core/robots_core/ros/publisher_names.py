@@ -1,0 +1,34 @@
+"""PublisherNames: full node names of a topic's publishers."""
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Final
+
+PATIENCE: Final = 0.1  # s: a message may come before the name of its publisher's node
+LOOK_PERIOD: Final = 0.005  # s
+
+UNKNOWN: Final = 'an unknown node'
+
+
+class PublisherNames:
+    """Looks up by a publisher's identity which node it belongs to.
+
+    Args:
+        publishers: Full node names by identity, of all publishers that are known.
+    """
+
+    def __init__(self, publishers: Callable[[], Mapping[bytes, str]]) -> None:
+        self._publishers = publishers
+        self._names: dict[bytes, str] = {}
+
+    def name(self, identity: bytes) -> str:
+        """The node's full name; for the first message of a publisher this may take `PATIENCE`."""
+        deadline = time.monotonic() + PATIENCE
+        while identity not in self._names:
+            self._names = dict(self._publishers())
+            if identity in self._names:
+                break
+            if time.monotonic() >= deadline:
+                return UNKNOWN
+            time.sleep(LOOK_PERIOD)
+        return self._names[identity]
