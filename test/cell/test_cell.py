@@ -235,12 +235,44 @@ def test_a_program_s_node_that_is_killed_leaves_fail_safe_outputs_and_comes_back
     # Old process, cell and new process: what is held is held all the time.
     assert {tuple(image) for image in images[before:]} <= {(1, 1), (0, 1)}
     assert images[-1] == [0, 1]
-    run = ros_nodes.create_node('operator').create_client(Trigger, 'lua_program_node/run')
-    wait(run.service_is_ready, what='the service')
-    answer = run.call_async(Trigger.Request())
-    wait(answer.done, what='the answer')
-    assert answer.result().success, answer.result().message
+    operator = ros_nodes.create_node('operator')
+
+    def call(service: str) -> Trigger.Response:
+        client = operator.create_client(Trigger, service)
+        wait(client.service_is_ready, what=service)
+        answer = client.call_async(Trigger.Request())
+        wait(answer.done, what='the answer')
+        return answer.result()
+
+    refused = call('lua_program_node/run')
+    assert not refused.success
+    assert 'lua_program_node' in refused.message
+    assert 'controller_node/reset lets the robot move again' in refused.message
+    wait(lambda: call('controller_node/reset').success, what='a reset of the robot that stands')
+    wait(lambda: call('lua_program_node/run').success, what='a program that may run')
     wait(lambda: status[-1]['state'] == 'RUNNING', what='the program, started by a person')
     cell.interrupt()
     assert cell.wait() == 130
     wait(lambda: words[-1] == 0b10, what='fail-safe outputs at the end of the cell')
+
+
+def test_a_frozen_controller_is_killed_and_comes_back_stopped(start_cell: StartCell, ros_nodes: Any) -> None:
+    stops = collected(ros_nodes, 'stop_status', DiagnosticStatus, diagnostic_values)
+    wait = ros_nodes.wait_for
+    cell = start_cell('--robot', 'bello_bot', '--watchdog', '1')
+    cell.until_ready()
+    wait(lambda: stops, what='the state')
+    os.kill(cell.node_pids()['controller_node'], signal.SIGSTOP)
+    cell.until('controller_node gives no sign of life for 10 s: it is killed')
+    cell.until('controller_node is started again in 0.5 s')
+    wait(lambda: stops[-1].get('fault') == 'controller lost', what='the fault of the new process')
+    reset = ros_nodes.create_node('operator').create_client(Trigger, 'controller_node/reset')
+    wait(reset.service_is_ready, what='the service')
+
+    def answer() -> bool:
+        future = reset.call_async(Trigger.Request())
+        wait(future.done, what='the answer')
+        return future.result().success
+
+    wait(answer, what='a reset')
+    wait(lambda: 'fault' not in stops[-1], what='a robot that may move')

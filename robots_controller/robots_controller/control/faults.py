@@ -97,6 +97,12 @@ EMERGENCY_INPUT: Final = Fault(
     'one period',
     'a digital input that `emergency_stop` names in a file of the cell; reset when it is released',
 )
+CONTROLLER_LOST: Final = Fault(
+    'controller lost',
+    StopCategory.ONE,
+    'see references ended',
+    'controller_node has died, and is started again by `cell`',
+)
 FOREIGN_WRITER: Final = Fault(
     'foreign writer',
     StopCategory.ONE,
@@ -112,6 +118,7 @@ FAULTS: Final = (
     FEEDBACK_FROZEN,
     FOLLOWING_ERROR,
     FOREIGN_WRITER,
+    CONTROLLER_LOST,
     REFERENCE_REFUSED,
     PLANNER_LOST,
     PROGRAM_LOST,

@@ -27,6 +27,7 @@ from robots_controller.io.cell_io import read_cell_io
 from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, NodeDescription, cell_graph
 from robots_controller.live_cell.cell_listener import listen
 from robots_controller.live_cell.cell_view import CellView
+from robots_controller.live_cell.frozen_nodes import FrozenNodes
 from robots_controller.live_cell.left_outputs import LeftOutputs
 from robots_controller.live_cell.node_processes import NodeProcesses
 from robots_controller.live_cell.node_restarts import NodeRestarts
@@ -174,7 +175,9 @@ def _run_alone(
         restarting = not (options.once or options.no_restart or options.lockstep)
         policy = RestartPolicy() if restarting else None
         restarts = NodeRestarts(processes, listener.monitor, outputs, console, policy)
-        cell = RunningCell(options, processes, listener, view, restarts)
+        watchdog = 0.0 if options.lockstep else options.watchdog
+        frozen = FrozenNodes(listener.monitor, processes.names, watchdog)
+        cell = RunningCell(options, processes, listener, view, restarts=restarts, frozen=frozen)
         try:
             if not options.lockstep and (found := cell.others()):
                 console.print(occupied(found, options.namespace))

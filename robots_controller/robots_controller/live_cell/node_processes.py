@@ -136,6 +136,11 @@ class NodeProcesses:
         process = self._processes.get(name)
         return process is not None and process.running
 
+    def kill(self, name: str) -> None:
+        """Kill a node that does nothing any more."""
+        if (process := self._processes.get(name)) is not None:
+            process.send_signal(signal.SIGKILL)
+
     def take_dead(self) -> tuple[NodeProcess, ...]:
         """Nodes that have ended by themselves, once each."""
         dead = tuple(process for process in self._processes.values() if not process.running)

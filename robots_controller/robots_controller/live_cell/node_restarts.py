@@ -39,7 +39,7 @@ class NodeRestarts:
         self._outputs, self._console = outputs, console
         self._policy = policy
         self._program = ProgramStatus('', '', 0, '', '')
-        self._reason = ''
+        self._reasons: dict[str, str] = {}
 
     def program_reported(self, status: ProgramStatus) -> None:
         """The program's node said where the program is."""
@@ -47,8 +47,8 @@ class NodeRestarts:
 
     def died(self, node: NodeProcess) -> bool:
         """A node has died; returns whether it will be started again."""
+        self._reasons[node.name] = f'{node.name} {node.reason}'
         if node.name == PROGRAM_NODE:
-            self._reason = node.reason
             self._outputs.take_over(self._monitor.outputs)
         if self._policy is None:
             return False
@@ -63,15 +63,24 @@ class NodeRestarts:
         """Start the nodes whose time has come; returns their names."""
         names = [] if self._policy is None else self._policy.due(time.monotonic())
         for name in names:
-            self._processes.restart(name, self._parameters() if name == PROGRAM_NODE else {})
+            self._processes.restart(name, self._parameters(name))
         return names
 
-    def _parameters(self) -> dict[str, Any]:
-        """What the next process of the program's node goes on from."""
+    def _parameters(self, name: str) -> dict[str, Any]:
+        """What the next process of a node goes on from."""
+        match name:
+            case 'lua_program_node':
+                return self._of_program()
+            case 'controller_node':
+                return {'interrupted': self._reasons[name]}
+            case _:
+                return {}
+
+    def _of_program(self) -> dict[str, Any]:
         program, interrupted = self._program, ''
         if program.state in UNDER_WAY:
             interrupted = (
-                f'{program.file} was interrupted at line {program.line}: {PROGRAM_NODE} {self._reason}'
+                f'{program.file} was interrupted at line {program.line}: {self._reasons[PROGRAM_NODE]}'
             )
             self._console.print(f'[bold red]{escape(interrupted)}[/]')
         elif program.state == 'OPENED':  # the report of an earlier interruption stands

@@ -16,6 +16,7 @@ from robots_controller.live_cell.cell_events import (
 )
 from robots_controller.live_cell.cell_listener import CellListener
 from robots_controller.live_cell.cell_view import CellView
+from robots_controller.live_cell.frozen_nodes import FrozenNodes
 from robots_controller.live_cell.node_processes import NodeProcesses
 from robots_controller.live_cell.node_restarts import NodeRestarts
 from robots_controller.recording.motion_record import MOTION_TOPICS
@@ -41,9 +42,11 @@ class RunningCell:
         processes: NodeProcesses,
         listener: CellListener,
         view: CellView,
+        *,
         restarts: NodeRestarts,
+        frozen: FrozenNodes,
     ) -> None:
-        self._options, self._restarts = options, restarts
+        self._options, self._restarts, self._frozen = options, restarts, frozen
         self._processes = processes
         self._listener = listener
         self._monitor, self._recorder = listener.monitor, listener.recorder
@@ -128,11 +131,17 @@ class RunningCell:
         """All nodes live, and this cell is alone in its place; otherwise says why not, once."""
         if self._ended:
             return False
+        for name in self._frozen.look(time.monotonic()):
+            self._console.print(
+                f'[bold red]{name} gives no sign of life for {self._frozen.timeout:g} s[/]: it is killed'
+            )
+            self._processes.kill(name)
         for node in self._processes.take_dead():
             self._console.print(f'[bold red]{node.name} {node.reason}[/]\n{escape(node.last_lines)}')
             if not self._restarts.died(node) or self._starting:
                 self._ended = True
         for name in self._restarts.start_due():
+            self._frozen.started(name)
             self._view.expect(name)
         if self._listener.problem:
             self._console.print(f'[bold red]{escape(self._listener.problem)}[/]')

@@ -19,7 +19,13 @@ from robots_controller.control.control_loop import ControllerRequest, ControlLoo
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.faults import EMERGENCY_INPUT, EMERGENCY_STOP, FOREIGN_WRITER, LOST_NODES
+from robots_controller.control.faults import (
+    CONTROLLER_LOST,
+    EMERGENCY_INPUT,
+    EMERGENCY_STOP,
+    FOREIGN_WRITER,
+    LOST_NODES,
+)
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
 from robots_controller.control.stop_latch import StopState
 from robots_controller.io.emergency_inputs import parse_emergency_stop
@@ -151,6 +157,7 @@ class ControllerNode(RobotNode):
         for request, answer in answers.items():
             self.create_service(Trigger, f'~/{request}', partial(self._serve, request, answer))
         self._offer_emergency_stops()
+        self._take_over()
         self._foreign_writers: set[str] = set()
         if self.participant is None:
             self.create_timer(WRITERS_PERIOD, self._look_for_writers)
@@ -166,6 +173,13 @@ class ControllerNode(RobotNode):
             realtime_priority=priority,
             idle_latency=latency if latency >= 0.0 else None,
         )
+
+    def _take_over(self) -> None:
+        """A controller that has taken the place of one that died lets nothing move before a reset."""
+        text = 'what ended an earlier process of this node: the robot stays stopped until ~/reset'
+        interrupted = self.parameter('interrupted', '', text, read_only=True)
+        if interrupted:
+            self._control.trip(CONTROLLER_LOST, interrupted)
 
     def _offer_emergency_stops(self) -> None:
         self.create_service(Trigger, '~/emergency_stop', self._serve_emergency_stop)
