@@ -43,7 +43,7 @@ endif
 ROS_AUTOMATIC_DISCOVERY_RANGE := LOCALHOST
 RUN = export ROS_DISTRO_SETUP=$(ROS_DISTRO_SETUP); source environment.bash; export ROS_AUTOMATIC_DISCOVERY_RANGE=$(ROS_AUTOMATIC_DISCOVERY_RANGE);
 
-ENDURANCE = PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/endurance"
+ENDURANCE = PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/endurance:$$PWD/test/support"
 
 # By uv, which takes a quarter of the time; by pip where only pip is set up for the package index.
 INSTALL = export -n PYTHONPATH; .venv/bin/python -m pip install --quiet --disable-pip-version-check uv==0.13.9; \
@@ -115,6 +115,10 @@ generated-programs: build  ## Programs generated from seeds: FIRST=0, COUNT=2000
 .PHONY: random-motions
 random-motions: build  ## Random motions of all robots, held to their limits at 10 kHz: FIRST=0, COUNT=10000; names seeds that break one
 	@$(RUN) $(ENDURANCE) python -m random_motions $(or $(FIRST),0) $(or $(COUNT),10000) $$(nproc) $(OPTIONS)
+
+.PHONY: chaos
+chaos: build  ## Kill and freeze every node of a cell at COUNT=50 random moments; says which goals of stops and outputs are met
+	@$(RUN) $(ENDURANCE) python -m chaos $(or $(COUNT),50) $(OPTIONS)
 
 .PHONY: fuzz
 fuzz: build .venv/.installed_tests  ## Generated messages to every node, damaged files and programs, generated programs: for DURATION=600 s

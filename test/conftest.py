@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import fcntl
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from ros_domains import reserved_domain
 
 if TYPE_CHECKING:
     from rclpy.context import Context  # noqa: TID251
@@ -33,9 +31,6 @@ settings.load_profile('robots')
 
 AnyNode = TypeVar('AnyNode')
 
-# Above 101 the ports of a domain fall into Linux' range of ephemeral ports.
-DOMAIN_IDS = range(1, 101)
-DOMAIN_DEADLINE = 60.0  # s
 WAIT_DEADLINE = 240.0  # s, for a machine that is slow and busy
 SPIN_PERIOD = 0.02  # s, how often a condition that no message triggers is looked at
 
@@ -72,28 +67,10 @@ def session_ros_domain() -> Iterator[int]:
 
 
 def _reserve_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
-    folder = Path(tempfile.gettempdir()) / 'robots_test_domains'
-    folder.mkdir(exist_ok=True)
-    deadline = time.monotonic() + DOMAIN_DEADLINE
-    with ExitStack() as held:
-        while True:
-            for domain in DOMAIN_IDS:
-                # The file is never removed: a lock on a removed file would protect nothing.
-                lock = (folder / f'{domain}.lock').open('w')
-                try:
-                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                except BlockingIOError:
-                    lock.close()
-                    continue
-                held.enter_context(lock)
-                monkeypatch.setenv('ROS_DOMAIN_ID', str(domain))
-                monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-                monkeypatch.setenv('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')  # as the nodes choose themselves
-                yield domain
-                return
-            if time.monotonic() > deadline:
-                pytest.fail(f'no free ROS domain within {DOMAIN_DEADLINE:g} s, locks are in {folder}')
-            time.sleep(SPIN_PERIOD)
+    with reserved_domain() as environment:
+        for name, value in environment.items():
+            monkeypatch.setenv(name, value)
+        yield int(environment['ROS_DOMAIN_ID'])
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ import threading
 import time
 from pathlib import Path
 
+from node_pids import node_pids
 from robots_controller.live_cell.cell_graph import NodeDescription
 
 # s, on a slow machine that is busy with other things.
@@ -84,15 +85,4 @@ class CellProcess:
 
     def node_pids(self) -> dict[str, int]:
         """Process ids of the running nodes, forked from the server that the cell has started."""
-        parents, pids = {}, {}
-        for stat in Path('/proc').glob('[0-9]*/stat'):
-            try:
-                state, parent = stat.read_text().rsplit(')', 1)[1].split()[:2]
-                title = (stat.parent / 'cmdline').read_bytes().replace(b'\0', b' ').decode().split(' ')[0]
-            except (FileNotFoundError, ProcessLookupError):
-                continue
-            pid = int(stat.parent.name)
-            parents[pid] = int(parent)
-            if state != 'Z' and title.endswith('_node'):
-                pids[pid] = Path(title).name
-        return {name: pid for pid, name in pids.items() if parents.get(parents[pid]) == self.process.pid}
+        return node_pids(self.process.pid)

@@ -43,9 +43,7 @@ class NodeProcess:
     def __init__(self, node: NodeDescription, *, namespace: str, log: Path) -> None:
         self.name: Final = node.name
         self._log = log
-        arguments = [str(node.executable_path()), '--ros-args', '-r', f'__ns:={namespace}']
-        for name, value in node.parameters.items():
-            arguments += ['-p', f'{name}:={_yaml(value)}']
+        arguments = node_arguments(node, namespace=namespace)
         self._process: ForkServerProcess = fork_server.CONTEXT.Process(
             target=_run, args=(_entry_point(node), arguments, log, dict(os.environ)), name=node.name
         )
@@ -195,6 +193,18 @@ def _end_with_cell() -> None:
     assert cell is not None
     cell.join()
     os.kill(os.getpid(), signal.SIGTERM)
+
+
+def node_arguments(node: NodeDescription, *, namespace: str) -> list[str]:
+    """The command line of a node.
+
+    Raises:
+        RobotsError: its executable is not installed.
+    """
+    arguments = [str(node.executable_path()), '--ros-args', '-r', f'__ns:={namespace}']
+    for name, value in node.parameters.items():
+        arguments += ['-p', f'{name}:={_yaml(value)}']
+    return arguments
 
 
 def _yaml(value: Any) -> str:

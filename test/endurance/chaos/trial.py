@@ -1,0 +1,150 @@
+"""Trial: one node killed or frozen at a random moment, and a person who lets the robot go on."""
+
+import os
+import random
+import signal
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from .judgement import OBSERVED
+from .observer import Observer
+from .recording import Recording
+from .surroundings import Surroundings
+
+READY_TIME: Final = 600.0  # s until a fresh cell runs its program
+USABLE_TIME: Final = 60.0  # s until a person gives up
+LONGEST_DELAY: Final = 5.0  # s from when the robot moves to the fault
+LONGEST_FROZEN: Final = 2.0  # s beyond the observed time
+MOVES_ON: Final = 0.5  # s in which a program that goes on moves the robot, but for short waits
+HELD: Final = 0b100  # bit of the PLC's word that keeps its value
+POLL: Final = 0.02  # s
+
+
+class NotReadyError(Exception):
+    """The cell does not run its program: trials in it make no sense."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What is done to which node.
+
+    Attributes:
+        number: Of the trial; its random moment follows from it and the seed.
+        node: The node.
+        killed: Killed at once; otherwise frozen.
+        revived: A frozen node lives on later; otherwise it is killed later.
+        delay: s from when the robot moves to the fault.
+        frozen: s that it is frozen beyond the observed time.
+    """
+
+    number: int
+    node: str
+    killed: bool
+    revived: bool
+    delay: float
+    frozen: float
+
+
+def random_trial(seed: int, number: int, node: str, *, killed: bool) -> Trial:
+    """The trial of a number; always the same for a seed."""
+    rng = random.Random(f'{seed} {number} {node}')  # noqa: S311  # no secret
+    delay, frozen = rng.uniform(0.0, LONGEST_DELAY), rng.uniform(0.0, LONGEST_FROZEN)
+    return Trial(number, node, killed, not killed and rng.random() < 0.5, delay, frozen)
+
+
+def run_trial(trial: Trial, cell: Surroundings, observer: Observer) -> Recording:
+    """Do it, and return what was seen.
+
+    Raises:
+        NotReadyError: the program does not run before, or the node has no process.
+    """
+    until_running(observer)
+    cell.wait_until_killable(trial.node)
+    time.sleep(trial.delay)
+    pid = cell.pid(trial.node)
+    if pid is None:
+        raise NotReadyError(f'{trial.node} has no process')
+    observer.forget()
+    time.sleep(0.2)  # how the robot moved before
+    held = observer.words(0.0)[-1:]
+    safe = held[0][1] & HELD if held else 0
+    os.kill(pid, signal.SIGKILL if trial.killed else signal.SIGSTOP)
+    origin = time.time()
+    time.sleep(OBSERVED)
+    if not trial.killed:
+        time.sleep(trial.frozen)
+        os.kill(pid, signal.SIGCONT if trial.revived else signal.SIGKILL)
+    if not trial.revived:
+        cell.bring_back(trial.node)
+    resumed = time.time() - origin
+    running = goes_on(observer)
+    commanded = moved = np.inf
+    if not running:
+        commanded = time.time() - origin
+        moved = let_go_on(observer, origin)
+    latched, reason = observer.stop(origin)
+    return Recording(
+        node=trial.node,
+        killed=trial.killed,
+        references=observer.references(origin),
+        feedback=observer.feedback(origin),
+        path=observer.path(),
+        latched=latched,
+        reason=reason,
+        words=observer.words(origin),
+        safe=safe,
+        resumed=resumed,
+        commanded=commanded,
+        moved=moved,
+        running=running,
+    )
+
+
+def until_running(observer: Observer) -> None:
+    """Wait until the program moves the robot.
+
+    Raises:
+        NotReadyError: it does not, with what the cell says.
+    """
+    if not _wait(lambda: observer.program_state == 'RUNNING' and observer.moving, READY_TIME):
+        raise NotReadyError(
+            f'the program does not move the robot within {READY_TIME:g} s: it is '
+            f'{observer.program_state or "unknown"} {observer.program_error}'
+        )
+
+
+def goes_on(observer: Observer) -> bool:
+    """The program runs, and moves the robot, as if nothing had happened."""
+    return observer.program_state == 'RUNNING' and _wait(
+        lambda: observer.program_state == 'RUNNING' and observer.moving, MOVES_ON
+    )
+
+
+def let_go_on(observer: Observer, origin: float) -> float:
+    """Reset, open and run, as a person does, until the robot moves: when it did, s after the origin."""
+    deadline = time.monotonic() + USABLE_TIME
+    while time.monotonic() < deadline:
+        # What is not necessary is refused, and does no harm.
+        observer.call('lua_program_node/stop')
+        for service in ('controller_node/reset', 'lua_program_node/open', 'lua_program_node/run'):
+            succeeded, _ = observer.call(service)
+            if not succeeded:
+                break
+        else:
+            if _wait(lambda: observer.program_state in {'RUNNING', 'FAILED'} and observer.moving, 2.0):
+                return time.time() - origin
+        time.sleep(0.2)
+    return np.inf
+
+
+def _wait(condition: Callable[[], bool], timeout: float) -> bool:
+    deadline = time.monotonic() + timeout
+    while not condition():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(POLL)
+    return True
