@@ -32,7 +32,7 @@ def motion(stop: float, braking: float = BRAKING) -> JointSamples:
     velocity[:, 0] = speed
     position = np.tile(ROBOT.home, (len(TIME), 1))
     position[:, 0] += PERIOD * np.cumsum(velocity[:, 0]) - 1.0
-    return JointSamples(TIME, position, velocity)
+    return JointSamples(TIME, TIME, position, velocity)
 
 
 def recording(stop: float = 0.2, node: str = 'planning_node', **changes: object) -> Recording:
@@ -45,6 +45,7 @@ def recording(stop: float = 0.2, node: str = 'planning_node', **changes: object)
         path=motion(np.inf).position,
         latched=stop,
         reason='planner lost',
+        drives=((-9.0, True),),
         words=((-1.0, 0b101), (-0.05, 0b101), (0.25, 0b100), (0.3, 0b100)),
         safe=0b100,
         resumed=3.0,
@@ -144,8 +145,17 @@ def test_a_step_of_the_references_is_a_broken_limit_and_a_gap_between_them_is_no
     assert 'references: A2' in figures.problems[0]
     assert 'limits' in missed_goals(figures)
     kept = (TIME < 0.05) | (TIME > 0.15)
-    gap = JointSamples(TIME[kept], step[kept], samples.velocity[kept])
+    gap = JointSamples(TIME[kept], TIME[kept], step[kept], samples.velocity[kept])
     assert judge(recording(references=gap), ROBOT).problems == ()
+
+
+def test_references_that_follow_the_feedback_of_brakes_have_no_limits() -> None:
+    samples = motion(0.2)
+    step = samples.position.copy()
+    step[TIME > 2.0, 1] += 0.5
+    lost = recording(node='drive_node', references=replace(samples, position=step))
+    assert judge(lost, ROBOT).problems
+    assert not judge(replace(lost, drives=((-9.0, True), (0.8, False), (3.2, True))), ROBOT).problems
 
 
 def test_a_motion_that_nobody_commanded_is_named_and_one_that_somebody_did_is_not() -> None:

@@ -133,18 +133,22 @@ def _outputs_safe(recording: Recording) -> float:
 
 
 def _broken(recording: Recording, robot: BaseRobotModel) -> list[str]:
-    """Limits that the references do not keep, and the feedback while it was led by none of them."""
+    """Limits that the references do not keep while drives follow them: otherwise they follow the feedback."""
     references = recording.references
     if len(references.time) < 5:
         return []
-    steady = np.round(np.diff(references.time) / PERIOD) == 1.0
+    followed = np.ones(len(references.time), bool)
+    for time, on in recording.drives:
+        followed[references.sent > time] = on
+    together = np.round(np.diff(references.time) / PERIOD) == 1.0
+    steady = together & followed[1:] & followed[:-1]
     uses = limit_uses(robot.axes_data, references.position, PERIOD, steady=steady)
     return [f'references: {line}' for line in broken_limits(robot.axes_data, uses)]
 
 
 def _unasked(recording: Recording, stands: float) -> list[str]:
     """Motions of a robot that stands, before a person commanded one."""
-    if not stands < np.inf:
+    if not stands < np.inf or recording.node == 'drive_node':  # whose next process is another robot
         return []
     rest = recording.feedback.between(stands + SETTLED, recording.commanded)
     if not rest.time.size:

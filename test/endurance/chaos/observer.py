@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
-from std_msgs.msg import UInt8
+from std_msgs.msg import Bool, UInt8
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
@@ -35,6 +35,7 @@ TOPICS: Final[dict[str, tuple[Any, QoSProfile]]] = {
     'joint_trajectory': (JointTrajectory, RELIABLE),
     'stop_status': (DiagnosticStatus, STATE),
     'program_status': (DiagnosticStatus, STATE),
+    'drives_on': (Bool, STATE),
     'plc/word': (UInt8, RELIABLE),
 }
 POLL: Final = 0.02  # s
@@ -131,18 +132,18 @@ class Observer:
     def references(self, origin: float) -> JointSamples:
         """References since `forget`, with times from an origin (s)."""
         names, rows, times = self._robot.axes_data.names, [], []
-        for message in self._read('joint_reference'):
-            rows.append(single_point(message, names, 'joint_reference'))
-            times.append(seconds(message.header.stamp) - origin)
+        for sent, message in self._timed('joint_reference'):
+            rows.append(single_point(message, names, 'joint_reference')[:2])
+            times.append((seconds(message.header.stamp) - origin, sent - origin))
         return _samples(times, rows, len(names))
 
     def feedback(self, origin: float) -> JointSamples:
         """Feedback since `forget`, with times from an origin (s)."""
         names, rows, times = self._robot.axes_data.names, [], []
-        for message in self._read('joint_states'):
+        for sent, message in self._timed('joint_states'):
             order = [message.name.index(name) for name in names]
             rows.append(np.array([message.position, message.velocity])[:, order])
-            times.append(seconds(message.header.stamp) - origin)
+            times.append((seconds(message.header.stamp) - origin, sent - origin))
         return _samples(times, rows, len(names))
 
     def path(self) -> np.ndarray:
@@ -162,6 +163,10 @@ class Observer:
             if sent > origin and message.level != DiagnosticStatus.OK:
                 return sent - origin, message.message
         return np.inf, ''
+
+    def drives(self, origin: float) -> tuple[tuple[float, bool], ...]:
+        """What the controller has said of the drives since `forget`, and before it last."""
+        return tuple((sent - origin, message.data) for sent, message in self._timed('drives_on'))
 
     def words(self, origin: float) -> tuple[tuple[float, int], ...]:
         """What the PLC got since `forget`."""
@@ -190,8 +195,7 @@ class Observer:
                     ]
 
 
-def _samples(times: list[float], rows: list[Any], num_axes: int) -> JointSamples:
-    if not rows:
-        return JointSamples(np.empty(0), np.empty((0, num_axes)), np.empty((0, num_axes)))
-    values = np.array(rows)
-    return JointSamples(np.array(times), values[:, 0], values[:, 1])
+def _samples(times: list[tuple[float, float]], rows: list[Any], num_axes: int) -> JointSamples:
+    values = np.array(rows).reshape(len(rows), 2, num_axes)
+    due, sent = np.array(times).reshape(len(rows), 2).T
+    return JointSamples(due, sent, values[:, 0], values[:, 1])

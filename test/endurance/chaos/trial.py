@@ -95,6 +95,7 @@ def run_trial(trial: Trial, cell: Surroundings, observer: Observer) -> Recording
         path=observer.path(),
         latched=latched,
         reason=reason,
+        drives=observer.drives(origin),
         words=observer.words(origin),
         safe=safe,
         resumed=resumed,
