@@ -206,13 +206,21 @@ def test_a_motion_that_nothing_will_end_is_given_up_and_the_robot_stopped(cell: 
 
 
 def test_a_lost_planner_ends_what_was_sent_and_stops_the_robot(cell: Cell) -> None:
-    cell.motions.lose_planner('it is gone')
-    assert not cell.requests
     cell.move()
     cell.move()
     cell.motions.lose_planner('it is gone')
     assert cell.results() == [('1.0', 'it is gone'), ('2.0', 'it is gone')]
     assert cell.requests == ['stop']
+
+
+def test_a_motion_for_a_planner_that_is_lost_fails_at_once_until_it_is_back(cell: Cell) -> None:
+    cell.motions.lose_planner('it is gone')
+    cell.move()
+    assert cell.results() == [('', 'it is gone')]
+    assert not cell.sent
+    cell.motions.lose_planner('')
+    cell.move()
+    assert cell.sent == ['1.0']
 
 
 def test_a_stop_ends_what_was_not_sent_and_is_repeated_until_the_rest_has_ended(cell: Cell) -> None:

@@ -58,6 +58,7 @@ class ProgramMotions:
         self._since = 0.0  # when the command came, or when all its followers were last present
         self._followers: dict[bytes, str] = {}
         self._stopping = False
+        self._planner_lost = ''
 
     def send(self, command: MotionCommand) -> None:
         """Send a motion, at once or as soon as a planner listens."""
@@ -66,7 +67,11 @@ class ProgramMotions:
                 self._since = self._clock.now()
             self._unsent.append(command)
             self._stopping = self._flush = False
-            self._send_planned()
+            lost = self._planner_lost
+            if not lost:
+                self._send_planned()
+        if lost:
+            self._give_up(lost)
 
     @property
     def going_on(self) -> bool:
@@ -124,8 +129,13 @@ class ProgramMotions:
             self._controller.request('stop')
 
     def lose_planner(self, reason: str) -> None:
-        """No planner ends the motions that were sent: give up all."""
-        if self._sent:
+        """No planner plans and ends motions: give up all, and those that are commanded before it is back.
+
+        Args:
+            reason: For a person; '' when it is back.
+        """
+        self._planner_lost = reason
+        if reason and self._sent:
             self._give_up(reason)
 
     def _give_up(self, reason: str) -> None:

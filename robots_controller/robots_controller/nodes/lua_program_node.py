@@ -285,8 +285,7 @@ class LuaProgramNode(RobotNode):
         self._changed()
 
     def _on_planner_watched(self, _: str, reason: str) -> None:
-        if reason:
-            self.host.motions.lose_planner(reason)
+        self.host.motions.lose_planner(reason)
 
     # -- the program's robot, from its thread -----------------------------------------------------
 
