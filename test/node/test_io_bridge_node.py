@@ -149,6 +149,35 @@ def test_outputs_are_fail_safe_when_the_programs_node_is_lost_whoever_publishes_
     bench.until_health(DiagnosticStatus.WARN, 'lua_program_node gives no sign of life; digital_output.1 is')
 
 
+def test_outputs_of_a_node_that_froze_stay_fail_safe_until_it_has_switched_them_itself(ros_nodes: Any):
+    node = ros_nodes.add(TimedNode('lua_program_node', context=ros_nodes.context))
+    heartbeat = Heartbeat(node)
+    bench = Bench(ros_nodes)
+    words = bench.collect('plc/output_words', UInt16MultiArray, read=lambda m: m.data[0])
+    bridge = bench.start_node(IoBridgeNode, io_map=str(CONFIG / 'io_map_words.yaml'), watchdog=1.0)
+    digital = bench.publisher('digital_outputs', UInt8MultiArray, STATE)
+    bench.publish('analog_outputs', Float64MultiArray(data=[5.0]), STATE)
+    image = [1, 0, 1]
+    bench.peer.create_timer(0.02, lambda: digital.publish(UInt8MultiArray(data=image)))
+    bench.wait(lambda: words and words[-1] == 0b101, 'the outputs')
+    watched = bridge._watch._watched['lua_program_node'][1]
+    bench.wait(lambda: watched._silence is not None, 'its heartbeat')
+    heartbeat.stop()
+    bench.wait(lambda: words[-1] == 0, 'fail-safe values')
+    Heartbeat(node)
+    bench.wait(lambda: not bridge._watch.lost, 'its heartbeat again')
+    image[:] = [1, 1, 1]
+    bench.wait(lambda: words[-1], 'an output that was off')
+    assert words[-1] == 0b010
+    bench.until_health(
+        DiagnosticStatus.WARN, 'has not switched it since; digital_output.1 is at its fail-safe'
+    )
+    image[:] = [0, 1, 1]
+    bench.wait(lambda: 'digital_output.1' not in bridge._topics[0]._left, 'the output switched off')
+    image[:] = [1, 1, 1]
+    bench.wait(lambda: words[-1] == 0b011, 'what the node has switched off and on')
+
+
 def test_a_bridge_that_ends_leaves_fail_safe_values(bridge: Any):
     plc = bridge("""
 fail_safe: {digital_output.2: hold, analog_output.1: 2.5}

@@ -24,6 +24,7 @@ from robots_core.ros.run import run
 WATCH_PERIOD: Final = 0.02  # s
 WRITER: Final = 'lua_program_node'
 LOST: Final = f'{WRITER} gives no sign of life'
+LEFT: Final = f'{WRITER} gave no sign of life for some time, and has not switched it since'
 FINISH_TIMEOUT: Final = 0.5  # s, for the last message to arrive
 
 
@@ -157,6 +158,8 @@ class _OutputTopic:
             make_room(self._message, row.path)
         self._publisher = node.create_publisher(type(self._message), rows[0].topic, _qos(rows[0].qos))
         self._sent: list[Any] | None = None
+        self._left: set[str] = set()
+        """Outputs that a lost program's node has not put to their fail-safe values itself."""
         period = min(row.period for row in rows)
         if period < float('inf'):
             node.create_timer(period, self._repeat)
@@ -167,9 +170,17 @@ class _OutputTopic:
         for row, kind in self._rows:
             value, problem = images.value(row.channel), ''
             absent = images.absent_for(row.channel, now) >= row.timeout
-            if lost or absent:
-                value = self._fail_safe(row, value)
-                why = f'{row.channel.image} was not published for {row.timeout:g} s' if absent else LOST
+            safe = self._fail_safe(row, value)
+            if lost and safe != value:
+                self._left.add(row.channel.name)
+            elif safe == value:
+                # It knows that they are: one that froze must not switch them on again when it lives on.
+                self._left.discard(row.channel.name)
+            if lost or absent or row.channel.name in self._left:
+                value = safe
+                why = LOST if lost else LEFT
+                if absent:
+                    why = f'{row.channel.image} was not published for {row.timeout:g} s'
                 problem = f'{why}; {row.channel.name} is at its fail-safe value'
             if value is None:
                 return []  # a message with made-up values must not switch anything
