@@ -1,5 +1,6 @@
 """Trial: one node killed or frozen at a random moment, and a person who lets the robot go on."""
 
+import contextlib
 import os
 import random
 import signal
@@ -18,7 +19,7 @@ from .surroundings import Surroundings
 READY_TIME: Final = 600.0  # s until a fresh cell runs its program
 USABLE_TIME: Final = 60.0  # s until a person gives up
 LONGEST_DELAY: Final = 5.0  # s from when the robot moves to the fault
-LONGEST_FROZEN: Final = 2.0  # s beyond the observed time
+FROZEN: Final = (0.3, 1.8)  # s that a node is frozen which lives on; `cell` kills it after 2 s
 MOVES_ON: Final = 0.5  # s in which a program that goes on moves the robot, but for short waits
 HELD: Final = 0b100  # bit of the PLC's word that keeps its value
 POLL: Final = 0.02  # s
@@ -38,7 +39,7 @@ class Trial:
         killed: Killed at once; otherwise frozen.
         revived: A frozen node lives on later; otherwise it is killed later.
         delay: s from when the robot moves to the fault.
-        frozen: s that it is frozen beyond the observed time.
+        frozen: s that it is frozen if it lives on.
     """
 
     number: int
@@ -52,7 +53,7 @@ class Trial:
 def random_trial(seed: int, number: int, node: str, *, killed: bool) -> Trial:
     """The trial of a number; always the same for a seed."""
     rng = random.Random(f'{seed} {number} {node}')  # noqa: S311  # no secret
-    delay, frozen = rng.uniform(0.0, LONGEST_DELAY), rng.uniform(0.0, LONGEST_FROZEN)
+    delay, frozen = rng.uniform(0.0, LONGEST_DELAY), rng.uniform(*FROZEN)
     return Trial(number, node, killed, not killed and rng.random() < 0.5, delay, frozen)
 
 
@@ -74,13 +75,16 @@ def run_trial(trial: Trial, cell: Surroundings, observer: Observer) -> Recording
     safe = held[0][1] & HELD if held else 0
     os.kill(pid, signal.SIGKILL if trial.killed else signal.SIGSTOP)
     origin = time.time()
-    time.sleep(OBSERVED)
-    if not trial.killed:
+    if trial.revived:
         time.sleep(trial.frozen)
-        os.kill(pid, signal.SIGCONT if trial.revived else signal.SIGKILL)
+        os.kill(pid, signal.SIGCONT)
+        resumed = time.time() - origin
+    time.sleep(max(0.0, origin + OBSERVED - time.time()))
     if not trial.revived:
+        with contextlib.suppress(ProcessLookupError):  # `cell` has killed a frozen one
+            os.kill(pid, signal.SIGKILL)
         cell.bring_back(trial.node)
-    resumed = time.time() - origin
+        resumed = time.time() - origin
     running = goes_on(observer)
     commanded = moved = np.inf
     if not running:
