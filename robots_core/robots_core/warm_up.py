@@ -6,6 +6,8 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from importlib import import_module
 from multiprocessing import get_context
 
+import numpy as np
+
 from robots_core.pose import Pose
 from robots_core.robot_choice import available_robot_models, load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -72,7 +74,9 @@ def drives_and_collision_checks() -> None:
     from robots_core.blocks.collision.scene import Scene, SceneObject  # noqa: PLC0415
     from robots_core.blocks.collision_detection import CollisionDetection  # noqa: PLC0415
     from robots_core.blocks.following.axis_following import AxisFollowing  # noqa: PLC0415
-    from robots_core.robot_model.shapes import Sphere  # noqa: PLC0415
+    from robots_core.blocks.zones.zone import PlacedBox, Zone  # noqa: PLC0415
+    from robots_core.blocks.zones.zone_detection import ZoneDetection  # noqa: PLC0415
+    from robots_core.robot_model.shapes import Box, Sphere  # noqa: PLC0415
 
     robot = robot_in_use()
     home = robot.home
@@ -83,6 +87,11 @@ def drives_and_collision_checks() -> None:
     path = JointPath.straight(home, home + STEP)
     collision.first_approach(path)
     collision.closest_approach(path)
+    region = PlacedBox(Box((0.1, 0.1, 0.1)), Pose(np.full(3, 9.0), np.eye(3)))
+    zones = (Zone('in', region, 'in', 'tool'), Zone('out', region, 'out', 'tool'))
+    detection = ZoneDetection(robot, Scene(zones=zones))
+    for zone in zones:
+        detection.passages(zone, path)
 
 
 def analytic_inverse_kinematics() -> None:

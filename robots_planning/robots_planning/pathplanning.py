@@ -12,6 +12,7 @@ from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
 from robots_core.blocks.inverse_kinematics.hold import POSE, held_by
 from robots_core.blocks.multibody.loaded_robot import loaded_robot
+from robots_core.blocks.zones.zone_detection import ZoneDetection
 from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -60,7 +61,7 @@ class PathPlanning:
 
     Args:
         robot: The robot.
-        collision: Who refuses motions that collide; None lets them pass.
+        collision: Who refuses motions that collide; None lets them pass, and through all zones.
         collision_margin: Distance that every motion keeps, m, from 0.
 
     Raises:
@@ -79,6 +80,7 @@ class PathPlanning:
         self._generators: OrderedDict[object, TrajectoryGenerator] = OrderedDict()
         self.collision = collision
         self.collision_margin = checked_margin(collision_margin)
+        self._zones: ZoneDetection | None = None
 
     def plan(
         self,
@@ -102,6 +104,7 @@ class PathPlanning:
             UnreachablePoseError: no joint positions inside the limits reach the pose.
             PlanningError: the motion is impossible, or its plan breaks a limit; says where and why.
             CollisionError: the motion collides, or comes closer to something than the margin.
+            ZoneError: it crosses the border of a zone that nothing opens.
             InvalidInputError: a target of another kind than the motion's.
         """
         settings = settings or MotionSettings()
@@ -180,6 +183,7 @@ class PathPlanning:
         Raises:
             PlanningError: it breaks a limit.
             CollisionError: it collides, or comes closer to something than the margin.
+            ZoneError: it crosses the border of a zone that nothing opens.
         """
         settings = settings or MotionSettings()
         torque = kind is not None and self.generator(kind, settings).keeps_torque
@@ -195,20 +199,33 @@ class PathPlanning:
         if not report.ok:
             what = f'the plan of {kind.title}' if kind is not None else 'the trajectory'
             raise PlanningError(f'{what} breaks a limit: {report.describe()}')
-        self.check_collisions(trajectory)
+        alone = ToolSection(trajectory.duration, settings.tool_pose.r, np.inf, np.inf)
+        self.check_collisions(trajectory, tools or [alone])
         return PlannedMotion(trajectory, kind, report)
 
-    def check_collisions(self, trajectory: Trajectory) -> None:
-        """Pass a trajectory on which nothing comes closer than the margin.
+    def check_collisions(self, trajectory: Trajectory, tools: Sequence[ToolSection]) -> None:
+        """Pass a trajectory on which nothing comes closer than the margin, and no zone's border is crossed.
+
+        Args:
+            trajectory: The trajectory.
+            tools: The tools on it, in their order.
 
         Raises:
-            CollisionError: something does; names the bodies and the first place on the path.
+            CollisionError: something comes closer; names the bodies and the first place on the path.
+            ZoneError: a border that nothing opens is crossed; names zone, body and place.
         """
-        if self.collision is not None:
-            path = JointPath(
-                trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration
-            )
-            self.collision.check(path, margin=self.collision_margin)
+        if self.collision is None:
+            return
+        path = JointPath(trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration)
+        self.collision.check(path, margin=self.collision_margin)
+        if self._zones is None or self._zones.scene is not self.collision.scene:
+            self._zones = ZoneDetection(self.robot, self.collision.scene)
+        since = path.start
+        for section, following in zip(tools, (*tools[1:], None), strict=True):
+            if following is None or not np.array_equal(section.tool, following.tool):
+                self._zones.set_tool(section.tool)
+                self._zones.check(path, since, min(section.until, path.end))
+                since = section.until
 
     def warm_up(self) -> None:
         """Plan a tiny motion of every kind, so that the first real one finds all code loaded."""

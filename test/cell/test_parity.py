@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from robots_core import load_robot_model
+from robots_core.blocks import ZoneDetection, read_scene
+from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
 
 from .bag_checks import PERIOD, read_messages
-from .both_cells import check_both_cells
+from .both_cells import FIRST, check_both_cells
 from .lockstep_runs import PROGRAMS, LockstepRuns
 
 NAMES = sorted(file.name for file in PROGRAMS.glob('*.lua'))
@@ -54,6 +56,46 @@ def test_an_emergency_stop_does_the_same_in_both_cells(lockstep_runs: LockstepRu
     run = lockstep_runs.run_file(program)
     assert 'emergency stop by digital_input.2' in run.text
     check_both_cells(run, 'second_order', tmp_path / 'bag')
+
+
+ZONES = """\
+zones:
+  - name: press
+    box: {size: [1.0, 1.0, 4.0]}
+    pose: {position: [1.4, 1.2, 1.0]}
+    keep: out
+    what: bodies
+    closed_by: {press_open: off}
+"""
+
+
+def test_a_robot_waits_before_a_zone_alike_in_both_cells(lockstep_runs: LockstepRuns, tmp_path: Path) -> None:
+    (tmp_path / 'scene.yaml').write_text(ZONES)
+    (tmp_path / 'plc.yaml').write_text(
+        'signals: {press_open: digital_input.1}\n'
+        'rules:\n  - {when: start, after: 2.5, set: {press_open: 1}, for: 2.5}\n'
+    )
+    program = tmp_path / 'program.lua'
+    program.write_text(
+        '-- Robot: kuka_kr210_r2700  Scene: scene.yaml  IO: plc.yaml\n'
+        'ptpJointSpaceAngles(-40, -90, 90, 0, 60, 0, {jointBlend = 5})\n'
+        'ptpJointSpaceAngles(-20, -80, 90, 0, 60, 0)\n'
+        'wait(2)\n'
+        'ptpJointSpaceAngles(0, -90, 90, 0, 60, 0)\n'
+    )
+    run = lockstep_runs.run_file(program)
+    # The zone closes while the robot is in it.
+    assert "inside zone 'press'" in run.text
+    check_both_cells(run, 'second_order', tmp_path / 'bag')
+    zone = read_scene(tmp_path / 'scene.yaml').zones[0]
+    robot = load_robot_model('kuka_kr210_r2700')
+    clearance = ZoneDetection(robot, Scene(zones=(zone,))).clearance(zone)
+    held = [
+        clearance.closest(np.asarray(message.points[0].positions))[0]
+        for message in references(run.bag)
+        if message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec < FIRST + 2.4
+    ]
+    assert 0.0 < min(held) < 3e-3
 
 
 def references(bag: Path) -> list[Any]:

@@ -2,7 +2,7 @@
 
 import contextlib
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal, Protocol
@@ -14,6 +14,7 @@ from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.path_speed_cap import PathSpeedCap
 from robots_controller.control.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
+from robots_controller.control.zone_border import Border
 from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.validation import Array
@@ -48,6 +49,7 @@ class _ComingMotion:
     id: str
     join_time: float
     cap: PathSpeedCap | None
+    borders: tuple[Border, ...]
 
 
 class ControlLoop:
@@ -92,7 +94,9 @@ class ControlLoop:
 
     def follow(self, trajectory: Trajectory, id_: str, *, join_time: float = 0.0) -> None:
         """Follow a trajectory, see `Controller.follow`."""
-        motion = _ComingMotion(trajectory, id_, join_time, self.controller.path_speed_cap(trajectory))
+        controller = self.controller
+        cap, borders = controller.path_speed_cap(trajectory), controller.borders(trajectory)
+        motion = _ComingMotion(trajectory, id_, join_time, cap, borders)
         self._coming.append(motion)
         self._mailbox.append(partial(self._follow, motion))
 
@@ -111,6 +115,20 @@ class ControlLoop:
             coming.cap = controller.path_speed_cap(coming.trajectory)
         caps = [(motion, controller.path_speed_cap(motion.trajectory)) for motion in controller.motions]
         self._mailbox.append(lambda _: _set_caps(caps))
+
+    def close_zones(self, closed: Collection[str]) -> None:
+        """Close the borders of these zones, and open those of all others that can be opened."""
+        zones = self.controller.zones
+        if zones is not None:
+            self._mailbox.append(lambda _: zones.close(closed))
+
+    def change_borders(self) -> None:
+        """Search the paths of the motions that there are anew for the borders of zones."""
+        controller = self.controller
+        for coming in list(self._coming):
+            coming.borders = controller.borders(coming.trajectory)
+        borders = [(motion, controller.borders(motion.trajectory)) for motion in controller.motions]
+        self._mailbox.append(lambda _: _set_borders(borders))
 
     def request(self, request: ControllerRequest) -> None:
         """Pause on the path, resume, or stop and give up all motions."""
@@ -192,7 +210,12 @@ class ControlLoop:
     def _follow(self, motion: _ComingMotion, now: float) -> None:
         try:
             self.controller.follow(
-                motion.trajectory, motion.id, now, join_time=motion.join_time, cap=motion.cap
+                motion.trajectory,
+                motion.id,
+                now,
+                join_time=motion.join_time,
+                cap=motion.cap,
+                borders=motion.borders,
             )
         except RobotsError as error:
             self._port.result(MotionResult.refused(motion.id, error))
@@ -223,3 +246,8 @@ class ControlLoop:
 def _set_caps(caps: list[tuple[FollowedMotion, PathSpeedCap | None]]) -> None:
     for motion, cap in reversed(caps):  # what a motion leads to comes behind it
         motion.set_cap(cap)
+
+
+def _set_borders(borders: list[tuple[FollowedMotion, tuple[Border, ...]]]) -> None:
+    for motion, those in borders:
+        motion.borders = those

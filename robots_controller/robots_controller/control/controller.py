@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from robots_controller.control.brake import Brake
 from robots_controller.control.command_authority import CommandAuthority
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.faults import REFERENCE_REFUSED, Fault, StopCategory
+from robots_controller.control.faults import REFERENCE_REFUSED, ZONE_VIOLATED, Fault, StopCategory
 from robots_controller.control.feedback_watch import FeedbackWatch
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit
@@ -21,12 +22,16 @@ from robots_controller.control.path_following import PathFollowing
 from robots_controller.control.path_speed_cap import PathSpeedCap
 from robots_controller.control.stop_latch import StopLatch
 from robots_controller.control.streamed_reference import StreamedReference, StreamPoint
+from robots_controller.control.zone_border import Border
 from robots_core.errors import RobotsError, TrajectoryRefusedError
 from robots_core.motion_result import MotionResult
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, fraction
 from robots_planning.motion_results import PASSED
 from robots_planning.trajectory import Trajectory
+
+if TYPE_CHECKING:  # it loads the reading of meshes, which a controller without zones does not need
+    from robots_controller.control.zone_guard import ZoneGuard
 
 NO_FEEDBACK = 'no feedback from the robot: is its drive publishing joint_states?'
 
@@ -54,6 +59,7 @@ class Controller:
         settings: See `ControllerSettings`.
         frame_limit: How fast tool and frames may move; without a limit by default.
         authority: Operating mode and commander; automatic mode by default.
+        zones: Whose borders the robot does not cross while they are closed; none by default.
         processor_share: See `Watchdog`.
     """
 
@@ -64,6 +70,7 @@ class Controller:
         *,
         frame_limit: FrameSpeedLimit | None = None,
         authority: CommandAuthority | None = None,
+        zones: ZoneGuard | None = None,
         processor_share: Callable[[], float] = lambda: 1.0,
     ) -> None:
         self.settings = settings or ControllerSettings()
@@ -74,6 +81,8 @@ class Controller:
         self.override = 1.0
         self.paused = False
         self._axes, self._frame_limit = axes, frame_limit
+        self.zones = zones
+        """Whose borders the robot does not cross while they are closed."""
         period = self.settings.period
         self._following = PathFollowing(axes, self.settings)
         self._guard = LimitGuard(axes, period=period)
@@ -111,6 +120,11 @@ class Controller:
         return 1.0 if self._motion is None else self._motion.progress
 
     @property
+    def held_by(self) -> str:
+        """The zone before whose border the robot is held; '' for none."""
+        return '' if self.zones is None or self.standing else self.zones.held_by
+
+    @property
     def reference(self) -> Array | None:
         """Last reference, (3, n): position, velocity, acceleration; None before the first feedback."""
         return self._reference
@@ -129,9 +143,17 @@ class Controller:
 
     def path_speed_cap(self, trajectory: Trajectory) -> PathSpeedCap | None:
         """How fast the frames may follow a trajectory; takes milliseconds; from any thread."""
-        if self._frame_limit is None:
-            return None
-        return self._frame_limit.cap(trajectory, self._axes.acceleration, self.settings.ramp_time)
+        acceleration, ramp_time = self._axes.acceleration, self.settings.ramp_time
+        cap = None
+        if self._frame_limit is not None:
+            cap = self._frame_limit.cap(trajectory, acceleration, ramp_time)
+        if cap is None and self.zones is not None:
+            return PathSpeedCap.free(trajectory, acceleration, ramp_time)
+        return cap
+
+    def borders(self, trajectory: Trajectory) -> tuple[Border, ...]:
+        """Where a trajectory crosses the borders of zones; takes milliseconds; from one thread."""
+        return () if self.zones is None else self.zones.borders(trajectory)
 
     @property
     def motions(self) -> list[FollowedMotion]:
@@ -146,6 +168,7 @@ class Controller:
         *,
         join_time: float = 0.0,
         cap: PathSpeedCap | None = None,
+        borders: tuple[Border, ...] = (),
     ) -> None:
         """Follow a trajectory: now, after those before it, or in the place of the running one.
 
@@ -157,10 +180,12 @@ class Controller:
                 and moving as that one does there, and takes its place. If below 0, it starts on the last
                 motion, so long before its end (s), and carries it on: that one ends there as passed.
             cap: Of its path, see `path_speed_cap`.
+            borders: That it crosses, see `borders`.
 
         Raises:
             TrajectoryRefusedError: it starts elsewhere, the robot is being stopped or follows a stream,
-                there is no feedback, a fault is not reset, or another number of axes.
+                there is no feedback, a fault is not reset, another number of axes, or it crosses a border
+                that is always closed.
         """
         self._refuse_stopped()
         if trajectory.num_axes != self._axes.num_axes:
@@ -169,12 +194,17 @@ class Controller:
             )
         if self.state in (ControllerState.BRAKING, ControllerState.STREAMING):
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
+        for border in borders:
+            if border.zone.always_closed:
+                raise TrajectoryRefusedError(
+                    f'the trajectory crosses the border of zone {border.zone.name!r} at {border.start:.3f} s'
+                )
         standing = self._motion is None
         assert self._reference is not None
-        motion = FollowedMotion(trajectory, id_, now, cap)
+        motion = FollowedMotion(trajectory, id_, now, cap, borders)
         self._motions.put(motion, self._reference, join_time)
         if standing:
-            self._following.begin(motion, self._target_speed(enabled=self.authority.enabled(now)))
+            self._begin(motion, now)
 
     def stream(self, point: StreamPoint, id_: str, now: float) -> None:
         """Follow a point, the next of a stream or the first of one.
@@ -269,6 +299,8 @@ class Controller:
             return self._reference
         if finding is not None:
             self.trip(*finding, now)
+        if self.zones is not None and (reason := self.zones.look(self._reference[0])):
+            self.trip(ZONE_VIOLATED, reason, now)
         if self._brake is not None:
             self._step_brake(now)
         elif self._stream.active:
@@ -311,6 +343,7 @@ class Controller:
         if motion.settling_since is not None:
             self._settle(motion, now)
             return
+        self._hold_at_borders(motion)
         enabled = not stopping and self.authority.enabled(now)
         if not self._guarded(self._following.step(motion, self._target_speed(enabled=enabled))):
             self._step_brake(now)
@@ -328,6 +361,14 @@ class Controller:
             motion.settling_since = now
             self._settle(motion, now)
 
+    def _begin(self, motion: FollowedMotion, now: float) -> None:
+        self._hold_at_borders(motion)
+        self._following.begin(motion, self._target_speed(enabled=self.authority.enabled(now)))
+
+    def _hold_at_borders(self, motion: FollowedMotion) -> None:
+        if self.zones is not None:
+            self.zones.hold(motion)
+
     def _join(self, now: float) -> None:
         replaced = self._motions.join(now)
         if replaced is not None:
@@ -336,15 +377,19 @@ class Controller:
             self.outcomes.append(replaced.outcome(now, message, ok=replaced.passes))
 
     def _step_stream(self, now: float) -> None:
-        stream = self._stream
-        assert self._reference is not None
+        stream, before = self._stream, self._reference
+        assert before is not None
         speed = self._target_speed(enabled=self.authority.stream_enabled(now))
         if self._frame_limit is not None:
-            speed = min(speed, self._frame_limit.stream_share(self._reference[0]))
-        reference, over = stream.step(now, self._reference, speed)
+            speed = min(speed, self._frame_limit.stream_share(before[0]))
+        reference, over = stream.step(now, before, speed)
+        if self.zones is not None and not over:
+            reference = self.zones.kept_back(
+                before, reference, lambda slower: stream.step(now, before, min(slower, speed))[0]
+            )
         if over:
             self._end_stream(now, stream.failure or '')
-            self._stand_at(self._reference[0])
+            self._stand_at(before[0])
         elif not self._guarded(reference):
             self._step_brake(now)
 
@@ -406,8 +451,7 @@ class Controller:
         if ok:
             self._motions.start_next(now)
             if self._motion is not None:
-                enabled = self.authority.enabled(now)
-                self._following.begin(self._motion, self._target_speed(enabled=enabled))
+                self._begin(self._motion, now)
             return
         for unbegun in self._motions.clear():
             unbegun.start = now

@@ -103,6 +103,12 @@ CONTROLLER_LOST: Final = Fault(
     'see references ended',
     'controller_node has died, and is started again by `cell`',
 )
+ZONE_VIOLATED: Final = Fault(
+    'zone violated',
+    StopCategory.ONE,
+    'one look: 20 ms; one period when a zone is closed',
+    'tool or bodies are across the border of a zone that is closed; they may move back after a reset',
+)
 FOREIGN_WRITER: Final = Fault(
     'foreign writer',
     StopCategory.ONE,
@@ -117,6 +123,7 @@ FAULTS: Final = (
     FEEDBACK_LOST,
     FEEDBACK_FROZEN,
     FOLLOWING_ERROR,
+    ZONE_VIOLATED,
     FOREIGN_WRITER,
     CONTROLLER_LOST,
     REFERENCE_REFUSED,

@@ -7,6 +7,7 @@ from bisect import bisect_right
 import numpy as np
 
 from robots_controller.control.path_speed_cap import PathSpeedCap
+from robots_controller.control.zone_border import Border
 from robots_core.motion_result import MotionResult
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
@@ -24,13 +25,25 @@ class FollowedMotion:
         id_: The command that asked for it.
         now: Time of the start, s.
         cap: Highest speed on its path, in its place; None for its own.
+        borders: Of zones, that it crosses, in the order of their zones.
     """
 
-    def __init__(self, trajectory: Trajectory, id_: str, now: float, cap: PathSpeedCap | None = None) -> None:
+    def __init__(
+        self,
+        trajectory: Trajectory,
+        id_: str,
+        now: float,
+        cap: PathSpeedCap | None = None,
+        borders: tuple[Border, ...] = (),
+    ) -> None:
         self.trajectory = trajectory
         self.id = id_
         self.start = now
         self.cap = cap
+        self.borders = borders
+        self.held: PathSpeedCap | None = None
+        """Highest speed before a border that is closed now, in the place of `cap`."""
+        self._ending: tuple[PathSpeedCap, float, float, PathSpeedCap] | None = None
         self.path_time = 0.0
         self.failure: str | None = None
         self.settling_since: float | None = None
@@ -71,8 +84,15 @@ class FollowedMotion:
         """Follow the path no faster; its successor has its cap already."""
         after = None if self.successor is None else self.successor.cap
         if cap is not None and after is not None:
-            cap = cap.ending(self.join_time, float(after.speed[0]))
+            cap = cap.ending(self.join_time, after.begin)
         self.cap = cap
+
+    def ending(self, path_time: float, speed: float) -> PathSpeedCap:
+        """Its cap if it has to be left at a path time (s) with at most this speed."""
+        assert self.cap is not None
+        if self._ending is None or self._ending[:3] != (self.cap, path_time, speed):
+            self._ending = (self.cap, path_time, speed, self.cap.ending(path_time, speed))
+        return self._ending[3]
 
     def forget_before(self) -> None:
         """What was before is long past; a robot may be led on for hours."""

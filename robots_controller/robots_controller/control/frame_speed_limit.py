@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final
 
 import numpy as np
 
-from robots_controller.control.path_speed_cap import PathSpeedCap
+from robots_controller.control.path_speed_cap import PathSpeedCap, path_times
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, positive
 from robots_planning.trajectory import Trajectory
 
-SPACING: Final = 0.01  # s of a trajectory between two places of the frames
 PATH_MARGIN: Final = 0.98  # the rest is what speeds rise between two places
 STEP: Final = 1e-6  # rad, m: of an axis, for differences of places
 REFRESH: Final = 10  # periods for which a stream's share of the axes' speeds holds
@@ -64,8 +62,8 @@ class FrameSpeedLimit:
         """
         if self._limit == 0.0:
             return None
-        count = max(1, math.ceil(trajectory.duration / SPACING))
-        times = np.linspace(0.0, trajectory.duration, count + 1)
+        times = path_times(trajectory)
+        count = times.size - 1
         q, q_s, q_ss = trajectory.sample(times)
         places = np.array([self._places(row) for row in q])
         fastest = np.linalg.norm(np.diff(places, axis=0), axis=2).max(axis=1) * (count / trajectory.duration)

@@ -9,6 +9,8 @@ from robots_controller.control.path_speed import PathSpeed
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
 
+LATE = 1e-3  # of the path speed; the rounding of one that follows its cap is less
+
 
 class PathFollowing:
     """Samples a path as far as its speed permits, and averages the samples.
@@ -25,6 +27,7 @@ class PathFollowing:
         self._speed = PathSpeed(axes.acceleration, period=settings.period, ramp_time=settings.ramp_time)
         self._sample = np.zeros((3, axes.num_axes))
         self._unchanged = 0
+        self._hurry = False
 
     @property
     def standing(self) -> bool:
@@ -33,7 +36,7 @@ class PathFollowing:
 
     def hurry(self, *, on: bool) -> None:
         """Change the speed as fast as the limits permit, whatever the ramp time."""
-        self._speed.hurry = on
+        self._hurry = on
 
     def stand_at(self, position: Array) -> Array:
         """Stand at joint positions (n,); returns the reference, (3, n)."""
@@ -53,14 +56,16 @@ class PathFollowing:
         Returns:
             The reference, (3, n): position, velocity, acceleration.
         """
+        # A border that has just been closed may be nearer than the ramp takes.
+        late = motion.held is not None and self._speed.speed > motion.held.here(motion.path_time) + LATE
+        self._speed.hurry = self._hurry or late
         moved = self._advance(motion, self._capped(motion, speed))
         self._unchanged = 0 if moved else self._unchanged + 1
         return self._average.push(self._sample)
 
     def _capped(self, motion: FollowedMotion, speed: float) -> float:
-        if motion.cap is None:
-            return speed
-        return min(speed, motion.cap.at(motion.path_time, self._period))
+        cap = motion.held or motion.cap
+        return speed if cap is None else min(speed, cap.at(motion.path_time, self._period))
 
     def _advance(self, motion: FollowedMotion, target: float) -> bool:
         """Move along the path for one period; False when the reference stands."""

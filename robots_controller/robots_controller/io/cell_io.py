@@ -6,6 +6,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from robots_controller.io.fail_safe import FailSafe
+from robots_controller.io.io_image import Channel
 from robots_controller.io.io_map import IoMap, read_io_map
 from robots_controller.io.io_signals import channel_labels
 from robots_controller.io.plc_script import PlcScript, read_plc_script
@@ -19,16 +20,21 @@ class CellIo:
     Attributes:
         script: Of the PLC that is played; without rules if there is none.
         io_map: Of channels to topics; empty if there is none.
-        labels: Names of channels, by image.
+        signals: Channels by their names.
         fail_safe: Values of outputs when no running program answers for them.
         emergency_stop: Values of digital inputs that stop the robot, by channel.
     """
 
     script: PlcScript
     io_map: IoMap
-    labels: Mapping[str, list[str]]
+    signals: Mapping[str, Channel]
     fail_safe: FailSafe
     emergency_stop: Mapping[str, int]
+
+    @property
+    def labels(self) -> dict[str, list[str]]:
+        """Names of channels, by image."""
+        return channel_labels(list(self.signals.values()))
 
     @property
     def offline(self) -> PlcScript:
@@ -70,7 +76,7 @@ def read_cell_io(io: Path | str = '', io_map: Path | str = '') -> CellIo:
     return CellIo(
         script,
         rows,
-        channel_labels(list(signals.values())),
+        MappingProxyType(signals),
         MappingProxyType(safe),
         MappingProxyType(stopping),
     )

@@ -12,6 +12,7 @@ from robots_controller.control.frame_speed_limit import checked_speed_limit
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.emergency_inputs import emergency_stop_texts
 from robots_controller.io.fail_safe import fail_safe_texts
+from robots_controller.io.zone_inputs import closing_inputs, closing_texts
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
 from robots_core.blocks.following.following_methods import METHODS
@@ -142,9 +143,8 @@ def cell_graph(
     stopping = {'emergency_stop_inputs': emergency_stop_texts(cell_io.emergency_stop) or ['']}
     labels, fail_safe = cell_io.labels, fail_safe_texts(cell_io.fail_safe) or ['']
     names = {f'{image.removesuffix("s")}_names': list(names) for image, names in labels.items()}
-    if scene:
-        read_scene(scene)
-
+    zones = read_scene(scene).zones if scene else ()
+    zoned = {'scene': scene, 'zone_inputs': closing_texts(closing_inputs(zones, cell_io.signals)) or ['']}
     plc_cycle = {'cycle': 1.0 / rate} if lockstep else {}
 
     def node(package: str, executable: str, **parameters: Any) -> NodeDescription:
@@ -162,6 +162,7 @@ def cell_graph(
             **capped,
             **mode,
             **stopping,
+            **(zoned if zones else {}),
             **watched,
             **feedback,
         ),

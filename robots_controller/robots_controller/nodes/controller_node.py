@@ -31,6 +31,7 @@ from robots_controller.control.stop_latch import StopState
 from robots_controller.io.emergency_inputs import parse_emergency_stop
 from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
 from robots_controller.nodes.stream_messages import stream_point_from_message
+from robots_controller.nodes.watched_zones import WatchedZones
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander
@@ -106,7 +107,6 @@ class ControllerNode(RobotNode):
             bounds=(-1.0, 1.0),
             read_only=True,
         )
-        settings = ControllerSettings(period=1.0 / rate, **options)
         share = {} if self.simulated_time else {'processor_share': processor_share}
         limit = self.parameter(
             'tool_speed_limit',
@@ -116,8 +116,14 @@ class ControllerNode(RobotNode):
         )
         authority = authority_by_parameters(self)
         self._frame_limit = FrameSpeedLimit(self.robot, authority.speed_limit(limit))
+        self._zones = WatchedZones(self)
         self._controller = Controller(
-            self.robot.axes_data, settings, frame_limit=self._frame_limit, authority=authority, **share
+            self.robot.axes_data,
+            ControllerSettings(period=1.0 / rate, **options),
+            frame_limit=self._frame_limit,
+            authority=authority,
+            zones=self._zones.guard,
+            **share,
         )
         self._names = list(self.robot.axes_data.names)
         self._refusal: RobotsError | None = None
@@ -126,6 +132,7 @@ class ControllerNode(RobotNode):
         # In simulated time in every period: outputs are switched on the path by it.
         every = 1 if self.simulated_time else rates.progress_every
         self._control = ControlLoop(self._controller, rates, self, progress_every=every)
+        self._zones.watch(self._control)
         self._health_every = cycles(rate, HEALTH_RATE)
         self._last_condition: tuple[bytes, str] | None = None
 
@@ -280,6 +287,8 @@ class ControllerNode(RobotNode):
             return DiagnosticStatus.ERROR, f'stopped until ~/reset: {self._controller.stops.state.reason}'
         if self.now() - self._refusal_time < REFUSAL_PERIOD:
             return DiagnosticStatus.WARN, f'joint_trajectory: {self._refusal}'
+        if zone := self._controller.held_by:
+            return DiagnosticStatus.WARN, f'held before the border of zone {zone!r}, which is closed'
         return DiagnosticStatus.OK, 'ready'
 
     # -- the executor's thread -----------------------------------------------------------------------
@@ -316,7 +325,9 @@ class ControllerNode(RobotNode):
         self._control.set_override(fraction(message.data, 'override'))
 
     def _on_settings(self, message: DiagnosticStatus) -> None:
-        self._frame_limit.set_tool(settings_from_text(diagnostic_values(message)).tool_pose.r)
+        tool = settings_from_text(diagnostic_values(message)).tool_pose.r
+        self._frame_limit.set_tool(tool)
+        self._zones.set_tool(tool)
 
     @property
     def moving(self) -> bool:

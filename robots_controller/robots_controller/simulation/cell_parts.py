@@ -9,6 +9,7 @@ from robots_controller.control.command_authority import CommandAuthority
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
+from robots_controller.control.zone_guard import ZoneGuard
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.emergency_inputs import (
     EmergencyInputs,
@@ -17,6 +18,7 @@ from robots_controller.io.emergency_inputs import (
 )
 from robots_controller.io.fail_safe import FailSafe
 from robots_controller.io.plc_script import PlcScript
+from robots_controller.io.zone_inputs import ZoneInputs, closing_inputs
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.drives.drive_level import drive_train
@@ -52,6 +54,7 @@ class CellParts:
         io_labels: Names of inputs and outputs.
         fail_safe: Values of outputs when no running program answers for them.
         emergency_stop: Inputs that stop the robot.
+        zone_inputs: Inputs that close the borders of zones.
         scene: Path of the scene, '' for none.
         io: Path of the PLC's script, '' for none.
         references: What guides the robot; None for nothing.
@@ -73,6 +76,7 @@ class CellParts:
     io_labels: Mapping[str, Sequence[str]]
     fail_safe: FailSafe
     emergency_stop: EmergencyInputs
+    zone_inputs: ZoneInputs
     scene: str
     io: str
     references: GuideRecording | None
@@ -106,9 +110,8 @@ def cell_parts(
     period = 1.0 / positive(rate, 'rate', 'Hz')
     model = load_robot_model(robot)
     cell_io = read_cell_io(io, io_map)
-    collision = CollisionDetection(model)
-    if scene:
-        collision.set_scene(read_scene(scene))
+    collision = CollisionDetection(model, scene=read_scene(scene) if scene else None)
+    zones = collision.scene.zones
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
     authority = CommandAuthority(OperatingMode(operating_mode), hold_timeout=0.0)
     frame_limit = FrameSpeedLimit(model, authority.speed_limit(checked_speed_limit(tool_speed_limit)))
@@ -121,13 +124,20 @@ def cell_parts(
         drive=drive,
         drives=drive_train(drive, model, model.home, period=period, payload=payload_of(payload)),
         payload=payload,
-        controller=Controller(model.axes_data, settings, frame_limit=frame_limit, authority=authority),
+        controller=Controller(
+            model.axes_data,
+            settings,
+            frame_limit=frame_limit,
+            authority=authority,
+            zones=ZoneGuard(model, collision.scene) if zones else None,
+        ),
         frame_limit=frame_limit,
         planning=PathPlanning(model, collision=collision, collision_margin=collision_margin),
         plc_script=cell_io.offline,
         io_labels=cell_io.labels,
         fail_safe=cell_io.fail_safe,
         emergency_stop=parse_emergency_stop(emergency_stop_texts(cell_io.emergency_stop)),
+        zone_inputs=ZoneInputs(closing_inputs(zones, cell_io.signals)),
         scene=str(scene),
         io=str(io),
         references=read_guide_recording(references, model.axes_data.names) if references else None,

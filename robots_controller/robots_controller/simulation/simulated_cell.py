@@ -149,6 +149,7 @@ class SimulatedCell:
         self._deadlocks = DeadlockDetection(longest, self._recording)
         self._interrupted = self._over = self._running = False
         self._emergency = ''
+        self._closed_zones: frozenset[str] | None = None
 
     def stop(self) -> None:
         """End the simulation after the period under way; from any thread, and from a signal handler."""
@@ -182,7 +183,7 @@ class SimulatedCell:
         self._log.begin(io, self._parts.io_labels, self._plc_images, self._authority.mode)
         self._host.open(self._parts.program, self._parts.points_file or '')
         self._host.permission.mode_changed(self._authority.mode)
-        self._watch_emergency_inputs()
+        self._watch_inputs()
         self._tick()  # the program finds a robot that stands, and its position
         self._running = True
         self.cost.begin()
@@ -327,11 +328,16 @@ class SimulatedCell:
             if self._program.io.set_value(channel, change.value):
                 self._log.input(channel, change.value, self._plc_images[channel.image])
                 self._changed = True
-        self._watch_emergency_inputs()
+        self._watch_inputs()
 
-    def _watch_emergency_inputs(self) -> None:
-        size = self._plc_images.get('digital_inputs', 0)
-        reason = self._parts.emergency_stop.reason(self._program.digital_inputs[:size].tolist())
+    def _watch_inputs(self) -> None:
+        """Stop for the digital inputs that are published, and close zones by them."""
+        image = self._program.digital_inputs[: self._plc_images.get('digital_inputs', 0)].tolist()
+        closed = self._parts.zone_inputs.closed(image)
+        if closed != self._closed_zones:
+            self._closed_zones = closed
+            self._control.close_zones(closed)
+        reason = self._parts.emergency_stop.reason(image)
         if reason != self._emergency:
             self._emergency = reason
             self._control.watch(EMERGENCY_INPUT, reason)
@@ -347,6 +353,8 @@ class SimulatedCell:
     def _settings_changed(self, settings: MotionSettings) -> None:
         self._carried.carry(settings.payload)
         self._parts.frame_limit.set_tool(settings.tool_pose.r)
+        if self._controller.zones is not None:
+            self._controller.zones.set_tool(settings.tool_pose.r)
 
     def _motion_planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory) -> None:
         self._host.switching.planned(id_, ends, lambda: trajectory)

@@ -28,3 +28,8 @@ from .multibody.free_floating_dynamics import FreeFloatingDynamics as FreeFloati
 from .multibody.function_dynamics import FunctionDynamics as FunctionDynamics
 from .multibody.numerical_dynamics import NumericalDynamics as NumericalDynamics
 from .multibody.payload import Payload as Payload
+from .zones.zone import HalfSpace as HalfSpace
+from .zones.zone import PlacedBox as PlacedBox
+from .zones.zone import Zone as Zone
+from .zones.zone_detection import ZoneDetection as ZoneDetection
+from .zones.zone_detection import ZoneError as ZoneError

@@ -1,17 +1,12 @@
 """CollisionDetection: contacts and distances of a robot with itself and its surroundings."""
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.blocks.collision.allowed_pair_sampling import (
-    find_allowed_pairs,
-    proven_apart,
-    robot_solids,
-)
+from robots_core.blocks.collision.allowed_pair_sampling import find_allowed_pairs, proven_apart
 from robots_core.blocks.collision.coal_engine import CoalEngine
 from robots_core.blocks.collision.engine import CollisionEngine
 from robots_core.blocks.collision.fcl_engine import FclEngine
@@ -20,6 +15,7 @@ from robots_core.blocks.collision.nearest_points import proven
 from robots_core.blocks.collision.pair_kernels import Indices
 from robots_core.blocks.collision.path_search import RESOLUTION, closest_approach, first_approach
 from robots_core.blocks.collision.results import CollisionError, PathProximity, Proximity
+from robots_core.blocks.collision.robot_solids import held_solids, robot_solids
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision.solid_set import SolidSet
 from robots_core.blocks.collision.solids import Solid, solids_of
@@ -91,11 +87,7 @@ class CollisionDetection:
         around = [
             solid for item in scene.objects for solid in solids_of(item.name, item.geometry, 0, item.pose)
         ]
-        held = [
-            solid
-            for item in scene.attached
-            for solid in solids_of(item.name, item.geometry, self.robot.num_axes, self._flange @ item.pose)
-        ]
+        held = held_solids(self.robot, scene)
         solids = (*self._body, *held, *around)
         links = len(self._body)
         obstacles = {item.name for item in scene.objects}
@@ -146,12 +138,6 @@ class CollisionDetection:
                 f'may_touch names {name!r}, which is neither an object of the scene nor a link of '
                 f'{self.robot.name}; there are {", ".join(sorted(theirs | ours))}'
             )
-
-    @cached_property
-    def _flange(self) -> Pose:
-        """Pose of tool0 in the frame of the last axis."""
-        r, T = self.robot.kinematic_model.frame_axes(self.robot.home)
-        return Pose(r[-1], T[-1]).inverse() @ Pose(*self.robot.direct_kinematics(self.robot.home))
 
     # -- one state -----------------------------------------------------------------------------------
 

@@ -5,26 +5,28 @@ from collections.abc import Callable
 from visualization_msgs.msg import MarkerArray
 
 from robots_core.blocks.collision.scene import Scene
-from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.nodes.scene_messages import updated_scene
+from robots_core.nodes.scene_parameter import scene_by_parameter
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.robot_node import RobotNode
 
 
 class WatchedScene:
-    """Declares the parameter `scene` and subscribes to `collision_objects`.
+    """Follows `collision_objects` from a scene on.
 
     Args:
         node: Whose scene.
         on_change: Called with the scene, now and at every change; a RobotsError leaves it as it was.
+        scene: To begin with; by default that of the parameter, which is declared.
 
     Raises:
         InvalidInputError: a scene file that is missing or wrong; names its line.
     """
 
-    def __init__(self, node: RobotNode, on_change: Callable[[Scene], None]) -> None:
-        path = node.parameter('scene', '', 'scene file (YAML); empty for none', read_only=True)
-        self.scene = read_scene(path) if path else Scene()
+    def __init__(
+        self, node: RobotNode, on_change: Callable[[Scene], None], scene: Scene | None = None
+    ) -> None:
+        self.scene = scene_by_parameter(node) if scene is None else scene
         on_change(self.scene)
         self._on_change = on_change
         # Who publishes several objects one by one must not lose any; what is latched reaches the other one.

@@ -198,7 +198,7 @@ class MotionPlanner:
         """
         if self.moving:
             raise PlanningError('the robot is still moving; wait for its motion_result or stop it')
-        motion = self.planning.checked(trajectory(self.standing()))
+        motion = self.planning.checked(trajectory(self.standing()), settings=self.settings)
         running = RunningMotion(id_, motion.trajectory, {id_: motion.duration}, motion.duration)
         self._queue.planned(running, self._queue.failures)
         self._follow(id_, motion, running.ends, 'a given trajectory', 0.0)

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots_core.blocks.collision.pair_kernels import Indices
+from robots_core.blocks.collision.robot_solids import robot_solids
 from robots_core.blocks.collision.solid_set import SolidSet
-from robots_core.blocks.collision.solids import Solid, solids_of
 from robots_core.robot_model.allowed_pairs import AllowedPairs, Pair, ordered_pair
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 
@@ -59,15 +59,6 @@ def find_allowed_pairs(
             reasons[pair] = 'always'
     reasons.update((pair, 'never') for pair in proven_apart(checked, robot, names, budget))
     return AllowedPairs(reasons)
-
-
-def robot_solids(robot: BaseRobotModel) -> tuple[Solid, ...]:
-    """The robot's collision shapes as solids."""
-    return tuple(
-        solid
-        for shape in robot.collision_model.shapes
-        for solid in solids_of(shape.name, shape.geometry, shape.frame, shape.pose)
-    )
 
 
 def _touching(solids: SolidSet, robot: BaseRobotModel, samples: int) -> NDArray[np.bool_]:

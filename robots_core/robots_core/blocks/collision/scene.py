@@ -1,7 +1,8 @@
-"""Scene: obstacles around a robot, and objects attached to its flange."""
+"""Scene: obstacles around a robot, objects attached to its flange, and zones."""
 
 from dataclasses import dataclass
 
+from robots_core.blocks.zones.zone import Zone
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.allowed_pairs import Pair, ordered_pair
@@ -43,6 +44,7 @@ class Scene:
         objects: Obstacles.
         attached: Tool and workpiece.
         may_touch: Pairs of names that are not checked: an object and another, or an object and a link.
+        zones: Regions that the robot may not leave or enter; they are no obstacles.
 
     Raises:
         InvalidInputError: a name that is empty or used twice.
@@ -51,14 +53,17 @@ class Scene:
     objects: tuple[SceneObject, ...] = ()
     attached: tuple[AttachedObject, ...] = ()
     may_touch: frozenset[Pair] = frozenset()
+    zones: tuple[Zone, ...] = ()
 
     def __post_init__(self) -> None:
-        names = [item.name for item in self.objects] + [item.name for item in self.attached]
+        names = [item.name for item in (*self.objects, *self.attached)] + [zone.name for zone in self.zones]
         for name in names:
             if not name:
-                raise InvalidInputError('an object of the scene has no name')
+                raise InvalidInputError('an object or zone of the scene has no name')
             if names.count(name) > 1:
-                raise InvalidInputError(f'the scene has two objects with the name {name!r}; names are unique')
+                raise InvalidInputError(
+                    f'the scene has two objects or zones with the name {name!r}; names are unique'
+                )
         pairs = frozenset(ordered_pair(*pair) for pair in self.may_touch)
         object.__setattr__(self, 'may_touch', pairs)
 

@@ -5,10 +5,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
+from robots_core.blocks.collision.placed_section import read_name, read_pose
 from robots_core.blocks.collision.scene import OBJECT_COLOUR, AttachedObject, PlacedObject, Scene, SceneObject
+from robots_core.blocks.zones.zone_section import read_zone
 from robots_core.errors import RobotsError
 from robots_core.files import read_text
-from robots_core.pose import Pose
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
 from robots_core.validation import finite_vector, fraction
 from robots_core.yaml_section import YamlSection, located, parse_yaml
@@ -25,8 +26,8 @@ Placed = TypeVar('Placed', bound=PlacedObject)
 def read_scene(path: Path | str) -> Scene:
     """The scene of a YAML file.
 
-    The README describes the format: lists `objects` (in the base frame), `attached` (in tool0) and
-    `may_touch`; lengths in metres, angles in radians about z, the new y and the new x.
+    The README describes the format: lists `objects` and `zones` (in the base frame), `attached` (in tool0)
+    and `may_touch`; lengths in metres, angles in radians about z, the new y and the new x.
 
     Raises:
         InvalidInputError: a file that is missing or not such a scene; names the file and the line.
@@ -43,15 +44,13 @@ def read_scene(path: Path | str) -> Scene:
         if not (isinstance(names, list) and len(names) == 2 and all(isinstance(n, str) for n in names)):
             raise located(section.file, line, f'{names!r} must be a pair of names [one, other]')
         pairs.add((names[0], names[1]))
+    zones = tuple(read_zone(item, lines) for item in section.sections('zones'))
     section.finish()
-    return Scene(objects, attached, frozenset(pairs))
+    return Scene(objects, attached, frozenset(pairs), zones)
 
 
 def _object(item: YamlSection, kind: type[Placed], lines: dict[str, int], folder: Path) -> Placed:
-    name = item.text('name')
-    if name in lines:
-        raise item.error(f'the name {name!r} is used in line {lines[name]} already', 'name')
-    lines[name] = item.line_of('name')
+    name = read_name(item, lines)
     kinds = [key for key in GEOMETRIES if key in item]
     if len(kinds) != 1:
         raise item.error(
@@ -59,7 +58,7 @@ def _object(item: YamlSection, kind: type[Placed], lines: dict[str, int], folder
             f'{", ".join(GEOMETRIES)}'
         )
     colour = item.made('colour', _colour) if 'colour' in item else OBJECT_COLOUR
-    geometry, pose = _geometry(item, kinds[0], folder), _pose(item.section('pose'))
+    geometry, pose = _geometry(item, kinds[0], folder), read_pose(item.section('pose'))
     item.finish((*GEOMETRIES, 'colour'))
     return kind(name, geometry, pose, colour)
 
@@ -84,22 +83,6 @@ def _geometry(item: YamlSection, kind: str, folder: Path) -> Geometry:
             raise parts.error(error.message) from error
     parts.finish()
     return geometry
-
-
-def _pose(parts: YamlSection | None) -> Pose:
-    if parts is None:
-        return Pose.identity()
-    pose = Pose.identity()
-    if 'position' in parts:
-        pose = parts.made('position', lambda value: Pose(finite_vector(value, 3, 'position'), pose.T))
-    if 'angles' in parts and 'quaternion' in parts:
-        raise parts.error('a pose has angles or a quaternion, not both')
-    if 'quaternion' in parts:
-        pose = parts.made('quaternion', lambda value: Pose.from_quaternion(pose.r, value))
-    if 'angles' in parts:
-        pose = parts.made('angles', lambda value: Pose.from_angles(pose.r, value))
-    parts.finish(('position', 'angles', 'quaternion'))
-    return pose
 
 
 def _colour(value: Any) -> tuple[float, float, float, float]:

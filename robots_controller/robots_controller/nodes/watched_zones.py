@@ -1,0 +1,75 @@
+"""WatchedZones: the zones of controller_node, from its scene, and the inputs that close them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from std_msgs.msg import UInt8MultiArray
+
+from robots_controller.control.control_loop import ControlLoop
+from robots_controller.io.zone_inputs import parse_closing
+from robots_core.blocks.collision.scene import Scene
+from robots_core.nodes.scene_parameter import scene_by_parameter
+from robots_core.ros.qos import subscribe_state
+from robots_core.ros.robot_node import RobotNode
+from robots_core.validation import Array
+
+if TYPE_CHECKING:
+    from robots_controller.control.zone_guard import ZoneGuard
+
+
+class WatchedZones:
+    """Declares the parameters `scene` and `zone_inputs`, and passes on what concerns zones.
+
+    Args:
+        node: The controller's.
+
+    Raises:
+        InvalidInputError: a scene file that is missing or wrong, or inputs that are none.
+    """
+
+    def __init__(self, node: RobotNode) -> None:
+        self._node = node
+        self._control: ControlLoop | None = None
+        self._scene = scene_by_parameter(node)
+        texts = node.parameter(
+            'zone_inputs',
+            [''],
+            "digital inputs that close the borders of zones, as 'digital_input.3=off press'",
+            check=parse_closing,
+            read_only=True,
+        )
+        self._inputs = parse_closing(texts)
+        self.guard = self._make_guard() if self._scene.zones else None
+        """For the controller; None without zones."""
+
+    def _make_guard(self) -> ZoneGuard:
+        # They load the reading of meshes, which a controller without zones does not need.
+        from robots_controller.control.zone_guard import ZoneGuard  # noqa: PLC0415
+        from robots_core.nodes.watched_scene import WatchedScene  # noqa: PLC0415
+
+        guard = ZoneGuard(self._node.robot, self._scene)
+        WatchedScene(self._node, self._on_scene, self._scene)
+        return guard
+
+    def watch(self, control: ControlLoop) -> None:
+        """Tell a control loop from now on which zones are closed."""
+        self._control = control
+        if self._inputs:
+            subscribe_state(self._node, UInt8MultiArray, 'digital_inputs', self._on_digital_inputs)
+
+    def set_tool(self, position: Array) -> None:
+        """Watch another tool centre point, by its position in tool0, (3,) m."""
+        if self.guard is not None:
+            self.guard.set_tool(position)
+
+    def _on_digital_inputs(self, message: UInt8MultiArray) -> None:
+        assert self._control is not None
+        self._control.close_zones(self._inputs.closed(message.data))
+
+    def _on_scene(self, scene: Scene) -> None:
+        changed = scene.attached != self._scene.attached
+        self._scene = scene
+        if changed and self._control is not None and self.guard is not None:
+            self.guard.set_scene(scene)
+            self._control.change_borders()
