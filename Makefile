@@ -110,7 +110,7 @@ test-under-load:  ## The same beside twice as many busy processes as there are c
 
 .PHONY: generated-programs
 generated-programs: build  ## Programs generated from seeds: FIRST=0, COUNT=2000, WAYS=simulated,lockstep,live; names those that break a law
-	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test" python -m cell.generated.run_seeds $(or $(FIRST),0) $(or $(COUNT),2000) $$(nproc) $(or $(WAYS),simulated)
+	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test:$$PWD/test/support" python -m cell.generated.run_seeds $(or $(FIRST),0) $(or $(COUNT),2000) $$(nproc) $(or $(WAYS),simulated)
 
 .PHONY: random-motions
 random-motions: build  ## Random motions of all robots, held to their limits at 10 kHz: FIRST=0, COUNT=10000; names seeds that break one
@@ -120,11 +120,13 @@ random-motions: build  ## Random motions of all robots, held to their limits at 
 chaos: build  ## Kill and freeze every node of a cell at COUNT=50 random moments; says which goals of stops and outputs are met
 	@$(RUN) $(ENDURANCE) python -m chaos $(or $(COUNT),50) $(OPTIONS)
 
+.PHONY: soak
+soak: build  ## A cell that works for DURATION=3600 s: lateness of its loops, memory of its processes, as a table and a page
+	@$(RUN) $(ENDURANCE) python -m soak $(or $(DURATION),3600) $(OPTIONS)
+
 .PHONY: fuzz
-fuzz: build .venv/.installed_tests  ## Generated messages to every node, damaged files and programs, generated programs: for DURATION=600 s
-	@$(RUN) end=$$((SECONDS + $(or $(DURATION),600))); while [ $$SECONDS -lt $$end ]; do \
-	  python -m pytest -q -n auto --timeout 0 --hypothesis-profile=fuzz test/node/test_message_fuzz.py test/property/test_damaged_files.py; \
-	  PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test" python -m cell.generated.run_seeds $$((RANDOM * 30)) 30 $$(nproc) simulated; done
+fuzz: build .venv/.installed_tests  ## Generated messages to every node, damaged files, Lua and generated programs: for DURATION=600 s
+	@$(RUN) $(ENDURANCE) python -m fuzz $(or $(DURATION),600) $(OPTIONS)
 
 .PHONY: benchmark-controller
 benchmark-controller: build  ## The controller's timing side by side with a bare rclpy timer

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 import string
 import time
@@ -15,6 +16,7 @@ from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters
 from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
+from counted_cases import count_cases
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 
@@ -25,7 +27,7 @@ RUN_TIME = 0.15  # s that a program that does not end has before it is stopped
 # Deadlines for a slow and busy machine: what hangs takes for ever.
 END_TIME = 240.0  # s from the stop to the end
 FAIL_TIME = 240.0  # s until a program has used up its memory
-SEED = 20240607  # the same programs in every run
+SEED = int(os.environ.get('FUZZ_SEED', '20240607'))  # the same programs in every run
 
 # Each goes on until it is stopped.
 ENDLESS = {
@@ -168,6 +170,7 @@ class FuzzBench(Bench):
 
     def try_program(self, data: bytes) -> bool:
         """Run a program and end it; whether it is Lua."""
+        count_cases('Lua')
         state = self.run_program(data)
         if state:
             self.end_program()

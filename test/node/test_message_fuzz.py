@@ -17,6 +17,7 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 
+from counted_cases import count_cases
 from robots_core import load_robot_model
 from robots_core.ros.lockstep.phases import NANOSECONDS
 from robots_core.ros.robot_node import RobotNode
@@ -104,6 +105,7 @@ class FuzzBench:
         for one, publisher in self._publishers.items():  # valid ones, so that more becomes of these
             publisher.publish(self.examples(one.msg_type)[0])
         self.tick()
+        count_cases('messages', len(messages))
         for message in messages:
             self._publishers[subscription].publish(message)
         self.tick()

@@ -10,6 +10,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from counted_cases import count_cases
 from robots_controller.io.io_map import read_io_map
 from robots_controller.io.plc_script import read_plc_script
 from robots_controller.program_check.check_program import main as check_program
@@ -110,6 +111,7 @@ def simulate_shortly(path: Path) -> None:
 
 
 def refused(read: Callable[[Path], object], path: Path, data: bytes) -> None:
+    count_cases('damaged files')
     path.write_bytes(data)
     with contextlib.suppress(RobotsError):
         read(path)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from counted_cases import count_cases
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.program.cell_port import DetachedCell
@@ -85,6 +86,7 @@ def test_any_arguments_run_or_are_explained(
     arguments: list[str],
     table: bool,  # noqa: FBT001
 ):
+    count_cases('Lua')
     host = LuaHost(tmp_path)
     listed = ', '.join(arguments)
     error = host.run(f'{function}({{{listed}}})' if table else f'{function}({listed})')
@@ -130,6 +132,7 @@ def test_degrees_become_radians(tmp_path: Path, values: list[float]):
 
 
 def _run_or_refuse(folder: Path, data: bytes) -> None:
+    count_cases('Lua')
     host = LuaHost(folder)
     try:
         host.start(data)

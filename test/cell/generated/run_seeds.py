@@ -9,6 +9,8 @@ from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
 
+from counted_cases import count_cases
+
 from .other_ways import live_problems, lockstep_problems
 from .program_generator import generate
 from .run_laws import broken_laws, simulated
@@ -18,6 +20,7 @@ DOMAINS = 50  # ROS domains from this one on, so that two programs at once do no
 
 def problems_of(ways: list[str], seed: int) -> tuple[int, str, list[str]]:
     """Seed, how the program ended, and what did not hold."""
+    count_cases('generated programs')
     program = generate(seed)
     os.environ['ROS_DOMAIN_ID'] = str(DOMAINS + seed % DOMAINS)
     with tempfile.TemporaryDirectory(prefix='generated_') as name:

@@ -1,25 +1,21 @@
-"""Observer: sees and hears what a cell does, and presses its buttons."""
+"""Observer: sees what a cell does, besides pressing its buttons."""
 
-import threading
 import time
 from collections.abc import Sequence
-from typing import Any, Final, Self
+from typing import Any, Final
 
 import numpy as np
-import rclpy
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, UInt8
-from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
+from cell_operator import CellOperator
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.ros.joint_trajectories import complete_points, single_point
-from robots_core.ros.messages import diagnostic_values, seconds
+from robots_core.ros.messages import seconds
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import STATE
 from robots_planning.trajectory import Trajectory
@@ -34,20 +30,15 @@ TOPICS: Final[dict[str, tuple[Any, QoSProfile]]] = {
     'joint_states': (JointState, STREAM),
     'joint_trajectory': (JointTrajectory, RELIABLE),
     'stop_status': (DiagnosticStatus, STATE),
-    'program_status': (DiagnosticStatus, STATE),
     'drives_on': (Bool, STATE),
     'plc/word': (UInt8, RELIABLE),
 }
-POLL: Final = 0.02  # s
 PATH_STEP: Final = 0.005  # s of a plan between two points of its path
 STALE: Final = 0.2  # s without a reference
-SERVICE_TIME: Final = 5.0  # s
 
 
-class Observer:
+class Observer(CellOperator):
     """Collects messages as they come, and reads them when they are asked for.
-
-    A context manager; one for each cell.
 
     Args:
         robot: The robot.
@@ -55,32 +46,13 @@ class Observer:
     """
 
     def __init__(self, robot: BaseRobotModel, domain: int) -> None:
+        super().__init__(domain, 'observer')
         self._robot = robot
-        self._context = rclpy.Context()
-        rclpy.init(context=self._context, domain_id=domain)
-        self._node = Node('observer', context=self._context)
-        self._lock = threading.Lock()
         self._found: dict[str, list[tuple[float, bytes]]] = {topic: [] for topic in TOPICS}
         self._subscriptions = {
             topic: PolledSubscription(self._node, kind, topic, qos, raw=True)
             for topic, (kind, qos) in TOPICS.items()
         }
-        self._callers: dict[str, Any] = {}
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self._node)
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._spin, name='observer', daemon=True)
-        self._thread.start()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stop.set()
-        self._thread.join()
-        self._executor.shutdown()
-        self._node.destroy_node()
-        self._context.try_shutdown()
 
     def forget(self) -> None:
         """Drop what has come, but for the newest message of each topic and the plans of the last seconds."""
@@ -90,25 +62,6 @@ class Observer:
                 keep = [item for item in found if item[0] > recent] if topic == 'joint_trajectory' else []
                 self._found[topic] = keep or found[-1:]
 
-    def call(self, service: str) -> tuple[bool, str]:
-        """Call a Trigger service: whether it succeeded, and what it said."""
-        with self._lock:
-            caller = self._callers.get(service)
-            if caller is None:
-                caller = self._callers[service] = self._node.create_client(Trigger, service)
-        deadline = time.monotonic() + SERVICE_TIME
-        while not caller.service_is_ready():
-            if time.monotonic() > deadline:
-                return False, f'{service} is not there'
-            time.sleep(POLL)
-        future = caller.call_async(Trigger.Request())
-        while not future.done():
-            if time.monotonic() > deadline:
-                return False, f'{service} does not answer'
-            time.sleep(POLL)
-        answer = future.result()
-        return answer.success, answer.message
-
     @property
     def moving(self) -> bool:
         """References came lately, and move the robot."""
@@ -116,18 +69,6 @@ class Observer:
         if newest is None or seconds(newest.header.stamp) < time.time() - STALE:
             return False
         return any(newest.points[0].velocities)
-
-    @property
-    def program_state(self) -> str:
-        """State of the program, as its node has said last; '' before it has."""
-        newest = self._newest('program_status')
-        return '' if newest is None else diagnostic_values(newest).get('state', '')
-
-    @property
-    def program_error(self) -> str:
-        """What has ended it."""
-        newest = self._newest('program_status')
-        return '' if newest is None else diagnostic_values(newest).get('error', '')
 
     def references(self, origin: float) -> JointSamples:
         """References since `forget`, with times from an origin (s)."""
@@ -185,14 +126,12 @@ class Observer:
     def _read(self, topic: str) -> Sequence[Any]:
         return [message for _, message in self._timed(topic)]
 
-    def _spin(self) -> None:
-        while not self._stop.is_set():
-            self._executor.spin_once(timeout_sec=POLL)
-            with self._lock:
-                for topic, subscription in self._subscriptions.items():
-                    self._found[topic] += [
-                        (1e-9 * info['source_timestamp'], data) for data, info in subscription.take_all()
-                    ]
+    def poll(self) -> None:
+        """Keep what has come."""
+        for topic, subscription in self._subscriptions.items():
+            self._found[topic] += [
+                (1e-9 * info['source_timestamp'], data) for data, info in subscription.take_all()
+            ]
 
 
 def _samples(times: list[tuple[float, float]], rows: list[Any], num_axes: int) -> JointSamples:

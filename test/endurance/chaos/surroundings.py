@@ -5,7 +5,7 @@ import signal
 import subprocess
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final, Self
 from uuid import uuid4
@@ -29,19 +29,29 @@ class Surroundings(ABC):
         program: Its program.
         environment: Of the processes.
         log: Folder of their output.
+        io_map: What the PLC gets and sends.
+        options: Further ones of `cell`.
     """
 
     name: str
 
-    def __init__(self, program: Path, environment: Mapping[str, str], log: Path) -> None:
+    def __init__(
+        self,
+        program: Path,
+        environment: Mapping[str, str],
+        log: Path,
+        *,
+        io_map: Path = IO_MAP,
+        options: Sequence[str] = (),
+    ) -> None:
         header = read_program_header(program)
-        files = {'scene': header.scene, 'io': header.io, 'program': str(program), 'io_map': str(IO_MAP)}
+        files = {'scene': header.scene, 'io': header.io, 'program': str(program), 'io_map': str(io_map)}
         self.robot = header.robot
         self.graph = cell_graph(robot=header.robot, autostart=True, launch=uuid4().hex, port=0, **files)
         self._environment = {**os.environ, **environment}
         self._log = log
         self._log.mkdir(parents=True, exist_ok=True)
-        self._program = program
+        self._program, self._io_map, self._options = program, io_map, options
 
     def __enter__(self) -> Self:
         self.start()
@@ -84,7 +94,15 @@ class InCell(Surroundings):
     def start(self) -> None:
         """Start the cell."""
         command = str(NodeDescription('robots_controller', 'cell').executable_path())
-        options = ['--program', str(self._program), '--io-map', str(IO_MAP), '--port', '0']
+        options = [
+            '--program',
+            str(self._program),
+            '--io-map',
+            str(self._io_map),
+            '--port',
+            '0',
+            *self._options,
+        ]
         self._output = (self._log / 'cell.log').open('wb')
         self._process = subprocess.Popen(
             [command, *options],
@@ -95,6 +113,16 @@ class InCell(Surroundings):
             cwd=self._log,
         )
         self._deaths: dict[str, list[float]] = {}
+
+    @property
+    def output(self) -> str:
+        """What the cell has printed."""
+        return (self._log / 'cell.log').read_text(errors='replace')
+
+    @property
+    def cell_pid(self) -> int | None:
+        """The process of the cell itself; None when it has ended."""
+        return self._process.pid if self._process.poll() is None else None
 
     def pid(self, node: str) -> int | None:
         """The process of a node."""

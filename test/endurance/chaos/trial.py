@@ -19,7 +19,10 @@ from .surroundings import Surroundings
 READY_TIME: Final = 600.0  # s until a fresh cell runs its program
 USABLE_TIME: Final = 60.0  # s until a person gives up
 LONGEST_DELAY: Final = 5.0  # s from when the robot moves to the fault
-FROZEN: Final = (0.3, 1.8)  # s that a node is frozen which lives on; `cell` kills it after 2 s
+FROZEN: Final = (
+    0.6,
+    1.8,
+)  # s that a node is frozen which lives on: missed, and not yet killed by `cell`
 MOVES_ON: Final = 0.5  # s in which a program that goes on moves the robot, but for short waits
 HELD: Final = 0b100  # bit of the PLC's word that keeps its value
 POLL: Final = 0.02  # s

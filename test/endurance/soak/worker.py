@@ -1,0 +1,123 @@
+"""Worker: what people and a PLC do at a cell all day, and what they see of it."""
+
+import struct
+import time
+from array import array
+from typing import Any, Final
+
+import numpy as np
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
+from sensor_msgs.msg import JointState
+from std_msgs.msg import UInt8
+from trajectory_msgs.msg import JointTrajectory
+
+from cell_operator import POLL, SERVICE_TIME, CellOperator
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import STREAM
+from robots_core.ros.reference_stream import STAMP, STAMP_OFFSET
+
+from .figures import LoopFigures
+
+EVERY: Final = QoSProfile(depth=5000)
+TOPICS: Final = {'joint_reference': JointTrajectory, 'joint_states': JointState}
+JOG_SPEED: Final = 0.1  # rad/s (m/s)
+JOG_PERIOD: Final = 0.04  # s
+REQUEST: Final = 0b10  # bit of the PLC's word
+TOGGLE: Final = 0.2  # s between two changes of an input that nothing waits for
+
+
+class Worker(CellOperator):
+    """Runs programs, jogs, answers as a PLC, and notes how late references and feedback are sent.
+
+    Args:
+        robot: The robot.
+        domain: ROS domain.
+    """
+
+    def __init__(self, robot: BaseRobotModel, domain: int) -> None:
+        super().__init__(domain, 'worker')
+        self._names = list(robot.axes_data.names)
+        self._streams = {
+            topic: PolledSubscription(self._node, kind, topic, EVERY, raw=True)
+            for topic, kind in TOPICS.items()
+        }
+        self._seen = {topic: (array('d'), array('d')) for topic in TOPICS}
+        self._words = PolledSubscription(self._node, UInt8, 'plc/word', STREAM)
+        self._inputs = self._node.create_publisher(UInt8, 'plc/inputs', 10)
+        self._jog = self._node.create_publisher(JointState, 'teach_joints', 1)
+        self._mode = self._node.create_client(SetParameters, 'controller_node/set_parameters')
+        self._origin = time.time()
+        self._image, self._request, self._sent = 0, 0, 0.0
+        self.changes = 0
+        """Of inputs."""
+        self.position: list[float] = []
+        """Of the newest feedback."""
+
+    def begin(self) -> None:
+        """Forget what was seen while the cell started."""
+        with self._lock:
+            self._origin = time.time()
+            self._seen = {topic: (array('d'), array('d')) for topic in TOPICS}
+
+    def poll(self) -> None:
+        """Note what came, and answer as the PLC."""
+        for topic, stream in self._streams.items():
+            due, late = self._seen[topic]
+            for data, info in stream.take_all():
+                stamp = self._stamp(data)
+                due.append(stamp - self._origin)
+                late.append(1e-9 * info['source_timestamp'] - stamp)
+        word = self._words.take()
+        if word is not None:
+            self._request = int(bool(word.data & REQUEST))
+        now = time.monotonic()
+        image = self._request | (int(now / TOGGLE) % 2) << 1
+        if image != self._image or now - self._sent > 1.0:
+            self.changes += (image ^ self._image).bit_count()
+            self._image, self._sent = image, now
+            self._inputs.publish(UInt8(data=image))
+
+    def jog(self, axis: int, direction: float, seconds: float) -> None:
+        """Jog one axis, as a person who holds a key does."""
+        velocity = np.zeros(len(self._names))
+        velocity[axis] = direction * JOG_SPEED
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            message = JointState(name=self._names, velocity=velocity.tolist())
+            message.header.stamp = self._node.get_clock().now().to_msg()
+            self._jog.publish(message)
+            time.sleep(JOG_PERIOD)
+        time.sleep(0.5)  # it stops by itself when the key is let go
+
+    def set_mode(self, mode: str) -> str:
+        """Turn the mode switch: '' or why it cannot be turned now."""
+        request = SetParameters.Request(
+            parameters=[Parameter('operating_mode', value=mode).to_parameter_msg()]
+        )
+        deadline = time.monotonic() + SERVICE_TIME
+        while not self._mode.service_is_ready():
+            if time.monotonic() > deadline:
+                return 'controller_node has no parameters'
+            time.sleep(POLL)
+        future = self._mode.call_async(request)
+        while not future.done():
+            if time.monotonic() > deadline:
+                return 'controller_node does not answer'
+            time.sleep(POLL)
+        (result,) = future.result().results
+        return '' if result.successful else result.reason
+
+    def loops(self) -> tuple[LoopFigures, ...]:
+        """How late everything was sent."""
+        with self._lock:
+            return tuple(
+                LoopFigures(topic, np.array(due), np.array(late)) for topic, (due, late) in self._seen.items()
+            )
+
+    @staticmethod
+    def _stamp(data: Any) -> float:
+        sec, nanosec = struct.unpack_from(STAMP.format, data, STAMP_OFFSET)
+        return float(sec + 1e-9 * nanosec)
