@@ -11,7 +11,10 @@ from launch_ros.actions import Node
 
 from launch import LaunchContext, LaunchDescription
 
-OPTIONS = ('robot', 'program', 'io', 'io_map', 'scene', 'drive', 'guided', 'watchdog', 'debug_port')
+OPTIONS = (
+    *('robot', 'program', 'io', 'io_map', 'scene', 'drive', 'guided', 'watchdog', 'debug_port'),
+    *('operating_mode', 'tool_speed_limit'),
+)
 
 
 def nodes(context: LaunchContext) -> list[Node]:
@@ -62,6 +65,12 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument('namespace', default_value='', description='namespace of all nodes'),
             DeclareLaunchArgument(
                 'watchdog', default_value='0.2', description='longest time without a sign of life, s'
+            ),
+            DeclareLaunchArgument(
+                'operating_mode', default_value='AUTOMATIC', description='AUTOMATIC, T1, T2 or REMOTE'
+            ),
+            DeclareLaunchArgument(
+                'tool_speed_limit', default_value='0.0', description='of tool and axes, m/s; 0 for none'
             ),
             DeclareLaunchArgument(
                 'debug_port', default_value='0', description='port for editors; 0 for none'

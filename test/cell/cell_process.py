@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import queue
 import signal
 import subprocess
+import sys
 import threading
 import time
+from ipaddress import ip_address
 from pathlib import Path
 
 from node_pids import node_pids
@@ -82,6 +85,19 @@ class CellProcess:
                 self.process.wait(DEADLINE)
             except subprocess.TimeoutExpired:
                 self.process.kill()
+
+    def udp_addresses(self, pid: int) -> set[str]:
+        """Addresses at which a process receives datagrams."""
+        sockets = set()
+        for entry in Path(f'/proc/{pid}/fd').iterdir():
+            with contextlib.suppress(FileNotFoundError):  # closed meanwhile
+                sockets.add(entry.readlink().name)
+        rows = [line.split() for line in Path(f'/proc/{pid}/net/udp').read_text().splitlines()[1:]]
+        return {
+            str(ip_address(int.from_bytes(bytes.fromhex(row[1].split(':')[0]), sys.byteorder)))
+            for row in rows
+            if f'socket:[{row[9]}]' in sockets
+        }
 
     def node_pids(self) -> dict[str, int]:
         """Process ids of the running nodes, forked from the server that the cell has started."""

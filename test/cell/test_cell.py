@@ -8,6 +8,7 @@ import re
 import select
 import signal
 from collections.abc import Callable
+from ipaddress import ip_address
 from pathlib import Path
 from typing import Any
 
@@ -104,6 +105,10 @@ def test_ctrl_c_and_terminate_stop_all_nodes(start_cell: StartCell, number: sign
     cell.until_ready()
     pids = cell.node_pids()
     assert len(pids) == 6
+    for pid in (cell.process.pid, *pids.values()):
+        addresses = cell.udp_addresses(pid)
+        assert '127.0.0.1' in addresses
+        assert all(ip_address(one).is_loopback or ip_address(one).is_multicast for one in addresses)
     cell.process.send_signal(number)
     assert cell.wait() == 130
     assert not [name for name, pid in pids.items() if Path(f'/proc/{pid}').exists()]

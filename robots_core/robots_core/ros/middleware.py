@@ -1,8 +1,13 @@
 """How the suite's processes use the middleware."""
 
 import os
+from pathlib import Path
+from typing import Final
 
-TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
+TRANSPORTS: Final = 'FASTDDS_BUILTIN_TRANSPORTS'
+PROFILES: Final = ('FASTRTPS_DEFAULT_PROFILES_FILE', 'FASTDDS_DEFAULT_PROFILES_FILE')
+DISCOVERY: Final = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+LOOPBACK: Final = Path(__file__).with_name('loopback.xml')
 
 
 def choose_transports() -> None:
@@ -12,7 +17,14 @@ def choose_transports() -> None:
     (github.com/eProsima/Fast-DDS/issues/6535): longer than any control loop may. It also leaves locks behind
     when a process is killed. For messages as small as ours UDP on one machine costs no more.
 
-    With ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST, rmw_fastrtps of Jazzy adds shared memory itself and does not
-    ask; the controller's feedback timeout is longer than such a pause.
+    Where discovery keeps to this machine (ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST), all sockets are on the
+    loopback interface, and nothing outside reaches them. rmw_fastrtps of Jazzy would open them on all
+    interfaces, and add shared memory without asking; so a profile of Fast DDS takes its place, which finds
+    other processes with LOCALHOST and is found by them.
     """
     os.environ.setdefault(TRANSPORTS, 'UDPv4')
+    chosen = any(os.environ.get(name) for name in PROFILES)
+    fast = os.environ.get('RMW_IMPLEMENTATION', 'rmw_fastrtps_cpp').startswith('rmw_fastrtps')
+    if os.environ.get(DISCOVERY) == 'LOCALHOST' and fast and not chosen:
+        os.environ[DISCOVERY] = 'SYSTEM_DEFAULT'
+        os.environ[PROFILES[0]] = str(LOOPBACK)
