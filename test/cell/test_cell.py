@@ -262,10 +262,12 @@ def test_a_program_s_node_that_is_killed_leaves_fail_safe_outputs_and_comes_back
 
 
 def test_a_frozen_controller_is_killed_and_comes_back_stopped(start_cell: StartCell, ros_nodes: Any) -> None:
+    """In an operating mode in which a person starts the program."""
     stops = collected(ros_nodes, 'stop_status', DiagnosticStatus, diagnostic_values)
     wait = ros_nodes.wait_for
-    cell = start_cell('--robot', 'bello_bot', '--watchdog', '1')
-    cell.until_ready()
+    program = str(PROGRAMS / 'bello_bot_tour.lua')
+    cell = start_cell('--program', program, '--operating-mode', 'T1', '--watchdog', '1')
+    cell.until('in operating mode T1 lua_program_node/run starts it while run is held')
     wait(lambda: stops, what='the state')
     os.kill(cell.node_pids()['controller_node'], signal.SIGSTOP)
     cell.until('controller_node gives no sign of life for 10 s: it is killed')

@@ -3,6 +3,7 @@
 import argparse
 import math
 import time
+from pathlib import Path
 
 from rich.markup import escape
 
@@ -20,6 +21,7 @@ from robots_controller.live_cell.frozen_nodes import FrozenNodes
 from robots_controller.live_cell.node_processes import NodeProcesses
 from robots_controller.live_cell.node_restarts import NodeRestarts
 from robots_controller.recording.motion_record import MOTION_TOPICS
+from robots_core.operating_modes import MODES, Commander, OperatingMode
 
 START_TIMEOUT = 600.0  # s, for all nodes to be ready on a slow machine
 WAIT_REPORT = 10.0  # s between reports of what is waited for
@@ -80,7 +82,7 @@ class RunningCell:
                 self._console.print(f'[bold red]not ready after {START_TIMEOUT:g} s:[/] {self._late}')
             return EXIT_FAILED
         self._settled, self._starting = time.monotonic() + SETTLING_TIME, False
-        if self._options.program and not (self._call('open') and self._call('run')):
+        if self._options.program and not self._start_program():
             return EXIT_FAILED
         self._listener.release()
         while self._healthy():
@@ -89,6 +91,20 @@ class RunningCell:
             if self.program_ended and self._options.once and self._motion is None:
                 return EXIT_FAILED if self._failed else EXIT_OK
         return EXIT_FAILED
+
+    def _start_program(self) -> bool:
+        """Run the program, or open it where a person runs it; False if it is refused."""
+        options, mode = self._options, OperatingMode(self._options.operating_mode)
+        by_itself = Commander.PROGRAM in MODES[mode].commanders and not MODES[mode].held
+        if by_itself or options.once or options.lockstep:
+            return self._call('open') and self._call('run')
+        name = Path(options.program).name
+        self._console.print(
+            f'{name} is open; in operating mode {mode} lua_program_node/run starts it while run is held'
+            if MODES[mode].held
+            else f'{name} is open; in operating mode {mode} no program runs'
+        )
+        return self._call('open')
 
     def watch(self) -> None:
         """Until a node dies, or forever."""
