@@ -23,7 +23,9 @@ from robots_controller.report.tables import ReportTable, Row
 
 TESTS: Final = Path(__file__).parents[1]
 PYTEST: Final = ('-m', 'pytest', '-q', '--timeout', '0', '--hypothesis-profile=fuzz', '--tb=short', '-x')
+DAMAGED: Final = ('scenes', 'urdfs', 'limits', 'io_maps', 'plc_scripts', 'programs', 'meshes')
 PROGRAMS_AT_ONCE: Final = 10
+LONGEST_STEP: Final = 300.0  # s: all kinds have their turn
 FINDING: Final = re.compile(r'\d+ failed|Falsifying example|^seed \d+ \(', re.MULTILINE)
 END_TIME: Final = 60.0  # s for what is under way then
 SHOWN: Final = 6000  # characters of a failure
@@ -54,11 +56,13 @@ def steps(rng: random.Random, nodes: Sequence[str]) -> Iterator[Step]:
     """Steps without end: all kinds in turn, and all nodes."""
     messages = _shuffled(rng, nodes)
     every_message = f'{TESTS}/node/test_message_fuzz.py::test_every_topic_of_every_node_takes_any_message'
-    files = str(TESTS / 'property' / 'test_damaged_files.py')
+    files = _shuffled(rng, DAMAGED)
     lua = str(TESTS / 'property' / 'test_lua_laws.py')
     while True:
         yield Step('messages', (*PYTEST, f'{every_message}[{next(messages)}]'))
-        yield Step('damaged files', (*PYTEST, files))
+        yield Step(
+            'damaged files', (*PYTEST, f'{TESTS}/property/test_damaged_files.py::test_damaged_{next(files)}')
+        )
         yield Step('Lua', (*PYTEST, lua))
         seed = str(rng.randrange(10**9))
         programs = f'{TESTS / "node" / "test_lua_fuzz.py"}::test_random_programs'
@@ -68,9 +72,9 @@ def steps(rng: random.Random, nodes: Sequence[str]) -> Iterator[Step]:
         yield Step('generated programs', run, {'PYTHONPATH': f'$PYTHONPATH:{TESTS}'})
 
 
-def _shuffled(rng: random.Random, nodes: Sequence[str]) -> Iterator[str]:
+def _shuffled(rng: random.Random, names: Sequence[str]) -> Iterator[str]:
     while True:
-        yield from rng.sample(nodes, len(nodes))
+        yield from rng.sample(names, len(names))
 
 
 class Fuzz:
@@ -108,10 +112,11 @@ class Fuzz:
             start_new_session=True,  # Ctrl-C ends the steps through this process alone
         )
         try:
-            output, _ = process.communicate(timeout=max(1.0, self._end - time.monotonic()))
+            output, _ = process.communicate(timeout=min(LONGEST_STEP, max(1.0, self._end - time.monotonic())))
             failed = process.returncode != 0
         except subprocess.TimeoutExpired:
-            process.send_signal(signal.SIGINT)
+            # Not SIGINT, which ends the contexts of nodes: the tests would take that for their failure.
+            os.killpg(process.pid, signal.SIGTERM)
             try:
                 output, _ = process.communicate(timeout=END_TIME)
             except subprocess.TimeoutExpired:

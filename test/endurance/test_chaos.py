@@ -197,7 +197,7 @@ def test_the_table_has_medians_and_worst_values_by_node_and_says_which_goal_is_m
         ('launch', '`visualizer_node`', 'killed', '1'),
     ]
     assert rows[0][5] == '1.35 / 2.00'
-    assert [row[-1] for row in rows] == ['missed: stands', 'met', 'met']
+    assert [row[-1] for row in rows] == ['stands', 'none', 'none']
     assert rows[2][5] == '-'
     assert closing_line(faults) == '4 faults, 1 that miss a goal'
     assert as_markdown(summary(faults)).count('\n') == 4

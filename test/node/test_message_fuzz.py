@@ -31,7 +31,7 @@ OWN: Final = ('/clock', '/parameter_events')  # rclpy's
 TICK: Final = 0.05  # s: every timer and loop of the nodes has its turn
 PATIENCE: Final = 240.0  # s
 MOST: Final = 8  # messages in a batch
-EXAMPLES: Final = 3 if settings().derandomize else 200
+EXAMPLES: Final = 3 if settings().derandomize else 50
 # Depth and durability for all subscriptions; liveliness for those that ask for a lease.
 QOS: Final = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

@@ -22,9 +22,9 @@ COLUMNS: Final[tuple[tuple[str, Kind], ...]] = (
     ('later than goal s', 'number'),
     ('off path mm', 'number'),
     ('outputs safe after s', 'number'),
-    ('limits, motions', 'number'),
+    ('broken', 'number'),
     ('usable after s', 'number'),
-    ('goals', 'text'),
+    ('goals missed', 'text'),
 )
 
 
@@ -84,7 +84,7 @@ def summary(faults: Sequence[Fault]) -> ReportTable:
                     _spread(figures, lambda each: each.outputs_safe),
                     str(sum(bool(each.problems) for each in figures)),
                     _spread(figures, lambda each: each.usable_after if each.usable else np.inf),
-                    f'missed: {", ".join(missed)}' if missed else 'met',
+                    ', '.join(missed) or 'none',
                 ),
                 bad=bool(missed),
                 trends={len(COLUMNS) - 1: 'worse' if missed else 'better'},
