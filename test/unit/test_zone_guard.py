@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from types import MappingProxyType
 
@@ -14,6 +15,7 @@ from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.faults import ZONE_VIOLATED
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit
+from robots_controller.control.shared_zone import ZoneState
 from robots_controller.control.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.control.zone_guard import ZoneGuard
@@ -21,10 +23,10 @@ from robots_controller.io.io_image import Channel
 from robots_controller.io.zone_inputs import ZoneInputs, closing_inputs, closing_texts, parse_closing
 from robots_core import Pose
 from robots_core.blocks import HalfSpace, PlacedBox, Zone
-from robots_core.blocks.collision.scene import Scene
+from robots_core.blocks.collision.scene import AttachedObject, Scene
 from robots_core.errors import InvalidInputError
 from robots_core.motion_result import MotionResult
-from robots_core.robot_model.shapes import Box
+from robots_core.robot_model.shapes import Box, Capsule
 from robots_planning import LinearJoint, LinearJointAxes
 
 from .small_arms import small_arm, start_of
@@ -53,8 +55,10 @@ def wall(angle: float, *, always: bool = False) -> Zone:
 class Cell:
     """A control loop whose drives are ideal; references are kept."""
 
-    def __init__(self, *zones: Zone, limit: float = 0.0, closed: tuple[str, ...] | None = ('press',)) -> None:
-        self.zones = ZoneGuard(ROBOT, Scene(zones=zones)) if zones else None
+    def __init__(
+        self, *zones: Zone, limit: float = 0.0, closed: tuple[str, ...] | None = ('press',), name: str = ''
+    ) -> None:
+        self.zones = ZoneGuard(ROBOT, Scene(zones=zones), name=name) if zones else None
         self.controller = Controller(
             ROBOT.axes_data,
             ControllerSettings(period=PERIOD),
@@ -89,7 +93,7 @@ class Cell:
 
     def held(self) -> bool:
         """The robot stands before a border."""
-        return bool(self.controller.held_by) and not self.references[-1][1].any()
+        return bool(self.controller.obstacle) and not self.references[-1][1].any()
 
     def clearance(self, zone: Zone) -> float:
         region = zone.region
@@ -127,7 +131,7 @@ def test_a_motion_waits_on_its_path_before_a_closed_border(border: float, planne
     cell.loop.follow(motion, 'motion')
     cell.run(until=cell.held)
     assert 0.0 < cell.clearance(zone) < 3e-3
-    assert cell.controller.held_by == 'press'
+    assert "'press', which is closed" in cell.controller.obstacle
     cell.step(500)
     assert cell.clearance(zone) > 0.0
     assert not cell.references[-1][1].any()
@@ -135,7 +139,7 @@ def test_a_motion_waits_on_its_path_before_a_closed_border(border: float, planne
     cell.run()
     assert [result.message for result in cell.results] == ['reached']
     np.testing.assert_allclose(cell.q, target, atol=1e-9)
-    assert cell.controller.held_by == ''
+    assert cell.controller.obstacle == ''
 
 
 def test_an_open_border_changes_nothing() -> None:
@@ -215,7 +219,7 @@ def test_a_person_may_jog_back_and_not_further() -> None:
     cell.step(10)
     cell.jog(np.array([0.5, 0.0, 0.0]), 100)
     assert cell.q[0] == pytest.approx(turned(0.4)[0], abs=1e-6)
-    assert cell.controller.held_by == 'press'
+    assert "'press', which is closed" in cell.controller.obstacle
     cell.jog(np.array([-0.5, 0.0, 0.0]), 300)
     assert cell.clearance(zone) > 0.1
     assert not cell.controller.stops.latched
@@ -228,7 +232,7 @@ def test_a_stream_brakes_before_a_closed_border(speed: float, bend: float) -> No
     cell = Cell(zone)
     cell.jog(np.array([speed, bend * speed, -bend * speed]), round(1.6 / speed / PERIOD))
     assert 0.0 < cell.clearance(zone) < 0.01
-    assert cell.controller.held_by == 'press'
+    assert "'press', which is closed" in cell.controller.obstacle
     velocity = np.array([reference[1] for reference in cell.references])
     assert np.abs(np.diff(velocity, axis=0)).max() <= ROBOT.axes_data.acceleration.max() * PERIOD * 1.001
     cell.jog(np.array([-speed, 0.0, 0.0]), round(0.4 / speed / PERIOD))
@@ -279,9 +283,9 @@ def test_of_several_zones_the_next_closed_one_holds() -> None:
     cell = Cell(near, far, closed=('near', 'press'))
     cell.loop.follow(LinearJoint(ROBOT).generate(START, turned(1.2)), 'motion')
     cell.run(until=cell.held)
-    assert cell.controller.held_by == 'near'
+    assert "'near'" in cell.controller.obstacle
     cell.loop.close_zones(('press',))
-    cell.run(until=lambda: cell.held() and cell.controller.held_by == 'press')
+    cell.run(until=lambda: cell.held() and "'press', which is closed" in cell.controller.obstacle)
     assert 0.0 < cell.clearance(far) < 3e-3
     # What lies behind the robot does not hold it.
     cell.loop.close_zones(('near',))
@@ -325,6 +329,122 @@ def test_a_tool_that_is_set_counts() -> None:
     region = zone.region
     assert isinstance(region, HalfSpace)
     assert 0.0 < region.normal @ (region.point - r - T @ [0.0, 0.0, 0.3]) < 3e-3
+
+
+class Pair:
+    """Two robots that share the zone beyond an angle; what they say takes some periods."""
+
+    def __init__(self, angle: float, latency: int = 7) -> None:
+        self.zone = wall(angle)
+        region = self.zone.region
+        self.cells = {
+            name: Cell(Zone('press', region, 'out', 'tool', shared_with=(other,)), closed=None, name=name)
+            for name, other in (('/a', '/b'), ('/b', '/a'))
+        }
+        self.under_way: deque[list[tuple[Cell, str, dict[str, ZoneState]]]] = deque([[]] * latency)
+
+    def step(self, *names: str) -> None:
+        """One period; of these robots, or of both."""
+        a, b = self.cells['/a'], self.cells['/b']
+        assert a.zones is not None
+        assert b.zones is not None
+        self.under_way.append([(b, '/a', a.zones.states), (a, '/b', b.zones.states)])
+        for receiver, sender, states in self.under_way.popleft():
+            receiver.loop.hear_zones(sender, states)
+        for name in names or ('/a', '/b'):
+            self.cells[name].step()
+        assert sum(cell.clearance(self.zone) < 0.0 for cell in (a, b)) <= 1
+
+
+def test_two_robots_are_in_a_shared_zone_one_after_the_other() -> None:
+    pair = Pair(0.6)
+    planner = LinearJoint(ROBOT)
+    there, back = planner.generate(START, turned(1.0)), planner.generate(turned(1.0), START)
+    waited = dict.fromkeys(pair.cells, False)
+    for cell in pair.cells.values():
+        for motion, id_ in ((there, 'there'), (back, 'back')):
+            cell.loop.follow(motion, id_)
+    while any(len(cell.results) < 2 for cell in pair.cells.values()):
+        pair.step()
+        for name, cell in pair.cells.items():
+            waited[name] |= cell.held()
+            assert cell.now < 20.0
+    assert all(result.ok for cell in pair.cells.values() for result in cell.results)
+    assert sum(waited.values()) == 1
+    assert not any(cell.controller.stops.latched for cell in pair.cells.values())
+
+
+def test_a_robot_does_not_wait_where_the_zone_is_free_in_time() -> None:
+    pair = Pair(1.0)
+    alone = Cell()
+    motion = LinearJoint(ROBOT).generate(START, turned(2.0))
+    pair.cells['/a'].loop.follow(motion, 'motion')
+    alone.loop.follow(motion, 'motion')
+    while not alone.results:
+        pair.step()
+        alone.step()
+    np.testing.assert_array_equal(pair.cells['/a'].references, alone.references)
+
+
+def test_a_robot_waits_for_one_that_is_silent() -> None:
+    pair = Pair(0.6)
+    pair.cells['/a'].loop.follow(LinearJoint(ROBOT).generate(START, turned(1.0)), 'motion')
+    for _ in range(1000):
+        pair.step('/a')
+    assert pair.cells['/a'].controller.obstacle == "the border of zone 'press', which /b has not granted"
+    while not pair.cells['/a'].results:
+        pair.step()
+    assert pair.cells['/a'].results[-1].ok
+
+
+def test_jogging_waits_for_a_shared_zone_too() -> None:
+    pair = Pair(0.6)
+    a, b = pair.cells['/a'], pair.cells['/b']
+    b.loop.follow(LinearJoint(ROBOT).generate(START, turned(1.0)), 'motion')
+    while not b.results:
+        pair.step()
+    jog = np.array([0.5, 0.0, 0.0])
+    for _ in range(500):
+        a.loop.stream(StreamPoint(a.q + PERIOD * jog, jog, np.zeros(3), a.now + PERIOD), 'jog')
+        pair.step()
+    assert 0.0 < a.clearance(pair.zone) < 0.01
+    b.loop.follow(LinearJoint(ROBOT).generate(b.q, START), 'back')
+    for _ in range(1000):
+        a.loop.stream(StreamPoint(a.q + PERIOD * jog, jog, np.zeros(3), a.now + PERIOD), 'jog')
+        pair.step()
+    assert a.clearance(pair.zone) < 0.0
+
+
+def test_a_simulated_robot_shares_with_nobody() -> None:
+    cell = Cell(Zone('press', wall(0.6).region, 'out', 'tool', shared_with=('/b',)), closed=None)
+    cell.loop.follow(LinearJoint(ROBOT).generate(START, turned(1.0)), 'motion')
+    cell.run()
+    assert cell.results[-1].ok
+
+
+def test_a_robot_does_not_share_with_itself() -> None:
+    with pytest.raises(InvalidInputError, match='is shared with /a itself'):
+        Cell(Zone('press', wall(0.6).region, 'out', 'tool', shared_with=('/a',)), name='/a')
+
+
+def test_what_is_attached_later_counts() -> None:
+    zone = Zone('press', wall(0.8).region, 'out', 'bodies', SWITCHED)
+    stood = []
+    for length in (0.1, 0.6):
+        short, held = (
+            Scene(attached=(AttachedObject('lance', Capsule(0.01, size), Pose.identity()),), zones=(zone,))
+            for size in (0.1, length)
+        )
+        cell = Cell()
+        cell.zones = cell.controller.zones = ZoneGuard(ROBOT, short)
+        cell.loop.close_zones(('press',))
+        cell.loop.follow(LinearJoint(ROBOT).generate(START, turned(1.2)), 'motion')
+        cell.step(5)
+        cell.zones.set_scene(held)
+        cell.loop.change_borders()
+        cell.run(until=cell.held)
+        stood.append(cell.q[0])
+    assert stood[1] < stood[0]
 
 
 ZONES = (wall(0.1), Zone('other', wall(0.2).region, 'out', 'tool', {'free': False, 'digital_input.3': True}))

@@ -288,6 +288,7 @@ zones:
     keep: out
     what: tool
     closed_by: {press_open: off, digital_input.2: on}
+    shared_with: [/robot_b, /line/robot_c]
 """
 
 
@@ -301,6 +302,7 @@ def test_zones_are_read_from_scene_files(tmp_path: Path) -> None:
     assert isinstance(press.region, HalfSpace)
     np.testing.assert_array_equal(press.region.normal, [1.0, 0.0, 0.0])
     assert (press.keep, press.what) == ('out', 'tool')
+    assert press.shared_with == ('/robot_b', '/line/robot_c')
     assert press.closed_by == {'press_open': False, 'digital_input.2': True}
 
 
@@ -318,6 +320,10 @@ def test_zones_are_read_from_scene_files(tmp_path: Path) -> None:
         ('press_open: off', 'press_open: half', 11, "press_open is 'half'; valid are true and false"),
         ('{press_open: off, digital_input.2: on}', '{}', 11, 'names no input'),
         ('name: press', 'name: fence', 7, "the name 'fence' is used in line 2 already"),
+        ('/line/robot_c', 'robot_c', 12, "'robot_c' is no namespace of a robot"),
+        ('/line/robot_c', '/robot_b', 12, '/robot_b stands twice'),
+        ('[/robot_b, /line/robot_c]', '[]', 12, 'shared_with names no robot'),
+        ('[/robot_b, /line/robot_c]', '{/robot_b: 1}', 12, 'shared_with must be a list'),
         ('closed_by', 'closed', 11, "unknown key 'closed'; did you mean 'closed_by'?"),
     ],
 )

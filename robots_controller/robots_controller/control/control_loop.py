@@ -2,7 +2,7 @@
 
 import contextlib
 from collections import deque
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal, Protocol
@@ -12,6 +12,7 @@ from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.faults import Fault
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.path_speed_cap import PathSpeedCap
+from robots_controller.control.shared_zone import ZoneState
 from robots_controller.control.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.control.zone_border import Border
@@ -121,6 +122,12 @@ class ControlLoop:
         zones = self.controller.zones
         if zones is not None:
             self._mailbox.append(lambda _: zones.close(closed))
+
+    def hear_zones(self, robot: str, states: Mapping[str, ZoneState]) -> None:
+        """Take what another robot says of the zones that it shares with this one."""
+        zones = self.controller.zones
+        if zones is not None:
+            self._mailbox.append(lambda _: zones.hear(robot, states))
 
     def change_borders(self) -> None:
         """Search the paths of the motions that there are anew for the borders of zones."""

@@ -120,9 +120,9 @@ class Controller:
         return 1.0 if self._motion is None else self._motion.progress
 
     @property
-    def held_by(self) -> str:
-        """The zone before whose border the robot is held; '' for none."""
-        return '' if self.zones is None or self.standing else self.zones.held_by
+    def obstacle(self) -> str:
+        """Before what border the robot is held, for a person; '' for none."""
+        return '' if self.zones is None or self.standing else self.zones.obstacle
 
     @property
     def reference(self) -> Array | None:
@@ -299,8 +299,8 @@ class Controller:
             return self._reference
         if finding is not None:
             self.trip(*finding, now)
-        if self.zones is not None and (reason := self.zones.look(self._reference[0])):
-            self.trip(ZONE_VIOLATED, reason, now)
+        if self.zones is not None:
+            self._look_at_zones(self.zones, now)
         if self._brake is not None:
             self._step_brake(now)
         elif self._stream.active:
@@ -310,6 +310,15 @@ class Controller:
         if self.stops.latched and self.standing:
             self._stay_stopped(feedback)
         return self._reference
+
+    def _look_at_zones(self, zones: ZoneGuard, now: float) -> None:
+        assert self._reference is not None
+        if reason := zones.look(self._reference[0]):
+            self.trip(ZONE_VIOLATED, reason, now)
+        measured = self._feedback.position
+        places = [self._reference[0], *([] if measured is None else [measured])]
+        motion = None if self._motion is None or self._motion.failure else self._motion
+        zones.share(places, motion, streaming=self._stream.active)
 
     @property
     def standing(self) -> bool:

@@ -87,6 +87,15 @@ class FollowedMotion:
             cap = cap.ending(self.join_time, after.begin)
         self.cap = cap
 
+    def crosses(self, zone: str, horizon: float) -> bool:
+        """The border of a zone is crossed within so much path time (s), by this motion or its successors."""
+        near = self.path_time + horizon
+        own = (border for border in self.borders if border.zone.name == zone and border.end > self.path_time)
+        if any(border.start <= min(near, self.join_time) for border in own):
+            return True
+        rest = near - self.join_time
+        return self.successor is not None and rest > 0.0 and self.successor.crosses(zone, rest)
+
     def ending(self, path_time: float, speed: float) -> PathSpeedCap:
         """Its cap if it has to be left at a path time (s) with at most this speed."""
         assert self.cap is not None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping, Sequence
 from math import ceil, sqrt
 from typing import Final
 
@@ -10,12 +10,14 @@ import numpy as np
 
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.path_speed_cap import PathSpeedCap
+from robots_controller.control.shared_zone import SharedZone, ZoneState
 from robots_controller.control.zone_border import Border
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.zones.zone_clearance import ZoneClearance
 from robots_core.blocks.zones.zone_detection import ZoneDetection
 from robots_core.blocks.zones.zone_passages import MARGIN
+from robots_core.errors import InvalidInputError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
@@ -28,6 +30,10 @@ MOST_STEPS: Final = 16
 SLOWER: Final = 0.95  # of the speed at which the way would just be free
 ROUNDING: Final = 1e-9  # m
 NEAR: Final = 0.02  # s of path time before a border
+# A zone is claimed before the robot would have to brake, and kept while it comes back soon.
+CLAIM_AHEAD: Final = 2.0  # s of path time
+KEEP_AHEAD: Final = 4.0  # s of path time
+STREAM_NEAR: Final = 0.3  # m; a stream whose robot is so near keeps a zone
 
 
 class ZoneGuard:
@@ -35,24 +41,37 @@ class ZoneGuard:
 
     A motion stops on its path; its path has been searched before (`borders`). A stream is slowed down such
     that the robot could always brake before the border. Zones that can be opened are closed at the start; a
-    robot across their borders violates them only from the first call of `close` on.
+    robot across the borders of those that inputs close violates them only from the first call of `close` on.
 
     Args:
         robot: The robot.
         scene: Its zones, and what is attached to the flange.
+        name: Of this robot for those that share zones; '' if nobody does, as in a simulation.
+        life: Of this process, see `Claim`.
 
     Raises:
-        InvalidInputError: see `ZoneDetection`.
+        InvalidInputError: see `ZoneDetection`; or a zone that the robot shares with itself.
     """
 
-    def __init__(self, robot: BaseRobotModel, scene: Scene) -> None:
+    def __init__(self, robot: BaseRobotModel, scene: Scene, *, name: str = '', life: int = 0) -> None:
         axes, self._robot = robot.axes_data, robot
         self._velocity, self._acceleration = axes.velocity, axes.acceleration
         # Two, as paths are searched in another thread than the loop's.
         self._paths, self._looks = ZoneDetection(robot, scene), ZoneDetection(robot, scene)
         self._always = frozenset(zone.name for zone in scene.zones if zone.always_closed)
-        self._closed = frozenset(zone.name for zone in scene.zones)
+        for zone in scene.zones:
+            if name in zone.shared_with:
+                raise InvalidInputError(f'zone {zone.name!r} of {name} is shared with {name} itself')
+        self._shared = {
+            zone.name: SharedZone(name, zone.shared_with, life)
+            for zone in scene.zones
+            if zone.shared_with and name
+        }
+        self._by_inputs = frozenset(zone.name for zone in scene.zones if zone.closed_by)
         self._known = self._always
+        self._closed = self._closed_now()
+        self._left: set[str] = set()  # shared zones of others; this robot was outside
+        self._turn = 0
         self._tool = np.zeros(3)
         self._floors: dict[str, float] = {}
         self._last = np.empty(0)
@@ -82,9 +101,55 @@ class ZoneGuard:
 
     def close(self, closed: Collection[str]) -> None:
         """Close the borders of these zones, and open those of all others that can be opened."""
-        self._closed = self._known = self._always | frozenset(closed)
-        self._floors = {name: floor for name, floor in self._floors.items() if name in self._closed}
+        self._by_inputs = frozenset(closed)
+        self._known = self._always | self._by_inputs
+        self._closed = self._closed_now()
+        self._floors = {
+            name: floor for name, floor in self._floors.items() if name in self._known | self._left
+        }
         self._last = np.empty(0)  # have a look at once
+
+    def _closed_now(self) -> frozenset[str]:
+        return (
+            self._always
+            | self._by_inputs
+            | {name for name, shared in self._shared.items() if not shared.mine}
+        )
+
+    @property
+    def states(self) -> dict[str, ZoneState]:
+        """Of shared zones, for the other robots."""
+        return {name: shared.state for name, shared in self._shared.items()}
+
+    def hear(self, robot: str, states: Mapping[str, ZoneState]) -> None:
+        """Take the states of another robot."""
+        for name, state in states.items():
+            if name in self._shared:
+                self._shared[name].hear(robot, state)
+
+    def share(self, places: Sequence[Array], motion: FollowedMotion | None, *, streaming: bool) -> None:
+        """Claim the shared zones that come near, and release those that are done with.
+
+        Args:
+            places: Joint positions, (n,) each, of which none may be across the border of a zone that is left.
+            motion: That is followed.
+            streaming: A stream is followed.
+        """
+        self._turn = (self._turn + 1) % LOOK_EVERY
+        if self._turn != 0:
+            return
+        for clearance in self._clearances(self._shared):
+            name = clearance.zone.name
+            shared = self._shared[name]
+            least = min(clearance.closest(q, STREAM_NEAR)[0] for q in places)
+            near = streaming and (self.held_by == name or (shared.mine and least < STREAM_NEAR))
+            ahead = motion is not None and motion.crosses(name, KEEP_AHEAD if shared.mine else CLAIM_AHEAD)
+            shared.step(needed=near or ahead, inside=least < MARGIN)
+            if shared.mine:
+                self._left.discard(name)
+            elif least >= MARGIN:
+                self._left.add(name)
+        self._closed = self._closed_now()
 
     def look(self, q: Array) -> str:
         """Look for a violation at joint positions `q`, (n,); the reason for a person, '' without one."""
@@ -96,7 +161,7 @@ class ZoneGuard:
         self._moved += 1
         if not at_once and self._moved % LOOK_EVERY != 0:
             return ''
-        for clearance in self._clearances(self._known):
+        for clearance in self._clearances(self._known | self._left):
             zone = clearance.zone
             least, body = clearance.closest(q, 0.0)
             if least >= 0.0:
@@ -105,6 +170,16 @@ class ZoneGuard:
                 self._floors[zone.name] = least - FURTHER
                 return zone.describe(body, least)
         return ''
+
+    @property
+    def obstacle(self) -> str:
+        """Before what the robot is held, for a person; '' for nothing."""
+        if not self.held_by:
+            return ''
+        shared = self._shared.get(self.held_by)
+        if shared is None or shared.mine:
+            return f'the border of zone {self.held_by!r}, which is closed'
+        return f'the border of zone {self.held_by!r}, which {" and ".join(shared.missing)} has not granted'
 
     def hold(self, motion: FollowedMotion) -> None:
         """Let a motion stop before the next border on its path that is closed now."""

@@ -213,6 +213,7 @@ class ControllerNode(RobotNode):
         if reference is not None:
             self._references.publish(reference, now)
         control.report()
+        self._zones.publish_claims()
         # For the next period: nothing that can wait delays a reference.
         due = control.feedback_due and not self.simulated_time
         self._position = self._take_feedback() if due else None
@@ -287,8 +288,8 @@ class ControllerNode(RobotNode):
             return DiagnosticStatus.ERROR, f'stopped until ~/reset: {self._controller.stops.state.reason}'
         if self.now() - self._refusal_time < REFUSAL_PERIOD:
             return DiagnosticStatus.WARN, f'joint_trajectory: {self._refusal}'
-        if zone := self._controller.held_by:
-            return DiagnosticStatus.WARN, f'held before the border of zone {zone!r}, which is closed'
+        if obstacle := self._controller.obstacle:
+            return DiagnosticStatus.WARN, f'held before {obstacle}'
         return DiagnosticStatus.OK, 'ready'
 
     # -- the executor's thread -----------------------------------------------------------------------

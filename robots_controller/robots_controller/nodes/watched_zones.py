@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import secrets
+from functools import partial
+from typing import TYPE_CHECKING, Final
 
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from rclpy.publisher import Publisher
 from std_msgs.msg import UInt8MultiArray
 
 from robots_controller.control.control_loop import ControlLoop
+from robots_controller.control.shared_zone import LARGEST, ZoneState, parse_zone_state
 from robots_controller.io.zone_inputs import parse_closing
 from robots_core.blocks.collision.scene import Scene
 from robots_core.nodes.scene_parameter import scene_by_parameter
-from robots_core.ros.qos import subscribe_state
+from robots_core.ros.messages import diagnostic_values
+from robots_core.ros.qos import STATE, subscribe_state
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
 
 if TYPE_CHECKING:
     from robots_controller.control.zone_guard import ZoneGuard
+
+TOPIC: Final = 'zone_claims'
 
 
 class WatchedZones:
@@ -31,6 +39,8 @@ class WatchedZones:
     def __init__(self, node: RobotNode) -> None:
         self._node = node
         self._control: ControlLoop | None = None
+        self._publisher: Publisher | None = None
+        self._states: dict[str, ZoneState] = {}
         self._scene = scene_by_parameter(node)
         texts = node.parameter(
             'zone_inputs',
@@ -48,7 +58,9 @@ class WatchedZones:
         from robots_controller.control.zone_guard import ZoneGuard  # noqa: PLC0415
         from robots_core.nodes.watched_scene import WatchedScene  # noqa: PLC0415
 
-        guard = ZoneGuard(self._node.robot, self._scene)
+        # In simulated time there is no other robot.
+        name = '' if self._node.simulated_time else self._node.get_namespace()
+        guard = ZoneGuard(self._node.robot, self._scene, name=name, life=secrets.randbelow(LARGEST))
         WatchedScene(self._node, self._on_scene, self._scene)
         return guard
 
@@ -57,6 +69,25 @@ class WatchedZones:
         self._control = control
         if self._inputs:
             subscribe_state(self._node, UInt8MultiArray, 'digital_inputs', self._on_digital_inputs)
+        if self.guard is None or not self.guard.states:
+            return
+        self._publisher = self._node.create_publisher(DiagnosticStatus, TOPIC, STATE)
+        for other in {name for zone in self._scene.zones for name in zone.shared_with}:
+            self._node.create_subscription(
+                DiagnosticStatus, f'{other.rstrip("/")}/{TOPIC}', partial(self._on_claims, other), STATE
+            )
+
+    def publish_claims(self) -> None:
+        """Let the robots that share zones know what has changed; from the loop's thread."""
+        if self._publisher is None or self.guard is None:
+            return
+        states = self.guard.states
+        if states != self._states:
+            self._states = states
+            values = [KeyValue(key=name, value=state.text()) for name, state in states.items()]
+            self._publisher.publish(
+                DiagnosticStatus(name='shared zones', hardware_id=self._node.robot_name, values=values)
+            )
 
     def set_tool(self, position: Array) -> None:
         """Watch another tool centre point, by its position in tool0, (3,) m."""
@@ -66,6 +97,11 @@ class WatchedZones:
     def _on_digital_inputs(self, message: UInt8MultiArray) -> None:
         assert self._control is not None
         self._control.close_zones(self._inputs.closed(message.data))
+
+    def _on_claims(self, other: str, message: DiagnosticStatus) -> None:
+        assert self._control is not None
+        texts = diagnostic_values(message)
+        self._control.hear_zones(other, {name: parse_zone_state(text) for name, text in texts.items()})
 
     def _on_scene(self, scene: Scene) -> None:
         changed = scene.attached != self._scene.attached

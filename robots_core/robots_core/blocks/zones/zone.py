@@ -68,8 +68,9 @@ class Zone:
         keep: Whether the robot keeps in the region or out of it.
         what: Of the robot: the tool centre point; or the bodies of the robot that its axes move, with what is
             attached to its flange.
-        closed_by: Digital inputs, by channel or signal, and the values that close the border; with none it is
-            always closed.
+        closed_by: Digital inputs, by channel or signal, and the values that close the border.
+        shared_with: Namespaces of other robots; one robot at a time crosses the border. With neither of both
+            it is always closed.
     """
 
     name: str
@@ -78,10 +79,12 @@ class Zone:
     what: What
     closed_by: Mapping[str, bool] = field(default_factory=lambda: MappingProxyType({}))
 
+    shared_with: tuple[str, ...] = ()
+
     @property
     def always_closed(self) -> bool:
         """Nothing opens its border."""
-        return not self.closed_by
+        return not self.closed_by and not self.shared_with
 
     @property
     def walls(self) -> tuple[Array, Array]:

@@ -1,5 +1,6 @@
 """Zones in scene files."""
 
+import re
 from types import MappingProxyType
 from typing import Final
 
@@ -8,9 +9,10 @@ from robots_core.blocks.zones.zone import HalfSpace, Keep, PlacedBox, What, Zone
 from robots_core.errors import RobotsError
 from robots_core.robot_model.shapes import Box
 from robots_core.validation import finite_vector
-from robots_core.yaml_section import YamlSection
+from robots_core.yaml_section import YamlSection, located
 
 KEEP: Final[dict[str, Keep]] = {'in': 'in', 'out': 'out'}
+NAMESPACE: Final = re.compile(r'/|(/[A-Za-z_]\w*)+', re.ASCII)
 WHAT: Final[dict[str, What]] = {'tool': 'tool', 'bodies': 'bodies'}
 
 
@@ -33,6 +35,7 @@ def read_zone(item: YamlSection, lines: dict[str, int]) -> Zone:
         KEEP[item.text('keep', among=KEEP)],
         WHAT[item.text('what', among=WHAT)],
         MappingProxyType(_closed_by(item)),
+        _shared_with(item),
     )
     item.finish(('box', 'plane'))
     return zone
@@ -67,3 +70,17 @@ def _closed_by(item: YamlSection) -> dict[str, bool]:
     found = {key: parts.switch(key) for key in parts.keys}
     parts.finish()
     return found
+
+
+def _shared_with(item: YamlSection) -> tuple[str, ...]:
+    names = item.texts('shared_with')
+    if not names and 'shared_with' in item:
+        raise item.error(
+            'shared_with names no robot; without it the zone is of this robot alone', 'shared_with'
+        )
+    for place, (name, line) in enumerate(names):
+        if not NAMESPACE.fullmatch(name):
+            raise located(item.file, line, f'{name!r} is no namespace of a robot; valid are /robot_b and /')
+        if name in [earlier for earlier, _ in names[:place]]:
+            raise located(item.file, line, f'{name} stands twice in shared_with')
+    return tuple(name for name, _ in names)
