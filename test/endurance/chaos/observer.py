@@ -35,6 +35,7 @@ TOPICS: Final[dict[str, tuple[Any, QoSProfile]]] = {
 }
 PATH_STEP: Final = 0.005  # s of a plan between two points of its path
 STALE: Final = 0.2  # s without a reference
+KEPT: Final = 120.0  # s of plans: a robot may have stood for long
 
 
 class Observer(CellOperator):
@@ -55,8 +56,8 @@ class Observer(CellOperator):
         }
 
     def forget(self) -> None:
-        """Drop what has come, but for the newest message of each topic and the plans of the last seconds."""
-        recent = time.time() - 30.0
+        """Drop what has come, but for the newest message of each topic and newer plans."""
+        recent = time.time() - KEPT
         with self._lock:
             for topic, found in self._found.items():
                 keep = [item for item in found if item[0] > recent] if topic == 'joint_trajectory' else []
@@ -88,7 +89,7 @@ class Observer(CellOperator):
         return _samples(times, rows, len(names))
 
     def path(self) -> np.ndarray:
-        """Joint positions on the plans of the last half minute, (k, n)."""
+        """Joint positions on the plans that are kept, (k, n)."""
         found = [np.empty((0, self._robot.num_axes))]
         for message in self._read('joint_trajectory'):
             if len(message.points) > 1:
