@@ -9,6 +9,8 @@ import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+import numpy as np
+
 from printed_tables import machine, show
 from robots_core.robot_choice import load_robot_model
 from ros_domains import reserved_domain
@@ -102,15 +104,16 @@ def _while_usable(cell: Surroundings, trials: list[Trial], environment: Mapping[
 def _tell(trial: Trial, fault: Fault, reason: str) -> None:
     figures = fault.figures
     how = 'killed' if trial.killed else f'frozen, then {"alive" if trial.revived else "killed"}'
-    stops = (
-        f'stands after {figures.stands:.3f} s (braking {figures.braking:.3f} s), ' if figures.stops else ''
-    )
-    print(
-        f'{fault.surroundings} {trial.number} {trial.node} {how}: {stops}'
-        f'{1e3 * figures.deviation:.2f} mm off, outputs safe after {figures.outputs_safe:.3f} s, '
-        f'usable after {figures.usable_after:.1f} s; {reason or "no fault"}',
-        flush=True,
-    )
+    told = []
+    if figures.stops:
+        told.append(f'stands after {figures.stands:.3f} s (braking {figures.braking:.3f} s)')
+    if not np.isnan(figures.deviation):
+        told.append(f'{1e3 * figures.deviation:.2f} mm off its path')
+    if not np.isnan(figures.outputs_safe):
+        told.append(f'outputs safe after {figures.outputs_safe:.3f} s')
+    told.append(f'usable after {figures.usable_after:.1f} s' if figures.usable else 'not usable')
+    told.append(reason or 'no fault')
+    print(f'{fault.surroundings} {trial.number} {trial.node} {how}: {", ".join(told)}', flush=True)
     for line in (*figures.problems, *(f'goal missed: {goal}' for goal in missed_goals(figures))):
         print(f'    {line}', flush=True)
 
