@@ -16,6 +16,7 @@ from .program_generator import generate
 from .run_laws import broken_laws, simulated
 
 DOMAINS = 50  # ROS domains from this one on, so that two programs at once do not meet
+REPORT_EVERY = 10  # programs
 
 
 def problems_of(ways: list[str], seed: int) -> tuple[int, str, list[str]]:
@@ -49,11 +50,14 @@ def main() -> int:
     states: dict[str, int] = {}
     broken = 0
     with ProcessPoolExecutor(options.workers) as pool:
-        for seed, state, problems in pool.map(partial(problems_of, options.ways.split(',')), seeds):
+        found = pool.map(partial(problems_of, options.ways.split(',')), seeds)
+        for done, (seed, state, problems) in enumerate(found, 1):
             states[state] = states.get(state, 0) + 1
             broken += bool(problems)
             for problem in problems:
                 print(f'seed {seed} ({state}): {problem}', flush=True)
+            if done % REPORT_EVERY == 0:
+                print(f'{done} of {options.count}, {broken} with problems', flush=True)
     print(
         ', '.join(f'{number} {state}' for state, number in sorted(states.items())), f'{broken} with problems'
     )
