@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import count
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from robots_controller.control.shared_zone import Claim, SharedZone, ZoneState, parse_zone_state
@@ -47,7 +47,6 @@ class Robots:
         assert sum(zone.mine for zone in self.zones.values()) <= 1
 
 
-@settings(max_examples=300, deadline=None)
 @given(
     st.integers(2, 3),
     st.lists(st.tuples(st.integers(0, 5), st.integers(0, 2), st.integers(0, 2)), max_size=120),
@@ -71,7 +70,6 @@ def test_never_two_are_inside(number: int, actions: list[tuple[int, int, int]]) 
         robots.check()
 
 
-@settings(max_examples=50, deadline=None)
 @given(st.integers(2, 3), st.randoms(use_true_random=False))
 def test_each_gets_its_turn(number: int, random: object) -> None:
     robots = Robots(number)

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 
 from robots_core import BaseRobotModel, Pose, available_robot_models, load_robot_model
+from robots_core.blocks import HalfSpace, PlacedBox, Scene, Zone
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.tool_trace import CHUNK, CHUNKS, JUMP, SPACING
 from robots_core.blocks.visualizer import Visualizer, free_port, reach
 from robots_core.errors import InvalidInputError
+from robots_core.robot_model.shapes import Box
 from robots_core.validation import Array
 
 LOCAL = '127.0.0.1'
@@ -67,6 +69,24 @@ def test_every_shape_hangs_below_its_frame(robot: BaseRobotModel, visualizer: Vi
         assert handle is not None, shape.name
         _assert_at(handle, shape.pose.r, shape.pose.T)
     assert len(visualizer._collision) == len(robot.collision_model.shapes)
+
+
+def test_zones_are_shown_where_they_are():
+    pose = Pose.from_angles([0.5, 0.2, 0.4], [0.3, 0.2, 0.1])
+    zones = (
+        Zone('press', PlacedBox(Box((0.2, 0.3, 0.4)), pose), 'out', 'tool'),
+        Zone('wall', HalfSpace([0.0, 0.8, 0.0], [0.0, 3.0, 4.0]), 'out', 'tool'),
+    )
+    page = Visualizer(load_robot_model('ur5e'), port=0)
+    try:
+        page.show_scene(Scene(zones=zones))
+        press, wall = page._scene
+        _assert_at(press, pose.r, pose.T)
+        np.testing.assert_allclose(_pose(wall).T[:, 2], [0.0, 0.6, 0.8], atol=1e-6)
+        page.show_scene(Scene())
+        assert not page._scene
+    finally:
+        page.close()
 
 
 def test_tool_frame_stands_at_the_tool(robot: BaseRobotModel):

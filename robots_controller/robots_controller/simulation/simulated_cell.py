@@ -276,7 +276,8 @@ class SimulatedCell:
             busy=self.clock.busy,
         )
         if reason:
-            self._give_up(reason)
+            obstacle = self._controller.obstacle
+            self._give_up(f'{reason}: it is held before {obstacle}' if obstacle else reason)
         self._over = now >= self._longest
 
     def _give_up(self, reason: str) -> None:

@@ -12,21 +12,35 @@ import viser
 from robots_core.blocks.collision.scene import AttachedObject, Scene, SceneObject
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.tool_trace import ToolTrace
+from robots_core.blocks.zones.zone import HalfSpace, PlacedBox, Zone
 from robots_core.errors import InvalidInputError
 from robots_core.orientation import quaternion_of
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.robot_model.shapes import Geometry, Shape
+from robots_core.robot_model.shapes import Box, Geometry, Shape
 from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 from robots_core.validation import Array
 
 CREASE = np.pi / 6  # rad; sharper edges stay visible, flatter ones are shaded smoothly
 BRAND = (0, 150, 136)
 COLLISION_COLOUR = (30, 120, 255)
+ZONE_COLOUR = (0.95, 0.60, 0.10, 0.20)
+PLATE = 2e-3  # m; thickness of a half-space's plane
 CAMERA_DIRECTION = np.array([0.62, -0.72, 0.30])  # from the robot to the camera
 CAMERA_DISTANCE = 1.7  # in reaches of the robot
 FIELD_OF_VIEW = np.pi / 5  # rad, that of a lens of about 60 mm
 LAST_PORT = 65535
+
+
+def zone_solid(zone: Zone, size: float) -> tuple[Box, Pose]:
+    """The box of a zone, or a plate of this edge length (m) on its plane."""
+    match zone.region:
+        case PlacedBox(box, pose):
+            return box, pose
+        case HalfSpace(point, normal):
+            across = np.linalg.svd(normal[None])[2][1:]
+            T = np.column_stack([across[0], np.cross(normal, across[0]), normal])
+            return Box((size, size, PLATE)), Pose(point, T)
 
 
 class Visualizer:
@@ -101,7 +115,7 @@ class Visualizer:
             self._trace.add(tool.r)
 
     def show_scene(self, scene: Scene) -> None:
-        """Show the obstacles and attached objects of a scene in the place of those shown before."""
+        """Show obstacles, attached objects and zones of a scene in the place of those shown before."""
         for handle in self._scene:
             handle.remove()
         last = self._frames[-1].name
@@ -113,6 +127,9 @@ class Visualizer:
             self._add_mesh(f'{parent}/{item.name}', item.geometry, item.colour, pose)
             for parent, item, pose in shown
         ]
+        for zone in scene.zones:
+            geometry, pose = zone_solid(zone, 4.0 * self._reach)
+            self._scene.append(self._add_mesh(f'/scene/{zone.name}', geometry, ZONE_COLOUR, pose))
 
     def clear_trace(self) -> None:
         """Clear the displayed path of the tool."""
