@@ -113,16 +113,22 @@ def run_trial(trial: Trial, cell: Surroundings, observer: Observer) -> Recording
 
 
 def until_running(observer: Observer) -> None:
-    """Wait until the program moves the robot.
+    """Wait until the program moves the robot; one that has failed by itself meanwhile is run again.
 
     Raises:
         NotReadyError: it does not, with what the cell says.
     """
-    if not _wait(lambda: observer.program_state == 'RUNNING' and observer.moving, READY_TIME):
-        raise NotReadyError(
-            f'the program does not move the robot within {READY_TIME:g} s: it is '
-            f'{observer.program_state or "unknown"} {observer.program_error}'
-        )
+    deadline = time.monotonic() + READY_TIME
+    while not _wait(lambda: observer.program_state == 'RUNNING' and observer.moving, 2.0):
+        state, error = observer.program_state, observer.program_error
+        if time.monotonic() > deadline:
+            raise NotReadyError(
+                f'the program does not move the robot within {READY_TIME:g} s: it is '
+                f'{state or "unknown"} {error}'
+            )
+        if state in {'FAILED', 'STOPPED'}:
+            print(f'between two faults: {error}', flush=True)
+            let_go_on(observer, 0.0)
 
 
 def goes_on(observer: Observer) -> bool:
