@@ -21,6 +21,9 @@ SOURCES := $(shell find $(PACKAGES) -type f -not -path '*/__pycache__/*')
 # What Numba compiles, with the constants in it.
 KERNELS := $(shell grep -rlE --include='*.py' '^(from .*compiled import|import numba|LIMIT_|ARM)' $(PACKAGES))
 BUILD_STAMP := install/.built
+# Whoever keeps their own sources free of bytecode still wants what is installed to start fast: the nodes import
+# thousands of files.
+unexport PYTHONDONTWRITEBYTECODE
 
 ifneq ($(wildcard $(ROS_DISTRO_SETUP)),)
 # ROS 2 Jazzy is installed: use its rclpy with the Python it was built for.
@@ -69,8 +72,7 @@ $(VENV_STAMP): $(REQUIREMENTS)
 
 $(BUILD_STAMP): $(VENV_STAMP) $(SOURCES)
 	@echo "Building the workspace ..."
-	@# Whoever keeps their own sources free of bytecode still wants the installed packages to start fast.
-	@$(BUILD_ENVIRONMENT) unset PYTHONDONTWRITEBYTECODE; python -m colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
+	@$(BUILD_ENVIRONMENT) python -m colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
 	@# Numba looks for changes in a function's own file only, not in those of the functions that it calls.
 	@$(if $(filter $(KERNELS),$?),find install \( -name '*.nbi' -o -name '*.nbc' \) -delete)
 	@$(RUN) python -m robots_core.warm_up
