@@ -6,10 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from rosbags.rosbag2 import Reader
+from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 
+from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.crash_safe_writer import CHUNK_SIZE, CrashSafeWriter
 from robots_core.errors import RobotsError
 from written_bags import BAG_START, BAG_TYPES, no_file_larger_than
@@ -67,6 +69,22 @@ def test_after_every_flush_the_bag_is_whole(tmp_path: Path, steps: list[str | tu
             recording.write(*step)
     recording.writer.close()
     assert content(recording.path) == recording.rows
+
+
+def test_the_description_is_that_of_the_format(tmp_path: Path):
+    def describe(writer: Writer) -> object:
+        with writer:
+            for topic, latched, count in (('/a', True, 2), ('/b', False, 0)):
+                profiles = [bag_qos(latched=latched, depth=depth) for depth in (1, 7)]
+                connection = writer.add_connection(
+                    topic, TEXT, typestore=BAG_TYPES, offered_qos_profiles=profiles
+                )
+                for row in range(count):
+                    writer.write(connection, BAG_START + row, b'')
+        return yaml.safe_load((writer.path / 'metadata.yaml').read_text())
+
+    own = describe(CrashSafeWriter(tmp_path / 'own' / 'bag'))
+    assert own == describe(Writer(tmp_path / 'bag', version=9, storage_plugin=StoragePlugin.MCAP))
 
 
 def test_what_waits_in_memory_is_bounded_and_written_whole(tmp_path: Path):

@@ -6,6 +6,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
+from textwrap import indent
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -16,9 +17,9 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.rosbag2.enums import CompressionMode
 from rosbags.rosbag2.storage_mcap import McapWriter, PendingChunk
 
+from robots_controller.recording.bag_description import VERSION, BagDescription
 from robots_core.errors import RobotsError
 
-BAG_VERSION: Final = 9
 CHUNK_SIZE: Final = 1_000_000  # bytes; below the 2**20 at which the base class writes a chunk
 MESSAGE_OPCODE: Final = 0x05
 # Of MCAP's record of a message, which begins with its opcode and its length.
@@ -156,10 +157,17 @@ class CrashSafeWriter(Writer):
     STORAGE_PLUGINS: Mapping[Any, Any] = MappingProxyType({StoragePlugin.MCAP: _LastingMcap})
 
     def __init__(self, path: Path, *, chunks: int = 1) -> None:
-        super().__init__(path, version=BAG_VERSION, storage_plugin=StoragePlugin.MCAP)
+        super().__init__(path, version=VERSION, storage_plugin=StoragePlugin.MCAP)
         self._chunks = chunks
+        self._description = BagDescription(f'{path.name}.mcap')
         self.ended = False
         """The bag is closed."""
+
+    def add_connection(self, *args: Any, **options: Any) -> Connection:
+        """As the base class."""
+        connection = super().add_connection(*args, **options)
+        self._description.add(connection)
+        return connection
 
     def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
         """Take a message; it stays in memory until there are many, or until `flush`."""
@@ -220,11 +228,13 @@ class CrashSafeWriter(Writer):
             storage.finish()
 
     def _save(self) -> None:
-        storage = self.storage
-        try:
-            super().close()
-        finally:
-            self.storage = storage
+        text = self._description.text(self.counts, self.min_timestamp, self.max_timestamp)
+        storage: Any = self.storage
+        storage.close(VERSION, text)
+        # A reader finds the old description or the new one.
+        new = self.metapath.with_suffix('.yaml.tmp')
+        new.write_text('rosbag2_bagfile_information:\n' + indent(text, '  '), 'utf8')
+        new.replace(self.metapath)
 
     @contextmanager
     def _ended_by_errors(self) -> Iterator[None]:
