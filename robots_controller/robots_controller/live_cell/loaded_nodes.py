@@ -1,11 +1,18 @@
 """Loads the modules of all nodes and the compiled code of one robot, when the fork server imports it."""
 
 import gc
+import inspect
+import sys
 from importlib import import_module
 from importlib.metadata import distribution
 from typing import Final
 
+from rosidl_generator_py import import_type_support
+
+from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.robot_choice import available_robot_models, load_robot_model
+from robots_planning.pathplanning import PathPlanning
+from robots_planning.teach_box import JOG_RATE, TeachBox
 
 PACKAGES: Final = ('robots_core', 'robots_planning', 'robots_controller')
 
@@ -15,11 +22,23 @@ def _load() -> None:
         for script in distribution(package).entry_points.select(group='console_scripts'):
             if script.name.endswith('_node'):
                 import_module(script.module)
+    _load_messages()
     robot = load_robot_model(available_robot_models()[0])
-    robot.direct_kinematics(robot.home)
+    PathPlanning(robot, collision=CollisionDetection(robot)).warm_up()
+    TeachBox(robot, 1.0 / JOG_RATE, robot.home)
+    # A node's logger looks for its caller, the first time through all modules.
+    inspect.stack()
     # The collector would otherwise write to, and thereby copy, what the forked processes share.
     gc.collect()
     gc.freeze()
+
+
+def _load_messages() -> None:
+    """Load the libraries of all message packages that the nodes import."""
+    for name in list(sys.modules):
+        package, _, rest = name.partition('.')
+        if rest in {'msg', 'srv'}:
+            import_type_support(package)
 
 
 _load()
