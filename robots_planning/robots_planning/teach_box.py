@@ -146,7 +146,9 @@ class TeachBox:
         )
         braking = self._ik.deceleration
         self._axes = AxisFollowing(axes, dt, deceleration=braking)
-        self._limits = (axes.lower, axes.upper, axes.velocity, axes.acceleration, braking)
+        # Copies: read-only arrays would be compiled for once more, when a person begins to jog.
+        lower, upper = np.array(axes.lower), np.array(axes.upper)
+        self._limits = (lower, upper, np.array(axes.velocity), np.array(axes.acceleration), braking)
         self._low, self._high = np.empty(axes.num_axes), np.empty(axes.num_axes)
         self._command: Array = np.zeros(axes.num_axes)
         self._frame: JogAxes | None = None

@@ -1,10 +1,12 @@
 """ConstrainedInverseKinematics: feed-forward, weights, slack and what is refused."""
 
+import numba
 import numpy as np
 import pytest
 
 from robots_core import Pose, load_robot_model
 from robots_core.blocks import ActiveLimit, ConstrainedInverseKinematics, Redundancy
+from robots_core.blocks.inverse_kinematics.redundancy import redundancy_arrays
 from robots_core.errors import InvalidInputError, JointLimitError
 
 DT = 0.004
@@ -161,6 +163,11 @@ def test_redundancy_improves_its_criterion_without_moving_the_tool(criterion: Re
         q, q_dot = step.q, step.q_dot
     assert badness(q) < before
     assert step.position_error < 1e-5
+
+
+def test_one_compilation_serves_every_criterion() -> None:
+    criteria = (None, Redundancy.near(ROBOT.home), Redundancy.away_from_limits(), Redundancy.manipulability())
+    assert len({numba.typeof(redundancy_arrays(one, ROBOT.axes_data)) for one in criteria}) == 1
 
 
 def test_results_are_read_only(ik: ConstrainedInverseKinematics) -> None:

@@ -89,7 +89,7 @@ class ConfigurationGraph:
         count = int(np.clip(np.ceil((path.length + path.angle) / LAYER_LENGTH), *LAYERS))
         s = np.linspace(0.0, 1.0, count + 1)
         layers, chosen = np.empty((count + 1, MAX_CONFIGURATIONS, n)), np.empty((count + 1, n))
-        begin = np.ascontiguousarray(start, dtype=np.float64)
+        begin = np.array(start, dtype=np.float64)  # read-only arrays would be compiled for once more
         reached, counts = follow_layers(self._chain, self._limits, path.arrays, s, begin, layers)
         if reached <= count or fastest_sequence(layers, counts, self._axes.velocity, chosen) <= count:
             return None

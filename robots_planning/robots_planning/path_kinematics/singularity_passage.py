@@ -131,7 +131,8 @@ class SingularityPassage:
         """
         still = np.empty(len(branch.turns), dtype=np.bool_)
         ends = branch.back[0].first + branch.turns
-        stand_still(self._chain, self._limits, path.arrays, place, turning, ends, still)
+        begin = np.array(turning)  # read-only arrays would be compiled for once more
+        stand_still(self._chain, self._limits, path.arrays, place, begin, ends, still)
         if not still.any():
             return
         rest = self._kinematics.follow_far(ahead, branch.q)

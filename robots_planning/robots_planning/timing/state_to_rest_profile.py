@@ -76,7 +76,8 @@ class StateToRestProfile:
         """
         axes = self._axes
         full = np.array([axes.velocity, axes.acceleration, axes.jerk])
-        limits, allowed = np.array(limits), np.array(allowed)
+        # Copies, also of the target: read-only arrays would be compiled for once more.
+        limits, allowed, target = np.array(limits), np.array(allowed), np.array(target)
         slower, urgent = [0] * axes.num_axes, np.zeros(axes.num_axes, dtype=np.int64)
         axis = 0
         while True:

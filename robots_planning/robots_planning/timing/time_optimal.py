@@ -97,7 +97,9 @@ class TimeOptimalTiming:
     ) -> None:
         self._robot = robot
         self._jerk = jerk
-        self._velocity, self._acceleration, self._effort = velocity, acceleration, effort
+        self._velocity, self._acceleration = velocity, acceleration
+        # A copy: read-only arrays would be compiled for once more.
+        self._effort = None if effort is None else np.array(effort)
         self._axis_limits = np.array(
             [velocity, acceleration, np.full(len(velocity), np.inf) if jerk is None else jerk]
         )

@@ -83,7 +83,8 @@ def redundancy_arrays(redundancy: Redundancy | None, axes: AxesData) -> Redundan
     if redundancy is None:
         return NO_CRITERION, np.zeros(axes.num_axes), np.zeros(axes.num_axes)
     preferred, weights = redundancy.target(axes)
-    return redundancy.kind, np.ascontiguousarray(preferred), np.ascontiguousarray(weights)
+    # Copies can be written to, as the arrays without a criterion: for others all would be compiled again.
+    return redundancy.kind, np.array(preferred), np.array(weights)
 
 
 @compiled()
