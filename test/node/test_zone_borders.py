@@ -17,7 +17,7 @@ from robots_core import load_robot_model
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.messages import diagnostic_values, motion_result_from_message
 from robots_core.ros.qos import COMMAND, STATE
-from robots_planning import LinearJoint
+from robots_planning import LinearJoint, Trajectory
 from robots_planning.nodes.trajectory_messages import trajectory_message
 
 from .bench import EVERY_STATE, Bench
@@ -120,3 +120,13 @@ def test_a_robot_waits_for_another_one_and_says_what_it_does(ros_nodes: Any, sce
     assert mine.number > 1
     bench.publish_claims(ZoneState(None, {'/': mine}))
     bench.reached()
+
+
+def test_a_trajectory_that_is_too_long_to_be_searched_is_refused(ros_nodes: Any, scene: Path) -> None:
+    bench = ZoneBench(ros_nodes, scene)
+    still = np.zeros((2, ROBOT.num_axes))
+    slow = Trajectory(np.array([0.0, 4000.0]), np.array([ROBOT.home, ROBOT.home + 0.1]), still, still)
+    stamp = bench.peer.get_clock().now().to_msg()
+    bench.publish('joint_trajectory', trajectory_message(slow, ROBOT.axes_data.names, stamp))
+    bench.wait(lambda: bench.results, 'a refusal')
+    assert 'the path takes 4000 s; allowed are 3600 s' in bench.results[-1].message

@@ -36,6 +36,18 @@ attached:
     capsule: {radius: 0.02, length: 0.3}
 may_touch:
   - [torch, pole]
+zones:
+  - name: press
+    box: {size: [1.0, 1.0, 2.0]}
+    pose: {position: [1.8, 0.0, 1.0], angles: [0.3, 0, 0]}
+    keep: out
+    what: bodies
+    closed_by: {press_open: off, digital_input.2: on}
+    shared_with: [/robot_b]
+  - name: floor
+    plane: {point: [0, 0, 0.1], normal: [0, 0, -1]}
+    keep: out
+    what: tool
 """
 URDF = """\
 <robot name="arm">

@@ -94,7 +94,11 @@ class ControlLoop:
     # -- requests -------------------------------------------------------------------------------------
 
     def follow(self, trajectory: Trajectory, id_: str, *, join_time: float = 0.0) -> None:
-        """Follow a trajectory, see `Controller.follow`."""
+        """Follow a trajectory, see `Controller.follow`.
+
+        Raises:
+            InvalidInputError: it is too long to be searched for the borders of zones, see `JointPath`.
+        """
         controller = self.controller
         cap, borders = controller.path_speed_cap(trajectory), controller.borders(trajectory)
         motion = _ComingMotion(trajectory, id_, join_time, cap, borders)

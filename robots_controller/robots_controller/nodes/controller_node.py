@@ -308,10 +308,9 @@ class ControllerNode(RobotNode):
             report = verify(trajectory, self.robot, torque=False, start_motion=moving)
             if not report.ok:
                 raise InvalidInputError(f'joint_trajectory breaks a limit: {report.describe()}')
+            self._control.follow(trajectory, id_, join_time=join)
         except RobotsError as error:
             self._refuse_motion(id_, error)
-            return
-        self._control.follow(trajectory, id_, join_time=join)
 
     def _on_streamed_point(self, message: JointTrajectory, id_: str) -> None:
         ros_time, now = self.get_clock().now().nanoseconds, self.now()
