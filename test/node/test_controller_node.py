@@ -65,7 +65,7 @@ class ControllerBench(Bench):
 
     def override(self, value: float) -> None:
         self.publish('override', Float64(data=value), STATE)
-        self.wait(lambda: self.controller._controller.override == value, 'the override')
+        self.wait(lambda: self.controller._controller.speed.override == value, 'the override')
 
     def send_slowly(self, goal: np.ndarray, duration: float = 1.0) -> str:
         """Send a motion that crawls until the override is 1 again, and wait until it moves."""

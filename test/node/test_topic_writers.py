@@ -60,7 +60,7 @@ class Cell(Bench):
     def move_slowly(self) -> str:
         """Begin a motion to the goal that lasts until the override is raised."""
         self.publish('override', Float64(data=CRAWL), STATE)
-        self.wait(lambda: self.controller._controller.override == CRAWL, 'the override')
+        self.wait(lambda: self.controller._controller.speed.override == CRAWL, 'the override')
         self.wait(lambda: self.planner.reference() is not None, 'the first reference')
         message = joint_state_message(self.peer.get_clock().now().to_msg(), NAMES, GOAL)
         self.publish('ptpjoint_joint', message)

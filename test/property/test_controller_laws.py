@@ -111,10 +111,10 @@ def test_any_override_keeps_limits_and_path_and_reaches_the_target(
     rig = Rig(period=period, smoothing_time=smoothing)
     rig.controller.follow(ruckig_move(START, goal), 'a', rig.now)
     for steps, override in overrides:
-        rig.controller.set_override(override)
+        rig.controller.speed.set_override(override)
         for _ in range(steps):
             rig.step()
-    rig.controller.set_override(1.0)
+    rig.controller.speed.set_override(1.0)
     rig.run()
     outcome = rig.controller.outcomes[0]
     assert outcome.ok, outcome.message
@@ -137,7 +137,7 @@ def test_whatever_stops_it_stops_on_the_path(target: tuple[float, ...], after: i
         if rig.controller.outcomes:
             return
     if how == 'pause':
-        rig.controller.paused = True
+        rig.controller.speed.paused = True
         for _ in range(1000):
             rig.step()
     elif how == 'stop':
@@ -152,7 +152,7 @@ def test_whatever_stops_it_stops_on_the_path(target: tuple[float, ...], after: i
     assert rig.distance_to_line(goal) < 1e-9
     assert np.all(np.array(rig.references[-1][1:]) == 0.0)
     if how == 'pause' and not rig.controller.outcomes:
-        rig.controller.paused = False
+        rig.controller.speed.paused = False
         rig.run()
         assert rig.controller.outcomes[0].ok
         rig.check_limits()

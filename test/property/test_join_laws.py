@@ -42,7 +42,7 @@ def test_references_stay_inside_limits_through_every_join(
     start, *goals = [ROBOT.home, *map(near_home, targets)]
     controller = Controller(AXES, ControllerSettings(period=PERIOD))
     controller.step(0.0, start)
-    controller.set_override(override)
+    controller.speed.set_override(override)
     generator = planner(ROBOT)
     trajectory = generator.generate(start, goals[0])
     controller.follow(trajectory, '0', 0.0)

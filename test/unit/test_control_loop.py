@@ -79,9 +79,9 @@ def rig() -> Rig:
 def test_requests_hold_from_the_next_period_on_and_in_their_order(rig: Rig) -> None:
     rig.loop.request('pause')
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
-    assert not rig.loop.controller.paused
+    assert not rig.loop.controller.speed.paused
     rig.run(1)
-    assert rig.loop.controller.paused
+    assert rig.loop.controller.speed.paused
     rig.run(100)
     np.testing.assert_array_equal(rig.q, START)
     rig.loop.request('resume')
@@ -117,7 +117,7 @@ def test_a_stop_gives_up_all_motions_and_ends_a_pause(rig: Rig, paused: bool) ->
     assert {result.id for result in results} == {'1', '2'}
     assert not any(result.ok for result in results)
     assert STOPPED in {result.message for result in results}
-    assert not rig.loop.controller.paused
+    assert not rig.loop.controller.speed.paused
     rig.run(100)
     rig.loop.follow(quintic(rig.q, GOAL, 1.0), '3')
     assert rig.run_until_result().ok
@@ -129,7 +129,7 @@ def test_a_stop_for_a_reason_leaves_a_pause(rig: Rig) -> None:
     rig.loop.request('pause')
     rig.loop.stop('somebody came near')
     assert rig.run_until_result().message == 'somebody came near'
-    assert rig.loop.controller.paused
+    assert rig.loop.controller.speed.paused
 
 
 def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(rig: Rig) -> None:

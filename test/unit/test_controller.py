@@ -76,8 +76,8 @@ def test_refuses_another_number_of_axes(controller: Controller) -> None:
 @pytest.mark.parametrize('value', [-0.1, 1.1, float('nan'), float('inf')])
 def test_refuses_an_override_outside_its_range(controller: Controller, value: float) -> None:
     with pytest.raises(InvalidInputError, match=r'override .* must be in \[0, 1\]'):
-        controller.set_override(value)
-    assert controller.override == 1.0
+        controller.speed.set_override(value)
+    assert controller.speed.override == 1.0
 
 
 def test_says_which_axis_does_not_reach_its_target(controller: Controller) -> None:

@@ -13,6 +13,7 @@ from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit
+from robots_controller.control.speed_control import SpeedControl
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import InvalidInputError
@@ -33,7 +34,8 @@ class Cell:
         self.frame_limit = FrameSpeedLimit(self.robot, limit)
         self.frame_limit.set_tool(TOOL)
         settings = ControllerSettings(period=PERIOD)
-        self.controller = Controller(self.robot.axes_data, settings, frame_limit=self.frame_limit)
+        speed = SpeedControl(self.robot.axes_data, settings, frame_limit=self.frame_limit)
+        self.controller = Controller(self.robot.axes_data, settings, speed=speed)
         self.loop = ControlLoop(self.controller, ControllerRates(1.0 / PERIOD, 0.5), self, progress_every=1)
         self.now = 0.0
         self.q = self.robot.home if start is None else start

@@ -117,14 +117,14 @@ def test_a_motion_that_joins_the_running_one_leaves_no_trace(override: float) ->
     for joined in (False, True):
         controller = Controller(AXES, ControllerSettings(period=PERIOD))
         controller.step(0.0, START)
-        controller.set_override(override)
+        controller.speed.set_override(override)
         controller.follow(whole, 'a', 0.0)
         run = Run(controller)
         run.steps(10)
         if joined:
             controller.follow(rest_of(whole, 5), 'b', run.now, join_time=float(whole.time[5]))
         run.steps(40)
-        controller.set_override(1.0)  # the path speed changes across the joint as on one path
+        controller.speed.set_override(1.0)  # the path speed changes across the joint as on one path
         runs.append(run.until_holding())
     plain, led_on = runs
     # The controller works in doubles on polynomials that are the same but for their time scale.
@@ -142,7 +142,7 @@ def test_motions_that_carry_each_other_on_are_one_motion_of_several_results(over
     for carried in (False, True):
         controller = Controller(AXES, ControllerSettings(period=PERIOD))
         controller.step(0.0, START)
-        controller.set_override(override)
+        controller.speed.set_override(override)
         controller.follow(whole, 'a', 0.0)
         run = Run(controller)
         run.steps(5)

@@ -92,11 +92,11 @@ def test_any_stream_stays_inside_the_limits_and_ends_at_rest(
     rig = Rig()
     for number, (q, q_dot, q_ddot, ahead, periods) in enumerate(points):
         if number == len(points) // 2:
-            rig.controller.set_override(override)
+            rig.controller.speed.set_override(override)
         rig.send(np.array(q), np.array(q_dot), np.array(q_ddot), ahead)
         for _ in range(periods):
             rig.step()
-    rig.controller.set_override(1.0)
+    rig.controller.speed.set_override(1.0)
     for _ in range(1000):
         rig.step()
     rig.check_limits()
@@ -177,7 +177,7 @@ def test_stop_holds_until_the_sender_pauses(rig: Rig) -> None:
 
 def test_pause_holds_and_resume_goes_on(rig: Rig) -> None:
     for k in range(600):
-        rig.controller.paused = 100 <= k < 300
+        rig.controller.speed.paused = 100 <= k < 300
         rig.send(np.array([0.8, 0.0]))
         reference = rig.step()
         if k == 299:

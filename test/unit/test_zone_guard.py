@@ -16,6 +16,7 @@ from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.faults import ZONE_VIOLATED
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit
 from robots_controller.control.shared_zone import ZoneState
+from robots_controller.control.speed_control import SpeedControl
 from robots_controller.control.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.control.zone_guard import ZoneGuard
@@ -59,12 +60,10 @@ class Cell:
         self, *zones: Zone, limit: float = 0.0, closed: tuple[str, ...] | None = ('press',), name: str = ''
     ) -> None:
         self.zones = ZoneGuard(ROBOT, Scene(zones=zones), name=name) if zones else None
-        self.controller = Controller(
-            ROBOT.axes_data,
-            ControllerSettings(period=PERIOD),
-            frame_limit=FrameSpeedLimit(ROBOT, limit),
-            zones=self.zones,
-        )
+        axes, settings = ROBOT.axes_data, ControllerSettings(period=PERIOD)
+        frame_limit = FrameSpeedLimit(ROBOT, limit)
+        speed = SpeedControl(axes, settings, frame_limit=frame_limit, zones=self.zones)
+        self.controller = Controller(axes, settings, speed=speed)
         self.loop = ControlLoop(self.controller, ControllerRates(1.0 / PERIOD, 0.5), self, progress_every=1)
         self.now, self.q = 0.0, START
         self.references: list[np.ndarray] = []
@@ -436,7 +435,7 @@ def test_what_is_attached_later_counts() -> None:
             for size in (0.1, length)
         )
         cell = Cell()
-        cell.zones = cell.controller.zones = ZoneGuard(ROBOT, short)
+        cell.zones = cell.controller.speed.zones = ZoneGuard(ROBOT, short)
         cell.loop.close_zones(('press',))
         cell.loop.follow(LinearJoint(ROBOT).generate(START, turned(1.2)), 'motion')
         cell.step(5)

@@ -100,7 +100,7 @@ class ControlLoop:
             InvalidInputError: it is too long to be searched for the borders of zones, see `JointPath`.
         """
         controller = self.controller
-        cap, borders = controller.path_speed_cap(trajectory), controller.borders(trajectory)
+        cap, borders = controller.speed.cap(trajectory), controller.speed.borders(trajectory)
         motion = _ComingMotion(trajectory, id_, join_time, cap, borders)
         self._coming.append(motion)
         self._mailbox.append(partial(self._follow, motion))
@@ -111,25 +111,25 @@ class ControlLoop:
 
     def set_override(self, value: float) -> None:
         """Scale the speed of all motions, 0..1."""
-        self._mailbox.append(lambda _: self.controller.set_override(value))
+        self._mailbox.append(lambda _: self.controller.speed.set_override(value))
 
     def change_caps(self) -> None:
         """Compute anew how fast the frames may follow the motions that there are."""
         controller = self.controller
         for coming in list(self._coming):
-            coming.cap = controller.path_speed_cap(coming.trajectory)
-        caps = [(motion, controller.path_speed_cap(motion.trajectory)) for motion in controller.motions]
+            coming.cap = controller.speed.cap(coming.trajectory)
+        caps = [(motion, controller.speed.cap(motion.trajectory)) for motion in controller.motions]
         self._mailbox.append(lambda _: _set_caps(caps))
 
     def close_zones(self, closed: Collection[str]) -> None:
         """Close the borders of these zones, and open those of all others that can be opened."""
-        zones = self.controller.zones
+        zones = self.controller.speed.zones
         if zones is not None:
             self._mailbox.append(lambda _: zones.close(closed))
 
     def hear_zones(self, robot: str, states: Mapping[str, ZoneState]) -> None:
         """Take what another robot says of the zones that it shares with this one."""
-        zones = self.controller.zones
+        zones = self.controller.speed.zones
         if zones is not None:
             self._mailbox.append(lambda _: zones.hear(robot, states))
 
@@ -137,8 +137,8 @@ class ControlLoop:
         """Search the paths of the motions that there are anew for the borders of zones."""
         controller = self.controller
         for coming in list(self._coming):
-            coming.borders = controller.borders(coming.trajectory)
-        borders = [(motion, controller.borders(motion.trajectory)) for motion in controller.motions]
+            coming.borders = controller.speed.borders(coming.trajectory)
+        borders = [(motion, controller.speed.borders(motion.trajectory)) for motion in controller.motions]
         self._mailbox.append(lambda _: _set_borders(borders))
 
     def request(self, request: ControllerRequest) -> None:
@@ -198,7 +198,7 @@ class ControlLoop:
         if controller.stops.state is not self._stop_state:
             self._stop_state = controller.stops.state
             self._port.stop_changed(self._stop_state)
-        enabled = controller.authority.enabled(self._now)
+        enabled = controller.speed.authority.enabled(self._now)
         if enabled is not self._enabled:
             self._enabled = enabled
             self._port.run_enabled(enabled=enabled)
@@ -248,10 +248,10 @@ class ControlLoop:
     def _stop(self, reason: str, _now: float, *, resume: bool) -> None:
         self.controller.stop(reason)
         if resume:
-            self.controller.paused = False
+            self.controller.speed.paused = False
 
     def _pause(self, _now: float, *, paused: bool) -> None:
-        self.controller.paused = paused
+        self.controller.speed.paused = paused
 
 
 def _set_caps(caps: list[tuple[FollowedMotion, PathSpeedCap | None]]) -> None:

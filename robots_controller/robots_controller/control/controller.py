@@ -10,23 +10,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from robots_controller.control.brake import Brake
-from robots_controller.control.command_authority import CommandAuthority
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.faults import REFERENCE_REFUSED, ZONE_VIOLATED, Fault, StopCategory
 from robots_controller.control.feedback_watch import FeedbackWatch
 from robots_controller.control.followed_motion import FollowedMotion
-from robots_controller.control.frame_speed_limit import FrameSpeedLimit
 from robots_controller.control.limit_guard import LimitGuard
 from robots_controller.control.motion_queue import MotionQueue
 from robots_controller.control.path_following import PathFollowing
 from robots_controller.control.path_speed_cap import PathSpeedCap
+from robots_controller.control.speed_control import SpeedControl, refuse_closed
 from robots_controller.control.stop_latch import StopLatch
 from robots_controller.control.streamed_reference import StreamedReference, StreamPoint
 from robots_controller.control.zone_border import Border
 from robots_core.errors import RobotsError, TrajectoryRefusedError
 from robots_core.motion_result import MotionResult
 from robots_core.robot_model.axes_data import AxesData
-from robots_core.validation import Array, fraction
+from robots_core.validation import Array
 from robots_planning.motion_results import PASSED
 from robots_planning.trajectory import Trajectory
 
@@ -57,9 +56,7 @@ class Controller:
     Args:
         axes: The robot's limits.
         settings: See `ControllerSettings`.
-        frame_limit: How fast tool and frames may move; without a limit by default.
-        authority: Operating mode and commander; automatic mode by default.
-        zones: Whose borders the robot does not cross while they are closed; none by default.
+        speed: How fast the robot may move; as fast as planned by default.
         processor_share: See `Watchdog`.
     """
 
@@ -68,21 +65,15 @@ class Controller:
         axes: AxesData,
         settings: ControllerSettings | None = None,
         *,
-        frame_limit: FrameSpeedLimit | None = None,
-        authority: CommandAuthority | None = None,
-        zones: ZoneGuard | None = None,
+        speed: SpeedControl | None = None,
         processor_share: Callable[[], float] = lambda: 1.0,
     ) -> None:
         self.settings = settings or ControllerSettings()
         self.outcomes: deque[MotionResult] = deque()
         """Ends of motions, oldest first; the caller takes them out."""
-        self.authority = authority or CommandAuthority()
-        """Who commands the robot, and whether its motions may go on."""
-        self.override = 1.0
-        self.paused = False
-        self._axes, self._frame_limit = axes, frame_limit
-        self.zones = zones
-        """Whose borders the robot does not cross while they are closed."""
+        self.speed = speed or SpeedControl(axes, self.settings)
+        """How fast the robot may move."""
+        self._axes = axes
         period = self.settings.period
         self._following = PathFollowing(axes, self.settings)
         self._guard = LimitGuard(axes, period=period)
@@ -122,7 +113,8 @@ class Controller:
     @property
     def obstacle(self) -> str:
         """Before what border the robot is held, for a person; '' for none."""
-        return '' if self.zones is None or self.standing else self.zones.obstacle
+        zones = self.speed.zones
+        return '' if zones is None or self.standing else zones.obstacle
 
     @property
     def reference(self) -> Array | None:
@@ -132,28 +124,6 @@ class Controller:
     @property
     def _motion(self) -> FollowedMotion | None:
         return self._motions.current
-
-    def set_override(self, override: float) -> None:
-        """Scale the path speed.
-
-        Raises:
-            InvalidInputError: outside [0, 1] or not finite; the override stays as it was.
-        """
-        self.override = fraction(override, 'override')
-
-    def path_speed_cap(self, trajectory: Trajectory) -> PathSpeedCap | None:
-        """How fast the frames may follow a trajectory; takes milliseconds; from any thread."""
-        acceleration, ramp_time = self._axes.acceleration, self.settings.ramp_time
-        cap = None
-        if self._frame_limit is not None:
-            cap = self._frame_limit.cap(trajectory, acceleration, ramp_time)
-        if cap is None and self.zones is not None:
-            return PathSpeedCap.free(trajectory, acceleration, ramp_time)
-        return cap
-
-    def borders(self, trajectory: Trajectory) -> tuple[Border, ...]:
-        """Where a trajectory crosses the borders of zones; takes milliseconds; from one thread."""
-        return () if self.zones is None else self.zones.borders(trajectory)
 
     @property
     def motions(self) -> list[FollowedMotion]:
@@ -179,8 +149,8 @@ class Controller:
             join_time: If above 0, the trajectory starts on the running motion instead, at this path time (s)
                 and moving as that one does there, and takes its place. If below 0, it starts on the last
                 motion, so long before its end (s), and carries it on: that one ends there as passed.
-            cap: Of its path, see `path_speed_cap`.
-            borders: That it crosses, see `borders`.
+            cap: Of its path, see `SpeedControl.cap`.
+            borders: That it crosses, see `SpeedControl.borders`.
 
         Raises:
             TrajectoryRefusedError: it starts elsewhere, the robot is being stopped or follows a stream,
@@ -194,17 +164,13 @@ class Controller:
             )
         if self.state in (ControllerState.BRAKING, ControllerState.STREAMING):
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
-        for border in borders:
-            if border.zone.always_closed:
-                raise TrajectoryRefusedError(
-                    f'the trajectory crosses the border of zone {border.zone.name!r} at {border.start:.3f} s'
-                )
+        refuse_closed(borders)
         standing = self._motion is None
         assert self._reference is not None
         motion = FollowedMotion(trajectory, id_, now, cap, borders)
         self._motions.put(motion, self._reference, join_time)
         if standing:
-            self._begin(motion, now)
+            self._following.begin(motion, self.speed.of_motion(motion, now))
 
     def stream(self, point: StreamPoint, id_: str, now: float) -> None:
         """Follow a point, the next of a stream or the first of one.
@@ -299,8 +265,8 @@ class Controller:
             return self._reference
         if finding is not None:
             self.trip(*finding, now)
-        if self.zones is not None:
-            self._look_at_zones(self.zones, now)
+        if self.speed.zones is not None:
+            self._look_at_zones(self.speed.zones, now)
         if self._brake is not None:
             self._step_brake(now)
         elif self._stream.active:
@@ -344,17 +310,11 @@ class Controller:
         self._guard.reset(position)
         self._feedback.restart()
 
-    def _target_speed(self, *, enabled: bool) -> float:
-        return self.override if enabled and not self.paused else 0.0
-
     def _step_motion(self, motion: FollowedMotion, now: float) -> None:
-        stopping = motion.failure is not None
         if motion.settling_since is not None:
             self._settle(motion, now)
             return
-        self._hold_at_borders(motion)
-        enabled = not stopping and self.authority.enabled(now)
-        if not self._guarded(self._following.step(motion, self._target_speed(enabled=enabled))):
+        if not self._guarded(self._following.step(motion, self.speed.of_motion(motion, now))):
             self._step_brake(now)
             return
         if not self._following.standing:
@@ -370,14 +330,6 @@ class Controller:
             motion.settling_since = now
             self._settle(motion, now)
 
-    def _begin(self, motion: FollowedMotion, now: float) -> None:
-        self._hold_at_borders(motion)
-        self._following.begin(motion, self._target_speed(enabled=self.authority.enabled(now)))
-
-    def _hold_at_borders(self, motion: FollowedMotion) -> None:
-        if self.zones is not None:
-            self.zones.hold(motion)
-
     def _join(self, now: float) -> None:
         replaced = self._motions.join(now)
         if replaced is not None:
@@ -386,18 +338,11 @@ class Controller:
             self.outcomes.append(replaced.outcome(now, message, ok=replaced.passes))
 
     def _step_stream(self, now: float) -> None:
-        stream, before = self._stream, self._reference
+        before = self._reference
         assert before is not None
-        speed = self._target_speed(enabled=self.authority.stream_enabled(now))
-        if self._frame_limit is not None:
-            speed = min(speed, self._frame_limit.stream_share(before[0]))
-        reference, over = stream.step(now, before, speed)
-        if self.zones is not None and not over:
-            reference = self.zones.kept_back(
-                before, reference, lambda slower: stream.step(now, before, min(slower, speed))[0]
-            )
+        reference, over = self.speed.step_stream(self._stream, now, before)
         if over:
-            self._end_stream(now, stream.failure or '')
+            self._end_stream(now, self._stream.failure or '')
             self._stand_at(before[0])
         elif not self._guarded(reference):
             self._step_brake(now)
@@ -460,7 +405,7 @@ class Controller:
         if ok:
             self._motions.start_next(now)
             if self._motion is not None:
-                self._begin(self._motion, now)
+                self._following.begin(self._motion, self.speed.of_motion(self._motion, now))
             return
         for unbegun in self._motions.clear():
             unbegun.start = now

@@ -49,7 +49,7 @@ class CommanderServices:
 
     def __init__(self, node: RobotNode, control: ControlLoop, on_mode: Callable[[], None]) -> None:
         self._node, self._control, self._on_mode = node, control, on_mode
-        self._authority = control.controller.authority
+        self._authority = control.controller.speed.authority
         self._commander_publisher = node.create_publisher(String, 'commander', STATE)
         self._mode_publisher = node.create_publisher(String, 'operating_mode', STATE)
         self._enabled_publisher = node.create_publisher(Bool, 'run_enabled', STATE)

@@ -27,6 +27,7 @@ from robots_controller.control.faults import (
     LOST_NODES,
 )
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
+from robots_controller.control.speed_control import SpeedControl
 from robots_controller.control.stop_latch import StopState
 from robots_controller.io.emergency_inputs import parse_emergency_stop
 from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
@@ -117,14 +118,11 @@ class ControllerNode(RobotNode):
         authority = authority_by_parameters(self)
         self._frame_limit = FrameSpeedLimit(self.robot, authority.speed_limit(limit))
         self._zones = WatchedZones(self)
-        self._controller = Controller(
-            self.robot.axes_data,
-            ControllerSettings(period=1.0 / rate, **options),
-            frame_limit=self._frame_limit,
-            authority=authority,
-            zones=self._zones.guard,
-            **share,
+        axes, settings = self.robot.axes_data, ControllerSettings(period=1.0 / rate, **options)
+        speed = SpeedControl(
+            axes, settings, frame_limit=self._frame_limit, authority=authority, zones=self._zones.guard
         )
+        self._controller = Controller(axes, settings, speed=speed, **share)
         self._names = list(self.robot.axes_data.names)
         self._refusal: RobotsError | None = None
         self._refusal_time = -math.inf
@@ -340,7 +338,7 @@ class ControllerNode(RobotNode):
 
     def _change_caps(self) -> None:
         limit = self.get_parameter('tool_speed_limit').value
-        self._frame_limit.limit = self._controller.authority.speed_limit(limit)
+        self._frame_limit.limit = self._controller.speed.authority.speed_limit(limit)
         self._control.change_caps()
 
     def _on_watched(self, name: str, reason: str) -> None:

@@ -9,6 +9,7 @@ from robots_controller.control.command_authority import CommandAuthority
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
+from robots_controller.control.speed_control import SpeedControl
 from robots_controller.control.zone_guard import ZoneGuard
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.emergency_inputs import (
@@ -116,6 +117,13 @@ def cell_parts(
     authority = CommandAuthority(OperatingMode(operating_mode), hold_timeout=0.0)
     frame_limit = FrameSpeedLimit(model, authority.speed_limit(checked_speed_limit(tool_speed_limit)))
     settings = ControllerSettings(period=period, **tolerance)
+    speed = SpeedControl(
+        model.axes_data,
+        settings,
+        frame_limit=frame_limit,
+        authority=authority,
+        zones=ZoneGuard(model, collision.scene) if zones else None,
+    )
     return CellParts(
         program=Path(program),
         points_file=Path(points_file) if points_file else None,
@@ -124,13 +132,7 @@ def cell_parts(
         drive=drive,
         drives=drive_train(drive, model, model.home, period=period, payload=payload_of(payload)),
         payload=payload,
-        controller=Controller(
-            model.axes_data,
-            settings,
-            frame_limit=frame_limit,
-            authority=authority,
-            zones=ZoneGuard(model, collision.scene) if zones else None,
-        ),
+        controller=Controller(model.axes_data, settings, speed=speed),
         frame_limit=frame_limit,
         planning=PathPlanning(model, collision=collision, collision_margin=collision_margin),
         plc_script=cell_io.offline,

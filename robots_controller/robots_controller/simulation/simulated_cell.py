@@ -96,7 +96,7 @@ class SimulatedCell:
         controller = self._controller = parts.controller
         self._rates = ControllerRates(1.0 / period, controller.settings.feedback_timeout)
         self._control = ControlLoop(controller, self._rates, self, progress_every=1)
-        self._authority = controller.authority
+        self._authority = controller.speed.authority
         link = InProcessPlanner(
             parts.planning,
             payload=parts.payload,
@@ -354,8 +354,8 @@ class SimulatedCell:
     def _settings_changed(self, settings: MotionSettings) -> None:
         self._carried.carry(settings.payload)
         self._parts.frame_limit.set_tool(settings.tool_pose.r)
-        if self._controller.zones is not None:
-            self._controller.zones.set_tool(settings.tool_pose.r)
+        if self._controller.speed.zones is not None:
+            self._controller.speed.zones.set_tool(settings.tool_pose.r)
 
     def _motion_planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory) -> None:
         self._host.switching.planned(id_, ends, lambda: trajectory)

@@ -13,6 +13,7 @@ from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.faults import EMERGENCY_STOP
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit
+from robots_controller.control.speed_control import SpeedControl
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -168,10 +169,11 @@ def follow(motion: RandomMotion, robot: BaseRobotModel, trajectory: Trajectory) 
     """References of a controller whose drives are ideal, (m, n), and how the motion failed if it did."""
     settings = ControllerSettings(period=motion.period, smoothing_time=motion.smoothing_time)
     limit = FrameSpeedLimit(robot, motion.tool_speed_limit)
-    controller = Controller(robot.axes_data, settings, frame_limit=limit)
+    speed = SpeedControl(robot.axes_data, settings, frame_limit=limit)
+    controller = Controller(robot.axes_data, settings, speed=speed)
     now, q = 0.0, motion.start
     controller.step(now, q)
-    controller.follow(trajectory, 'motion', now, cap=controller.path_speed_cap(trajectory))
+    controller.follow(trajectory, 'motion', now, cap=controller.speed.cap(trajectory))
     positions, events = [q, q, q], _events(motion, controller, trajectory.duration)
     deadline = LONGEST_WAIT + SLOWEST * trajectory.duration
     while not controller.outcomes:
@@ -197,9 +199,9 @@ def _events(
 
     def override(value: float) -> Callable[[float], None]:
         def change(_now: float) -> None:
-            controller.paused = value == 0.0
+            controller.speed.paused = value == 0.0
             if value > 0.0:
-                controller.set_override(value)
+                controller.speed.set_override(value)
 
         return change
 
