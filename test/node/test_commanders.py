@@ -153,7 +153,7 @@ def test_the_mode_changes_while_the_robot_stands(cell: CommandedCell) -> None:
     cell.end('STOPPED')
     cell.until_commander('NOBODY')
     cell.wait(lambda: not cell.controller.moving, 'the robot stands')
-    cell.start(FOREVER)
+    cell.start('setOverride(1)\n' + FOREVER)
     cell.until_commander('PROGRAM')
     cell.set_parameters(cell.controller, operating_mode='REMOTE')
     cell.end('FAILED')
