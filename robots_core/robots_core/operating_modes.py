@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Final
 
 from robots_core.blocks.following.guide import Guide
-from robots_core.errors import CommandRefusedError, InvalidInputError
+from robots_core.errors import CommandRefusedError
+from robots_core.named_choice import NamedChoice
 
 
-class Commander(StrEnum):
+class Commander(NamedChoice):
     """Who commands the robot: one at a time."""
 
     NOBODY = 'NOBODY'
@@ -24,22 +24,14 @@ class Commander(StrEnum):
     SENSOR = 'SENSOR'
     """Reference poses and twists."""
 
-    @classmethod
-    def _missing_(cls, value: object) -> Commander:
-        raise InvalidInputError(f'unknown commander {value!r}; valid are {", ".join(cls)}')
 
-
-class OperatingMode(StrEnum):
+class OperatingMode(NamedChoice):
     """How the cell is operated."""
 
     AUTOMATIC = 'AUTOMATIC'
     T1 = 'T1'
     T2 = 'T2'
     REMOTE = 'REMOTE'
-
-    @classmethod
-    def _missing_(cls, value: object) -> OperatingMode:
-        raise InvalidInputError(f'unknown operating_mode {value!r}; valid are {", ".join(cls)}')
 
 
 @dataclass(frozen=True)
