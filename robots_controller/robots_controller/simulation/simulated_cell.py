@@ -10,10 +10,7 @@ from robots_controller.cell.program_host import ProgramHost
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
 from robots_controller.control.controller import ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles
-from robots_controller.control.faults import EMERGENCY_INPUT
 from robots_controller.control.stop_latch import StopState
-from robots_controller.io.io_image import image_sizes
-from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.turn_clock import NANOSECONDS
 from robots_controller.simulation.cell_parts import CellParts
@@ -27,6 +24,7 @@ from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_controller.simulation.simulated_guide import SimulatedGuide
+from robots_controller.simulation.simulated_plc import SimulatedPlc
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGuard
 from robots_core.blocks.collision.joint_path import JointPath
@@ -125,9 +123,7 @@ class SimulatedCell:
         link.on_settings = self._settings_changed
         self._carried = CarriedPayload(parts.drives.load, parts.payload)
         self._program = self._host.program
-        self._plc = ScriptedPlc(parts.plc_script, self.clock.now())
-        self._plc_images = image_sizes(self._plc.inputs)
-        self._log.on_output = self._plc.output
+        self._plc = SimulatedPlc(parts, self._program.io, self._control, self._log, self.clock.now())
         self._guide = SimulatedGuide(
             parts.references,
             robot,
@@ -148,8 +144,6 @@ class SimulatedCell:
         self._changed = False
         self._deadlocks = DeadlockDetection(longest, self._recording)
         self._interrupted = self._over = self._running = False
-        self._emergency = ''
-        self._closed_zones: frozenset[str] | None = None
 
     def stop(self) -> None:
         """End the simulation after the period under way; from any thread, and from a signal handler."""
@@ -177,18 +171,20 @@ class SimulatedCell:
     # -- the run ----------------------------------------------------------------------------------
 
     def _begin(self) -> None:
-        io = self._program.io
-        for channel, value in self._plc.inputs.items():
-            io.set_value(io.find(channel.name), value)
-        self._log.begin(io, self._parts.io_labels, self._plc_images, self._authority.mode)
+        self._plc.begin()
+        self._log.begin(self._program.io, self._parts.io_labels, self._plc.images, self._authority.mode)
         self._host.open(self._parts.program, self._parts.points_file or '')
         self._host.permission.mode_changed(self._authority.mode)
-        self._watch_inputs()
+        self._plc.watch_inputs()
         self._tick()  # the program finds a robot that stands, and its position
         self._running = True
         self.cost.begin()
         self.cost.switch('program')
-        self._host.run()
+        try:
+            self._host.run()
+        except RobotsError as error:  # a fault stops the robot from the start, or no program runs in the mode
+            self._log.given_up = ProgramError(str(error), file=self._program.file)
+            self._running = False
         self.cost.switch('other')
 
     def _go(self) -> None:
@@ -313,35 +309,13 @@ class SimulatedCell:
             self._log.collision_status(self._guard.look(q, q_dot))
         cost.switch('other')
         self._deliver()
-        self._step_plc(now)
+        self._changed |= self._plc.step(now)
         if cycle % self._watch_every == 0 and self._records.any_open:
             self._host.motions.watch()
         if self._host.reporter.due:
             self._host.reporter.report_in_time()
         if self._on_progress is not None and cycle % self._rates.progress_every == 0:
             self._on_progress(self.clock.elapsed, self._program.line)
-
-    def _step_plc(self, now: float) -> None:
-        if self._plc.next_time > now:
-            return
-        for change in self._plc.step(now):
-            channel = change.channel
-            if self._program.io.set_value(channel, change.value):
-                self._log.input(channel, change.value, self._plc_images[channel.image])
-                self._changed = True
-        self._watch_inputs()
-
-    def _watch_inputs(self) -> None:
-        """Stop for the digital inputs that are published, and close zones by them."""
-        image = self._program.digital_inputs[: self._plc_images.get('digital_inputs', 0)].tolist()
-        closed = self._parts.zone_inputs.closed(image)
-        if closed != self._closed_zones:
-            self._closed_zones = closed
-            self._control.close_zones(closed)
-        reason = self._parts.emergency_stop.reason(image)
-        if reason != self._emergency:
-            self._emergency = reason
-            self._control.watch(EMERGENCY_INPUT, reason)
 
     def _stop_before_collision(self, reason: str) -> bool:  # noqa: ARG002  # as ~/stop, which takes none
         self._control.request('stop')
