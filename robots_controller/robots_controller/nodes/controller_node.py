@@ -18,7 +18,6 @@ from trajectory_msgs.msg import JointTrajectory
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
-from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.faults import (
     CONTROLLER_LOST,
     EMERGENCY_INPUT,
@@ -31,6 +30,7 @@ from robots_controller.control.speed_control import SpeedControl
 from robots_controller.control.stop_latch import StopState
 from robots_controller.io.emergency_inputs import parse_emergency_stop
 from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
+from robots_controller.nodes.controller_parameters import settings_by_parameters
 from robots_controller.nodes.stream_messages import stream_point_from_message
 from robots_controller.nodes.watched_zones import WatchedZones
 from robots_core.errors import InvalidInputError, RobotsError
@@ -77,22 +77,8 @@ class ControllerNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('controller_node', **options)
-        rate = self.parameter(
-            'rate', 250.0, 'references per second, Hz', bounds=(10.0, 2000.0), read_only=True
-        )
-        default = ControllerSettings()
-        options = {
-            name: self.parameter(name, getattr(default, name), text, read_only=True)
-            for name, text in (
-                ('smoothing_time', 'window of the moving average, s; 0 switches it off'),
-                ('ramp_time', 'shortest time from standstill to full path speed after a pause, s'),
-                ('feedback_timeout', 'joint_states older than this are lost, s'),
-                ('goal_tolerance', 'the robot stands at its target when every axis is this close, rad'),
-                ('settling_time', 'longest time from the end of the reference until it stands there, s'),
-                ('following_error', 'largest distance of an axis to its reference, rad'),
-                ('stream_timeout', 'a stream of single points is stale without one for this long, s'),
-            )
-        }
+        settings = settings_by_parameters(self)
+        rate = 1.0 / settings.period
         priority = self.parameter(
             'realtime_priority',
             50,
@@ -118,7 +104,7 @@ class ControllerNode(RobotNode):
         authority = authority_by_parameters(self)
         self._frame_limit = FrameSpeedLimit(self.robot, authority.speed_limit(limit))
         self._zones = WatchedZones(self)
-        axes, settings = self.robot.axes_data, ControllerSettings(period=1.0 / rate, **options)
+        axes = self.robot.axes_data
         speed = SpeedControl(
             axes, settings, frame_limit=self._frame_limit, authority=authority, zones=self._zones.guard
         )

@@ -1,0 +1,31 @@
+"""The controller's settings as parameters of its node."""
+
+from typing import Final
+
+from robots_controller.control.controller_settings import ControllerSettings
+from robots_core.ros.robot_node import RobotNode
+
+TEXTS: Final = {
+    'smoothing_time': 'window of the moving average, s; 0 switches it off',
+    'ramp_time': 'shortest time from standstill to full path speed after a pause, s',
+    'feedback_timeout': 'joint_states older than this are lost, s',
+    'goal_tolerance': 'the robot stands at its target when every axis is this close, rad',
+    'settling_time': 'longest time from the end of the reference until it stands there, s',
+    'following_error': 'largest distance of an axis to its reference, rad',
+    'stream_timeout': 'a stream of single points is stale without one for this long, s',
+}
+
+
+def settings_by_parameters(node: RobotNode) -> ControllerSettings:
+    """Declare them, and `rate`.
+
+    Raises:
+        InvalidInputError: one is out of its range.
+    """
+    rate = node.parameter('rate', 250.0, 'references per second, Hz', bounds=(10.0, 2000.0), read_only=True)
+    default = ControllerSettings()
+    values = {
+        name: node.parameter(name, getattr(default, name), text, read_only=True)
+        for name, text in TEXTS.items()
+    }
+    return ControllerSettings(period=1.0 / rate, **values)
