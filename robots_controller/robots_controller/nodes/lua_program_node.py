@@ -370,6 +370,8 @@ class LuaProgramNode(RobotNode):
         self.host.make_outputs_safe()
         if self.context.ok():
             self._io.finish()
+        # With a logger ROS forgets its name, which a later node in this process may have.
+        self._print_logger = self.journal
         super().destroy_node()  # type: ignore[no-untyped-call]
 
 
