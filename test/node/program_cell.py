@@ -14,7 +14,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robots_controller.nodes.controller_node import ControllerNode
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core.nodes.drive_node import DriveNode
-from robots_core.ros.messages import diagnostic_values, motion_result_from_message
+from robots_core.ros.messages import diagnostic_values, motion_result_from_message, nanoseconds
 from robots_core.ros.qos import COMMAND, STATE
 from robots_planning.nodes.planning_node import PlanningNode
 
@@ -34,7 +34,8 @@ class ProgramCell(Bench):
     def __init__(self, runner: Any, folder: Path, **controller: Any) -> None:
         super().__init__(runner)
         self.folder = folder
-        self.references = self.collect('joint_reference', JointTrajectory, read=lambda m: m.points[0])
+        self._stamp = 0  # ns, of the newest reference that was collected
+        self.references = self.collect('joint_reference', JointTrajectory, read=self._read)
         self.results = self.collect('motion_result', DiagnosticStatus, COMMAND, motion_result_from_message)
         self.status = self.collect('program_status', DiagnosticStatus, EVERY_STATE, diagnostic_values)
         self.outputs = self.collect(
@@ -47,6 +48,10 @@ class ProgramCell(Bench):
         self.program = self.start_node(LuaProgramNode, robot_model=ROBOT)
         planner = self.start_node(PlanningNode, robot_model=ROBOT)
         self.wait(lambda: self.references and planner._reference is not None, 'the robot')
+
+    def _read(self, message: JointTrajectory) -> Any:
+        self._stamp = nanoseconds(message.header.stamp)
+        return message.points[0]
 
     def command(self, name: str) -> None:
         response = self.call(f'lua_program_node/{name}')
@@ -67,8 +72,9 @@ class ProgramCell(Bench):
         self.wait(lambda: any(self.references[-1].velocities), 'it moves')
 
     def until_standing(self) -> list[float]:
-        """Wait until the robot stands; returns where, deg."""
-        self.wait(lambda: not any(self.references[-1].velocities), 'it stands')
+        """Wait until the robot stands, from now on; returns where, deg."""
+        now = self.peer.get_clock().now().nanoseconds
+        self.wait(lambda: self._stamp >= now and not any(self.references[-1].velocities), 'it stands')
         return np.degrees(self.references[-1].positions).tolist()
 
     def end(self, state: str) -> None:

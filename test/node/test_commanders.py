@@ -143,7 +143,7 @@ def test_in_t1_nobody_commands_by_topics(t1: CommandedCell) -> None:
 
 
 def test_the_mode_changes_while_the_robot_stands(cell: CommandedCell) -> None:
-    with pytest.raises(InvalidInputError, match="unknown operating_mode 'T3'; valid are AUTOMATIC, T1"):
+    with pytest.raises(InvalidInputError, match="unknown operating mode 'T3'; valid are AUTOMATIC, T1"):
         cell.set_parameters(cell.controller, operating_mode='T3')
     cell.start(CRAWL + MOVE)
     cell.until_moving()

@@ -12,6 +12,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from std_msgs.msg import String
+from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.nodes.controller_node import ControllerNode
@@ -115,14 +116,14 @@ def test_follows_only_while_the_program_lets_a_sensor_guide_the_robot(ros_nodes:
 
 def test_follows_only_while_nobody_else_commands_the_robot(ros_nodes: Any) -> None:
     bench = GuidedRobot(ros_nodes)
-    bench.publish('commander', String(data='PENDANT'), STATE)
-    bench.wait(lambda: bench.ik.commanders.commander == 'PENDANT', 'the commander')
+    assert bench.call('controller_node/commander/remote', SetBool.Request(data=True), SetBool).success
+    bench.wait(lambda: bench.ik.commanders.commander == 'REMOTE', 'the commander')
     bench.pose = Pose(POSE.r + np.array([0.0, 0.01, 0.0]), POSE.T)
     count = len(bench.references)
     bench.wait(lambda: len(bench.references) > count + 100, 'references')
     assert not bench.stream
     bench.publish('guide', String(data='NONE'), STATE)
-    bench.publish('commander', String(data='SENSOR'), STATE)
+    assert bench.call('controller_node/take_over/sensor').success
     bench.until_at(bench.pose)
 
 

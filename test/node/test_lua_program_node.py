@@ -176,7 +176,7 @@ def test_a_fault_sets_outputs_that_a_program_has_left_on(ros_nodes: Any, tmp_pat
     bench = LuaBench(ros_nodes, tmp_path, fail_safe=['digital_output.2=hold'])
     bench.start('setDigitalOutput(1, true) setDigitalOutput(2, true)')
     bench.wait_for_state('FINISHED')
-    assert bench.digital[-1][:2] == [1, 1]
+    bench.wait(lambda: bench.digital[-1][:2] == [1, 1], 'the outputs')
     stop = diagnostic_status('stop', 'emergency stop', level=DiagnosticStatus.ERROR)
     bench.publish('stop_status', stop, STATE)
     bench.wait(lambda: bench.digital[-1][:2] == [0, 1], 'fail-safe outputs')

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from robots_controller.control.controller import Controller, ControllerState
+from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.control.speed_control import SpeedControl
 from robots_controller.control.zone_guard import ZoneGuard
 from robots_core import Pose, load_robot_model
 from robots_core.blocks import PlacedBox, Zone, ZoneDetection
@@ -69,10 +71,11 @@ def follow(robot: BaseRobotModel, zone: Zone, trajectory: Trajectory, *, late: b
     """Follow a motion into a zone that is closed, or closes a second of path before it; True if held."""
     scene = Scene(zones=(zone,))
     clearance, guard = ZoneDetection(robot, scene).clearance(zone), ZoneGuard(robot, scene)
-    controller, q = Controller(robot.axes_data, zones=guard), trajectory.position[0]
+    speed = SpeedControl(robot.axes_data, ControllerSettings(), zones=guard)
+    controller, q = Controller(robot.axes_data, speed=speed), trajectory.position[0]
     guard.close(())
     controller.step(0.0, q)
-    borders, cap = controller.borders(trajectory), controller.path_speed_cap(trajectory)
+    borders, cap = speed.borders(trajectory), speed.cap(trajectory)
     controller.follow(trajectory, 'motion', 0.0, cap=cap, borders=borders)
     closing = max(0, round((borders[0].start - 1.0) / PERIOD)) if borders and late else 0
     for step in range(round(trajectory.duration / PERIOD) + PATIENCE):

@@ -141,7 +141,7 @@ def test_a_program_lets_a_sensor_or_a_person_guide_its_robot(
 
 
 def test_names_that_are_no_mode_or_commander_are_refused_with_those_that_are() -> None:
-    with pytest.raises(InvalidInputError, match="unknown operating_mode 'T3'; valid are AUTOMATIC, T1, T2"):
+    with pytest.raises(InvalidInputError, match="unknown operating mode 'T3'; valid are AUTOMATIC, T1, T2"):
         OperatingMode('T3')
     with pytest.raises(InvalidInputError, match="unknown commander 'me'; valid are NOBODY, PROGRAM"):
         Commander('me')
