@@ -61,7 +61,7 @@ class PathPlanning:
 
     Args:
         robot: The robot.
-        collision: Who refuses motions that collide; None lets them pass, and through all zones.
+        collision: Checks motions for collisions and zones; None disables both.
         collision_margin: Distance that every motion keeps, m, from 0.
 
     Raises:

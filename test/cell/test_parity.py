@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from press_zone import PRESS_ZONE
 from robots_core import load_robot_model
 from robots_core.blocks import ZoneDetection, read_scene
 from robots_core.blocks.collision.scene import Scene
@@ -58,15 +59,7 @@ def test_an_emergency_stop_does_the_same_in_both_cells(lockstep_runs: LockstepRu
     check_both_cells(run, 'second_order', tmp_path / 'bag')
 
 
-ZONES = """\
-zones:
-  - name: press
-    box: {size: [1.0, 1.0, 4.0]}
-    pose: {position: [1.4, 1.2, 1.0]}
-    keep: out
-    what: bodies
-    closed_by: {press_open: off}
-"""
+ZONES = PRESS_ZONE + '    closed_by: {press_open: off}\n'
 
 
 def test_a_robot_waits_before_a_zone_alike_in_both_cells(lockstep_runs: LockstepRuns, tmp_path: Path) -> None:

@@ -1,7 +1,6 @@
 """CellOperator: the node of a person at a running cell: presses buttons, and reads the program's state."""
 
 import threading
-import time
 from typing import Any, Final, Self
 
 import rclpy
@@ -13,8 +12,8 @@ from std_srvs.srv import Trigger
 from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import STATE
+from waiting import POLL, happens
 
-POLL: Final = 0.02  # s
 SERVICE_TIME: Final = 5.0  # s
 
 
@@ -56,17 +55,9 @@ class CellOperator:
             caller = self._callers.get(service)
             if caller is None:
                 caller = self._callers[service] = self._node.create_client(Trigger, service)
-        deadline = time.monotonic() + SERVICE_TIME
-        while not caller.service_is_ready():
-            if time.monotonic() > deadline:
-                return False, f'{service} is not there'
-            time.sleep(POLL)
-        future = caller.call_async(Trigger.Request())
-        while not future.done():
-            if time.monotonic() > deadline:
-                return False, f'{service} does not answer'
-            time.sleep(POLL)
-        answer = future.result()
+        answer = answer_of(caller, Trigger.Request())
+        if answer is None:
+            return False, f'{service} does not answer'
         return answer.success, answer.message
 
     @property
@@ -90,3 +81,11 @@ class CellOperator:
                 if status is not None:
                     self._program = diagnostic_values(status)
                 self.poll()
+
+
+def answer_of(client: Any, request: Any) -> Any:
+    """The answer of a service; None if it is not there or does not answer."""
+    if not happens(client.service_is_ready, SERVICE_TIME):
+        return None
+    future = client.call_async(request)
+    return future.result() if happens(future.done, SERVICE_TIME) else None

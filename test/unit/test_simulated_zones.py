@@ -6,19 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from press_zone import PRESS_ZONE
 from robots_controller.simulate import simulate
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.errors import InvalidInputError
 
 ROBOT = 'kuka_kr210_r2700'
-ZONE = """\
-zones:
-  - name: press
-    box: {size: [1.0, 1.0, 4.0]}
-    pose: {position: [1.4, 1.2, 1.0]}
-    keep: out
-    what: bodies
-"""
 PROGRAM = """\
 ptpJointSpaceAngles(0, -90, 90, 0, 60, 0)
 ptpJointSpaceAngles(-40, -90, 90, 0, 60, 0)
@@ -34,7 +27,7 @@ def run(folder: Path, zone: str, plc: str = '') -> SimulationRun:
 
 
 def test_a_program_that_crosses_a_border_fails_in_its_line(tmp_path: Path) -> None:
-    error = str(run(tmp_path, ZONE).error)
+    error = str(run(tmp_path, PRESS_ZONE).error)
     assert error.startswith(
         "program.lua:2: ptpJointSpaceAngles: the motion crosses the border of zone 'press' after "
     )
@@ -42,13 +35,13 @@ def test_a_program_that_crosses_a_border_fails_in_its_line(tmp_path: Path) -> No
 
 
 def test_a_program_that_waits_before_a_zone_for_ever_ends_with_its_name(tmp_path: Path) -> None:
-    closed = run(tmp_path, ZONE + '    closed_by: {digital_input.1: off}\n')
+    closed = run(tmp_path, PRESS_ZONE + '    closed_by: {digital_input.1: off}\n')
     assert 'nothing lets it go on' in str(closed.error)
     assert "it is held before the border of zone 'press', which is closed" in str(closed.error)
 
 
 def test_an_input_opens_a_zone(tmp_path: Path) -> None:
-    zone = ZONE + '    closed_by: {press_open: off}\n'
+    zone = PRESS_ZONE + '    closed_by: {press_open: off}\n'
     plc = (
         'signals: {press_open: digital_input.3}\nrules:\n  - {when: start, after: 4, set: {press_open: 1}}\n'
     )
@@ -59,4 +52,4 @@ def test_an_input_opens_a_zone(tmp_path: Path) -> None:
 
 def test_a_zone_of_an_unknown_signal_is_reported(tmp_path: Path) -> None:
     with pytest.raises(InvalidInputError, match=r"zone 'press': closed_by: 'press_open' is no channel"):
-        run(tmp_path, ZONE + '    closed_by: {press_open: off}\n')
+        run(tmp_path, PRESS_ZONE + '    closed_by: {press_open: off}\n')

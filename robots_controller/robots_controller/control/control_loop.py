@@ -128,7 +128,7 @@ class ControlLoop:
             self._mailbox.append(lambda _: zones.close(closed))
 
     def hear_zones(self, robot: str, states: Mapping[str, ZoneState]) -> None:
-        """Take what another robot says of the zones that it shares with this one."""
+        """Take the states that another robot has published of the zones shared with it."""
         zones = self.controller.speed.zones
         if zones is not None:
             self._mailbox.append(lambda _: zones.hear(robot, states))

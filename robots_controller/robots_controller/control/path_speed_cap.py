@@ -1,4 +1,3 @@
-# compiled functions take arrays, not objects
 """PathSpeedCap: the highest speed on a path at each place of it."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""SharedZone: one robot at a time in a zone that several share, without anybody who decides."""
+"""SharedZone: mutual exclusion of the robots that share a zone, without an arbiter."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Claim:
 
 @dataclass(frozen=True)
 class ZoneState:
-    """What a robot lets the others know.
+    """What a robot publishes for the others.
 
     Attributes:
         claim: Its claim; None for none.

@@ -28,7 +28,6 @@ class FrozenNodes:
     def __init__(self, monitor: CellMonitor, names: Iterable[str], watchdog: float) -> None:
         self.timeout = min(PATIENCE * watchdog, LONGEST)
         """Silence of a node that is frozen, s."""
-        self._monitor = monitor
         self._beats = {
             name: PolledSubscription(monitor, UInt64, f'{name}/{HEARTBEAT}', SENSOR, raw=True)
             for name in (names if watchdog else ())

@@ -256,7 +256,7 @@ class ControllerNode(RobotNode):
         self._result_publisher.publish(motion_result_message(result, self.robot_name))
 
     def _watch_health(self) -> None:
-        """Have a change of health reported: to wake the executor is dear."""
+        """Have a change of health reported: waking the executor is expensive."""
         condition = self._condition()
         if condition != self._last_condition:
             self._last_condition = condition

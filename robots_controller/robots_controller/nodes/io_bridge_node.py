@@ -174,7 +174,7 @@ class _OutputTopic:
             if lost and safe != value:
                 self._left.add(row.channel.name)
             elif safe == value:
-                # It knows that they are: one that froze must not switch them on again when it lives on.
+                # The node has put it there itself; one that froze must not switch it on again before.
                 self._left.discard(row.channel.name)
             if lost or absent or row.channel.name in self._left:
                 value = safe

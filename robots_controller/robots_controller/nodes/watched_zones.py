@@ -65,7 +65,7 @@ class WatchedZones:
         return guard
 
     def watch(self, control: ControlLoop) -> None:
-        """Tell a control loop from now on which zones are closed."""
+        """Report closed zones and the claims of other robots to a control loop from now on."""
         self._control = control
         if self._inputs:
             subscribe_state(self._node, UInt8MultiArray, 'digital_inputs', self._on_digital_inputs)
@@ -78,7 +78,7 @@ class WatchedZones:
             )
 
     def publish_claims(self) -> None:
-        """Let the robots that share zones know what has changed; from the loop's thread."""
+        """Publish the claims to shared zones if they have changed; from the loop's thread."""
         if self._publisher is None or self.guard is None:
             return
         states = self.guard.states

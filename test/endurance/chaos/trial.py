@@ -5,11 +5,12 @@ import os
 import random
 import signal
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+
+from waiting import happens
 
 from .judgement import OBSERVED
 from .observer import Observer
@@ -25,7 +26,6 @@ FROZEN: Final = (
 )  # s that a node is frozen which lives on: missed, and not yet killed by `cell`
 MOVES_ON: Final = 0.5  # s in which a program that goes on moves the robot, but for short waits
 HELD: Final = 0b100  # bit of the PLC's word that keeps its value
-POLL: Final = 0.02  # s
 
 
 class NotReadyError(Exception):
@@ -119,7 +119,7 @@ def until_running(observer: Observer) -> None:
         NotReadyError: it does not, with what the cell says.
     """
     deadline = time.monotonic() + READY_TIME
-    while not _wait(lambda: observer.program_state == 'RUNNING' and observer.moving, 2.0):
+    while not happens(lambda: observer.program_state == 'RUNNING' and observer.moving, 2.0):
         state, error = observer.program_state, observer.program_error
         if time.monotonic() > deadline:
             raise NotReadyError(
@@ -133,7 +133,7 @@ def until_running(observer: Observer) -> None:
 
 def goes_on(observer: Observer) -> bool:
     """The program runs, and moves the robot, as if nothing had happened."""
-    return observer.program_state == 'RUNNING' and _wait(
+    return observer.program_state == 'RUNNING' and happens(
         lambda: observer.program_state == 'RUNNING' and observer.moving, MOVES_ON
     )
 
@@ -149,16 +149,7 @@ def let_go_on(observer: Observer, origin: float) -> float:
             if not succeeded:
                 break
         else:
-            if _wait(lambda: observer.program_state in {'RUNNING', 'FAILED'} and observer.moving, 2.0):
+            if happens(lambda: observer.program_state in {'RUNNING', 'FAILED'} and observer.moving, 2.0):
                 return time.time() - origin
         time.sleep(0.2)
     return np.inf
-
-
-def _wait(condition: Callable[[], bool], timeout: float) -> bool:
-    deadline = time.monotonic() + timeout
-    while not condition():
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(POLL)
-    return True

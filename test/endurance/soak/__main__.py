@@ -6,7 +6,6 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable
 from itertools import cycle
 from pathlib import Path
 from typing import Final
@@ -16,6 +15,7 @@ from printed_tables import machine, show
 from robots_controller.report.page.page import write_page
 from robots_core.robot_choice import load_robot_model
 from ros_domains import reserved_domain
+from waiting import happens
 
 from .figures import SoakFigures, memory_figures
 from .page import soak_page
@@ -28,7 +28,6 @@ START_TIME: Final = 600.0  # s
 RUN_TIME: Final = 300.0  # s that a program may take
 JOG_TIME: Final = 2.0  # s
 SAMPLES: Final = 360  # of memory in a run, one in 10 s of an hour
-POLL: Final = 0.05  # s
 
 
 class Shift:
@@ -50,7 +49,7 @@ class Shift:
 
     def work(self) -> None:
         """Run the program, jog, and so on, until the time is over or the cell is of no use any more."""
-        if not self._until(lambda: self._worker.program_state == 'RUNNING', START_TIME):
+        if not happens(lambda: self._worker.program_state == 'RUNNING', START_TIME):
             self.problems.append(f'the cell did not run its program within {START_TIME:g} s')
             return
         self._worker.begin()
@@ -72,7 +71,7 @@ class Shift:
 
     def _run_ended(self) -> bool:
         """The program came to its end; one that is under way when the time is over need not."""
-        ended = self._until(
+        ended = happens(
             lambda: self._worker.program_state in {'FINISHED', 'FAILED', 'STOPPED'} or self._over, RUN_TIME
         )
         state = self._worker.program_state
@@ -106,7 +105,7 @@ class Shift:
             if not succeeded:
                 self.problems.append(f'{service}: {message}')
                 return self._cell.cell_pid is not None
-        self._until(lambda: self._worker.program_state == 'RUNNING', 5.0)
+        happens(lambda: self._worker.program_state == 'RUNNING', 5.0)
         return True
 
     def _sample(self) -> None:
@@ -121,15 +120,6 @@ class Shift:
     def _restarts(self) -> list[str]:
         told = (' is started again in ', ' killed by ', ' ended with exit code ')
         return [line for line in self._cell.output.splitlines() if any(text in line for text in told)]
-
-    @staticmethod
-    def _until(condition: Callable[[], object], timeout: float) -> bool:
-        deadline = time.monotonic() + timeout
-        while not condition():
-            if time.monotonic() > deadline:
-                return False
-            time.sleep(POLL)
-        return True
 
 
 def main() -> int:

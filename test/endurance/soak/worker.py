@@ -13,7 +13,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import UInt8
 from trajectory_msgs.msg import JointTrajectory
 
-from cell_operator import POLL, SERVICE_TIME, CellOperator
+from cell_operator import CellOperator, answer_of
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import STREAM
@@ -97,17 +97,10 @@ class Worker(CellOperator):
         request = SetParameters.Request(
             parameters=[Parameter('operating_mode', value=mode).to_parameter_msg()]
         )
-        deadline = time.monotonic() + SERVICE_TIME
-        while not self._mode.service_is_ready():
-            if time.monotonic() > deadline:
-                return 'controller_node has no parameters'
-            time.sleep(POLL)
-        future = self._mode.call_async(request)
-        while not future.done():
-            if time.monotonic() > deadline:
-                return 'controller_node does not answer'
-            time.sleep(POLL)
-        (result,) = future.result().results
+        answer = answer_of(self._mode, request)
+        if answer is None:
+            return 'controller_node does not answer'
+        (result,) = answer.results
         return '' if result.successful else result.reason
 
     def loops(self) -> tuple[LoopFigures, ...]:

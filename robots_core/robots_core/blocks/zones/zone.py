@@ -78,7 +78,6 @@ class Zone:
     keep: Keep
     what: What
     closed_by: Mapping[str, bool] = field(default_factory=lambda: MappingProxyType({}))
-
     shared_with: tuple[str, ...] = ()
 
     @property
