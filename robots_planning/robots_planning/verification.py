@@ -25,6 +25,7 @@ from robots_planning.tool_speeds import ToolSection, tool_speeds
 from robots_planning.trajectory import Trajectory
 
 SAMPLE_PERIOD = 1e-3  # s
+LONGEST_MOTION = 3600.0  # s
 DYNAMICS_PERIOD = 4e-3  # s, the controller's; torque changes slowly against it
 RATIO_TOLERANCE = 1e-3  # of a limit: what finite differences at the sample period can resolve
 POSITION_TOLERANCE = 1e-9  # rad (m), as the axis limits' own check
@@ -175,9 +176,14 @@ def verify(
             rest without.
 
     Raises:
-        InvalidInputError: the trajectory has another number of axes than the robot.
+        InvalidInputError: the trajectory has another number of axes than the robot, or takes more than
+            `LONGEST_MOTION`.
     """
     axes = robot.axes_data
+    if trajectory.duration > LONGEST_MOTION:
+        raise InvalidInputError(
+            f'the motion takes {trajectory.duration:.6g} s; allowed are {LONGEST_MOTION:g} s'
+        )
     if trajectory.num_axes != axes.num_axes:
         raise InvalidInputError(
             f'the trajectory has {trajectory.num_axes} axes, robot {robot.name} has {axes.num_axes}'

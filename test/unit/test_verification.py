@@ -111,6 +111,13 @@ def test_another_number_of_axes_is_refused(robot: BaseRobotModel) -> None:
         verify(Trajectory(np.array([0.0, 1.0]), values, values, values), robot)
 
 
+def test_a_motion_of_more_than_an_hour_is_refused(robot: BaseRobotModel) -> None:
+    still = np.zeros((2, robot.num_axes))
+    slow = Trajectory(np.array([0.0, 2e9]), np.array([robot.home, robot.home + 0.1]), still, still)
+    with pytest.raises(InvalidInputError, match=r'the motion takes 2e\+09 s; allowed are 3600 s'):
+        verify(slow, robot)
+
+
 def points_of(trajectory: Trajectory) -> list[np.ndarray]:
     """Writable copies of time, position, velocity and acceleration."""
     return [
