@@ -102,10 +102,10 @@ class NodeRunner:
     """
 
     def __init__(self, context: Context) -> None:
-        from rclpy.executors import SingleThreadedExecutor  # noqa: PLC0415, TID251
+        from robots_core.ros.lean_executor import LeanExecutor  # noqa: PLC0415
 
         self.context = context
-        self._executor = SingleThreadedExecutor(context=context)
+        self._executor = LeanExecutor(context=context)
         self._turned = threading.Condition()
         self._stop = threading.Event()
         self._error: BaseException | None = None
@@ -163,6 +163,7 @@ class NodeRunner:
 
         self._nodes.remove(node)
         self.call(destroy)
+        self.call(lambda: None)  # in its next round the executor lets go of what it holds
 
     def wait_for(self, condition: Callable[[], Any], timeout: float = WAIT_DEADLINE, what: str = '') -> Any:
         """Wait until `condition()` is true and return its value.

@@ -3,6 +3,7 @@
 from contextlib import ExitStack
 from typing import Any
 
+from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -23,8 +24,8 @@ class LeanExecutor(Executor):
     `shutdown` is called by the thread that spins, or after it has ended.
     """
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, *, context: Context | None = None) -> None:
+        super().__init__(context=context)
         self._changed = True
         self._held = ExitStack()
         self._entities: dict[str, dict[int, Any]] = {}  # by kind and pointer
@@ -43,6 +44,11 @@ class LeanExecutor(Executor):
         """As `Executor.add_node`."""
         self._changed = True
         return bool(super().add_node(node))
+
+    def remove_node(self, node: Node) -> None:
+        """As `Executor.remove_node`."""
+        self._changed = True
+        super().remove_node(node)
 
     def wake(self) -> None:
         """End a round that waits; entities were created or destroyed."""

@@ -14,6 +14,6 @@ def end_at_once_while_loading() -> None:
     tries many: the node would go on without the import and without having been interrupted. `run` has the
     signals from when it is called. Processes of other names, such as `cell`, are left alone.
     """
-    if sys.argv[0].endswith('_node'):
+    if sys.argv[0].endswith(('_node', '_nodes')):
         for number in STOP_SIGNALS:
             signal.signal(number, lambda *_: os._exit(0))

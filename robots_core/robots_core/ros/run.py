@@ -5,10 +5,11 @@ import gc
 import inspect
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 
 import rclpy
-from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import try_shutdown
 
@@ -23,24 +24,29 @@ EXIT_BAD_INPUT = 2
 
 
 def run(make_node: Callable[[], TimedNode], args: list[str] | None = None) -> int:
-    """Run a node until it is interrupted or has shut its context down.
+    """Run a node, see `run_nodes`."""
+    return run_nodes([make_node], args)
+
+
+def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | None = None) -> int:
+    """Run nodes in this process until it is interrupted or its context is shut down.
 
     A mistake of the user (a `RobotsError`) is reported in one line, without traceback.
 
     Args:
-        make_node: Creates the node once ROS is initialised.
+        make_nodes: Create the nodes once ROS is initialised.
         args: Command line; `sys.argv` by default.
 
     Returns:
-        Exit code: 0 after Ctrl-C or terminate, 2 if the node cannot start as configured.
+        Exit code: 0 after Ctrl-C or terminate, 2 if a node cannot start as configured.
     """
     # A process that ends need not look through all that it has loaded: that takes half a second.
     atexit.register(gc.freeze)
     choose_transports()
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-    node: TimedNode | None = None
-    executor: Executor | None = None
-    heartbeat: Heartbeat | None = None
+    nodes: list[TimedNode] = []
+    executor: LeanExecutor | None = None
+    heartbeats: list[Heartbeat] = []
 
     def wake() -> None:
         if executor is None:
@@ -51,33 +57,45 @@ def run(make_node: Callable[[], TimedNode], args: list[str] | None = None) -> in
 
     with interrupt(wake) as stopping:
         try:
-            node = make_node()
+            nodes.extend(make_node() for make_node in make_nodes)
             # A logger looks for its caller, the first time through all modules: not while a robot moves.
             inspect.stack()
-            executor = _executor(node)
-            executor.add_node(node)
-            heartbeat = Heartbeat(node)
+            executor = LeanExecutor()
+            for node in nodes:
+                executor.add_node(node)
+            heartbeats = [Heartbeat(node) for node in nodes]
             gc.freeze()  # what is there now lives as long as the node
-            while node.context.ok() and not stopping.is_set():
-                executor.spin_once()
+            together = _reported_together(nodes)
+            while nodes[0].context.ok() and not stopping.is_set():
+                with together():
+                    executor.spin_once()
         except ExternalShutdownException:
             return 0
         except RobotsError as error:
             print(f'error: {error}', file=sys.stderr)
             return EXIT_BAD_INPUT
         finally:
-            if heartbeat is not None:
-                heartbeat.stop()
-            # The page, the bag and the last messages are closed before another signal may end the process.
-            if node is not None:
-                node.destroy_node()  # type: ignore[no-untyped-call]
-            if executor is not None:
-                executor.shutdown()
-            try_shutdown()
+            _end(nodes, heartbeats, executor)
     return 0
 
 
-def _executor(node: TimedNode) -> Executor:
-    # MultiThreadedExecutor is several times slower here and EventsExecutor is experimental; what must not
-    # wait has a thread of its own.
-    return SingleThreadedExecutor() if node.participant is None else LeanExecutor()
+def _reported_together(nodes: Sequence[TimedNode]) -> Callable[[], AbstractContextManager[None]]:
+    """What nodes in lock-step report in a round of the executor is sent at its end."""
+    participants = [node.participant for node in nodes if node.participant is not None]
+    if not participants:
+        return nullcontext
+    outbox = participants[0].outbox
+    for participant in participants:
+        participant.outbox = outbox
+    return outbox.together
+
+
+def _end(nodes: Sequence[TimedNode], heartbeats: Sequence[Heartbeat], executor: LeanExecutor | None) -> None:
+    for heartbeat in heartbeats:
+        heartbeat.stop()
+    # The page, the bag and the last messages are closed before another signal may end the process.
+    for node in nodes:
+        node.destroy_node()  # type: ignore[no-untyped-call]
+    if executor is not None:
+        executor.shutdown()
+    try_shutdown()

@@ -24,7 +24,7 @@ from robots_core.ros.lockstep.protocol import (
     TIME,
     Announcement,
     Roster,
-    decode,
+    decode_reports,
     encode,
 )
 from robots_core.ros.lockstep.traffic import Traffic
@@ -193,18 +193,18 @@ class Coordinator:
             self._gos[name].publish(go)
 
     def _on_report(self, data: bytes) -> None:
-        number, answered, busy, *numbers = decode(data)
-        name, phases = self._names[number], len(Phase)
         self._progress = time.monotonic()
-        self._agenda.set_due(name, tuple(numbers[:phases]))
-        for place in range(phases, len(numbers), 2):
-            self._count(name, numbers[place], numbers[place + 1])
-        if answered == self._sequence:
-            self._outstanding.discard(name)
-        if busy:
-            self._busy.add(name)
-        else:
-            self._busy.discard(name)
+        for number, answered, busy, *numbers in decode_reports(data):
+            name, phases = self._names[number], len(Phase)
+            self._agenda.set_due(name, tuple(numbers[:phases]))
+            for place in range(phases, len(numbers), 2):
+                self._count(name, numbers[place], numbers[place + 1])
+            if answered == self._sequence:
+                self._outstanding.discard(name)
+            if busy:
+                self._busy.add(name)
+            else:
+                self._busy.discard(name)
         self._go_on()
 
     def _count(self, name: str, index: int, count: int) -> None:

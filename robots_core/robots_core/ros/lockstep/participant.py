@@ -27,6 +27,7 @@ from robots_core.ros.lockstep.counted import (
     reliable,
 )
 from robots_core.ros.lockstep.matching import unmatched_publisher, unmatched_subscription
+from robots_core.ros.lockstep.outbox import Outbox
 from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
 from robots_core.ros.lockstep.profiles import (
     ALL,
@@ -47,7 +48,6 @@ from robots_core.ros.lockstep.protocol import (
     Kind,
     Roster,
     decode,
-    encode,
 )
 from robots_core.ros.lockstep.timed_work import LockstepLoop, LockstepTimer, LockstepTurn, TimedWork
 from robots_core.ros.lockstep.traffic import CLOSED
@@ -98,6 +98,8 @@ class Participant:
         subscription = partial(Node.create_subscription, node, event_callbacks=NO_SUBSCRIPTION_EVENTS)
         self._participants = publisher(String, PARTICIPANTS, LATCHED)
         self._reports: Any = publisher(Int64MultiArray, REPORT, ALL)
+        self.outbox = Outbox(self._reports)
+        """Sends the reports; participants of one process may share it."""
         self._times: Any = subscription(
             Int64MultiArray, TIME, lambda _: None, NEWEST, callback_group=NeverExecuted(), raw=True
         )
@@ -254,8 +256,12 @@ class Participant:
         self._report_unless_inside()
 
     def _report_unless_inside(self) -> None:
-        if self._inside or self._number is None or not self._started:
-            return
+        if not self._inside and self._number is not None and self._started:
+            self.outbox.send(self)
+
+    def report(self) -> list[int]:
+        """What the coordinator must know; what it knows already of counts is left out."""
+        assert self._number is not None
         with self._lock:
             due = [NEVER] * len(Phase)
             for work in self._works:
@@ -266,7 +272,7 @@ class Participant:
                     if index >= len(self._reported) or count != self._reported[index]:
                         report += (index, count)
                 self._reported = list(self._counts)
-            self._reports.publish(encode(report))
+            return report
 
     # -- the coordinator's messages ----------------------------------------------------------------------
 

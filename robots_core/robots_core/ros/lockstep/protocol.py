@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Final, Literal
 
@@ -18,8 +18,8 @@ TIME: Final = '/lockstep/time'
 For those whose turn it is not. It is sent when time has advanced, and in each turn from `OBSERVE` on: before,
 there is nothing to poll that is newer."""
 REPORT: Final = '/lockstep/report'
-"""std_msgs/Int64MultiArray: participant, sequence answered, busy, next due time (ns) per phase, then pairs of
-an endpoint and its new count."""
+"""std_msgs/Int64MultiArray: reports, each behind the count of its numbers: participant, sequence answered,
+busy, next due time (ns) per phase, then pairs of an endpoint and its new count."""
 GO: Final = 'lockstep_go'
 """std_msgs/Int64MultiArray below a participant's name: sequence to answer, time (ns), phase, and the messages
 sent so far on each polled topic."""
@@ -127,3 +127,17 @@ def decode(data: bytes) -> tuple[int, ...]:
     if encapsulation[:2] != _LITTLE_ENDIAN[:2] or dimensions:
         raise ValueError('an Int64MultiArray of lock-step is little endian and has no layout')
     return struct.unpack_from(f'<{count}q', data, _HEAD.size)
+
+
+def encode_reports(reports: Iterable[Sequence[int]]) -> bytes:
+    """Several reports as one message."""
+    return encode([number for report in reports for number in (len(report), *report)])
+
+
+def decode_reports(data: bytes) -> Iterator[tuple[int, ...]]:
+    """The reports of a message."""
+    numbers, place = decode(data), 0
+    while place < len(numbers):
+        behind = place + 1 + numbers[place]
+        yield numbers[place + 1 : behind]
+        place = behind
