@@ -15,6 +15,7 @@ from robots_controller.live_cell.cell_command import parse_options, run_cell
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'
 WIDTH = 120
+SEPARATE = 'second_order'
 # Text of a program and what stands in its place, so that things are done once, nearer, or sooner.
 SHORTENED = {
     'palletizing.lua': {
@@ -70,8 +71,11 @@ class LockstepRuns:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    def run(self, program: str, drive: str = 'second_order') -> LockstepRun:
-        """The run of a program, by its file in programs/, with drives of a level."""
+    def run(self, program: str, drive: str = SEPARATE) -> LockstepRun:
+        """The run of a program, by its file in programs/, with drives of a level.
+
+        With those of level `SEPARATE` each node has its own process; otherwise they share one.
+        """
         folder = self._folder / f'{program.replace("/", "_")}_{drive}'
         folder.mkdir(parents=True, exist_ok=True)
         result = folder / 'result.json'
@@ -79,14 +83,16 @@ class LockstepRuns:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not result.exists():
                 path = _copy(folder / 'programs', program)
-                found = run_cell_with(path, folder / 'out', '--lockstep', '--drive', drive)
+                shared = () if drive == SEPARATE else ('--composed',)
+                found = run_cell_with(path, folder / 'out', '--lockstep', '--drive', drive, *shared)
                 result.write_text(json.dumps(found))
         values = json.loads(result.read_text())
         return LockstepRun(Path(values[0]), values[1], values[2], Path(values[3]))
 
     def run_file(self, program: Path, *options: str) -> LockstepRun:
-        """The run of any other program with these options of `cell`, recorded beside it."""
-        path, code, text, bag = run_cell_with(program, program.parent / 'out', '--lockstep', *options)
+        """The run of any other program with these options of `cell`, in one process, recorded beside it."""
+        options = ('--lockstep', '--composed', *options)
+        path, code, text, bag = run_cell_with(program, program.parent / 'out', *options)
         return LockstepRun(Path(path), code, text, Path(bag))
 
 

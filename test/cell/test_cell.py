@@ -177,10 +177,10 @@ def test_a_full_disk_is_told_while_the_cell_runs_on_and_leads_to_an_error_code(
     session_ros_domain: int, tmp_path: Path
 ) -> None:
     del session_ros_domain
-    (tmp_path / 'wait.lua').write_text('wait(20)\nprint("still here")')
-    options = ('--program', str(tmp_path / 'wait.lua'), '--once', '--lockstep', '--port', '0')
+    (tmp_path / 'wait.lua').write_text('wait(5)\nprint("still here")')
+    options = ('--program', str(tmp_path / 'wait.lua'), '--once', '--lockstep', '--composed', '--port', '0')
     text = io.StringIO()
-    with no_file_larger_than(600_000):
+    with no_file_larger_than(150_000):
         code = run_cell(
             parse_options([*options, '--record', str(tmp_path / 'out')]), Console(file=text, width=200)
         )
@@ -260,6 +260,24 @@ def test_a_program_s_node_that_is_killed_leaves_fail_safe_outputs_and_comes_back
     cell.interrupt()
     assert cell.wait() == 130
     wait(lambda: words[-1] == 0b10, what='fail-safe outputs at the end of the cell')
+
+
+def test_nodes_that_share_a_process_come_back_together(start_cell: StartCell) -> None:
+    cell = start_cell('--robot', 'bello_bot', '--composed')
+    cell.until_ready()
+    pids = cell.node_pids()
+    assert set(pids) == {'controller_node', 'drive_node', 'composed_nodes'}
+    os.kill(pids['composed_nodes'], signal.SIGKILL)
+    cell.until('composed_nodes killed by SIGKILL')
+    cell.until('composed_nodes is started again in 0.5 s')
+    for _ in range(4):
+        cell.until('ready')
+    now = cell.node_pids()
+    assert now.pop('composed_nodes') != pids.pop('composed_nodes')
+    assert now == pids
+    cell.interrupt()
+    assert cell.wait() == 130
+    assert 'Traceback' not in ''.join(file.read_text() for file in cell.out.glob('*/log/*.log'))
 
 
 def test_a_frozen_controller_is_killed_and_comes_back_stopped(start_cell: StartCell, ros_nodes: Any) -> None:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 
 def node_pids(cell: int) -> dict[str, int]:
-    """Running nodes by name, forked from the server that the process of `cell` has started."""
+    """Processes of running nodes by name, forked from the server that the process of `cell` has started."""
     parents: dict[int, int] = {}
     pids: dict[int, str] = {}
     for stat in Path('/proc').glob('[0-9]*/stat'):
@@ -15,6 +15,6 @@ def node_pids(cell: int) -> dict[str, int]:
             continue
         pid = int(stat.parent.name)
         parents[pid] = int(parent)
-        if state != 'Z' and title.endswith('_node'):
+        if state != 'Z' and title.endswith(('_node', '_nodes')):
             pids[pid] = Path(title).name
     return {name: pid for pid, name in pids.items() if parents.get(parents[pid]) == cell}

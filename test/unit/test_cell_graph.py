@@ -92,3 +92,15 @@ def test_nodes_that_others_depend_on_are_watched_for_as_long_as_it_is_given():
     assert nodes['controller_node'].parameters['feedback_timeout'] == 3.0
     with pytest.raises(RobotsError, match=r'watchdog = 0\.01 s must be in'):
         cell_graph(robot='bello_bot', watchdog=0.01)
+
+
+def test_nodes_that_do_not_keep_time_share_a_process_when_they_are_composed():
+    separate = cell_graph(robot='bello_bot')
+    assert [node.process for node in separate] == [node.name for node in separate]
+    composed = {node.name: node.process for node in cell_graph(robot='bello_bot', composed=True)}
+    assert {name for name, process in composed.items() if process == name} == {
+        'drive_node',
+        'controller_node',
+    }
+    assert len(set(composed.values())) == 3
+    assert len({node.process for node in cell_graph(robot='bello_bot', composed=True, lockstep=True)}) == 1

@@ -46,7 +46,7 @@ FILES = ('program', 'io', 'io_map', 'scene', 'references')  # options
 GRAPH_OPTIONS = (
     *FILES,
     *('robot', 'drive', 'rate', 'goal_tolerance', 'tool_speed_limit', 'watchdog', 'payload', 'guided'),
-    *('port', 'debug_port', 'operating_mode', 'lockstep'),
+    *('port', 'debug_port', 'operating_mode', 'lockstep', 'composed'),
 )
 
 
@@ -99,6 +99,12 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
         '--lockstep',
         action='store_true',
         help='simulated time that advances when all nodes have done what was due, as fast as they can',
+    )
+    parser.add_argument(
+        '--composed',
+        action='store_true',
+        help='the nodes that do not keep time share one process: all but controller_node and drive_node, '
+        'in lock-step all; the cell needs less memory, and a node that dies ends the others of its process',
     )
     parser.add_argument('--describe', action='store_true', help='print the nodes as JSON, and start none')
     options = parser.parse_args(arguments)

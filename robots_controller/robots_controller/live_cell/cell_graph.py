@@ -23,23 +23,30 @@ from robots_planning.motion_settings import NOTHING
 
 DEFAULT_ROBOT: Final = 'bello_bot'
 """Of a cell without a program that names its robot."""
+COMPOSED: Final = 'composed_nodes'
+"""Process of the nodes that share one."""
+KEEP_TIME: Final = ('drive_node', 'controller_node')
+"""Nodes with a loop that other nodes must not hold up."""
 
 
 @dataclass(frozen=True)
 class NodeDescription:
-    """One node of the cell, an own process.
+    """One node of the cell.
 
     Attributes:
         package: ROS package.
         executable: Executable in that package; also the node's name.
         parameters: ROS parameters.
+        process: Name of its process; nodes with the same one share it.
     """
 
     package: str
     executable: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    process: str = ''
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, 'process', self.process or self.executable)
         object.__setattr__(self, 'parameters', MappingProxyType(dict(self.parameters)))
 
     @property
@@ -98,6 +105,7 @@ def cell_graph(
     debug_port: int = 0,
     debug_token: str = '',
     lockstep: bool = False,
+    composed: bool = False,
 ) -> tuple[NodeDescription, ...]:
     """All nodes of a cell with one simulated robot.
 
@@ -124,6 +132,7 @@ def cell_graph(
         debug_port: Port on this machine where editors debug the program; 0 for none.
         debug_token: What editors must give there; the program node makes one if it is empty.
         lockstep: All nodes take part in a lock-step run.
+        composed: The nodes that do not keep time share a process; in lock-step none keeps time.
 
     Raises:
         RobotsError: no such level or method, a file that is not valid, or both set inputs of the same kind.
@@ -149,7 +158,9 @@ def cell_graph(
 
     def node(package: str, executable: str, **parameters: Any) -> NodeDescription:
         time = {'lockstep': True} if lockstep else {}
-        return NodeDescription(package, executable, {'robot_model': robot, **time, **parameters})
+        shared = composed and (lockstep or executable not in KEEP_TIME)
+        process = COMPOSED if shared else executable
+        return NodeDescription(package, executable, {'robot_model': robot, **time, **parameters}, process)
 
     bridge = node('robots_controller', 'io_bridge_node', io_map=io_map, fail_safe=fail_safe, **watched)
     return (

@@ -7,12 +7,14 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import EntryPoint, distribution
 from multiprocessing import parent_process
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final
 
 from setproctitle import setproctitle
@@ -20,6 +22,8 @@ from setproctitle import setproctitle
 from robots_controller.live_cell import fork_server
 from robots_controller.live_cell.cell_graph import NodeDescription
 from robots_core.ros.loading import end_at_once_while_loading
+from robots_core.ros.run import run_nodes
+from robots_core.ros.timed_node import TimedNode
 
 # How long a process may take after each signal before the next, harder one, s.
 STOP_SIGNALS: Final = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0), (signal.SIGKILL, 2.0))
@@ -29,23 +33,25 @@ LAST: Final = ('io_bridge_node',)
 
 
 class NodeProcess:
-    """The process of one node, forked from a server in which the modules of all nodes are loaded.
+    """A process of nodes, forked from a server in which the modules of all nodes are loaded.
 
     It leads a session of its own, so that Ctrl-C in the terminal reaches the cell alone and the cell decides
     the order in which things end.
 
     Args:
-        node: The node.
-        namespace: Its ROS namespace.
+        name: Its name.
+        nodes: Its nodes.
+        namespace: Their ROS namespace.
         log: Its output goes to this file.
     """
 
-    def __init__(self, node: NodeDescription, *, namespace: str, log: Path) -> None:
-        self.name: Final = node.name
+    def __init__(self, name: str, nodes: Sequence[NodeDescription], *, namespace: str, log: Path) -> None:
+        self.name: Final = name
+        self.nodes: Final = tuple(node.name for node in nodes)
         self._log = log
-        arguments = node_arguments(node, namespace=namespace)
+        parts = [(_entry_point(node), node_arguments(node, namespace=namespace)) for node in nodes]
         self._process: ForkServerProcess = fork_server.CONTEXT.Process(
-            target=_run, args=(_entry_point(node), arguments, log, dict(os.environ)), name=node.name
+            target=_run, args=(name, parts, log, dict(os.environ)), name=name
         )
         self._process.start()
         assert self._process.pid is not None
@@ -82,12 +88,12 @@ class NodeProcess:
 
 
 class NodeProcesses:
-    """Runs each node of a graph as its own process.
+    """Runs the nodes of a graph in their processes.
 
     Args:
         graph: The nodes.
         namespace: ROS namespace of all of them.
-        log_folder: Each node's output goes to `<node>.log` in it.
+        log_folder: Each process's output goes to `<process>.log` in it.
     """
 
     def __init__(self, graph: Sequence[NodeDescription], *, namespace: str, log_folder: Path) -> None:
@@ -112,46 +118,59 @@ class NodeProcesses:
             node.executable_path()
         fork_server.start()
         self._log_folder.mkdir(parents=True, exist_ok=True)
-        for node in self._graph:
-            self._start(node)
+        for name in dict.fromkeys(node.process for node in self._graph):
+            self._start(name)
 
-    def restart(self, name: str, parameters: Mapping[str, Any]) -> None:
-        """Start a node again that has died, with some parameters in the place of its own."""
-        (node,) = (node for node in self._graph if node.name == name)
-        self._start(replace(node, parameters={**node.parameters, **parameters}))
+    def restart(self, name: str, parameters: Mapping[str, Mapping[str, Any]]) -> None:
+        """Start a process again that has died, with some parameters in the place of its nodes' own."""
+        self._start(name, parameters)
 
-    def _start(self, node: NodeDescription) -> None:
-        log = self._log_folder / f'{node.name}.log'
-        self._processes[node.name] = NodeProcess(node, namespace=self._namespace, log=log)
+    def nodes_of(self, process: str) -> tuple[str, ...]:
+        """Names of the nodes in a process."""
+        return tuple(node.name for node in self._graph if node.process == process)
 
-    def owns(self, name: str, pid: int) -> bool:
+    def _start(self, name: str, parameters: Mapping[str, Mapping[str, Any]] = MappingProxyType({})) -> None:
+        nodes = [
+            replace(node, parameters={**node.parameters, **parameters.get(node.name, {})})
+            for node in self._graph
+            if node.process == name
+        ]
+        log = self._log_folder / f'{name}.log'
+        self._processes[name] = NodeProcess(name, nodes, namespace=self._namespace, log=log)
+
+    def _process_of(self, node: str) -> NodeProcess | None:
+        (name,) = (each.process for each in self._graph if each.name == node)
+        return self._processes.get(name)
+
+    def owns(self, node: str, pid: int) -> bool:
         """A node's process is, or was, one of these."""
-        process = self._processes.get(name)
-        return (process is not None and process.pid == pid) or (name, pid) in self._former
+        return any(process.pid == pid and node in process.nodes for process in self._processes.values()) or (
+            (node, pid) in self._former
+        )
 
-    def runs(self, name: str) -> bool:
+    def runs(self, node: str) -> bool:
         """A node's process has not ended."""
-        process = self._processes.get(name)
+        process = self._process_of(node)
         return process is not None and process.running
 
-    def kill(self, name: str) -> None:
-        """Kill a node that does nothing any more."""
-        if (process := self._processes.get(name)) is not None:
+    def kill(self, node: str) -> None:
+        """Kill the process of a node that does nothing any more."""
+        if (process := self._process_of(node)) is not None:
             process.send_signal(signal.SIGKILL)
 
     def take_dead(self) -> tuple[NodeProcess, ...]:
-        """Nodes that have ended by themselves, once each."""
+        """Processes that have ended by themselves, once each."""
         dead = tuple(process for process in self._processes.values() if not process.running)
         for process in dead:
-            self._former.add((process.name, process.pid))
+            self._former |= {(node, process.pid) for node in process.nodes}
             del self._processes[process.name]
         return dead
 
     def stop(self) -> None:
         """End all processes, those last that write what the others leave behind."""
         processes = self._processes.values()
-        _stop([process for process in processes if process.name not in LAST])
-        _stop([process for process in processes if process.name in LAST])
+        _stop([process for process in processes if not set(process.nodes) <= set(LAST)])
+        _stop([process for process in processes if set(process.nodes) <= set(LAST)])
 
 
 def _stop(processes: Sequence[NodeProcess]) -> None:
@@ -170,21 +189,31 @@ def _entry_point(node: NodeDescription) -> EntryPoint:
     return scripts[node.executable]
 
 
-def _run(entry_point: EntryPoint, arguments: list[str], log: Path, environment: Mapping[str, str]) -> None:
-    """Run a node in the process that was forked for it, as its executable does."""
+def _run(
+    name: str, parts: Sequence[tuple[EntryPoint, list[str]]], log: Path, environment: Mapping[str, str]
+) -> None:
+    """Run nodes in the process that was forked for them: one as its executable does, or several together."""
     os.setsid()
+    title = parts[0][1][0] if len(parts) == 1 else name
     # While the environment is where the process began with it; ROS names its log file by the title.
-    setproctitle(arguments[0])
-    with log.open('ab') as output:  # after what an earlier process of the node left
+    setproctitle(title)
+    with log.open('ab') as output:  # after what an earlier process left
         for stream in (sys.stdout, sys.stderr):
             os.dup2(output.fileno(), stream.fileno())
     sys.stdout = os.fdopen(sys.stdout.fileno(), 'w', buffering=1)
     os.environ.clear()
     os.environ.update(environment)
-    sys.argv = arguments
+    sys.argv = parts[0][1] if len(parts) == 1 else [title]
     threading.Thread(target=_end_with_cell, name='cell', daemon=True).start()
     end_at_once_while_loading()
-    sys.exit(entry_point.load()())
+    if len(parts) == 1:
+        sys.exit(parts[0][0].load()())
+    sys.exit(run_nodes([_node_maker(entry_point, arguments) for entry_point, arguments in parts]))
+
+
+def _node_maker(entry_point: EntryPoint, arguments: list[str]) -> Callable[[], TimedNode]:
+    main = entry_point.load()  # functools.partial(run, node type)
+    return partial(main.args[0], cli_args=arguments[1:], use_global_arguments=False)
 
 
 def _end_with_cell() -> None:

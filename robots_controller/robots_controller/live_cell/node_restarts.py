@@ -1,4 +1,4 @@
-"""NodeRestarts: starts nodes of a cell again that have died; nothing moves by that."""
+"""NodeRestarts: starts processes of a cell again that have died; nothing moves by that."""
 
 import time
 from typing import Any, Final
@@ -39,32 +39,36 @@ class NodeRestarts:
         self._outputs, self._console = outputs, console
         self._policy = policy
         self._program = ProgramStatus('', '', 0, '', '')
-        self._reasons: dict[str, str] = {}
+        self._reasons: dict[str, str] = {}  # by node
 
     def program_reported(self, status: ProgramStatus) -> None:
         """The program's node said where the program is."""
         self._program = status
 
-    def died(self, node: NodeProcess) -> bool:
-        """A node has died; returns whether it will be started again."""
-        self._reasons[node.name] = f'{node.name} {node.reason}'
-        if node.name == PROGRAM_NODE:
+    def died(self, process: NodeProcess) -> bool:
+        """A process has died; returns whether it will be started again."""
+        name = process.name
+        self._reasons |= dict.fromkeys(process.nodes, f'{name} {process.reason}')
+        if PROGRAM_NODE in process.nodes:
             self._outputs.take_over(self._monitor.outputs)
         if self._policy is None:
             return False
-        delay = self._policy.died(node.name, time.monotonic())
+        delay = self._policy.died(name, time.monotonic())
         if delay is None:
-            self._console.print(f'[bold red]{node.name} dies again and again[/]: it is not started any more')
+            self._console.print(f'[bold red]{name} dies again and again[/]: it is not started any more')
             return False
-        self._console.print(f'[yellow]{node.name} is started again in {delay:g} s[/]')
+        self._console.print(f'[yellow]{name} is started again in {delay:g} s[/]')
         return True
 
     def start_due(self) -> list[str]:
-        """Start the nodes whose time has come; returns their names."""
-        names = [] if self._policy is None else self._policy.due(time.monotonic())
-        for name in names:
-            self._processes.restart(name, self._parameters(name))
-        return names
+        """Start the processes whose time has come; returns the names of their nodes."""
+        due = [] if self._policy is None else self._policy.due(time.monotonic())
+        started: list[str] = []
+        for name in due:
+            nodes = self._processes.nodes_of(name)
+            self._processes.restart(name, {node: self._parameters(node) for node in nodes})
+            started += nodes
+        return started
 
     def _parameters(self, name: str) -> dict[str, Any]:
         """What the next process of a node goes on from."""

@@ -152,9 +152,9 @@ class RunningCell:
                 f'[bold red]{name} gives no sign of life for {self._frozen.timeout:g} s[/]: it is killed'
             )
             self._processes.kill(name)
-        for node in self._processes.take_dead():
-            self._console.print(f'[bold red]{node.name} {node.reason}[/]\n{escape(node.last_lines)}')
-            if not self._restarts.died(node) or self._starting:
+        for process in self._processes.take_dead():
+            self._console.print(f'[bold red]{process.name} {process.reason}[/]\n{escape(process.last_lines)}')
+            if not self._restarts.died(process) or self._starting:
                 self._ended = True
         for name in self._restarts.start_due():
             self._frozen.started(name)
