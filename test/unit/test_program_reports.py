@@ -33,6 +33,8 @@ DEADLINE = 100.0  # s
 HALF_A_MEGABYTE = 500_000
 # The motion through the pillar is refused.
 FAIL = ('welding_collision',)
+# Opened in browsers: a long one, one that ends early, one of another kind of robot.
+OPENED = ('palletizing', 'welding_collision', 'three_axis_grasp')
 
 
 def simulated(folder: Path, program: Path, *options: str) -> int:
@@ -47,7 +49,7 @@ def test_its_report_opens_without_an_error(program: Path, tmp_path: Path):
     assert simulated(tmp_path, program) == (EXIT_FAILED if failed else EXIT_OK)
     path = tmp_path / 'report.html'
     Page(path.read_text(encoding='utf-8'))  # raises what its script raises
-    for browser in BROWSERS:
+    for browser in BROWSERS if program.stem in OPENED else ():
         opened = open_page(browser, path, tmp_path / f'browser_{Path(browser).name}')
         assert opened.errors == []
         # Every plot is drawn, and the robot shaded.
