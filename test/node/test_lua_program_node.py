@@ -17,6 +17,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robots_controller.nodes.lua_program_node import LuaProgramNode
 from robots_core import Pose
 from robots_core.errors import InvalidInputError
+from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.messages import diagnostic_status, diagnostic_values, pose_from_message, stamp_id
 from robots_core.ros.qos import COMMAND, STATE, STREAM
 from robots_planning import LinearJoint
@@ -389,6 +390,21 @@ def test_a_node_that_was_started_anew_knows_its_outputs_and_what_was_interrupted
     assert diagnostic_values(status)['state'] == 'OPENED'
     assert bench.ask('run').success
     assert bench.wait_for_state('FINISHED')['error'] == ''
+
+
+def test_a_program_whose_process_was_frozen_fails_and_leaves_its_outputs_safe(ros_nodes: Any, tmp_path: Path):
+    bench = LuaBench(ros_nodes, tmp_path, watchdog=0.5)
+    heartbeat = Heartbeat(bench.node)
+    heartbeat.stop()
+    bench.start('setDigitalOutput(2, 1) wait(1000)')
+    bench.wait(lambda: bench.digital and bench.digital[-1][1] == 1, 'the output')
+    for now in (0.0, 0.04, 0.34):
+        heartbeat.beat(now)
+    assert bench.status[-1].level == DiagnosticStatus.OK
+    heartbeat.beat(1000.0)  # however many processes share the processors
+    error = bench.wait_for_state('FAILED')['error']
+    assert error.endswith('the program was held up for 1e+03 s; its outputs were made safe')
+    bench.wait(lambda: bench.digital[-1][1] == 0, 'the output')
 
 
 @pytest.mark.parametrize(

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from robots_controller.control.control_loop import STOPPED, ControlLoop
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
 from robots_controller.control.controller_rates import ControllerRates
-from robots_controller.control.faults import EMERGENCY_STOP
+from robots_controller.control.faults import CONTROLLER_HELD_UP, EMERGENCY_STOP
 from robots_controller.control.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.errors import RobotsError
@@ -24,7 +26,7 @@ START, GOAL = np.zeros(2), np.array([0.4, -0.2])
 class Rig:
     """A control loop with drives that follow at once."""
 
-    def __init__(self, progress_every: int = 1) -> None:
+    def __init__(self, progress_every: int = 1, **options: Any) -> None:
         settings = ControllerSettings(period=PERIOD)
         rates = ControllerRates(1.0 / PERIOD, settings.feedback_timeout)
         self.results: list[MotionResult] = []
@@ -32,7 +34,9 @@ class Rig:
         self.refusals: list[str] = []
         self.stops: list[StopState] = []
         self.enabled: list[bool] = []
-        self.loop = ControlLoop(Controller(AXES, settings), rates, self, progress_every=progress_every)
+        self.loop = ControlLoop(
+            Controller(AXES, settings), rates, self, progress_every=progress_every, **options
+        )
         self.looks = 0
         self.q = START
         self.run(1)
@@ -153,6 +157,31 @@ def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(
     rig.loop.follow(quintic(rig.q, GOAL, 1.0), '3')
     assert rig.run_until_result().ok
     assert rig.stops[-1] == StopState()
+
+
+@pytest.mark.parametrize('share', [1.0, 0.5])
+def test_a_motion_does_not_go_on_after_its_controller_was_frozen(share: float) -> None:
+    rig = Rig(watchdog=0.2, processor_share=lambda: share)
+    rig.loop.pass_over(1000)  # of a robot that stands
+    rig.loop.follow(quintic(START, GOAL, 1.0), '1')
+    rig.run(50)
+    rig.loop.pass_over(round(0.19 / share / PERIOD))
+    rig.run(50)
+    assert not rig.results
+    rig.loop.pass_over(round(0.21 / share / PERIOD))
+    rig.run(1)
+    (result,) = rig.results
+    assert not result.ok
+    assert result.message.startswith('the controller was held up for 0.')
+    state = rig.stops[-1]
+    assert (state.fault, state.drives_on) == (CONTROLLER_HELD_UP, False)
+    rig.run(50)
+    np.testing.assert_array_equal(rig.loop.controller.reference[1:], 0.0)
+    rig.loop.reset()
+    rig.run(1)
+    rig.loop.follow(quintic(rig.q, GOAL, 1.0), '2')
+    rig.run(1)
+    assert not rig.loop.controller.standing
 
 
 def test_half_the_override_takes_twice_the_time() -> None:

@@ -229,6 +229,11 @@ class ProgramHost:
         if reason and not self.lose_robot(reason):
             self.make_outputs_safe()
 
+    def held_up(self, silence: float) -> None:
+        """Others have made the outputs safe while the process was frozen, for so long (s)."""
+        if not self.lose_robot(f'the program was held up for {silence:.3g} s; its outputs were made safe'):
+            self.make_outputs_safe()
+
     def run_enabled(self, *, enabled: bool) -> None:
         """A person holds run, or nobody needs to: otherwise the program is held."""
         self.permission.enabled = enabled

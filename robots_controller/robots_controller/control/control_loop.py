@@ -1,6 +1,7 @@
 """ControlLoop: one period of the controller after the other, whatever the transport is."""
 
 import contextlib
+import math
 from collections import deque
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from typing import Literal, Protocol
 
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_rates import ControllerRates
-from robots_controller.control.faults import Fault
+from robots_controller.control.faults import CONTROLLER_HELD_UP, Fault
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.path_speed_cap import PathSpeedCap
 from robots_controller.control.shared_zone import ZoneState
@@ -63,13 +64,23 @@ class ControlLoop:
         rates: How often what is due.
         port: The transport.
         progress_every: Progress is reported each so many cycles, and always at its ends.
+        watchdog: Longest time from one period to the next of a robot that moves, s.
+        processor_share: Times this, see `Watchdog`.
     """
 
     def __init__(
-        self, controller: Controller, rates: ControllerRates, port: ControlPort, *, progress_every: int
+        self,
+        controller: Controller,
+        rates: ControllerRates,
+        port: ControlPort,
+        *,
+        progress_every: int,
+        watchdog: float = math.inf,
+        processor_share: Callable[[], float] = lambda: 1.0,
     ) -> None:
         self.controller, self._rates, self._port = controller, rates, port
         self._progress_every = progress_every
+        self._watchdog, self._processor_share = watchdog, processor_share
         self._mailbox: deque[Callable[[float], None]] = deque()
         self._coming: list[_ComingMotion] = []  # in the mailbox
         self.cycle = 0
@@ -185,10 +196,18 @@ class ControlLoop:
             The reference (3, n), None before the first feedback.
         """
         controller, mailbox = self.controller, self._mailbox
-        self._now = now
+        silence, self._now = now - self._now, now
+        if silence > self._watchdog and not controller.standing:
+            self._look_at_silence(silence, now)
         while mailbox:
             mailbox.popleft()(now)
         return controller.step(now, position)
+
+    def _look_at_silence(self, silence: float, now: float) -> None:
+        """The drives have braked meanwhile, off the path: the motion does not go on."""
+        if silence * self._processor_share() > self._watchdog:
+            reason = f'the controller was held up for {silence:.3g} s'
+            self.controller.trip(CONTROLLER_HELD_UP, reason, now)
 
     def report(self) -> None:
         """Report what the period has brought."""

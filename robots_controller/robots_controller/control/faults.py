@@ -103,6 +103,13 @@ CONTROLLER_LOST: Final = Fault(
     'see references ended',
     'controller_node has died, and is started again by `cell`',
 )
+CONTROLLER_HELD_UP: Final = Fault(
+    'controller held up',
+    StopCategory.ZERO,
+    'see references ended',
+    'controller_node was frozen for longer than `watchdog` while the robot moved, and lives on',
+    moving_only=True,
+)
 ZONE_VIOLATED: Final = Fault(
     'zone violated',
     StopCategory.ONE,
@@ -126,6 +133,7 @@ FAULTS: Final = (
     ZONE_VIOLATED,
     FOREIGN_WRITER,
     CONTROLLER_LOST,
+    CONTROLLER_HELD_UP,
     REFERENCE_REFUSED,
     PLANNER_LOST,
     PROGRAM_LOST,

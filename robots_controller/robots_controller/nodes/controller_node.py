@@ -94,6 +94,7 @@ class ControllerNode(RobotNode):
             bounds=(-1.0, 1.0),
             read_only=True,
         )
+        watchdog = watchdog_parameter(self)
         share = {} if self.simulated_time else {'processor_share': processor_share}
         limit = self.parameter(
             'tool_speed_limit',
@@ -115,7 +116,10 @@ class ControllerNode(RobotNode):
         rates = ControllerRates(rate, self._controller.settings.feedback_timeout)
         # In simulated time in every period: outputs are switched on the path by it.
         every = 1 if self.simulated_time else rates.progress_every
-        self._control = ControlLoop(self._controller, rates, self, progress_every=every)
+        longest = math.inf if self.simulated_time or not watchdog else watchdog
+        self._control = ControlLoop(
+            self._controller, rates, self, progress_every=every, watchdog=longest, **share
+        )
         self._zones.watch(self._control)
         self._health_every = cycles(rate, HEALTH_RATE)
         self._last_condition: tuple[bytes, str] | None = None
@@ -139,7 +143,7 @@ class ControllerNode(RobotNode):
         subscribe_state(self, Float64, 'override', self._on_override)
         subscribe_state(self, DiagnosticStatus, 'motion_settings', self._on_settings)
         self.add_post_set_parameters_callback(self._on_parameters)
-        self.watch = HeartbeatWatch(self, tuple(LOST_NODES), watchdog_parameter(self), self._on_watched)
+        self.watch = HeartbeatWatch(self, tuple(LOST_NODES), watchdog, self._on_watched)
         answers: dict[ControllerRequest, str] = {
             'pause': 'stopping on the path',
             'resume': 'moving on',

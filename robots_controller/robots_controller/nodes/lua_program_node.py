@@ -35,6 +35,7 @@ from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
+from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.messages import (
     diagnostic_status,
@@ -67,7 +68,8 @@ class LuaProgramNode(RobotNode):
         digital_input_names, digital_output_names, analog_input_names, analog_output_names: Names of the
             channels, from the first on; '' names none.
         planner_timeout: Longest wait of a motion for planning_node, s.
-        watchdog: How long planning_node may give no sign of life while the robot moves, s; 0: any time.
+        watchdog: How long planning_node may give no sign of life while the robot moves, and this node itself
+            while a program runs, s; 0: any time.
         payload: What hangs on tool0 until a program sets it: kg, centre x y z (m), maybe inertia.
         fail_safe: Values of outputs when no running program answers for them, as 'digital_output.3=hold' or
             'analog_output.1=2.5'; '' for none. Outputs that are not named are switched off.
@@ -169,7 +171,8 @@ class LuaProgramNode(RobotNode):
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
         self._controller.report_to(self.host, self._changed)
         self.create_timer(WATCH_PERIOD, self.host.motions.watch)
-        HeartbeatWatch(self, ['planning_node'], watchdog_parameter(self), self._on_planner_watched)
+        self._watchdog = watchdog_parameter(self)
+        HeartbeatWatch(self, ['planning_node'], self._watchdog, self._on_planner_watched)
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
         self._io = IoServices(self, self._program.io, self._on_inputs)
         host = self.host
@@ -286,6 +289,11 @@ class LuaProgramNode(RobotNode):
 
     def _on_planner_watched(self, _: str, reason: str) -> None:
         self.host.motions.lose_planner(reason)
+
+    def held_up(self, silence: float) -> None:
+        """The others have missed this node: its outputs have been made safe, and the robot was stopped."""
+        if self._watchdog and silence * processor_share() > self._watchdog:
+            self.host.held_up(silence)
 
     # -- the program's robot, from its thread -----------------------------------------------------
 

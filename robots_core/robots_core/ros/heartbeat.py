@@ -1,5 +1,6 @@
 """Heartbeats: a process that dies or freezes is noticed by the nodes that depend on it."""
 
+import math
 import secrets
 from collections.abc import Callable, Sequence
 from typing import Final
@@ -13,7 +14,7 @@ from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import SENSOR
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.timed_node import TimedNode
-from robots_core.watchdog import LOOKS, WATCHDOG, Watchdog, checked_watchdog
+from robots_core.watchdog import LOOKS, SHORTEST, WATCHDOG, Watchdog, checked_watchdog
 
 HEARTBEAT: Final = 'heartbeat'
 PERIOD: Final = 0.04  # s
@@ -31,18 +32,27 @@ class Heartbeat:
     """
 
     def __init__(self, node: TimedNode) -> None:
+        self._node = node
         self._thread: PeriodicThread | None = None
         if node.simulated_time:
             return
-        publisher = node.create_publisher(UInt64, f'~/{HEARTBEAT}', SENSOR)
-        message = serialize_message(UInt64(data=secrets.randbits(64)))
+        self._publisher = node.create_publisher(UInt64, f'~/{HEARTBEAT}', SENSOR)
+        self._message = serialize_message(UInt64(data=secrets.randbits(64)))
+        self._last = math.inf
         self._thread = PeriodicThread(
-            lambda _: publisher.publish(message),
+            self.beat,
             period=PERIOD,
             name=HEARTBEAT,
             on_error=node.thread_failed,
         )
         self._thread.start()
+
+    def beat(self, now: float) -> None:
+        """Publish a sign of life; after a long silence `TimedNode.held_up` is called first."""
+        silence, self._last = now - self._last, now
+        if silence >= SHORTEST:
+            self._node.held_up(silence)
+        self._publisher.publish(self._message)
 
     def stop(self) -> None:
         """End it before the node is destroyed."""

@@ -89,6 +89,9 @@ class TimedNode(Node):
             self.journal.fatal(f'internal error: {error!r}')
             self.context.try_shutdown()
 
+    def held_up(self, silence: float) -> None:
+        """The process gave no sign of life for so long (s) and lives on; from the heartbeat's thread."""
+
     def start_loop(
         self,
         work: Callable[[float], None],
