@@ -24,7 +24,7 @@ PLACE_TOLERANCE: Final = 1e-3  # m
 
 def lockstep_problems(program: GeneratedProgram, folder: Path) -> list[str]:
     """What is not to the last bit as in the simulation."""
-    path, code, text, bag = _run(program, folder, '--lockstep')
+    path, code, text, bag = _run(program, folder, '--composed', '--lockstep')
     try:
         check_both_cells(LockstepRun(Path(path), code, text, Path(bag)), 'ideal', folder / 'other_bag')
     except AssertionError:
