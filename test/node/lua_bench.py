@@ -12,7 +12,7 @@ from rcl_interfaces.msg import Log
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, String, UInt8MultiArray
-from std_srvs.srv import Trigger
+from std_srvs.srv import SetBool, Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.nodes.lua_program_node import LuaProgramNode
@@ -47,6 +47,8 @@ class LuaBench(Bench):
             self.peer.create_service(
                 Trigger, f'controller_node/{name}', lambda _, r, name=name: self._controller(name, r)
             )
+        self.on_taken: Callable[[], None] = lambda: None
+        self.peer.create_service(SetBool, 'controller_node/commander/program', self._take)
         self.planner: Any = None
         if planner:
             self.start_planner()
@@ -71,6 +73,12 @@ class LuaBench(Bench):
     def _controller(self, name: str, response: Trigger.Response) -> Trigger.Response:
         self.controller_calls.append(name)
         self.on_controller_call(name)
+        response.success = True
+        return response
+
+    def _take(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        if request.data:
+            self.on_taken()
         response.success = True
         return response
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -327,6 +328,28 @@ def test_autostart_runs_when_the_robot_can_move(ros_nodes: Any, tmp_path: Path):
     bench.peer.create_timer(0.01, lambda: controller.publish(JointTrajectory()))
     bench.wait_for_state('FINISHED')
     assert len(bench.commands) == 1
+
+
+def test_the_first_motion_waits_until_the_program_has_the_robot(ros_nodes: Any, tmp_path: Path):
+    bench = LuaBench(ros_nodes, tmp_path)
+    answered: list[float] = []
+    sent: list[float] = []
+
+    def take() -> None:
+        time.sleep(0.2)  # a controller that takes its time
+        answered.append(time.time())
+
+    bench.on_taken = take
+    bench.peer.create_subscription(
+        JointState,
+        'ptpjoint_joint',
+        lambda _, info: sent.append(1e-9 * info['source_timestamp']),
+        COMMAND,
+    )
+    bench.start(MOVE)
+    bench.wait_for_state('FINISHED')
+    bench.wait(lambda: sent, 'the motion')
+    assert answered[0] < sent[0]
 
 
 def test_autostart_runs_once_in_a_launch_however_often_the_node_is_started(

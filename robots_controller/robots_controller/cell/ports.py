@@ -47,13 +47,19 @@ class PlannerPort(Protocol):
 
 
 class ControllerPort(Protocol):
-    """Requests to the controller, without waiting for an answer."""
+    """Requests to the controller."""
 
     def request(self, request: ControllerRequest) -> None:
         """Pause on the path, resume, or stop and give up all motions."""
 
     def command(self, *, taken: bool) -> None:
         """Take the robot for the program, or give it back; a refusal goes to `ProgramHost.lose_robot`."""
+
+    def wait_for_command(self) -> None:
+        """Wait until the controller has answered `command`; in the program's thread.
+
+        A motion sent before could be the first of a robot that nobody commands, which cannot be taken then.
+        """
 
     def set_override(self, value: float) -> None:
         """Scale the speed of all motions, 0..1."""

@@ -311,6 +311,7 @@ class ProgramHost:
 
     def command(self, command: MotionCommand) -> None:
         """See `CellPort`."""
+        self._controller.wait_for_command()
         self.reporter.report_if_due()
         self._observer.command_state(self.program.command_state)
         self._files[command] = self.program.line_file
@@ -328,6 +329,7 @@ class ProgramHost:
 
     def guide(self, guide: Guide) -> None:
         """See `CellPort`."""
+        self._controller.wait_for_command()
         self._robot_port.guide(guide)
         self._observer.command_state(STATE_OF_GUIDE[guide])
 

@@ -1,6 +1,9 @@
 """ControllerClient: a program's requests to controller_node, and what that reports of the robot."""
 
+import threading
+import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -15,6 +18,8 @@ from robots_core.ros.qos import STATE
 from robots_core.ros.robot_node import RobotNode
 
 MISSING_SHOWN = 5.0  # s
+ANSWER_TIME = 2.0  # s
+POLL = 0.01  # s
 
 
 class ControllerClient:
@@ -32,7 +37,9 @@ class ControllerClient:
         }
         self._commander = node.create_client(SetBool, 'controller_node/commander/program')
         self._override = node.create_publisher(Float64, 'override', STATE)
-        self._taken = False
+        self._taken = self._asked = False
+        self._answered = threading.Event()
+        self._answered.set()
 
     @property
     def works(self) -> bool:
@@ -69,14 +76,30 @@ class ControllerClient:
     def command(self, *, taken: bool) -> None:
         """See `ControllerPort`; a controller that comes later is asked then."""
         self._taken = taken
-        if is_served(self._node, self._commander):
-            self._commander.call_async(SetBool.Request(data=taken)).add_done_callback(self._on_answer)
+        self._asked = is_served(self._node, self._commander)
+        if self._asked:
+            answered = self._answered = threading.Event()
+            future = self._commander.call_async(SetBool.Request(data=taken))
+            future.add_done_callback(partial(self._on_answer, answered))
+
+    def wait_for_command(self) -> None:
+        """See `ControllerPort`; in simulated time the answer comes before a motion is planned."""
+        if self._node.simulated_time:
+            return
+        deadline = time.monotonic() + ANSWER_TIME
+        # Planner and controller may have found each other before this node has found the controller.
+        while not self._asked and time.monotonic() < deadline:
+            time.sleep(POLL)
+            self.command(taken=True)
+        self._asked = True  # none is there: the next motion does not wait again
+        self._answered.wait(deadline - time.monotonic())
 
     def set_override(self, value: float) -> None:
         """See `ControllerPort`."""
         self._override.publish(Float64(data=value))
 
-    def _on_answer(self, future: Any) -> None:
+    def _on_answer(self, answered: threading.Event, future: Any) -> None:
+        answered.set()
         answer = future.result()
         if self._taken and answer is not None and not answer.success:
             self._host.lose_robot(answer.message)

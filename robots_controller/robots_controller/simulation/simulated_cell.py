@@ -436,6 +436,9 @@ class SimulatedCell:
             self._authority.give_back(Commander.PROGRAM)
         self._log.commander(self._authority.commander)
 
+    def wait_for_command(self) -> None:
+        """See `ControllerPort`; it has answered."""
+
     def set_override(self, value: float) -> None:
         """See `ControllerPort`."""
         self._control.set_override(value)
