@@ -47,10 +47,13 @@ def main() -> int:
     parser.add_argument('ways', help='simulated, and lockstep and live too if they are named')
     options = parser.parse_args()
     seeds = range(options.first, options.first + options.count)
+    ways = options.ways.split(',')
+    # A live cell has its references on time where it has two processors.
+    workers = max(1, options.workers // 2) if 'live' in ways else options.workers
     states: dict[str, int] = {}
     broken = 0
-    with ProcessPoolExecutor(options.workers) as pool:
-        found = pool.map(partial(problems_of, options.ways.split(',')), seeds)
+    with ProcessPoolExecutor(workers) as pool:
+        found = pool.map(partial(problems_of, ways), seeds)
         for done, (seed, state, problems) in enumerate(found, 1):
             states[state] = states.get(state, 0) + 1
             broken += bool(problems)
