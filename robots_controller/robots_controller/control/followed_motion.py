@@ -78,7 +78,15 @@ class FollowedMotion:
         """Let another motion go on from a path time on."""
         self.successor, self.join_time, self.passes = successor, join_time, passes
         successor._before = (self, join_time)
+        self.slow_down()
+
+    def slow_down(self) -> None:
+        """Lower the cap to what the successor permits, and those of the motions before as far as it takes."""
+        before = self.cap
         self.set_cap(self.cap)
+        slower = before is not None and self.cap is not None and self.cap.begin < before.begin
+        if slower and self._before is not None:
+            self._before[0].slow_down()
 
     def set_cap(self, cap: PathSpeedCap | None) -> None:
         """Follow the path no faster; its successor has its cap already."""
