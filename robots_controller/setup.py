@@ -26,6 +26,7 @@ setup(
     entry_points={
         'console_scripts': [
             'cell = robots_controller.live_cell.command_line:main',
+            'composed_nodes = robots_controller.live_cell.composed_nodes:main',
             'io_bridge_node = robots_controller.nodes.io_bridge_node:main',
             'guide_player_node = robots_controller.nodes.guide_player_node:main',
             'plc_node = robots_controller.nodes.plc_node:main',

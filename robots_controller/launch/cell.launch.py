@@ -3,6 +3,7 @@
 import json
 import subprocess
 from pathlib import Path
+from typing import Any
 
 from ament_index_python.packages import get_package_prefix
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
@@ -13,8 +14,9 @@ from launch import LaunchContext, LaunchDescription
 
 OPTIONS = (
     *('robot', 'program', 'io', 'io_map', 'scene', 'drive', 'guided', 'watchdog', 'debug_port'),
-    *('operating_mode', 'tool_speed_limit'),
+    *('operating_mode', 'tool_speed_limit', 'composed'),
 )
+FLAGS = ('composed',)
 
 
 def nodes(context: LaunchContext) -> list[Node]:
@@ -27,22 +29,36 @@ def nodes(context: LaunchContext) -> list[Node]:
     command = [str(cell), '--describe']
     for name in OPTIONS:
         value = LaunchConfiguration(name).perform(context)
-        if value:
+        if name in FLAGS:
+            command += ['--' + name] if value == 'true' else []
+        elif value:
             command += ['--' + name.replace('_', '-'), value]
     described = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
     if described.returncode:
         raise RuntimeError(described.stderr.strip())
-    return [
-        Node(
-            package=node['package'],
-            executable=node['executable'],
-            name=node['executable'],
-            namespace=LaunchConfiguration('namespace').perform(context),
-            parameters=[node['parameters']],
-            output='screen',
-        )
-        for node in json.loads(described.stdout)
-    ]
+    namespace = LaunchConfiguration('namespace').perform(context)
+    found = json.loads(described.stdout)
+    processes = {
+        node['process']: [one for one in found if one['process'] == node['process']] for node in found
+    }
+    return [process(nodes, namespace) for nodes in processes.values()]
+
+
+def process(nodes: list[dict[str, Any]], namespace: str) -> Node:
+    """The process of one node, or of several."""
+    options: dict[str, Any] = {'namespace': namespace, 'output': 'screen'}
+    if len(nodes) == 1:
+        (node,) = nodes
+        options |= {
+            'package': node['package'],
+            'name': node['executable'],
+            'parameters': [node['parameters']],
+        }
+        return Node(executable=node['executable'], **options)
+    # What has the same name has the same value in all nodes of a cell that can share a process.
+    parameters = {name: value for node in nodes for name, value in node['parameters'].items()}
+    options |= {'package': 'robots_controller', 'parameters': [parameters]}
+    return Node(executable='composed_nodes', arguments=[node['executable'] for node in nodes], **options)
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -74,6 +90,11 @@ def generate_launch_description() -> LaunchDescription:
             ),
             DeclareLaunchArgument(
                 'debug_port', default_value='0', description='port for editors; 0 for none'
+            ),
+            DeclareLaunchArgument(
+                'composed',
+                default_value='false',
+                description='true: all nodes but controller_node and drive_node share a process',
             ),
             DeclareLaunchArgument('io', default_value='', description='YAML script of a PLC that is played'),
             DeclareLaunchArgument('io_map', default_value='', description='YAML map to topics of a PLC'),

@@ -97,6 +97,22 @@ def test_its_nodes_are_those_of_the_cell(launch_file: dict[str, Any], arguments:
     assert {node.namespace for node in nodes} == {'/left'}
 
 
+def test_nodes_may_share_a_process(launch_file: dict[str, Any]) -> None:
+    processes = launched(launch_file, robot='cello_bot', composed='true')
+    assert {process.executable for process in processes} == {
+        'drive_node',
+        'controller_node',
+        'composed_nodes',
+    }
+    (shared,) = (process for process in processes if process.executable == 'composed_nodes')
+    nodes = {node.name: node for node in cell_graph(robot='cello_bot', composed=True)}
+    assert shared.package == 'robots_controller'
+    assert set(shared.arguments) == nodes.keys() - {'drive_node', 'controller_node'}
+    assert not hasattr(shared, 'name')  # it would be that of each node
+    for name in shared.arguments:
+        assert without_launch(nodes[name]).items() <= shared.parameters[0].items()
+
+
 def test_every_argument_can_be_given(launch_file: dict[str, Any]) -> None:
     described = {part.name for part in launch_file['generate_launch_description']() if part is not None}
     assert described == {*launch_file['OPTIONS'], 'namespace'}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -92,6 +93,21 @@ def test_nodes_that_others_depend_on_are_watched_for_as_long_as_it_is_given():
     assert nodes['controller_node'].parameters['feedback_timeout'] == 3.0
     with pytest.raises(RobotsError, match=r'watchdog = 0\.01 s must be in'):
         cell_graph(robot='bello_bot', watchdog=0.01)
+
+
+def test_parameters_of_nodes_that_share_a_process_differ_in_name_or_are_equal(tmp_path: Path):
+    (tmp_path / 'plc.yaml').write_text('signals: {part: digital_input.1}\ninitial: {part: 1}\n')
+    (tmp_path / 'map.yaml').write_text('outputs:\n  - {channel: digital_output.1, topic: out, type: Bool}\n')
+    files = {'io': str(tmp_path / 'plc.yaml'), 'io_map': str(tmp_path / 'map.yaml')}
+    nodes = cell_graph(
+        robot='bello_bot', composed=True, guided='constrained', payload=(2.0, 0.0, 0.0, 0.1), **files
+    )
+    values: dict[str, Any] = {}
+    for node in nodes:
+        if node.process != node.name:
+            for name, value in node.parameters.items():
+                assert values.setdefault(name, value) == value, name
+    assert len(values) > 10
 
 
 def test_nodes_that_do_not_keep_time_share_a_process_when_they_are_composed():

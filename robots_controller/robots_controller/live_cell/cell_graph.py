@@ -55,10 +55,11 @@ class NodeDescription:
         return self.executable
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON: package, executable and parameters."""
+        """For JSON: package, executable, process and parameters."""
         return {
             'package': self.package,
             'executable': self.executable,
+            'process': self.process,
             'parameters': dict(self.parameters),
         }
 

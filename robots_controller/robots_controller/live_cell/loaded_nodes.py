@@ -4,24 +4,19 @@ import gc
 import inspect
 import sys
 from importlib import import_module
-from importlib.metadata import distribution
-from typing import Final
 
 from rosidl_generator_py import import_type_support
 
+from robots_controller.live_cell.node_types import node_scripts
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.robot_choice import available_robot_models, load_robot_model
 from robots_planning.pathplanning import PathPlanning
 from robots_planning.teach_box import JOG_RATE, TeachBox
 
-PACKAGES: Final = ('robots_core', 'robots_planning', 'robots_controller')
-
 
 def _load() -> None:
-    for package in PACKAGES:
-        for script in distribution(package).entry_points.select(group='console_scripts'):
-            if script.name.endswith('_node'):
-                import_module(script.module)
+    for script in node_scripts():
+        import_module(script.module)
     _load_messages()
     robot = load_robot_model(available_robot_models()[0])
     PathPlanning(robot, collision=CollisionDetection(robot)).warm_up()

@@ -7,7 +7,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from importlib.metadata import EntryPoint, distribution
@@ -21,9 +21,9 @@ from setproctitle import setproctitle
 
 from robots_controller.live_cell import fork_server
 from robots_controller.live_cell.cell_graph import NodeDescription
+from robots_controller.live_cell.node_types import node_type
 from robots_core.ros.loading import end_at_once_while_loading
 from robots_core.ros.run import run_nodes
-from robots_core.ros.timed_node import TimedNode
 
 # How long a process may take after each signal before the next, harder one, s.
 STOP_SIGNALS: Final = ((signal.SIGINT, 5.0), (signal.SIGTERM, 2.0), (signal.SIGKILL, 2.0))
@@ -208,12 +208,14 @@ def _run(
     end_at_once_while_loading()
     if len(parts) == 1:
         sys.exit(parts[0][0].load()())
-    sys.exit(run_nodes([_node_maker(entry_point, arguments) for entry_point, arguments in parts]))
-
-
-def _node_maker(entry_point: EntryPoint, arguments: list[str]) -> Callable[[], TimedNode]:
-    main = entry_point.load()  # functools.partial(run, node type)
-    return partial(main.args[0], cli_args=arguments[1:], use_global_arguments=False)
+    sys.exit(
+        run_nodes(
+            [
+                partial(node_type(entry_point.name), cli_args=arguments[1:], use_global_arguments=False)
+                for entry_point, arguments in parts
+            ]
+        )
+    )
 
 
 def _end_with_cell() -> None:
