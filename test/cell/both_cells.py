@@ -17,6 +17,8 @@ from .lockstep_runs import LockstepRun
 
 IMAGES = ('digital_outputs', 'analog_outputs', 'digital_inputs', 'analog_inputs')
 FIRST = 1.0  # s, of the first period
+# Messages of one instant are some nanoseconds apart. No instant is half a tick beside a whole one.
+TICK = 10_000  # ns
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +71,7 @@ def check_changes(runs: Runs, image: str) -> None:
     end = _end(runs)
     there, here = (
         [
-            (round(1e-6 * stamp), channel, value)
+            (round(stamp / TICK), channel, value)
             for stamp, channel, value in _changes(bag, image)
             if 1e-9 * stamp < end  # a PLC goes on until the nodes end
         ]
@@ -94,9 +96,9 @@ def _messages(bag: Bag, topic: str) -> list[Any]:
 
 
 def _timed(bag: Bag, topic: str, read: Any, end: float) -> list[Any]:
-    """What came when, in milliseconds; within one of these the order of topics and nodes does not count."""
+    """What came in which tick; within one the order of topics and nodes does not count."""
     found = [
-        (round(1e-6 * stamp), read(message))
+        (round(stamp / TICK), read(message))
         for stamp, message in bag.deserialized([topic])[topic]
         if 1e-9 * stamp < end
     ]
