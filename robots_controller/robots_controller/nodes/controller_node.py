@@ -390,10 +390,5 @@ class ControllerNode(RobotNode):
             idle_latency_kept=self._loop.idle_latency_kept,
         )
 
-    def destroy_node(self) -> None:
-        """End the loop before what it uses."""
-        self._loop.stop()
-        super().destroy_node()  # type: ignore[no-untyped-call]
-
 
 main: Final = partial(run, ControllerNode)

@@ -144,7 +144,7 @@ class IoBridgeNode(RobotNode):
             end = time.monotonic() + FINISH_TIMEOUT
             for topic in self._topics:
                 topic.wait_until_received(end)
-        super().destroy_node()  # type: ignore[no-untyped-call]
+        super().destroy_node()
 
 
 class _OutputTopic:

@@ -380,7 +380,7 @@ class LuaProgramNode(RobotNode):
             self._io.finish()
         # With a logger ROS forgets its name, which a later node in this process may have.
         self._print_logger = self.journal
-        super().destroy_node()  # type: ignore[no-untyped-call]
+        super().destroy_node()
 
 
 def _known_step(step: str) -> None:

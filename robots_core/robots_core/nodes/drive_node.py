@@ -203,10 +203,5 @@ class DriveNode(RobotNode):
         reference = self._injection.reference(axes.check_position(q, 'joint_reference'), q_dot)
         return *reference, stamp / NANOSECONDS
 
-    def destroy_node(self) -> None:
-        """End the loop before what it uses."""
-        self._loop.stop()
-        super().destroy_node()  # type: ignore[no-untyped-call]
-
 
 main: Final = partial(run, DriveNode)

@@ -210,10 +210,5 @@ class InverseKinematicsNode(RobotNode):
         else:
             self.ready('waiting for reference_pose', **values)
 
-    def destroy_node(self) -> None:
-        """End the loop before what it uses."""
-        self._loop.stop()
-        super().destroy_node()  # type: ignore[no-untyped-call]
-
 
 main: Final = partial(run, InverseKinematicsNode)

@@ -86,7 +86,7 @@ class VisualizerNode(RobotNode):
     def destroy_node(self) -> None:
         """End the page with the node."""
         self._visualizer.close()
-        super().destroy_node()  # type: ignore[no-untyped-call]
+        super().destroy_node()
 
 
 main: Final = partial(run, VisualizerNode)

@@ -95,7 +95,7 @@ def _end(nodes: Sequence[TimedNode], heartbeats: Sequence[Heartbeat], executor: 
         heartbeat.stop()
     # The page, the bag and the last messages are closed before another signal may end the process.
     for node in nodes:
-        node.destroy_node()  # type: ignore[no-untyped-call]
+        node.destroy_node()
     if executor is not None:
         executor.shutdown()
     try_shutdown()

@@ -61,6 +61,7 @@ class TimedNode(Node):
         if parameter_services:
             self._parameter_service = ParameterService(self)  # its services are counted
         self._clock_loops = ClockLoops(self) if follows_clock else None
+        self._running: list[Loop] = []
         self.add_on_set_parameters_callback(self._keep_clock)
 
     def _keep_clock(self, parameters: list[Parameter]) -> SetParametersResult:
@@ -115,22 +116,33 @@ class TimedNode(Node):
             idle_latency: Asked of the system by the thread, s (see `PeriodicThread`).
             phase: When in an instant of a lock-step run; the node's own by default.
         """
+        loop: Loop
         if self.participant is not None:
-            return self.participant.start_loop(
-                work, period=period, phase=self.phase if phase is None else phase
+            phase = self.phase if phase is None else phase
+            loop = self.participant.start_loop(work, period=period, phase=phase)
+        elif self._clock_loops is not None:
+            loop = self._clock_loops.add(ClockLoop(work, period=round(period * NANOSECONDS)))
+        else:
+            loop = self._start_thread(
+                work,
+                period=period,
+                name=name,
+                realtime_priority=realtime_priority,
+                idle_latency=idle_latency,
             )
-        if self._clock_loops is not None:
-            return self._clock_loops.add(ClockLoop(work, period=round(period * NANOSECONDS)))
-        thread = PeriodicThread(
-            work,
-            period=period,
-            name=name,
-            on_error=self.thread_failed,
-            realtime_priority=realtime_priority,
-            idle_latency=idle_latency,
-        )
+        self._running = [one for one in self._running if one.alive] + [loop]
+        return loop
+
+    def _start_thread(self, work: Callable[[float], None], **options: Any) -> PeriodicThread:
+        thread = PeriodicThread(work, on_error=self.thread_failed, **options)
         thread.start()
         return thread
+
+    def destroy_node(self) -> None:
+        """End the loops before what they use."""
+        for loop in self._running:
+            loop.stop()
+        super().destroy_node()  # type: ignore[no-untyped-call]
 
     # -- what a participant counts -------------------------------------------------------------------
 

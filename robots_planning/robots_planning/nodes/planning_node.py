@@ -331,7 +331,7 @@ class PlanningNode(RobotNode):
         self._jogging.stop()
         if self._action is not None:
             self._action.destroy()
-        super().destroy_node()  # type: ignore[no-untyped-call]
+        super().destroy_node()
 
 
 main: Final = partial(run, PlanningNode)
