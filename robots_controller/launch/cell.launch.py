@@ -37,10 +37,9 @@ def nodes(context: LaunchContext) -> list[Node]:
     if described.returncode:
         raise RuntimeError(described.stderr.strip())
     namespace = LaunchConfiguration('namespace').perform(context)
-    found = json.loads(described.stdout)
-    processes = {
-        node['process']: [one for one in found if one['process'] == node['process']] for node in found
-    }
+    processes: dict[str, list[dict[str, Any]]] = {}
+    for node in json.loads(described.stdout):
+        processes.setdefault(node['process'], []).append(node)
     return [process(nodes, namespace) for nodes in processes.values()]
 
 

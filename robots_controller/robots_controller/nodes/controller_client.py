@@ -99,11 +99,11 @@ class ControllerClient:
         self._override.publish(Float64(data=value))
 
     def _on_answer(self, answered: threading.Event, future: Any) -> None:
-        answered.set()
         answer = future.result()
         if self._taken and answer is not None and not answer.success:
             self._host.lose_robot(answer.message)
             self._changed()
+        answered.set()
 
     def _on_stop_status(self, message: DiagnosticStatus) -> None:
         self._host.stop_changed('' if message.level == DiagnosticStatus.OK else message.message)

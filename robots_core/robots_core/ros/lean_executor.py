@@ -1,6 +1,6 @@
 """LeanExecutor: takes messages and calls callbacks with a fraction of the cost of rclpy's executors."""
 
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from typing import Any
 
 from rclpy.context import Context
@@ -20,6 +20,8 @@ class LeanExecutor(Executor):
 
     rclpy's `SingleThreadedExecutor` looks through all entities of its nodes and builds a wait set in every
     round. This one does so when entities were created or destroyed; a destroyed one is kept until then.
+    Any thread may create and destroy them. rclpy's other executors are no choice: with the packages from
+    PyPI, `MultiThreadedExecutor` takes many times the processor and `EventsExecutor` hangs.
 
     `shutdown` is called by the thread that spins, or after it has ended.
     """
@@ -77,11 +79,11 @@ class LeanExecutor(Executor):
             self._gather()
         self._wait(0 if self._tasks else timeout_sec_to_nsec(timeout_sec))
         ready = {kind: self._wait_set.get_ready_entities(kind) for kind in _KINDS}
-        for waitable in self._waitables:
-            if waitable.is_ready(self._wait_set):
-                self._tasks.append(
-                    (Task(waitable.execute, (waitable.take_data(),), executor=self), None, None)
-                )
+        with suppress(InvalidHandle):  # destroyed by another thread
+            for waitable in self._waitables:
+                if waitable.is_ready(self._wait_set):
+                    taken = waitable.take_data()
+                    self._tasks.append((Task(waitable.execute, (taken,), executor=self), None, None))
         for kind, pointers in ready.items():
             entities, call = self._entities[kind], self._calls[kind]
             for pointer in pointers:
@@ -100,15 +102,24 @@ class LeanExecutor(Executor):
                     self._tasks.append((task, None, None))
 
     def _wait(self, timeout: int) -> None:
+        while not self._fill():
+            self._gather()
+        self._wait_set.wait(timeout)
+        if not self.context.ok():
+            raise ExternalShutdownException
+
+    def _fill(self) -> bool:
+        """Put all entities into the wait set; False if another thread has destroyed one of them."""
         wait_set = self._wait_set
         wait_set.clear_entities()
         for add, handle in self._adds:
             add(handle)
-        for waitable in self._waitables:
-            waitable.add_to_wait_set(wait_set)
-        wait_set.wait(timeout)
-        if not self.context.ok():
-            raise ExternalShutdownException
+        try:
+            for waitable in self._waitables:
+                waitable.add_to_wait_set(wait_set)
+        except InvalidHandle:
+            return False
+        return True
 
     def _gather(self) -> None:
         """Hold all entities, in a wait set of their number."""

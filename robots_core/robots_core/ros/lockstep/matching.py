@@ -7,20 +7,32 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from robots_core.ros.lockstep.protocol import Roster
+from robots_core.ros.lockstep.protocol import Endpoint, Roster
 
 
-def unmatched_publisher(node: Node, publisher: Any, topic: str, roster: Roster, *, latched: bool) -> str:
+def unmatched(node: Node, endpoint: Endpoint, entity: Any, roster: Roster) -> str:
+    """What an endpoint of a node still has to find in the network; '' for nothing."""
+    if endpoint.kind == 'publisher':
+        return _unmatched_publisher(node, endpoint, entity, roster)
+    if endpoint.kind in {'subscription', 'polled'}:
+        return _unmatched_subscription(node, endpoint, entity, roster)
+    served = any(Endpoint('service', endpoint.name) in one for one in roster.participants.values())
+    if endpoint.kind == 'requests' and served and not entity.service_is_ready():
+        return f'the service {endpoint.name} was not found'
+    return ''
+
+
+def _unmatched_publisher(node: Node, endpoint: Endpoint, publisher: Any, roster: Roster) -> str:
     """Why a publisher does not reach every subscription of the roster yet; '' if it does.
 
     Subscriptions of nodes that do not take part have to be matched too: a count does not show which are.
     """
+    topic, latched = endpoint.name, endpoint.latched
     wanted = [
         participant
         for participant, endpoints in roster.participants.items()
-        for endpoint in endpoints
-        if endpoint.name == topic and endpoint.kind in {'subscription', 'polled'}
-        if latched or not endpoint.latched
+        for one in endpoints
+        if one.name == topic and one.kind in {'subscription', 'polled'} and (latched or not one.latched)
     ]
     found = [
         info
@@ -30,15 +42,14 @@ def unmatched_publisher(node: Node, publisher: Any, topic: str, roster: Roster, 
     return _problem(topic, 'subscription', wanted, found, publisher.get_subscription_count())
 
 
-def unmatched_subscription(
-    node: Node, subscription: Any, topic: str, roster: Roster, *, latched: bool
-) -> str:
+def _unmatched_subscription(node: Node, endpoint: Endpoint, subscription: Any, roster: Roster) -> str:
     """Why a subscription does not match every publisher of the roster yet; '' if it does."""
+    topic, latched = endpoint.name, endpoint.latched
     wanted = [
         participant
         for participant, endpoints in roster.participants.items()
-        for endpoint in endpoints
-        if endpoint.name == topic and endpoint.kind == 'publisher' and (endpoint.latched or not latched)
+        for one in endpoints
+        if one.name == topic and one.kind == 'publisher' and (one.latched or not latched)
     ]
     found = [
         info

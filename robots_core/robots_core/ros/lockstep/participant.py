@@ -26,7 +26,7 @@ from robots_core.ros.lockstep.counted import (
     is_latched,
     reliable,
 )
-from robots_core.ros.lockstep.matching import unmatched_publisher, unmatched_subscription
+from robots_core.ros.lockstep.matching import unmatched
 from robots_core.ros.lockstep.outbox import Outbox
 from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
 from robots_core.ros.lockstep.profiles import (
@@ -378,24 +378,14 @@ class Participant:
         ):
             return 'the coordinator is not matched'
         for endpoint, entity in zip(list(self._endpoints), list(self._entities), strict=True):
-            if problem := self._unmatched(endpoint, entity, roster):
+            held = endpoint.kind == 'publisher' and entity.held
+            if self._started and not held:
+                continue
+            if problem := unmatched(self.node, endpoint, entity, roster):
                 return problem
-            if self._started and endpoint.kind == 'publisher' and entity.held:
+            if self._started:
                 entity.release()
                 self._change_busy(-1)
-        return ''
-
-    def _unmatched(self, endpoint: Endpoint, entity: Any, roster: Roster) -> str:
-        node, topic, latched = self.node, endpoint.name, endpoint.latched
-        if self._started and not (endpoint.kind == 'publisher' and entity.held):
-            return ''
-        if endpoint.kind == 'publisher':
-            return unmatched_publisher(node, entity, topic, roster, latched=latched)
-        if endpoint.kind in {'subscription', 'polled'}:
-            return unmatched_subscription(node, entity, topic, roster, latched=latched)
-        served = any(Endpoint('service', topic) in endpoints for endpoints in roster.participants.values())
-        if endpoint.kind == 'requests' and served and not entity.service_is_ready():
-            return f'the service {topic} was not found'
         return ''
 
     def _publishers(self) -> list[CountedPublisher]:

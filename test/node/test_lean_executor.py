@@ -1,0 +1,112 @@
+"""LeanExecutor: what rclpy's executors promise, whichever thread creates and destroys entities."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from std_msgs.msg import Int64
+from std_srvs.srv import Trigger
+
+from .bench import Bench
+
+ROUNDS = 300
+
+
+def test_publishers_that_another_thread_creates_and_destroys_do_no_harm(ros_nodes: Any) -> None:
+    bench = Bench(ros_nodes)
+    received = bench.collect('steps', Int64, 1, lambda message: message.data)
+    for step in range(ROUNDS):
+        publisher = bench.peer.create_publisher(Int64, 'other', 1)
+        bench.publish('steps', Int64(data=step))  # ends a round that waits
+        bench.peer.destroy_publisher(publisher)
+    bench.wait(lambda: received and received[-1] == ROUNDS - 1, 'the last step')
+
+
+def test_a_destroyed_subscription_is_not_called_any_more(ros_nodes: Any) -> None:
+    bench = Bench(ros_nodes)
+    other: list[int] = []
+    received = bench.collect('steps', Int64, 1, lambda message: message.data)
+    subscription = bench.peer.create_subscription(
+        Int64, 'steps', lambda message: other.append(message.data), 1
+    )
+    bench.publish('steps', Int64(data=1))
+    bench.wait(lambda: received == [1] and other == [1], 'both')
+    bench.peer.destroy_subscription(subscription)
+    bench.wait(lambda: bench.publisher('steps', Int64).get_subscription_count() == 1, 'one subscriber')
+    bench.publish('steps', Int64(data=2))
+    bench.wait(lambda: received == [1, 2], 'the other')
+    assert other == [1]
+
+
+def test_a_timer_calls_until_it_is_cancelled(ros_nodes: Any) -> None:
+    bench = Bench(ros_nodes)
+    calls: list[int] = []
+
+    def call() -> None:
+        calls.append(len(calls))
+        if len(calls) == 3:
+            timer.cancel()
+
+    timer = bench.peer.create_timer(1e-3, call)
+    later: list[int] = []
+    bench.wait(lambda: len(calls) == 3, 'three calls')
+    bench.peer.create_timer(1e-3, lambda: later.append(1))
+    bench.wait(lambda: len(later) > 3, 'another timer')
+    assert calls == [0, 1, 2]
+
+
+def test_a_guard_condition_is_called_when_it_is_triggered(ros_nodes: Any) -> None:
+    bench = Bench(ros_nodes)
+    calls: list[int] = []
+    guard_condition = bench.peer.create_guard_condition(lambda: calls.append(1))
+    guard_condition.trigger()
+    bench.wait(lambda: calls == [1], 'a call')
+
+
+def test_a_cancelled_request_is_not_answered(ros_nodes: Any) -> None:
+    bench = Bench(ros_nodes)
+    asked: list[int] = []
+
+    def answer(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        asked.append(len(asked))
+        response.message = str(len(asked))
+        return response
+
+    bench.peer.create_service(Trigger, 'ask', answer)
+    assert bench.call('ask').message == '1'
+    client = bench.peer.create_client(Trigger, 'ask')
+    bench.wait(client.service_is_ready, 'the service')
+    future = client.call_async(Trigger.Request())
+    client.remove_pending_request(future)
+    assert bench.call('ask').message in ('2', '3')
+    bench.wait(lambda: len(asked) == 3, 'three requests')
+    assert not future.done()
+
+
+def test_a_coroutine_waits_without_holding_up_others(ros_nodes: Any) -> None:
+    bench = Bench(ros_nodes)
+    done: list[str] = []
+    client = bench.peer.create_client(Trigger, 'ask')
+
+    async def ask() -> None:
+        await client.call_async(Trigger.Request())
+        done.append('asked')
+
+    bench.peer.create_service(Trigger, 'ask', lambda _, response: done.append('answered') or response)
+    bench.wait(client.service_is_ready, 'the service')
+    ros_nodes.call(lambda: bench.peer.executor.create_task(ask))
+    bench.wait(lambda: 'asked' in done, 'the answer')
+    assert done == ['answered', 'asked']
+
+
+def test_what_a_callback_raises_is_raised_where_the_executor_spins(ros_nodes: Any) -> None:
+    bench = Bench(ros_nodes)
+
+    def fail() -> None:
+        raise LookupError('of the callback')
+
+    guard_condition = bench.peer.create_guard_condition(fail)
+    guard_condition.trigger()
+    with pytest.raises(LookupError, match='of the callback'):
+        bench.wait(lambda: False, 'an error')
