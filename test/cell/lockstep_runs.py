@@ -16,6 +16,8 @@ from robots_controller.live_cell.cell_command import parse_options, run_cell
 PROGRAMS = Path(__file__).parents[2] / 'programs'
 WIDTH = 120
 SEPARATE = 'second_order'
+RATE = 250.0  # Hz, of the references, by default
+SPARSE_RATE = 100.0  # Hz
 # Text of a program and what stands in its place, so that things are done once, nearer, or sooner.
 SHORTENED = {
     'palletizing.lua': {
@@ -53,12 +55,14 @@ class LockstepRun:
         returncode: Of `cell`.
         text: Its output.
         bag: Its recording.
+        rate: Of the references, Hz.
     """
 
     program: Path
     returncode: int
     text: str
     bag: Path
+    rate: float = RATE
 
 
 class LockstepRuns:
@@ -74,8 +78,12 @@ class LockstepRuns:
     def run(self, program: str, drive: str = SEPARATE) -> LockstepRun:
         """The run of a program, by its file in programs/, with drives of a level.
 
-        With those of level `SEPARATE` each node has its own process; otherwise they share one.
+        With those of level `SEPARATE` each node has its own process; otherwise they share one, and
+        references are as sparse as `SPARSE_RATE`.
         """
+        rate, options = RATE, ('--lockstep', '--drive', drive)
+        if drive != SEPARATE:
+            rate, options = SPARSE_RATE, (*options, '--composed', '--rate', str(SPARSE_RATE))
         folder = self._folder / f'{program.replace("/", "_")}_{drive}'
         folder.mkdir(parents=True, exist_ok=True)
         result = folder / 'result.json'
@@ -83,11 +91,10 @@ class LockstepRuns:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not result.exists():
                 path = _copy(folder / 'programs', program)
-                shared = () if drive == SEPARATE else ('--composed',)
-                found = run_cell_with(path, folder / 'out', '--lockstep', '--drive', drive, *shared)
+                found = run_cell_with(path, folder / 'out', *options)
                 result.write_text(json.dumps(found))
         values = json.loads(result.read_text())
-        return LockstepRun(Path(values[0]), values[1], values[2], Path(values[3]))
+        return LockstepRun(Path(values[0]), values[1], values[2], Path(values[3]), rate)
 
     def run_file(self, program: Path, *options: str) -> LockstepRun:
         """The run of any other program with these options of `cell`, in one process, recorded beside it."""

@@ -1,27 +1,27 @@
 """LeanExecutor: takes messages and calls callbacks with a fraction of the cost of rclpy's executors."""
 
-from contextlib import ExitStack, suppress
 from typing import Any
 
 from rclpy.context import Context
-from rclpy.exceptions import InvalidHandle
 from rclpy.executors import Executor, ExternalShutdownException
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 from rclpy.task import Task
 from rclpy.utilities import timeout_sec_to_nsec
 
-_KINDS = ('timer', 'subscription', 'guard_condition', 'client', 'service')
+from robots_core.ros.held_wait_set import HeldWaitSet
+from robots_core.ros.seldom_ready import SeldomReady
 
 
 class LeanExecutor(Executor):
     """Calls callbacks in the thread that spins; they are plain functions, those of waitables are coroutines.
 
     rclpy's `SingleThreadedExecutor` looks through all entities of its nodes and builds a wait set in every
-    round. This one does so when entities were created or destroyed; a destroyed one is kept until then.
-    Any thread may create and destroy them. rclpy's other executors are no choice: with the packages from
-    PyPI, `MultiThreadedExecutor` takes many times the processor and `EventsExecutor` hangs.
+    round. This one builds it when entities were created or destroyed, and leaves what is seldom ready,
+    services, clients and events of publishers, to another thread. Any thread may create and destroy entities.
+
+    rclpy's other executors are no choice: with the packages from PyPI, `MultiThreadedExecutor` takes many
+    times the processor and `EventsExecutor` hangs.
 
     `shutdown` is called by the thread that spins, or after it has ended.
     """
@@ -29,11 +29,8 @@ class LeanExecutor(Executor):
     def __init__(self, *, context: Context | None = None) -> None:
         super().__init__(context=context)
         self._changed = True
-        self._held = ExitStack()
-        self._entities: dict[str, dict[int, Any]] = {}  # by kind and pointer
-        self._adds: list[tuple[Any, Any]] = []  # how to put an entity into the wait set, and its handle
-        self._waitables: list[Any] = []
-        self._wait_set: Any = None
+        self._often = HeldWaitSet(self.context, {})
+        self._seldom = SeldomReady(self.context, self._guard.trigger)
         self._calls = {
             'timer': _call_timer,
             'subscription': _call_subscription,
@@ -59,8 +56,8 @@ class LeanExecutor(Executor):
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:
         """As `Executor.shutdown`."""
-        self._held.close()
-        self._adds.clear()
+        self._seldom.close()
+        self._often.close()
         return bool(super().shutdown(timeout_sec))
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
@@ -75,20 +72,20 @@ class LeanExecutor(Executor):
         if self._tasks:
             self._run_tasks()
         if self._changed:
-            self._changed = False
             self._gather()
-        self._wait(0 if self._tasks else timeout_sec_to_nsec(timeout_sec))
-        ready = {kind: self._wait_set.get_ready_entities(kind) for kind in _KINDS}
-        with suppress(InvalidHandle):  # destroyed by another thread
-            for waitable in self._waitables:
-                if waitable.is_ready(self._wait_set):
-                    taken = waitable.take_data()
-                    self._tasks.append((Task(waitable.execute, (taken,), executor=self), None, None))
-        for kind, pointers in ready.items():
-            entities, call = self._entities[kind], self._calls[kind]
-            for pointer in pointers:
-                if (entity := entities.get(pointer)) is not None:
-                    call(entity)
+        self._often.wait(0 if self._tasks else timeout_sec_to_nsec(timeout_sec))
+        if not self.context.ok():
+            raise ExternalShutdownException
+        self._call_ready(self._often)
+        if self._seldom.rests:
+            self._call_ready(self._seldom.wait_set)
+            self._seldom.go_on()
+
+    def _call_ready(self, wait_set: HeldWaitSet) -> None:
+        for waitable, taken in wait_set.take_waitables():
+            self._tasks.append((Task(waitable.execute, (taken,), executor=self), None, None))
+        for kind, entity in wait_set.ready():
+            self._calls[kind](entity)
 
     def _run_tasks(self) -> None:
         with self._tasks_lock:
@@ -101,78 +98,27 @@ class LeanExecutor(Executor):
                 with self._tasks_lock:
                     self._tasks.append((task, None, None))
 
-    def _wait(self, timeout: int) -> None:
-        while not self._fill():
-            self._gather()
-        self._wait_set.wait(timeout)
-        if not self.context.ok():
-            raise ExternalShutdownException
-
-    def _fill(self) -> bool:
-        """Put all entities into the wait set; False if another thread has destroyed one of them."""
-        wait_set = self._wait_set
-        wait_set.clear_entities()
-        for add, handle in self._adds:
-            add(handle)
-        try:
-            for waitable in self._waitables:
-                waitable.add_to_wait_set(wait_set)
-        except InvalidHandle:
-            return False
-        return True
-
     def _gather(self) -> None:
-        """Hold all entities, in a wait set of their number."""
-        self._held.close()
-        found: dict[str, list[Any]] = {kind: [] for kind in _KINDS}
-        waitables: list[Any] = []
-        for node in self.get_nodes():
-            found['timer'] += node.timers
-            found['subscription'] += node.subscriptions
-            found['guard_condition'] += node.guards
-            found['client'] += node.clients
-            found['service'] += node.services
-            waitables += node.waitables
-        self._entities = {kind: self._hold(entities) for kind, entities in found.items()}
-        self._waitables = [
-            one for one in waitables if one.callback_group.can_execute(one) and self._keep(one)
-        ]
-        self._keep(self._guard.handle)
-        self._keep(self.context.handle)
-        counts = [len(self._entities[kind]) for kind in ('subscription', 'guard_condition', 'timer')]
-        counts += [len(self._entities[kind]) for kind in ('client', 'service')] + [0]
-        counts[1] += 1
-        for waitable in self._waitables:
-            number = waitable.get_num_entities()
-            more = (
-                number.num_subscriptions,
-                number.num_guard_conditions,
-                number.num_timers,
-                number.num_clients,
-                number.num_services,
-                number.num_events,
-            )
-            counts = [count + one for count, one in zip(counts, more, strict=True)]
-        self._wait_set = rclpy_implementation.WaitSet(*counts, self.context.handle)
-        self._adds = [(self._wait_set.add_guard_condition, self._guard.handle)]
-        for kind, entities in self._entities.items():
-            add = getattr(self._wait_set, f'add_{kind}')
-            self._adds += [(add, entity.handle) for entity in entities.values()]
-
-    def _hold(self, entities: list[Any]) -> dict[int, Any]:
-        return {
-            entity.handle.pointer: entity
-            for entity in entities
-            if entity.callback_group.can_execute(entity) and self._keep(entity.handle)
+        """Wait for the entities that there are now."""
+        self._changed = False
+        nodes = self.get_nodes()
+        often = {
+            'timer': [one for node in nodes for one in node.timers],
+            'subscription': [one for node in nodes for one in node.subscriptions],
+            'guard_condition': [self._guard, *(one for node in nodes for one in node.guards)],
         }
-
-    def _keep(self, handle: Any) -> bool:
-        """Keep it from being destroyed meanwhile; False if it is destroyed already."""
-        try:
-            self._held.enter_context(handle)
-        except InvalidHandle:
-            return False
-        return True
+        seldom = {
+            'client': [one for node in nodes for one in node.clients],
+            'service': [one for node in nodes for one in node.services],
+        }
+        # Events of a subscription are not seldom ready: the middleware looks at them with each message.
+        events = {
+            event for node in nodes for publisher in node.publishers for event in publisher.event_handlers
+        }
+        waitables = [one for node in nodes for one in node.waitables]
+        self._often.close()
+        self._often = HeldWaitSet(self.context, often, [one for one in waitables if one not in events])
+        self._seldom.replace(seldom, [one for one in waitables if one in events])
 
     def _call_client(self, client: Any) -> None:
         header, response = client.handle.take_response(client.srv_type.Response)

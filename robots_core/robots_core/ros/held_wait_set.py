@@ -1,0 +1,108 @@
+"""HeldWaitSet: entities of nodes, waited for together."""
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, suppress
+from typing import Any, Final
+
+from rclpy.context import Context
+from rclpy.exceptions import InvalidHandle
+from rclpy.impl.implementation_singleton import rclpy_implementation
+
+# In the order in which `WaitSet` takes their numbers, and in which it returns them.
+KINDS: Final = ('subscription', 'guard_condition', 'timer', 'client', 'service')
+
+
+class HeldWaitSet:
+    """A wait set that is filled again for each wait; what is destroyed meanwhile is kept until `close`.
+
+    Args:
+        context: Of the entities.
+        entities: By kind, one of `KINDS`.
+        waitables: Each with any number of entities.
+    """
+
+    def __init__(
+        self, context: Context, entities: Mapping[str, Sequence[Any]], waitables: Sequence[Any] = ()
+    ) -> None:
+        self._held = ExitStack()
+        self._keep(context.handle)
+        self._entities = {kind: self._hold(entities.get(kind, ())) for kind in KINDS}
+        self._waitables = [one for one in waitables if _may_run(one) and self._keep(one)]
+        counts = [len(self._entities[kind]) for kind in KINDS] + [0]
+        for waitable in self._waitables:
+            number = waitable.get_num_entities()
+            more = (
+                number.num_subscriptions,
+                number.num_guard_conditions,
+                number.num_timers,
+                number.num_clients,
+                number.num_services,
+                number.num_events,
+            )
+            counts = [count + one for count, one in zip(counts, more, strict=True)]
+        self._wait_set = rclpy_implementation.WaitSet(*counts, context.handle)
+        self._adds: list[tuple[Callable[[Any], object], Any]] = [
+            (getattr(self._wait_set, f'add_{kind}'), entity.handle)
+            for kind in KINDS
+            for entity in self._entities[kind].values()
+        ]
+
+    def wait(self, timeout: int) -> None:
+        """Wait until anything is ready.
+
+        Args:
+            timeout: ns; negative: without end.
+        """
+        wait_set = self._wait_set
+        wait_set.clear_entities()
+        for add, handle in self._adds:
+            add(handle)
+        self._waitables = [one for one in self._waitables if _lives(one.add_to_wait_set, wait_set)]
+        wait_set.wait(timeout)
+
+    def ready(self) -> list[tuple[str, Any]]:
+        """Kinds and entities that the last wait has found ready, in the order of their kinds."""
+        found: list[tuple[str, Any]] = []
+        for kind, entities in self._entities.items():
+            if entities:
+                pointers = self._wait_set.get_ready_entities(kind)
+                found += [(kind, entities[pointer]) for pointer in pointers if pointer in entities]
+        return found
+
+    def take_waitables(self) -> list[tuple[Any, Any]]:
+        """Waitables that the last wait has found ready, and what is taken from each."""
+        found: list[tuple[Any, Any]] = []
+        for waitable in self._waitables:
+            if waitable.is_ready(self._wait_set):
+                with suppress(InvalidHandle):
+                    found.append((waitable, waitable.take_data()))
+        return found
+
+    def close(self) -> None:
+        """Let go of all entities."""
+        self._adds.clear()
+        self._held.close()
+
+    def _hold(self, entities: Sequence[Any]) -> dict[int, Any]:
+        return {
+            entity.handle.pointer: entity
+            for entity in entities
+            if _may_run(entity) and self._keep(entity.handle)
+        }
+
+    def _keep(self, handle: Any) -> bool:
+        return _lives(self._held.enter_context, handle)
+
+
+def _may_run(entity: Any) -> bool:
+    group = entity.callback_group
+    return group is None or bool(group.can_execute(entity))
+
+
+def _lives(use: Callable[[Any], object], argument: Any) -> bool:
+    """Use an entity; False if it is destroyed, which another thread may do at any time."""
+    try:
+        use(argument)
+    except InvalidHandle:
+        return False
+    return True
