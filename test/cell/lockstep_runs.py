@@ -15,7 +15,8 @@ from robots_controller.live_cell.cell_command import parse_options, run_cell
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'
 WIDTH = 120
-SEPARATE = 'second_order'
+FULL = 'second_order'
+SEPARATE = ('welding.lua', 'welding_collision.lua', 'laser_seam.lua', 'bello_bot_tour.lua')
 RATE = 250.0  # Hz, of the references, by default
 SPARSE_RATE = 100.0  # Hz
 # Text of a program and what stands in its place, so that things are done once, nearer, or sooner.
@@ -75,15 +76,16 @@ class LockstepRuns:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    def run(self, program: str, drive: str = SEPARATE) -> LockstepRun:
+    def run(self, program: str, drive: str = FULL) -> LockstepRun:
         """The run of a program, by its file in programs/, with drives of a level.
 
-        With those of level `SEPARATE` each node has its own process; otherwise they share one, and
-        references are as sparse as `SPARSE_RATE`.
+        With drives of level `FULL` references have the default rate, and the nodes of the programs `SEPARATE`
+        a process each; otherwise references are as sparse as `SPARSE_RATE`, and the nodes share a process.
         """
-        rate, options = RATE, ('--lockstep', '--drive', drive)
-        if drive != SEPARATE:
-            rate, options = SPARSE_RATE, (*options, '--composed', '--rate', str(SPARSE_RATE))
+        rate = RATE if drive == FULL else SPARSE_RATE
+        options = ['--lockstep', '--drive', drive, '--rate', str(rate)]
+        if drive != FULL or program not in SEPARATE:
+            options.append('--composed')
         folder = self._folder / f'{program.replace("/", "_")}_{drive}'
         folder.mkdir(parents=True, exist_ok=True)
         result = folder / 'result.json'
@@ -96,11 +98,11 @@ class LockstepRuns:
         values = json.loads(result.read_text())
         return LockstepRun(Path(values[0]), values[1], values[2], Path(values[3]), rate)
 
-    def run_file(self, program: Path, *options: str) -> LockstepRun:
+    def run_file(self, program: Path, *options: str, rate: float = RATE) -> LockstepRun:
         """The run of any other program with these options of `cell`, in one process, recorded beside it."""
-        options = ('--lockstep', '--composed', *options)
+        options = ('--lockstep', '--composed', '--rate', str(rate), *options)
         path, code, text, bag = run_cell_with(program, program.parent / 'out', *options)
-        return LockstepRun(Path(path), code, text, Path(bag))
+        return LockstepRun(Path(path), code, text, Path(bag), rate)
 
 
 def run_cell_with(path: Path, out: Path, *options: str) -> tuple[str, int, str, str]:
