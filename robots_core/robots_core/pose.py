@@ -70,11 +70,11 @@ class Pose:
 
     def __matmul__(self, other: Pose) -> Pose:
         """Chain: `other` is seen from this frame; the result is seen from this frame's reference."""
-        return Pose(self.r + self.T @ other.r, self.T @ other.T)
+        return _valid(self.r + self.T.dot(other.r), self.T.dot(other.T))  # `@` takes twice as long
 
     def inverse(self) -> Pose:
         """The reference frame seen from this frame."""
-        return Pose(-self.T.T @ self.r, self.T.T)
+        return _valid(-self.T.T.dot(self.r), self.T.T)
 
     def error_to(self, target: Pose) -> Array:
         """Pose error (6,): translation (m), then rotation vector (rad), from here to `target`, base frame."""
@@ -84,3 +84,13 @@ class Pose:
         """Position distance in metres and rotation angle in radians to `target`."""
         error = self.error_to(target)
         return float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))
+
+
+def _valid(r: Array, T: Array) -> Pose:
+    """The pose of arrays that follow from those of other poses: without another check."""
+    pose = object.__new__(Pose)
+    r.setflags(write=False)
+    T.setflags(write=False)
+    object.__setattr__(pose, 'r', r)
+    object.__setattr__(pose, 'T', T)
+    return pose
