@@ -92,6 +92,7 @@ class Visualizer:
         r, T = robot.kinematic_model.frame_axes(robot.home)
         self._flange = Pose(r[-1], T[-1]).inverse() @ Pose(*robot.direct_kinematics(robot.home))
         self._add_panel()
+        self._shown = np.full(robot.num_axes, np.nan)
         self.update(robot.home)
 
     @property
@@ -106,6 +107,8 @@ class Visualizer:
         Raises:
             InvalidInputError: `q` of another shape or not finite.
         """
+        if np.array_equal(q, self._shown):
+            return
         r, T = self._robot.kinematic_model.frame_axes(q)
         tool = self._kinematics.forward(q)
         with self._server.atomic():
@@ -113,6 +116,7 @@ class Visualizer:
                 frame.position, frame.wxyz = position, _wxyz(orientation)
             self._tool_frame.position, self._tool_frame.wxyz = tool.r, _wxyz(tool.T)
             self._trace.add(tool.r)
+        self._shown = np.array(q)
 
     def show_scene(self, scene: Scene) -> None:
         """Show obstacles, attached objects and zones of a scene in the place of those shown before."""
