@@ -2,123 +2,19 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable
-from types import MappingProxyType
-
 import numpy as np
 import pytest
 
-from robots_controller.control.control_loop import ControlLoop
-from robots_controller.control.controller import Controller, ControllerState
-from robots_controller.control.controller_rates import ControllerRates
-from robots_controller.control.controller_settings import ControllerSettings
+from robots_controller.control.controller import ControllerState
 from robots_controller.control.faults import ZONE_VIOLATED
-from robots_controller.control.frame_speed_limit import FrameSpeedLimit
-from robots_controller.control.shared_zone import ZoneState
-from robots_controller.control.speed_control import SpeedControl
-from robots_controller.control.stop_latch import StopState
-from robots_controller.control.streamed_reference import StreamPoint
 from robots_controller.control.zone_guard import ZoneGuard
-from robots_controller.io.io_image import Channel
-from robots_controller.io.zone_inputs import ZoneInputs, closing_inputs, closing_texts, parse_closing
 from robots_core import Pose
 from robots_core.blocks import HalfSpace, PlacedBox, Zone
 from robots_core.blocks.collision.scene import AttachedObject, Scene
-from robots_core.errors import InvalidInputError
-from robots_core.motion_result import MotionResult
 from robots_core.robot_model.shapes import Box, Capsule
 from robots_planning import LinearJoint, LinearJointAxes
 
-from .small_arms import small_arm, start_of
-
-PERIOD = 0.004
-ROBOT, START = small_arm(3), start_of(3)
-SWITCHED = MappingProxyType({'digital_input.1': False})
-
-
-def turned(angle: float) -> np.ndarray:
-    """The start, turned about the vertical by so many radians."""
-    return START + np.array([angle, 0.0, 0.0])
-
-
-def tool(q: np.ndarray) -> np.ndarray:
-    return ROBOT.direct_kinematics(q)[0]
-
-
-def wall(angle: float, *, always: bool = False) -> Zone:
-    """Out of the half-space that the tool enters where the start is turned by an angle."""
-    r = tool(turned(angle))
-    normal = np.array([-r[1], r[0], 0.0])
-    return Zone('press', HalfSpace(r, normal), 'out', 'tool', {} if always else SWITCHED)
-
-
-class Cell:
-    """A control loop whose drives are ideal; references are kept."""
-
-    def __init__(
-        self, *zones: Zone, limit: float = 0.0, closed: tuple[str, ...] | None = ('press',), name: str = ''
-    ) -> None:
-        self.zones = ZoneGuard(ROBOT, Scene(zones=zones), name=name) if zones else None
-        axes, settings = ROBOT.axes_data, ControllerSettings(period=PERIOD)
-        frame_limit = FrameSpeedLimit(ROBOT, limit)
-        speed = SpeedControl(axes, settings, frame_limit=frame_limit, zones=self.zones)
-        self.controller = Controller(axes, settings, speed=speed)
-        self.loop = ControlLoop(self.controller, ControllerRates(1.0 / PERIOD, 0.5), self, progress_every=1)
-        self.now, self.q = 0.0, START
-        self.references: list[np.ndarray] = []
-        self.results: list[MotionResult] = []
-        self.stops: list[StopState] = []
-        if closed is not None:
-            self.loop.close_zones(closed)
-        self.step()
-
-    def step(self, times: int = 1) -> None:
-        for _ in range(times):
-            reference = self.loop.step(self.now, self.q)
-            self.loop.report()
-            assert reference is not None
-            self.now += PERIOD
-            self.q = reference[0]
-            self.references.append(reference.copy())
-
-    def run(self, until: Callable[[], bool] = lambda: False, longest: float = 20.0) -> None:
-        end = self.now + longest
-        self.step()
-        resting = (ControllerState.HOLDING, ControllerState.STOPPED)
-        while not until() and (self.loop.pending or self.controller.state not in resting):
-            self.step()
-            assert self.now < end
-
-    def held(self) -> bool:
-        """The robot stands before a border."""
-        return bool(self.controller.obstacle) and not self.references[-1][1].any()
-
-    def clearance(self, zone: Zone) -> float:
-        region = zone.region
-        assert isinstance(region, HalfSpace)
-        return float(region.normal @ (region.point - tool(self.q)))
-
-    def jog(self, velocity: np.ndarray, times: int) -> None:
-        for _ in range(times):
-            point = StreamPoint(self.q + PERIOD * velocity, velocity, np.zeros(3), self.now + PERIOD)
-            self.loop.stream(point, 'jog')
-            self.step()
-
-    def result(self, result: MotionResult) -> None:
-        self.results.append(result)
-
-    def progress(self, progress: float) -> None:
-        """See `ControlPort`."""
-
-    def stream_refused(self, error: Exception, _now: float) -> None:
-        raise error
-
-    def stop_changed(self, state: StopState) -> None:
-        self.stops.append(state)
-
-    def run_enabled(self, *, enabled: bool) -> None:
-        """See `ControlPort`."""
+from .zone_cell import PERIOD, ROBOT, START, SWITCHED, Cell, tool, turned, wall
 
 
 @pytest.mark.parametrize('border', [0.05, 0.4, 0.9, 1.15, 1.19])
@@ -330,102 +226,6 @@ def test_a_tool_that_is_set_counts() -> None:
     assert 0.0 < region.normal @ (region.point - r - T @ [0.0, 0.0, 0.3]) < 3e-3
 
 
-class Pair:
-    """Two robots that share the zone beyond an angle; what they say takes some periods."""
-
-    def __init__(self, angle: float, latency: int = 7) -> None:
-        self.zone = wall(angle)
-        region = self.zone.region
-        self.cells = {
-            name: Cell(Zone('press', region, 'out', 'tool', shared_with=(other,)), closed=None, name=name)
-            for name, other in (('/a', '/b'), ('/b', '/a'))
-        }
-        self.under_way: deque[list[tuple[Cell, str, dict[str, ZoneState]]]] = deque([[]] * latency)
-
-    def step(self, *names: str) -> None:
-        """One period; of these robots, or of both."""
-        a, b = self.cells['/a'], self.cells['/b']
-        assert a.zones is not None
-        assert b.zones is not None
-        self.under_way.append([(b, '/a', a.zones.states), (a, '/b', b.zones.states)])
-        for receiver, sender, states in self.under_way.popleft():
-            receiver.loop.hear_zones(sender, states)
-        for name in names or ('/a', '/b'):
-            self.cells[name].step()
-        assert sum(cell.clearance(self.zone) < 0.0 for cell in (a, b)) <= 1
-
-
-def test_two_robots_are_in_a_shared_zone_one_after_the_other() -> None:
-    pair = Pair(0.6)
-    planner = LinearJoint(ROBOT)
-    there, back = planner.generate(START, turned(1.0)), planner.generate(turned(1.0), START)
-    waited = dict.fromkeys(pair.cells, False)
-    for cell in pair.cells.values():
-        for motion, id_ in ((there, 'there'), (back, 'back')):
-            cell.loop.follow(motion, id_)
-    while any(len(cell.results) < 2 for cell in pair.cells.values()):
-        pair.step()
-        for name, cell in pair.cells.items():
-            waited[name] |= cell.held()
-            assert cell.now < 20.0
-    assert all(result.ok for cell in pair.cells.values() for result in cell.results)
-    assert sum(waited.values()) == 1
-    assert not any(cell.controller.stops.latched for cell in pair.cells.values())
-
-
-def test_a_robot_does_not_wait_where_the_zone_is_free_in_time() -> None:
-    pair = Pair(1.0)
-    alone = Cell()
-    motion = LinearJoint(ROBOT).generate(START, turned(2.0))
-    pair.cells['/a'].loop.follow(motion, 'motion')
-    alone.loop.follow(motion, 'motion')
-    while not alone.results:
-        pair.step()
-        alone.step()
-    np.testing.assert_array_equal(pair.cells['/a'].references, alone.references)
-
-
-def test_a_robot_waits_for_one_that_is_silent() -> None:
-    pair = Pair(0.6)
-    pair.cells['/a'].loop.follow(LinearJoint(ROBOT).generate(START, turned(1.0)), 'motion')
-    for _ in range(1000):
-        pair.step('/a')
-    assert pair.cells['/a'].controller.obstacle == "the border of zone 'press', which /b has not granted"
-    while not pair.cells['/a'].results:
-        pair.step()
-    assert pair.cells['/a'].results[-1].ok
-
-
-def test_jogging_waits_for_a_shared_zone_too() -> None:
-    pair = Pair(0.6)
-    a, b = pair.cells['/a'], pair.cells['/b']
-    b.loop.follow(LinearJoint(ROBOT).generate(START, turned(1.0)), 'motion')
-    while not b.results:
-        pair.step()
-    jog = np.array([0.5, 0.0, 0.0])
-    for _ in range(500):
-        a.loop.stream(StreamPoint(a.q + PERIOD * jog, jog, np.zeros(3), a.now + PERIOD), 'jog')
-        pair.step()
-    assert 0.0 < a.clearance(pair.zone) < 0.01
-    b.loop.follow(LinearJoint(ROBOT).generate(b.q, START), 'back')
-    for _ in range(1000):
-        a.loop.stream(StreamPoint(a.q + PERIOD * jog, jog, np.zeros(3), a.now + PERIOD), 'jog')
-        pair.step()
-    assert a.clearance(pair.zone) < 0.0
-
-
-def test_a_simulated_robot_shares_with_nobody() -> None:
-    cell = Cell(Zone('press', wall(0.6).region, 'out', 'tool', shared_with=('/b',)), closed=None)
-    cell.loop.follow(LinearJoint(ROBOT).generate(START, turned(1.0)), 'motion')
-    cell.run()
-    assert cell.results[-1].ok
-
-
-def test_a_robot_does_not_share_with_itself() -> None:
-    with pytest.raises(InvalidInputError, match='is shared with /a itself'):
-        Cell(Zone('press', wall(0.6).region, 'out', 'tool', shared_with=('/a',)), name='/a')
-
-
 def test_what_is_attached_later_counts() -> None:
     zone = Zone('press', wall(0.8).region, 'out', 'bodies', SWITCHED)
     stood = []
@@ -444,39 +244,3 @@ def test_what_is_attached_later_counts() -> None:
         cell.run(until=cell.held)
         stood.append(cell.q[0])
     assert stood[1] < stood[0]
-
-
-ZONES = (wall(0.1), Zone('other', wall(0.2).region, 'out', 'tool', {'free': False, 'digital_input.3': True}))
-SIGNALS = {'free': Channel('digital', 'input', 2, 'free')}
-
-
-def test_inputs_close_zones_as_the_scene_says() -> None:
-    closing = closing_inputs(ZONES, SIGNALS)
-    assert closing == {'press': {1: 0}, 'other': {2: 0, 3: 1}}
-    for inputs in (ZoneInputs(closing), parse_closing(closing_texts(closing))):
-        assert inputs.closed([1, 1, 0]) == frozenset()
-        assert inputs.closed([0, 1, 0]) == {'press'}
-        assert inputs.closed([1, 0, 0]) == inputs.closed([1, 1, 1]) == {'other'}
-        assert inputs.closed([1]) == {'other'}  # of what is not known there is nothing to open it
-    assert not parse_closing([''])
-
-
-@pytest.mark.parametrize(
-    ('closed_by', 'reason'),
-    [
-        ({'press_open': False}, "zone 'x': closed_by: 'press_open' is no channel"),
-        ({'digital_output.1': False}, 'digital_output.1 is no digital input'),
-        ({'free': False, 'digital_input.2': True}, 'names digital_input.2 twice'),
-    ],
-)
-def test_what_is_no_input_closes_no_zone(closed_by: dict[str, bool], reason: str) -> None:
-    with pytest.raises(InvalidInputError, match=reason):
-        closing_inputs([Zone('x', ZONES[0].region, 'out', 'tool', closed_by)], SIGNALS)
-
-
-@pytest.mark.parametrize(
-    'text', ['press', 'digital_input.1=off', 'digital_output.1=off press', 'digital_input.1=0 p']
-)
-def test_a_parameter_of_another_form_is_refused(text: str) -> None:
-    with pytest.raises(InvalidInputError):
-        parse_closing([text])
