@@ -76,14 +76,14 @@ class PathFollowing:
             self._sample[1:] = 0.0
             return False
         path = motion.sample(motion.path_time)
-        speed = law.speed
+        speed = law.end_speed
         self._sample[0] = path[0]
         self._sample[1] = path[1] * speed
         self._sample[2] = path[2] * speed**2
-        if speed != speed_before:
+        if law.speed != speed_before:
             # The derivative at this instant may lie past its mean over the period; only that mean moves
             # the robot, and the path speed keeps it inside the limits.
             limit = self._axes.acceleration
-            change = path[1] * ((speed - speed_before) / self._period)
+            change = path[1] * ((law.speed - speed_before) / self._period)
             self._sample[2] = np.clip(self._sample[2] + change, -limit, limit)
         return True

@@ -30,18 +30,23 @@ class PathSpeed:
         self._period = positive(period, 'period', 's')
         self._largest = acceleration * period**2 * (1.0 + ROUNDING)
         self._ramp = period**2 / positive(ramp_time, 'ramp_time', 's')
-        self._advance = period
+        self._advance = self._end = period
         self.hurry = False
         """Change the speed as fast as the limits permit, whatever the ramp time."""
 
     @property
     def speed(self) -> float:
-        """Path time per time, 0..1."""
+        """Path time per time, 0..1; its mean over the last period."""
         return self._advance / self._period
+
+    @property
+    def end_speed(self) -> float:
+        """Path time per time, 0..1, at the end of the last period, so far as its change goes on."""
+        return self._end / self._period
 
     def reset(self, speed: float) -> None:
         """Set the speed at once; allowed only where the path stands."""
-        self._advance = speed * self._period
+        self._advance = self._end = speed * self._period
 
     def step(self, target: float, path_time: float, position: Callable[[float], Array]) -> float:
         """Move on for one period, with the speed on its way to `target`.
@@ -54,11 +59,16 @@ class PathSpeed:
         Returns:
             Path time after the period, s.
         """
-        change = target * self._period - self._advance
+        wanted = target * self._period
+        change = wanted - self._advance
         if change != 0.0:
             if not self.hurry:
                 change = min(max(change, -self._ramp), self._ramp)
-            self._advance += self._allowed(change, path_time, position)
+            change = self._allowed(change, path_time, position)
+            self._advance += change
+        # A mean is the speed in the middle of its period; half of the change is still to come, to the target.
+        rest = wanted - self._advance
+        self._end = self._advance + min(max(0.5 * change, min(rest, 0.0)), max(rest, 0.0))
         return path_time + self._advance
 
     def _allowed(self, change: float, path_time: float, position: Callable[[float], Array]) -> float:
