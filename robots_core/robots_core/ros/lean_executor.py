@@ -102,19 +102,18 @@ class LeanExecutor(Executor):
         """Wait for the entities that there are now."""
         self._changed = False
         nodes = self.get_nodes()
-        often = {
+        often: dict[str, list[Any]] = {
             'timer': [one for node in nodes for one in node.timers],
             'subscription': [one for node in nodes for one in node.subscriptions],
             'guard_condition': [self._guard, *(one for node in nodes for one in node.guards)],
         }
-        seldom = {
+        seldom: dict[str, list[Any]] = {
             'client': [one for node in nodes for one in node.clients],
             'service': [one for node in nodes for one in node.services],
         }
         # Events of a subscription are not seldom ready: the middleware looks at them with each message.
-        events = {
-            event for node in nodes for publisher in node.publishers for event in publisher.event_handlers
-        }
+        publishers: list[Any] = [one for node in nodes for one in node.publishers]
+        events = {event for publisher in publishers for event in publisher.event_handlers}
         waitables = [one for node in nodes for one in node.waitables]
         self._often.close()
         self._often = HeldWaitSet(self.context, often, [one for one in waitables if one not in events])
