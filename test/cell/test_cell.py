@@ -224,7 +224,7 @@ def test_a_program_s_node_that_is_killed_leaves_fail_safe_outputs_and_comes_back
     stops = collected(ros_nodes, 'stop_status', DiagnosticStatus, diagnostic_values)
     wait = ros_nodes.wait_for
     (tmp_path / 'map.yaml').write_text(OUTPUTS)
-    (tmp_path / 'far.lua').write_text(f'setSpeed(0.01)\n{PROGRAM % "0, -60, 60, 0, 45, 0"}')
+    (tmp_path / 'far.lua').write_text(f'setSpeed(0.001)\n{PROGRAM % "0, -60, 60, 0, 45, 0"}')
     options = ('--robot', 'kuka_kr210_r2700', '--program', str(tmp_path / 'far.lua'))
     cell = start_cell(*options, '--io-map', str(tmp_path / 'map.yaml'))
     cell.until('plc/none has been silent')

@@ -212,6 +212,15 @@ def test_a_plc_that_publishes_one_topic_per_tag(ros_nodes: Any):
     plc.wait(lambda: start and start[-1].data, 'the start signal')
 
 
+def test_a_plc_that_starts_later_is_sent_what_has_not_changed_since(bridge: Any):
+    plc = bridge('outputs:\n  - {channel: digital_output.1, topic: plc/start, type: Bool}\n')
+    first = plc.subscribed(Bool, 'plc/start')
+    plc.repeat('digital_outputs', UInt8MultiArray(data=[1]), STATE)
+    plc.wait(lambda: first and first[-1].data, 'the start signal')
+    late = plc.subscribed(Bool, 'plc/start')
+    plc.wait(lambda: late and late[-1].data, 'the start signal, sent again')
+
+
 def test_any_field_of_any_message(bridge: Any):
     plc = bridge("""
 inputs:

@@ -6,6 +6,7 @@ from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from robots_controller.io.fail_safe import FailSafe, parse_fail_safe
@@ -156,7 +157,12 @@ class _OutputTopic:
         self._message = message_class(rows[0].type)()
         for row in rows:
             make_room(self._message, row.path)
-        self._publisher = node.create_publisher(type(self._message), rows[0].topic, _qos(rows[0].qos))
+        self._publisher = node.create_publisher(
+            type(self._message),
+            rows[0].topic,
+            _qos(rows[0].qos),
+            event_callbacks=PublisherEventCallbacks(matched=self._on_matched),
+        )
         self._sent: list[Any] | None = None
         self._left: set[str] = set()
         """Outputs that a lost program's node has not put to their fail-safe values itself."""
@@ -217,6 +223,11 @@ class _OutputTopic:
         if fields != self._sent:
             self._sent = fields
             self._publisher.publish(self._message)
+
+    def _on_matched(self, change: Any) -> None:
+        """Send the newest values to a PLC that starts later, or again."""
+        if change.current_count_change > 0:
+            self._repeat()
 
     def _repeat(self) -> None:
         if self._sent is not None:
