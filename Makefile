@@ -74,9 +74,8 @@ $(BUILD_STAMP): $(VENV_STAMP) $(SOURCES)
 	@echo "Building the workspace ..."
 	@$(BUILD_ENVIRONMENT) python -m colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
 	@# Numba looks for changes in a function's own file only, not in those of the functions that it calls.
-	@$(if $(filter $(KERNELS),$?),find install \( -name '*.nbi' -o -name '*.nbc' \) -delete)
-	@$(RUN) python -m robots_core.warm_up
-	@$(RUN) python -m robots_planning.warm_up
+	@$(if $(filter $(KERNELS),$?),find install \( -name '*.nbi' -o -name '*.nbc' \) -delete; \
+	  $(RUN) python -m robots_core.warm_up; python -m robots_planning.warm_up)
 	@touch $@
 
 .PHONY: build

@@ -24,7 +24,6 @@ T = BAG_TYPES.types
 ROBOT = load_robot_model('ur10e')
 BEGIN = np.array([0.2, -1.2, 1.6, -1.9, -1.4, 0.3])
 COMMANDS = ('/ptpjoint_joint', '/ptpjoint_cartesian', '/ptpcartesian', '/circcartesian', '/splinecartesian')
-PLANNED, REFUSED = 6, 1
 # The same code plans the same on every machine but for rounding, which inverse kinematics along a path does
 # not magnify; times of points are whole nanoseconds. Stamps are ids here and no times.
 TOLERANCES = """
@@ -95,24 +94,14 @@ def replayed(ros_nodes: Any, bag: Path, recorded: Path, **parameters: object) ->
     player = ros_nodes.add(BagPlayer(plan, wait=0.0, **ros_nodes.options(lockstep=True)))
     parameters |= {'robot_model': ROBOT.name, 'lockstep': True}
     with node_process('robots_planning', 'planning_node', **parameters):
-        ros_nodes.wait_for(
-            lambda: recorder.records([*COMMANDS, '/joint_trajectory', '/motion_result']), what='the recorder'
-        )
-        run = ros_nodes.coordinate('bag_player', 'planning_node')
+        run = ros_nodes.coordinate('bag_player', 'planning_node', recorder=recorder)
         ros_nodes.wait_for(lambda: run.time > START + round(1e9 * plan.duration), what='the end')
         ros_nodes.call(run.end)
-        ros_nodes.wait_for(lambda: whole(recorded), what='the whole bag')
+        ros_nodes.wait_for(lambda: not recorder.missing(run.sent), what='the whole bag')
     recorder.close()
     for node in (recorder, player):
         ros_nodes.call(node.destroy_node)
     return recorder.path
-
-
-def whole(path: Path) -> bool:
-    """All commands and answers are in a bag, which is being written."""
-    written = [topic for topic, *_ in read_bag(path).messages]
-    answers = written.count('/joint_trajectory'), written.count('/motion_result')
-    return answers == (PLANNED, REFUSED) and sum(map(written.count, COMMANDS)) == PLANNED + REFUSED
 
 
 def ids(bag: Bag) -> list[int]:

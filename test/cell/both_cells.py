@@ -64,7 +64,7 @@ def check_results_states_and_lines(runs: Runs) -> None:
         ('/joint_trajectory', lambda m: (_stamp(m), [list(_rows(point).ravel()) for point in m.points])),
     ):
         there, here = (_timed(bag, topic, read, end) for bag in (runs.recorded, runs.simulated))
-        assert there == here, topic
+        assert there == here, f'{topic}: {_difference(there, here)}'
 
 
 def check_changes(runs: Runs, image: str) -> None:
@@ -77,7 +77,7 @@ def check_changes(runs: Runs, image: str) -> None:
         ]
         for bag in (runs.recorded, runs.simulated)
     )
-    assert there == here
+    assert there == here, f'{image}: {_difference(there, here)}'
 
 
 def check_end(runs: Runs) -> None:
@@ -103,6 +103,12 @@ def _timed(bag: Bag, topic: str, read: Any, end: float) -> list[Any]:
         if 1e-9 * stamp < end
     ]
     return sorted(found, key=repr)
+
+
+def _difference(there: list[Any], here: list[Any]) -> str:
+    """What one of the two cells has and the other has not, with the number of the rest."""
+    only_there, only_here = ([one for one in a if one not in b] for a, b in ((there, here), (here, there)))
+    return f'only in lock-step {only_there}, only simulated {only_here}, of {len(there)} and {len(here)}'
 
 
 def _end(runs: Runs) -> float:

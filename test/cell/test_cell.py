@@ -128,6 +128,17 @@ def test_nodes_end_with_a_cell_that_is_killed(start_cell: StartCell) -> None:
     assert 'Traceback' not in ''.join(file.read_text() for file in cell.out.glob('*/log/*.log'))
 
 
+def test_nodes_end_with_a_lockstep_run_that_is_killed(start_cell: StartCell, tmp_path: Path) -> None:
+    (tmp_path / 'endless.lua').write_text('print("begins") while true do wait(0.1) end')
+    options = ('--robot', 'bello_bot', '--program', str(tmp_path / 'endless.lua'))
+    cell = start_cell(*options, '--lockstep', '--composed')
+    cell.until('begins')
+    (pidfd,) = [os.pidfd_open(pid) for pid in cell.node_pids().values()]
+    cell.process.kill()
+    assert select.select([pidfd], [], [], DEADLINE)[0]
+    os.close(pidfd)
+
+
 def test_a_node_that_died_is_named_with_the_reason(start_cell: StartCell) -> None:
     cell = start_cell('--robot', 'bello_bot', '--no-restart')
     cell.until_ready()

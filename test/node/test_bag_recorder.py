@@ -17,7 +17,9 @@ from std_msgs.msg import Float64, String
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.recording.bag_file import read_bag
 from robots_core.errors import RobotsError
+from robots_core.ros.lockstep.phases import NANOSECONDS
 from robots_core.ros.qos import STATE
+from robots_core.ros.timed_node import TimedNode
 from written_bags import no_file_larger_than
 
 RECORDER = """
@@ -126,6 +128,35 @@ def test_nothing_is_lost_while_the_writer_is_held_up(ros_nodes: Any, tmp_path: P
     ros_nodes.wait_for(lambda: saved(tmp_path / 'bag', '/level') and written()[-1] == last, what='all of it')
     recorder.close()
     assert written() == [float(number) for number in range(count)]
+
+
+class Counting(TimedNode):
+    """Publishes numbers, the first of them at the first instant of a run."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('counting', **options)
+        publisher = self.create_publisher(Float64, 'number', QoSProfile(depth=1))
+        self.start_loop(lambda now: publisher.publish(Float64(data=now)), period=0.001, name='counting')
+
+
+def test_a_lockstep_run_begins_with_its_recorder_and_all_of_it_is_recorded(ros_nodes: Any, tmp_path: Path):
+    ros_nodes.add(Counting(**ros_nodes.options(lockstep=True)))
+    path = tmp_path / 'bag'
+    recorder = BagRecorder(path, namespace='/', lockstep=True, context=ros_nodes.context)
+    # Nothing calls the recorder's callbacks yet, so that it finds no topics.
+    run = ros_nodes.coordinate('counting', recorder=recorder)
+    ros_nodes.wait_for(lambda: run.missing == [], what='the participant')
+    assert recorder.recorded(['/number']) is None
+    assert recorder.missing({'/number': 3}) == '0 of 3 messages on /number have come'
+    assert not run.started
+    ros_nodes.add(recorder)
+    ros_nodes.wait_for(lambda: run.instants > 1000, what='some time')
+    ros_nodes.call(run.hold)
+    ros_nodes.wait_for(lambda: not recorder.missing(run.sent), what='all messages')
+    recorder.close()
+    found = read_bag(path).deserialized(['/number'])['/number']
+    assert [message.data for _, message in found] == [stamp / NANOSECONDS for stamp, _ in found]
+    assert run.sent['/number'] == len(found) >= 1000
 
 
 def test_a_full_disk_is_told_at_once_and_the_bag_ends_whole(ros_nodes: Any, tmp_path: Path):

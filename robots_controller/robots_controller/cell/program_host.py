@@ -394,7 +394,9 @@ class ProgramHost:
 
     def ended(self, error: ProgramError | None) -> None:
         """See `CellPort`."""
-        self._controller.command(taken=False)
-        self._observer.ended(error)
-        self.reporter.report()
-        self.clock.program_ended()
+        try:
+            self._controller.command(taken=False)
+            self._observer.ended(error)
+            self.reporter.report()
+        finally:  # even if the middleware was shut down meanwhile: the cell waits for it
+            self.clock.program_ended()

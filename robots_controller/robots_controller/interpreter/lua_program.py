@@ -317,7 +317,14 @@ class LuaProgram(SharedData):
             held=self._set_call_stack,
             line=self._set_line,
         )
-        error, stopped = run.run()
+        error: ProgramError | None = None
+        try:
+            error, stopped = run.run()
+            error = self._end(run, error, stopped=stopped)
+        finally:
+            self._cell.ended(error)
+
+    def _end(self, run: ProgramRun, error: ProgramError | None, *, stopped: bool) -> ProgramError | None:
         with self._state.condition:
             if stopped and error is None and self._failure:
                 error = ProgramError(self._failure, file=self.line_file, line=self._line)
@@ -333,7 +340,7 @@ class LuaProgram(SharedData):
             self._told_hold = False
         else:
             self._tell_hold()
-        self._cell.ended(error)
+        return error
 
     def _set_line(self, source: LuaSource, line: int) -> None:
         self._line_source, self._line = source, line

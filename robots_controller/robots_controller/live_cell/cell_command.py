@@ -25,7 +25,7 @@ from robots_controller.editor.debug_token import new_token
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, NodeDescription, cell_graph
-from robots_controller.live_cell.cell_listener import listen
+from robots_controller.live_cell.cell_listener import CellListener, listen
 from robots_controller.live_cell.cell_view import CellView
 from robots_controller.live_cell.frozen_nodes import FrozenNodes
 from robots_controller.live_cell.left_outputs import LeftOutputs
@@ -33,7 +33,6 @@ from robots_controller.live_cell.node_processes import NodeProcesses
 from robots_controller.live_cell.node_restarts import NodeRestarts
 from robots_controller.live_cell.restart_policy import RestartPolicy
 from robots_controller.live_cell.running_cell import RunningCell, occupied
-from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.runtime_folder import alone
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
@@ -174,7 +173,6 @@ def _run_alone(
         )
     bag = folder / 'bag' if options.record else None
     with listen(options.namespace, bag, lockstep=options.lockstep) as listener:
-        recorder = listener.recorder
         view = CellView(console, processes.names, robot.axes_data.prismatic)
         outputs = LeftOutputs(listener.monitor, read_cell_io(options.io, options.io_map).fail_safe)
         # A lock-step run ends with a participant that is lost.
@@ -193,8 +191,7 @@ def _run_alone(
             processes.start()
             code = cell.run()
             cell.bring_to_rest()
-            if recorder is not None:
-                code = _close_recording(recorder, options, console, cell.program_ended) or code
+            code = _close_recording(listener, options, console, cell.program_ended) or code
             if options.once and options.view and cell.program_ended:
                 console.print('the page stays open; Ctrl-C ends it')
                 cell.watch()
@@ -202,8 +199,7 @@ def _run_alone(
             console.print('\nstopping ...')
             code = EXIT_INTERRUPTED
             cell.bring_to_rest()
-            if recorder is not None and not recorder.closed:
-                _close_recording(recorder, options, console, program_ended=False)
+            _close_recording(listener, options, console, program_ended=False)
         finally:
             view.close()
             processes.stop()
@@ -211,13 +207,16 @@ def _run_alone(
 
 
 def _close_recording(
-    recorder: BagRecorder,
+    listener: CellListener,
     options: argparse.Namespace,
     console: Console,
     program_ended: bool,  # noqa: FBT001
 ) -> int:
-    """Close the bag and report on it; returns an exit code."""
-    recorder.close()
+    """Close the bag, if there is one that is open, and report on it; returns an exit code."""
+    recorder = listener.recorder
+    if recorder is None or recorder.closed:
+        return EXIT_OK
+    listener.close_recording()
     console.print(f'bag: {recorder.path}')
     if recorder.problem:
         return EXIT_FAILED

@@ -3,6 +3,7 @@
 import contextlib
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,11 +20,12 @@ from robots_controller.live_cell.cell_monitor import SERVICES, CellMonitor
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_core.ros.lean_executor import LeanExecutor
 from robots_core.ros.lockstep.agenda import LockstepError
-from robots_core.ros.lockstep.coordinator import Coordinator
+from robots_core.ros.lockstep.coordinator import PATIENCE, Coordinator
 from robots_core.ros.timed_node import TimedNode
 
 # The thread that advances time waits so long at most for those that listen and record.
 SWITCH_INTERVAL = 1e-4  # s
+POLL = 0.01  # s
 # Nodes that only show what happens, and never hold up a lock-step run.
 ONLOOKERS = ('visualizer_node',)
 
@@ -111,7 +113,9 @@ class CellListener:
         expected = [f'{prefix}/{name}' for name in nodes if name not in ONLOOKERS]
         self._operator = CellOperator(namespace=self.monitor.get_namespace())
         expected.append(self._operator.get_fully_qualified_name())
-        self._coordinator = Coordinator(node, expected, on_error=self._fail, on_held=self._hold, held=True)
+        self._coordinator = Coordinator(
+            node, expected, on_error=self._fail, on_held=self._hold, held=True, recorder=self.recorder
+        )
         self._spinning = Spinning((node, self._operator), 'lock-step')
 
     def call(self, service: str) -> Future:
@@ -123,6 +127,25 @@ class CellListener:
         if self._coordinator is not None:
             assert self._spinning is not None
             self._spinning.call(self._coordinator.release)
+
+    def close_recording(self) -> None:
+        """Close the bag; that of a lock-step run, which stops here, when it has all that was sent."""
+        if self.recorder is None:
+            return
+        if self._coordinator is not None and self._coordinator.started and not self.problem:
+            self._wait_for_recording(self.recorder, self._coordinator)
+        self.recorder.close()
+
+    def _wait_for_recording(self, recorder: BagRecorder, coordinator: Coordinator) -> None:
+        assert self._spinning is not None
+        self.held = False
+        self._spinning.call(coordinator.hold)
+        deadline = time.monotonic() + PATIENCE
+        while not (self.held or self.problem) or recorder.missing(coordinator.sent):
+            if self.problem or time.monotonic() > deadline:
+                recorder.problem = recorder.problem or recorder.missing(coordinator.sent)
+                return
+            time.sleep(POLL)
 
     def close(self) -> None:
         """End a lock-step run."""

@@ -2,7 +2,8 @@
 
 import threading
 import time
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -57,6 +58,7 @@ class BagRecorder(Node):
         self._typestore = get_typestore(Stores.ROS2_JAZZY)
         self._writer = CrashSafeWriter(path)
         self._topics: dict[str, _RecordedTopic] = {}
+        self._received: Counter[str] = Counter()
         self._writer.open()
         self._writing = threading.Lock()  # a topic is found while another's messages are written
         self._closed = threading.Event()
@@ -74,6 +76,19 @@ class BagRecorder(Node):
         heard = {name for name, topic in list(self._topics.items()) if topic.subscription.publishers > 0}
         return all((topic if topic.startswith('/') else self._prefix + topic) in heard for topic in topics)
 
+    def recorded(self, topics: Iterable[str]) -> frozenset[str] | None:
+        """Those of the topics, by their full names, that it records; None until it is subscribed to these."""
+        found = frozenset(topic for topic in topics if self._records(topic))
+        return found if found <= self._topics.keys() else None
+
+    def missing(self, sent: Mapping[str, int]) -> str:
+        """What has not come yet of so many messages by topic; '' if all have."""
+        return '; '.join(
+            f'{self._received[topic]} of {count} messages on {topic} have come'
+            for topic, count in sent.items()
+            if self._received[topic] < count
+        )
+
     @property
     def closed(self) -> bool:
         """The bag is complete."""
@@ -90,11 +105,13 @@ class BagRecorder(Node):
             if not (self._closed.is_set() or self.problem):
                 self._find_topics()
 
+    def _records(self, topic: str) -> bool:
+        known = topic.startswith((self._prefix, '/diagnostics', '/rosout'))
+        return known and not (is_of_protocol(topic) or topic.endswith(f'/{HEARTBEAT}'))
+
     def _find_topics(self) -> None:
         for topic, types in self.get_topic_names_and_types():
-            if topic in self._topics or not topic.startswith((self._prefix, '/diagnostics', '/rosout')):
-                continue
-            if is_of_protocol(topic) or topic.endswith(f'/{HEARTBEAT}'):
+            if topic in self._topics or not self._records(topic):
                 continue
             publishers = self.get_publishers_info_by_topic(topic)
             if publishers and types[0] in self._typestore.types:
@@ -143,6 +160,7 @@ class BagRecorder(Node):
             for topic in list(self._topics.values())
             for data, info in topic.subscription.take_all()
         ]
+        self._received.update(connection.topic for _, connection, _ in messages)
         if self._times is not None:
             messages = self._times.stamped(messages, last=last)
         written = False

@@ -3,7 +3,7 @@
 import struct
 import time
 from collections.abc import Callable, Iterable
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
@@ -23,6 +23,7 @@ from robots_core.ros.lockstep.protocol import (
     ROSTER,
     TIME,
     Announcement,
+    Endpoint,
     Roster,
     decode_reports,
     encode,
@@ -35,6 +36,16 @@ WATCH_PERIOD: Final = 0.1  # s of the wall clock
 
 _CLOCK = struct.Struct('<4siI')  # CDR of a Clock
 _LITTLE_ENDIAN: Final = b'\x00\x01\x00\x00'
+
+
+class Recorder(Protocol):
+    """A node that takes no part in a run, and records all that is sent in it."""
+
+    def get_fully_qualified_name(self) -> str:
+        """The node's name, with its namespace."""
+
+    def recorded(self, topics: Iterable[str]) -> frozenset[str] | None:
+        """Those of the topics that it records; None while it is not subscribed to all of these."""
 
 
 class Coordinator:
@@ -51,6 +62,7 @@ class Coordinator:
         on_error: Called once when the run cannot go on; by default the error is raised where the node spins.
         on_held: Called when nothing more is due at this instant and the run is held.
         held: The run is held from the beginning on.
+        recorder: The run begins when all publishers have found its subscriptions.
         patience: Longest time without any progress, s of the wall clock.
         joining_patience: Longest time until the run begins, s of the wall clock.
     """
@@ -63,6 +75,7 @@ class Coordinator:
         on_error: Callable[[LockstepError], None] | None = None,
         on_held: Callable[[], None] = lambda: None,
         held: bool = False,
+        recorder: Recorder | None = None,
         patience: float = PATIENCE,
         joining_patience: float = JOINING_PATIENCE,
     ) -> None:
@@ -72,6 +85,7 @@ class Coordinator:
         self._on_error, self._on_held = on_error, on_held
         self._patience, self._joining_patience = patience, joining_patience
         self._held, self._told_held = held, False
+        self._recorder, self._recorded = recorder, frozenset[str]()
         self._traffic, self._agenda = Traffic(), Agenda()
         self._announced: dict[str, Announcement] = {}
         self._names: list[str] = []
@@ -107,6 +121,11 @@ class Coordinator:
     def missing(self) -> list[str]:
         """Expected participants that have not joined."""
         return sorted(self._expected - self._announced.keys())
+
+    @property
+    def sent(self) -> dict[str, int]:
+        """Messages that participants have sent so far, by topic; those of the recorded topics."""
+        return {topic: self._traffic.sent(topic) for topic in self._recorded}
 
     def hold(self) -> None:
         """Let no time pass after the present instant."""
@@ -153,15 +172,31 @@ class Coordinator:
         self._traffic.join(name, announcement.endpoints)
         for index, count in self._early.pop(name, {}).items():
             self._count(name, index, count)
+        self._send_roster()
+        self._go_on()
+
+    def _send_roster(self) -> None:
         participants = {name: self._announced[name].endpoints for name in self._names}
+        if self._recorder is not None:  # behind all that have numbers
+            endpoints = tuple(Endpoint('recorded', topic) for topic in sorted(self._recorded))
+            participants[self._recorder.get_fully_qualified_name()] = endpoints
         polled = dict.fromkeys([*self._roster.polled, *self._traffic.polled])
         self._roster = Roster(self._roster.version + 1, participants, tuple(polled))
         self._rosters.publish(String(data=self._roster.to_json()))
         self._progress = time.monotonic()
-        self._go_on()
+
+    def _is_recorded(self) -> bool:
+        """The recorder's subscriptions to all topics are in the roster."""
+        if self._recorder is None:
+            return True
+        recorded = self._recorder.recorded(self._traffic.published)
+        if recorded is not None and recorded != self._recorded:
+            self._recorded = recorded
+            self._send_roster()
+        return recorded is not None
 
     def _begin_when_matched(self) -> None:
-        if self._started or self.missing:
+        if self._started or self.missing or not self._is_recorded():
             return
         if any(one.matched != self._roster.version for one in self._announced.values()):
             return
@@ -246,6 +281,8 @@ class Coordinator:
     def _not_joined(self) -> str:
         if self.missing:
             return f'{", ".join(self.missing)} did not join the lock-step run'
+        if not self._is_recorded():
+            return 'the recorder did not find all topics'
         unmatched = [one.name for one in self._announced.values() if one.matched != self._roster.version]
         return f'{", ".join(unmatched) or "the coordinator"} did not find all topics and services'
 

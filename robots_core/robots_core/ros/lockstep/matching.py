@@ -32,7 +32,9 @@ def _unmatched_publisher(node: Node, endpoint: Endpoint, publisher: Any, roster:
         participant
         for participant, endpoints in roster.participants.items()
         for one in endpoints
-        if one.name == topic and one.kind in {'subscription', 'polled'} and (latched or not one.latched)
+        if one.name == topic
+        and one.kind in {'subscription', 'polled', 'recorded'}
+        and (latched or not one.latched)
     ]
     found = [
         info

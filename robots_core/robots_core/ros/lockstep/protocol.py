@@ -38,7 +38,7 @@ RELEASE: Final = -1
 _HEAD: Final = struct.Struct('<4sIII4x')
 _LITTLE_ENDIAN: Final = b'\x00\x01\x00\x00'
 
-Kind = Literal['publisher', 'subscription', 'polled', 'service', 'requests', 'replies']
+Kind = Literal['publisher', 'subscription', 'polled', 'recorded', 'service', 'requests', 'replies']
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,8 @@ class Endpoint:
     """Where a participant counts messages.
 
     Attributes:
-        kind: What it counts; a client has two, its requests and behind them the replies to them.
+        kind: What it counts; a client has two, its requests and behind them the replies to them. What is
+            'recorded' is not counted: time does not wait for the recorder.
         name: Of the topic or service, with its namespace.
         latched: It is transient-local; such a subscription does not match other publishers.
     """

@@ -46,6 +46,12 @@ class Traffic:
                 self._receivers[endpoint.name].append(place)
         self._check_polled()
 
+    @property
+    def published(self) -> set[str]:
+        """Topics that participants publish."""
+        endpoints = (endpoint for endpoints in self._endpoints.values() for endpoint in endpoints)
+        return {endpoint.name for endpoint in endpoints if endpoint.kind == 'publisher'}
+
     def publishers(self, topic: str) -> list[str]:
         """The participants that publish a topic; one that has two publishers of it twice."""
         return [
