@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import PurePosixPath
 
 from robots_controller.interpreter.debugger import CallStack, Debugger, HoldReason, call_stack
+from robots_controller.interpreter.functions.run_context import RunContext
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_sandbox import (
     DEFAULT_MEMORY,
@@ -60,9 +61,8 @@ class ProgramRun:
         self._tell_line = line
         self._sources = {source.chunk_name: source}
         self._chunk = ''
-        self._functions = RobotFunctions(
-            state, cell, view, subprogram=self._subprogram, motion_ended=self._motion_ended, hold=hold
-        )
+        self._robot = RunContext(state, cell, view, self._subprogram, hold)
+        self._functions = RobotFunctions(self._robot, motion_ended=self._motion_ended)
 
     def run(self) -> tuple[ProgramError | None, bool]:
         """Run the program to its end.
@@ -82,12 +82,12 @@ class ProgramRun:
             error = ProgramError(
                 f'internal error: {sandbox.host_error!r}',
                 file=self._source.file,
-                line=self._functions.run.line,
+                line=self._robot.line,
             )
             error.__cause__ = sandbox.host_error
         else:
             error = self._error(failure)
-            self._functions.pulses.end(all_of_them=True)
+            self._robot.pulses.end(all_of_them=True)
             if error is not None and self._state.motions:
                 self._cell.abort()
         if error is not None or failure:
@@ -143,7 +143,7 @@ class ProgramRun:
             state.tasks.begin(task)
         else:
             state.tasks.end(-task)
-        self._functions.pulses.end()
+        self._robot.pulses.end()
         with state.condition:
             if not state.needs_attention():
                 return None
@@ -170,7 +170,7 @@ class ProgramRun:
             self._state.hold()
             if self._state.run_state is not RunState.PAUSED:
                 break
-            self._functions.pulses.end()
+            self._robot.pulses.end()
         self._debugger.set_depth(stack.depth)
         self._held(CallStack())
         return self.poll()
@@ -185,8 +185,8 @@ class ProgramRun:
     # -- inside -----------------------------------------------------------------------------------
 
     def _set_line(self, chunk: str, line: int) -> None:
-        if (chunk, line) != (self._chunk, self._functions.run.line):
-            self._chunk, self._functions.run.line = chunk, line
+        if (chunk, line) != (self._chunk, self._robot.line):
+            self._chunk, self._robot.line = chunk, line
             self._tell_line(self._sources.get(chunk, self._source), line)
 
     def _motion_ended(self) -> None:
