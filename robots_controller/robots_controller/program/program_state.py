@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from robots_controller.io.io_image import IoImage, check_count
 from robots_controller.program.background_tasks import BackgroundTasks
@@ -336,42 +336,6 @@ class ProgramState:
             if ((overrides < 0.0) | (overrides > 1.0)).any():
                 raise InvalidInputError(f'overrides = {overrides.tolist()}; valid is 0..1 for every axis')
             self._overrides = read_only(overrides)
-
-    @property
-    def digital_inputs(self) -> NDArray[np.bool_]:
-        """Image of the digital inputs, a copy; the first is input 1."""
-        return self.io.bits('digital_inputs')
-
-    @property
-    def digital_outputs(self) -> NDArray[np.bool_]:
-        """Image of the digital outputs, a copy; the first is output 1."""
-        return self.io.bits('digital_outputs')
-
-    @property
-    def analog_inputs(self) -> Array:
-        """Image of the analog inputs, a copy; the first is input 1."""
-        return self.io.numbers('analog_inputs')
-
-    @property
-    def analog_outputs(self) -> Array:
-        """Image of the analog outputs, a copy; the first is output 1."""
-        return self.io.numbers('analog_outputs')
-
-    def set_digital_inputs(self, values: ArrayLike) -> None:
-        """Set inputs 1..k to the k values, each 0 or 1; further inputs keep theirs.
-
-        Raises:
-            InvalidInputError: more values than inputs, or a value other than 0 and 1.
-        """
-        self.io.set_inputs('digital', values)
-
-    def set_analog_inputs(self, values: ArrayLike) -> None:
-        """Set inputs 1..k to the k values; further inputs keep theirs.
-
-        Raises:
-            InvalidInputError: more values than inputs, or a value that is not finite.
-        """
-        self.io.set_inputs('analog', values)
 
     def set_output(self, kind: Literal['digital', 'analog'], index: int, value: float) -> bool:
         """Switch one output.

@@ -85,30 +85,30 @@ class SharedData:
     @property
     def digital_inputs(self) -> NDArray[np.bool_]:
         """Image of the digital inputs; set 0s and 1s for inputs 1..k, further inputs keep theirs."""
-        return self._state.digital_inputs
+        return self.io.bits('digital_inputs')
 
     @digital_inputs.setter
     def digital_inputs(self, values: ArrayLike) -> None:
-        self._state.set_digital_inputs(values)
+        self.io.set_inputs('digital', values)
 
     @property
     def analog_inputs(self) -> Array:
         """Image of the analog inputs; set numbers for inputs 1..k, further inputs keep theirs."""
-        return self._state.analog_inputs
+        return self.io.numbers('analog_inputs')
 
     @analog_inputs.setter
     def analog_inputs(self, values: ArrayLike) -> None:
-        self._state.set_analog_inputs(values)
+        self.io.set_inputs('analog', values)
 
     @property
     def digital_outputs(self) -> NDArray[np.bool_]:
         """Image of the digital outputs; the first is output 1."""
-        return self._state.digital_outputs
+        return self.io.bits('digital_outputs')
 
     @property
     def analog_outputs(self) -> Array:
         """Image of the analog outputs; the first is output 1."""
-        return self._state.analog_outputs
+        return self.io.numbers('analog_outputs')
 
     @property
     def overrides(self) -> Array:
