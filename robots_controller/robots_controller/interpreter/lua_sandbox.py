@@ -21,7 +21,7 @@ from __future__ import annotations
 import itertools
 import math
 import struct
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from enum import IntFlag
 from typing import Any, Final, NoReturn, Protocol
@@ -127,10 +127,10 @@ class SandboxHost(Protocol):
             task: A task that begins; the negative of one that has ended; 0 for none.
         """
 
-    def held(self, records: list[str]) -> Attention:
+    def held(self, *records: str) -> Attention:
         """Hold the program, which looks like this (see `call_stack`)."""
 
-    def handled(self, *, abort: bool) -> None:
+    def handled(self, abort: bool) -> None:  # noqa: FBT001  # called from Lua
         """The handler has ended; the motion under way goes on, or not."""
 
 
@@ -190,18 +190,18 @@ class LuaSandbox:
         Returns:
             None at its end, or why it ended early.
         """
-        runtime = _runtime(self._memory)
+        runtime, host = _runtime(self._memory), self._host
         callbacks = (
             self._serve,
             self._again,
             self._abandon,
             self._next_values,
-            self._ask,
-            self._computed,
-            self._at_line,
+            self._answered(host.poll),
+            self._answered(host.computed),
+            self._answered(host.at_line),
             self._attention,
-            self._held,
-            self._handled,
+            self._answered(host.held),
+            self._answered(host.handled),
         )
         run = runtime.execute(
             PRELUDE,
@@ -301,23 +301,17 @@ class LuaSandbox:
         step, self._values = self._values[:VALUES_STEP], self._values[VALUES_STEP:]
         return step
 
-    def _ask(self) -> int:
-        try:
-            return int(self._host.poll())
-        except BaseException as error:  # noqa: BLE001  # distinguished there
-            return self._stop(error)
+    def _answered(self, ask: Callable[..., int | None]) -> Callable[..., int]:
+        """A method of the host as Lua calls it: texts come as bytes, and the answer is attention."""
 
-    def _computed(self, chunk: bytes, line: int) -> int:
-        try:
-            return int(self._host.computed(chunk.decode(), line))
-        except BaseException as error:  # noqa: BLE001  # distinguished there
-            return self._stop(error)
+        def answer(*arguments: Any) -> int:
+            try:
+                texts = (a.decode(errors='replace') if isinstance(a, bytes) else a for a in arguments)
+                return int(ask(*texts) or Attention.NONE)
+            except BaseException as error:  # noqa: BLE001  # distinguished there
+                return self._stop(error)
 
-    def _at_line(self, chunk: bytes, line: int, depth: int) -> int:
-        try:
-            return int(self._host.at_line(chunk.decode(), line, depth))
-        except BaseException as error:  # noqa: BLE001  # distinguished there
-            return self._stop(error)
+        return answer
 
     def _attention(self, task: int) -> tuple[int, int]:
         try:
@@ -329,19 +323,6 @@ class LuaSandbox:
         if wanted == 0:
             return 3, 0
         return (2, wanted) if wanted > 0 else (4, -wanted)
-
-    def _held(self, *records: bytes) -> int:
-        try:
-            return int(self._host.held([record.decode(errors='replace') for record in records]))
-        except BaseException as error:  # noqa: BLE001  # distinguished there
-            return self._stop(error)
-
-    def _handled(self, _id: int, abort: bool) -> int:  # noqa: FBT001  # called from Lua
-        try:
-            self._host.handled(abort=abort)
-        except BaseException as error:  # noqa: BLE001  # distinguished there
-            return self._stop(error)
-        return 0
 
     def _stop(self, error: BaseException) -> int:
         self._failed(error)

@@ -159,7 +159,7 @@ class ProgramRun:
         self._tell_hold()
         return handler
 
-    def held(self, records: list[str]) -> Attention:
+    def held(self, *records: str) -> Attention:
         """Hold the program."""
         stack = call_stack(records)
         if stack.frames:
@@ -175,7 +175,7 @@ class ProgramRun:
         self._held(CallStack())
         return self.poll()
 
-    def handled(self, *, abort: bool) -> None:
+    def handled(self, abort: bool) -> None:  # noqa: FBT001  # called from Lua
         """The handler of an input has ended."""
         try:
             self._functions.motions.handled(abort=abort)
