@@ -74,16 +74,20 @@ class LuaProgram(SharedData):
         self._hold_lock = threading.Lock()
         self._told_hold = False
         self.debugger = Debugger()
-        self._hold_reason: HoldReason = ''
+        self.hold_reason: HoldReason = ''
+        """Why the program is held: 'pause', 'breakpoint', 'step', 'entry', 'release'; '' if it is not."""
+        self.call_stack = CallStack()
+        """Where the held program is and what its variables are; empty while it runs."""
         self._enabled = True
-        self._call_stack = CallStack()
         self.points_file: Path | None = None
         """Where taught points stand; beside the program by default."""
         self._source: LuaSource | None = None
         self._line_source: LuaSource | None = None
         self._thread: threading.Thread | None = None
-        self._line = 0
-        self._error: ProgramError | None = None
+        self.line = 0
+        """Line of the last call of a robot function, or of the error; 0 before the first."""
+        self.error: ProgramError | None = None
+        """Why the last run failed."""
         self._failure = ''
 
     # -- the run ----------------------------------------------------------------------------------
@@ -99,7 +103,7 @@ class LuaProgram(SharedData):
         with self._state.condition:
             self._refuse_while_running('open another program')
             self._source, self._line_source = source, None
-            self._line, self._error = 0, None
+            self.line, self.error = 0, None
             self._state.set_run_state(RunState.OPENED)
 
     def run(self, *, hold: bool = False) -> None:
@@ -119,7 +123,7 @@ class LuaProgram(SharedData):
                 raise ProgramError('no program is open; open one first')
             self._refuse_while_running('run')
             self._refuse_while_moving('run')
-            self._line_source, self._line, self._error, self._failure = None, 0, None, ''
+            self._line_source, self.line, self.error, self._failure = None, 0, None, ''
             self.debugger.step('in' if hold else None, entry=hold)
             self._set_hold_reason('')
             self._state.set_run_state(RunState.RUNNING)
@@ -169,7 +173,7 @@ class LuaProgram(SharedData):
         self._enabled = enabled
         if not enabled:
             self._hold('release')
-        elif self._hold_reason == 'release':
+        elif self.hold_reason == 'release':
             self._release(None)
 
     def step(self, step: Step = 'over') -> bool:
@@ -179,16 +183,6 @@ class LuaProgram(SharedData):
             True if it was held.
         """
         return self._release(step)
-
-    @property
-    def hold_reason(self) -> HoldReason:
-        """Why the program is held: 'pause', 'breakpoint', 'step', 'entry', 'release'; '' if it is not."""
-        return self._hold_reason
-
-    @property
-    def call_stack(self) -> CallStack:
-        """Where the held program is and what its variables are; empty while it runs."""
-        return self._call_stack
 
     def reset(self) -> None:
         """Set a program that has ended back to its start and forget its error; outputs stay.
@@ -201,7 +195,7 @@ class LuaProgram(SharedData):
                 raise ProgramError('no program is open; open one first')
             self._refuse_while_running('reset')
             self._refuse_while_moving('reset')
-            self._line_source, self._line, self._error = None, 0, None
+            self._line_source, self.line, self.error = None, 0, None
             self._state.set_run_state(RunState.OPENED)
 
     def join(self, timeout: float | None = None) -> bool:
@@ -247,16 +241,6 @@ class LuaProgram(SharedData):
         source = self._line_source
         return source.file if source else self.file
 
-    @property
-    def line(self) -> int:
-        """Line of the last call of a robot function, or of the error; 0 before the first."""
-        return self._line
-
-    @property
-    def error(self) -> ProgramError | None:
-        """Why the last run failed."""
-        return self._error
-
     def source_line(self, number: int) -> str:
         """Text of a line of the program or subprogram that `line` belongs to, '' where there is none."""
         source = self._line_source or self._source
@@ -282,7 +266,7 @@ class LuaProgram(SharedData):
         return released
 
     def _set_hold_reason(self, reason: HoldReason) -> None:
-        self._hold_reason, self._call_stack = reason, CallStack()
+        self.hold_reason, self.call_stack = reason, CallStack()
 
     def _tell_hold(self) -> None:
         # One at a time: the state reported last is the present one.
@@ -293,7 +277,7 @@ class LuaProgram(SharedData):
                 self._cell.hold(held=held)
 
     def _set_call_stack(self, stack: CallStack) -> None:
-        self._call_stack = stack
+        self.call_stack = stack
         self._cell.held_changed()
 
     # -- the program's thread -----------------------------------------------------------------------
@@ -320,12 +304,12 @@ class LuaProgram(SharedData):
         error, stopped = run.run()
         with self._state.condition:
             if stopped and error is None and self._failure:
-                error = ProgramError(self._failure, file=self.line_file, line=self._line)
-            self._error = error
+                error = ProgramError(self._failure, file=self.line_file, line=self.line)
+            self.error = error
             self._set_hold_reason('')
             if error is not None:
                 if error.line:
-                    self._line_source, self._line = run.source_of(error.file), error.line
+                    self._line_source, self.line = run.source_of(error.file), error.line
                 self._state.set_run_state(RunState.FAILED)
             else:
                 self._state.set_run_state(RunState.STOPPED if stopped else RunState.FINISHED)
@@ -336,7 +320,7 @@ class LuaProgram(SharedData):
         self._cell.ended(error)
 
     def _set_line(self, source: LuaSource, line: int) -> None:
-        self._line_source, self._line = source, line
+        self._line_source, self.line = source, line
         self._cell.line_reached(line)
 
     def _refuse_while_running(self, action: str) -> None:

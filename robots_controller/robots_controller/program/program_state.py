@@ -17,7 +17,7 @@ from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import ProgramStopped, RunState
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.pose import Pose
-from robots_core.validation import Array, finite_vector, read_only
+from robots_core.validation import finite_vector, read_only
 from robots_planning.robot_command_state import RobotCommandState
 
 __all__ = ['MotionCommand', 'OutputChange', 'ProgramState', 'ProgramStopped', 'RunState']
@@ -26,7 +26,8 @@ __all__ = ['MotionCommand', 'OutputChange', 'ProgramState', 'ProgramStopped', 'R
 class ProgramState:
     """Command state, motion, reference pose, I/O images and overrides, safe from any thread.
 
-    One condition variable guards everything and wakes all waiting threads; a stop interrupts every wait.
+    One condition variable guards all changes and wakes all waiting threads; a stop interrupts every wait.
+    What the attributes say may be read at any time; methods change it.
 
     Args:
         num_axes: n.
@@ -34,6 +35,16 @@ class ProgramState:
         analog: Number of analog inputs, and of analog outputs.
         clock: The program's time.
         labels: Names of the channels of an image, see `IoImage`.
+
+    Attributes:
+        io: All inputs and outputs.
+        run_state: What the program does.
+        stopping: A stop of the program was requested.
+        num_axes: n.
+        command_state: What the robot is commanded to do.
+        reference_pose: Where the last commanded motion leads the tool, seen from the base; None for unknown.
+        overrides: Speed scale factor per axis, (n,), 0..1, read-only.
+        braked: The handler of an input runs, and the motion under way is held for it.
 
     Raises:
         InvalidInputError: sizes that are not at least 1, or names that are not valid.
@@ -52,48 +63,36 @@ class ProgramState:
         self.condition = threading.Condition()
         self.io = IoImage(digital=digital, analog=analog, labels=labels, condition=self.condition)
         self.clock = clock
-        self._num_axes = num_axes
-        self._run_state = RunState.IDLE
-        self._stopping = False
-        self._command_state = RobotCommandState.IDLE
+        self.num_axes = num_axes
+        self.run_state = RunState.IDLE
+        self.stopping = False
+        self.command_state = RobotCommandState.IDLE
         self._motions: list[MotionCommand] = []
         self._motion_error: tuple[MotionCommand, RobotsError] | None = None
-        self._reference_pose: Pose | None = None
-        self._overrides = read_only(np.ones(num_axes))
+        self.reference_pose: Pose | None = None
+        self.overrides = read_only(np.ones(num_axes))
         self.interrupts = InputInterrupts()
         self.tasks = BackgroundTasks(clock)
-        self._braked = False
+        self.braked = False
         self._alarm: float | None = None
 
     # -- the run --------------------------------------------------------------------------------
-
-    @property
-    def run_state(self) -> RunState:
-        """What the program does."""
-        with self.condition:
-            return self._run_state
 
     @property
     def running(self) -> bool:
         """The program has begun and not ended; it may be paused."""
         return self.run_state in (RunState.RUNNING, RunState.PAUSED)
 
-    @property
-    def stopping(self) -> bool:
-        """A stop of the program was requested."""
-        with self.condition:
-            return self._stopping
-
     def set_run_state(self, state: RunState) -> None:
         """Set what the program does; beginning to run forgets an earlier stop."""
         with self.condition:
-            if state is RunState.RUNNING and self._run_state is not RunState.PAUSED:
-                self._stopping = False
+            if state is RunState.RUNNING and self.run_state is not RunState.PAUSED:
+                self.stopping = False
                 self._motion_error = None
                 self.interrupts = InputInterrupts()
                 self.tasks = BackgroundTasks(self.clock)
-                self._braked, self._alarm = False, None
-            self._run_state = state
+                self.braked, self._alarm = False, None
+            self.run_state = state
             self.condition.notify_all()
 
     def stop(self) -> bool:
@@ -103,38 +102,31 @@ class ProgramState:
             True if it was running.
         """
         with self.condition:
-            if self._run_state not in (RunState.RUNNING, RunState.PAUSED):
+            if not self.running:
                 return False
-            self._stopping = True
+            self.stopping = True
             self.condition.notify_all()
             return True
 
     def change_run_state(self, expected: RunState, state: RunState) -> bool:
         """Change from one run state to another, if the program is in the first one and shall not stop."""
         with self.condition:
-            if self._run_state is not expected or self._stopping:
+            if self.run_state is not expected or self.stopping:
                 return False
-            self._run_state = state
+            self.run_state = state
             self.condition.notify_all()
             return True
-
-    @property
-    def braked(self) -> bool:
-        """The handler of an input runs, and the motion under way is held for it."""
-        with self.condition:
-            return self._braked
 
     def set_braked(self, *, braked: bool) -> None:
         """Hold the motion under way for the handler of an input, or let it go on."""
         with self.condition:
-            self._braked = braked
+            self.braked = braked
             self.condition.notify_all()
 
     @property
     def robot_held(self) -> bool:
         """The robot shall stand on its path: the program is paused, or handles an input."""
-        with self.condition:
-            return self._braked or self._run_state is RunState.PAUSED
+        return self.braked or self.run_state is RunState.PAUSED
 
     def set_alarm(self, time: float | None) -> None:
         """The program must attend to something at this time of its clock, s; None for nothing."""
@@ -148,9 +140,9 @@ class ProgramState:
             ProgramStopped: the program shall stop.
         """
         with self.condition:
-            while self._run_state is RunState.PAUSED and not self._stopping and not self._alarm_is_due():
+            while self.run_state is RunState.PAUSED and not self.stopping and not self._alarm_is_due():
                 self.clock.wait(self.condition, self._alarm)
-            if self._stopping:
+            if self.stopping:
                 raise ProgramStopped
 
     def wait_for_standstill(self) -> None:
@@ -160,9 +152,9 @@ class ProgramState:
             ProgramStopped: the program shall stop.
         """
         with self.condition:
-            while self._motions and not self._stopping:
+            while self._motions and not self.stopping:
                 self.clock.wait(self.condition, None)
-            if self._stopping:
+            if self.stopping:
                 raise ProgramStopped
 
     def needs_attention(self) -> bool:
@@ -172,11 +164,11 @@ class ProgramState:
             ProgramStopped: the program shall stop.
         """
         with self.condition:
-            if self._stopping:
+            if self.stopping:
                 raise ProgramStopped
             if self.interrupts.look() or self.tasks.next() is not None:
                 return True
-            return self._run_state is RunState.PAUSED or self._alarm_is_due()
+            return self.run_state is RunState.PAUSED or self._alarm_is_due()
 
     def _alarm_is_due(self) -> bool:
         return self._alarm is not None and self.clock.now() >= self._alarm
@@ -216,12 +208,6 @@ class ProgramState:
 
     # -- the motion -----------------------------------------------------------------------------
 
-    @property
-    def num_axes(self) -> int:
-        """Number of axes n."""
-        with self.condition:
-            return self._num_axes
-
     def set_num_axes(self, num_axes: int) -> None:
         """Define the number of axes; not while a program runs.
 
@@ -233,14 +219,8 @@ class ProgramState:
         with self.condition:
             if self.running:
                 raise ProgramError('the number of axes cannot change while a program runs; stop it first')
-            self._num_axes = num_axes
-            self._overrides = read_only(np.ones(num_axes))
-
-    @property
-    def command_state(self) -> RobotCommandState:
-        """What the robot is commanded to do."""
-        with self.condition:
-            return self._command_state
+            self.num_axes = num_axes
+            self.overrides = read_only(np.ones(num_axes))
 
     def set_command_state(self, state: RobotCommandState | str) -> None:
         """Set the command state; IDLE ends the motion that was commanded.
@@ -258,7 +238,7 @@ class ProgramState:
             if state is RobotCommandState.IDLE:
                 self.finish_motion()
             else:
-                self._command_state = state
+                self.command_state = state
 
     @property
     def motion(self) -> MotionCommand | None:
@@ -272,12 +252,6 @@ class ProgramState:
         with self.condition:
             return tuple(self._motions)
 
-    @property
-    def reference_pose(self) -> Pose | None:
-        """Where the last commanded motion leads the tool, seen from the base; None for unknown."""
-        with self.condition:
-            return self._reference_pose
-
     def command_motion(self, command: MotionCommand, reference_pose: Pose | None = None) -> None:
         """Set a motion, its command state, and where it leads the tool.
 
@@ -288,8 +262,8 @@ class ProgramState:
             if self._motions and not self._motions[-1].blend:
                 raise ProgramError(f'the motion of line {self._motions[-1].line} has not finished')
             self._motions.append(command)
-            self._command_state = command.kind.state
-            self._reference_pose = reference_pose
+            self.command_state = command.kind.state
+            self.reference_pose = reference_pose
 
     def finish_motion(self, error: RobotsError | None = None, command: MotionCommand | None = None) -> None:
         """End a motion: the program goes on, or gets the error; IDLE again after the last one.
@@ -308,7 +282,7 @@ class ProgramState:
                 else:
                     del self._motions[: self._motions.index(command) + 1]
             if not self._motions:
-                self._command_state = RobotCommandState.IDLE
+                self.command_state = RobotCommandState.IDLE
             self.condition.notify_all()
 
     def take_motion_error(self) -> tuple[MotionCommand, RobotsError] | None:
@@ -319,12 +293,6 @@ class ProgramState:
 
     # -- inputs, outputs, overrides ----------------------------------------------------------------
 
-    @property
-    def overrides(self) -> Array:
-        """Speed scale factor per axis, (n,), 0..1, read-only."""
-        with self.condition:
-            return self._overrides
-
     def set_overrides(self, values: ArrayLike) -> None:
         """Set the speed scale factors.
 
@@ -332,10 +300,10 @@ class ProgramState:
             InvalidInputError: not one number in 0..1 per axis.
         """
         with self.condition:
-            overrides = finite_vector(values, self._num_axes, 'overrides')
+            overrides = finite_vector(values, self.num_axes, 'overrides')
             if ((overrides < 0.0) | (overrides > 1.0)).any():
                 raise InvalidInputError(f'overrides = {overrides.tolist()}; valid is 0..1 for every axis')
-            self._overrides = read_only(overrides)
+            self.overrides = read_only(overrides)
 
     def set_output(self, kind: Literal['digital', 'analog'], index: int, value: float) -> bool:
         """Switch one output.
