@@ -21,7 +21,7 @@ from robots_controller.program.program_state import ProgramState, RunState
 from robots_controller.program.shared_data import SharedData
 from robots_controller.program.taught_points import SUFFIX
 from robots_core.errors import InvalidInputError, ProgramError
-from robots_core.orientation import ORIENTATION_CONVENTIONS
+from robots_core.orientation import check_convention
 
 DIGITAL_SIZE: Final = 32
 ANALOG_SIZE: Final = 8
@@ -58,11 +58,7 @@ class LuaProgram(SharedData):
         orientation_convention: str = 'zyx',
         prismatic: Sequence[bool] = (),
     ) -> None:
-        if orientation_convention not in ORIENTATION_CONVENTIONS:
-            raise InvalidInputError(
-                f'unknown orientation convention {orientation_convention!r}; conventions are '
-                f'{", ".join(ORIENTATION_CONVENTIONS)}'
-            )
+        check_convention(orientation_convention)
         if prismatic and len(prismatic) != num_axes:
             raise InvalidInputError(f'prismatic has {len(prismatic)} values for {num_axes} axes')
         cell = cell or DetachedCell()

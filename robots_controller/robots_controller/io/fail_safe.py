@@ -23,10 +23,8 @@ def read_fail_safe(section: YamlSection, signals: Mapping[str, Channel]) -> dict
     Raises:
         InvalidInputError: no output, or a value that it cannot have; with its line.
     """
-    below = section.section('fail_safe')
     found: dict[str, float | None] = {}
-    for key in below.keys if below else ():
-        assert below is not None
+    for below, key in section.entries('fail_safe'):
         channel = channel_at(below, key, below.line_of(key), signals)
         if channel.direction == 'input':
             raise below.error(f'{key} is an input; outputs have fail-safe values here', key)

@@ -53,9 +53,7 @@ def read_signals(section: YamlSection) -> dict[str, Channel]:
     """
     signals: dict[str, Channel] = {}
     named: dict[str, str] = {}
-    below = section.section('signals')
-    for label in below.keys if below else ():
-        assert below is not None
+    for below, label in section.entries('signals'):
         try:
             channel = parse_channel(below.text(label), {})
             labelled = Channel(channel.kind, channel.direction, channel.index, label)

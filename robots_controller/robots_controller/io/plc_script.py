@@ -127,8 +127,7 @@ def parse_plc_script(text: str, file: str = 'plc.yaml') -> PlcScript:
     """
     section = parse_yaml(text, file)
     signals = read_signals(section)
-    initial = section.section('initial')
-    start = dict(_setting(initial, key, signals) for key in initial.keys) if initial else {}
+    start = dict(_setting(below, key, signals) for below, key in section.entries('initial'))
     rules = tuple(_rule(item, signals) for item in section.sections('rules'))
     fail_safe = read_fail_safe(section, signals)
     stopping = read_emergency_stop(section, signals)
@@ -147,15 +146,15 @@ def parse_plc_script(text: str, file: str = 'plc.yaml') -> PlcScript:
 def _rule(item: YamlSection, signals: Mapping[str, Channel]) -> PlcRule:
     event, period = _trigger(item, signals)
     conditions = tuple(_condition(item, text, line, signals) for text, line in item.texts('if'))
-    settings = item.section('set')
-    if settings is None or not settings.keys:
+    settings = tuple(_setting(below, key, signals) for below, key in item.entries('set'))
+    if not settings:
         raise item.error('set is missing: the inputs to set and their values', 'set')
     rule = PlcRule(
         event=event,
         period=period,
         conditions=conditions,
         after=item.number('after', 0.0, low=0.0, high=LONGEST_TIME),
-        settings=tuple(_setting(settings, key, signals) for key in settings.keys),
+        settings=settings,
         duration=item.number('for', low=SHORTEST_PERIOD, high=LONGEST_TIME) if 'for' in item else math.inf,
         line=item.line,
     )
