@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from robots_controller.io.io_image import Channel
-from robots_controller.io.io_signals import channel_at, parse_channel
+from robots_controller.io.io_signals import channel_at, parse_channel, value_at
 from robots_core.errors import InvalidInputError
 from robots_core.yaml_section import YamlSection
 
@@ -42,7 +42,7 @@ def fail_safe_of(section: YamlSection, key: str, output: Channel) -> float | Non
     """
     if section.text(key) == HOLD:
         return None
-    return float(section.switch(key)) if output.kind == 'digital' else section.number(key)
+    return value_at(section, key, output)
 
 
 def fail_safe_texts(values: FailSafe) -> list[str]:

@@ -45,6 +45,15 @@ def channel_at(section: YamlSection, text: str, line: int, signals: Mapping[str,
         raise located(section.file, line, error.message) from None
 
 
+def value_at(section: YamlSection, key: str, channel: Channel) -> float:
+    """A value that the channel can have.
+
+    Raises:
+        InvalidInputError: it is missing, or another one; with file and line.
+    """
+    return float(section.switch(key)) if channel.kind == 'digital' else section.number(key)
+
+
 def read_signals(section: YamlSection) -> dict[str, Channel]:
     """The section `signals` of a file.
 

@@ -11,7 +11,7 @@ from typing import Final, Literal
 from robots_controller.io.emergency_inputs import read_emergency_stop
 from robots_controller.io.fail_safe import FailSafe, read_fail_safe
 from robots_controller.io.io_image import Channel
-from robots_controller.io.io_signals import channel_at, read_signals
+from robots_controller.io.io_signals import channel_at, read_signals, value_at
 from robots_core.files import read_text
 from robots_core.yaml_section import YamlSection, located, parse_yaml
 
@@ -218,9 +218,7 @@ def _setting(section: YamlSection, key: str, signals: Mapping[str, Channel]) -> 
     channel = channel_at(section, key, section.line_of(key), signals)
     if channel.direction == 'output':
         raise section.error(f'{key} is an output, which the robot program sets; a PLC sets inputs', key)
-    if channel.kind == 'digital':
-        return channel, float(section.switch(key))
-    return channel, section.number(key)
+    return channel, value_at(section, key, channel)
 
 
 def _number(section: YamlSection, text: str, line: int) -> float:
