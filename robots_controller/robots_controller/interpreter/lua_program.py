@@ -282,7 +282,6 @@ class LuaProgram(SharedData):
         view = RobotView(
             self._convention,
             self._prismatic,
-            self._cell,
             self.points_file or source.path.with_suffix(SUFFIX),
             source.path.with_suffix(VALUES_SUFFIX),
         )

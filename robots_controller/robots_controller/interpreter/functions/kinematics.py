@@ -28,7 +28,7 @@ class Kinematics(Family):
 
     @lua_function('forwardKinematics', 'Computes where joint angles lead the tool.', JOINTS, returns=A_POSE)
     def _forward(self, *q: float) -> Result:
-        return (self._run.shown(self._run.target.seen(self._run.view.flange(read_only(q)))),)
+        return (self._run.shown(self._run.target.seen(self._run.cell.direct_kinematics(read_only(q)))),)
 
     @lua_function(
         'inverseKinematics',

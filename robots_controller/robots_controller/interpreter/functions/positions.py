@@ -28,7 +28,7 @@ class Positions(Family):
     )
     def _get_joint_angles(self) -> Waiting:
         yield from self._run.waits.standstill()
-        return (joints_to_program(self._run.view.position(), self._run.view.prismatic),)
+        return (joints_to_program(self._run.cell.joint_position(), self._run.view.prismatic),)
 
     @lua_function(
         'getJointSpeeds',
@@ -58,9 +58,9 @@ class Positions(Family):
     @lua_function('teach', 'Writes where the robot is to the points file under a name.', _NAME)
     def _teach(self, name: str) -> Waiting:
         yield from self._run.waits.standstill()
-        q = self._run.view.position()
+        q = self._run.cell.joint_position()
         points = read_points(self._run.view.points_file, self._run.state.num_axes)
-        points[name] = TaughtPoint(q, self._run.view.flange(q))
+        points[name] = TaughtPoint(q, self._run.cell.direct_kinematics(q))
         write_points(self._run.view.points_file, points)
         return None
 
