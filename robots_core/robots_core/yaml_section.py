@@ -221,13 +221,13 @@ class YamlSection:
         return YamlSection(self.file, node)
 
 
-def read_yaml(path: Path | str, what: str = 'file') -> YamlSection:
+def read_yaml(path: Path | str) -> YamlSection:
     """The mapping that a YAML file is.
 
     Raises:
         InvalidInputError: no file, not YAML, or not a mapping; with its line.
     """
-    return parse_yaml(read_text(path, what), Path(path).name)
+    return parse_yaml(read_text(path), Path(path).name)
 
 
 def read_yaml_data(path: Path | str, what: str = 'file') -> Any:

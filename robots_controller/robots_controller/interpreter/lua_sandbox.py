@@ -33,7 +33,7 @@ from robots_controller.interpreter.lua_side.prelude import PRELUDE
 from robots_controller.interpreter.lua_source import LuaSource
 from robots_controller.program.program_state import ProgramStopped
 
-DEFAULT_MEMORY: Final = 100_000_000  # bytes
+MAX_MEMORY: Final = 100_000_000  # bytes
 # An instruction may copy a string as long as the memory allows: few of them, so that a stop is quick.
 HOOK_INSTRUCTIONS: Final = 200
 # s of processor time between two looks at the stop flag: each takes the lock of the Python interpreter.
@@ -160,7 +160,6 @@ class LuaSandbox:
         source: The program.
         functions: Names of the robot functions.
         host: Serves their calls.
-        memory: Highest use of memory, bytes.
         spell: Instructions between two calls of `computed`.
     """
 
@@ -170,13 +169,12 @@ class LuaSandbox:
         *,
         functions: tuple[str, ...],
         host: SandboxHost,
-        memory: int = DEFAULT_MEMORY,
         spell: float = math.inf,
     ) -> None:
         self._source = source
         self._functions = functions
         self._host = host
-        self._memory, self._spell = memory, spell
+        self._spell = spell
         self._values: tuple[int | float, ...] = ()
         self._waiting: dict[int, Waiting] = {}
         self._tokens = itertools.count(1)
@@ -190,7 +188,7 @@ class LuaSandbox:
         Returns:
             None at its end, or why it ended early.
         """
-        runtime, host = _runtime(self._memory), self._host
+        runtime, host = _runtime(), self._host
         callbacks = (
             self._serve,
             self._again,
@@ -352,7 +350,7 @@ def _argument(kind: bytes, items: Iterator[Any]) -> LuaArgument:
 
 def syntax_error(source: LuaSource, text: str) -> tuple[int, str] | None:
     """Compile `text` as if it were the program: None, or line and reason of the first syntax error."""
-    problem = _runtime(DEFAULT_MEMORY).execute(
+    problem = _runtime().execute(
         b'local text, name = ... local chunk, problem = load(text, name, "t") return problem',
         text.encode(),
         b'=' + source.chunk_name.encode(),
@@ -360,14 +358,14 @@ def syntax_error(source: LuaSource, text: str) -> tuple[int, str] | None:
     return None if problem is None else _located(source.chunk_name, 0, problem.decode(errors='replace'))
 
 
-def _runtime(memory: int) -> Any:
+def _runtime() -> Any:
     return lua54.LuaRuntime(
         encoding=None,
         register_eval=False,
         register_builtins=False,
         unpack_returned_tuples=True,
         attribute_filter=_no_attributes,
-        max_memory=memory,
+        max_memory=MAX_MEMORY,
     )
 
 

@@ -7,7 +7,7 @@ from robots_controller.interpreter.debugger import CallStack, Debugger, HoldReas
 from robots_controller.interpreter.functions.run_context import RunContext
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_sandbox import (
-    DEFAULT_MEMORY,
+    MAX_MEMORY,
     Attention,
     LuaArgument,
     LuaFailure,
@@ -211,7 +211,7 @@ class ProgramRun:
             details.pop(own, None)
         reason = failure.reason
         if reason == 'not enough memory':
-            reason += f': the values of a program may take {DEFAULT_MEMORY // 1_000_000} MB'
+            reason += f': the values of a program may take {MAX_MEMORY // 1_000_000} MB'
         return ProgramError(reason, file=source.file, line=failure.line, **details)
 
 
