@@ -108,7 +108,7 @@ class SandboxHost(Protocol):
     Every method may raise ProgramStopped.
     """
 
-    def call(self, name: str, chunk: str, line: int, arguments: list[LuaArgument]) -> Result | Waiting:
+    def call(self, name: str, chunk: str, line: int, arguments: list[LuaArgument]) -> Waiting:
         """Serve a call of a robot function; '' at the program's end. May raise LuaCallError."""
 
     def poll(self) -> Attention:
@@ -244,15 +244,11 @@ class LuaSandbox:
     def _serve(self, name: bytes, chunk: bytes, line: int, *items: Any) -> tuple[int, Any, int]:
         token = next(self._tokens)
         try:
-            flat = iter(items)
-            arguments = list(_arguments(flat))
-            result = self._host.call(name.decode(), chunk.decode(), line, arguments)
-            if isinstance(result, Generator):
-                self._waiting[token] = result
-                return self._again(token)
-            return self._answer(result)
+            arguments = list(_arguments(iter(items)))
+            self._waiting[token] = self._host.call(name.decode(), chunk.decode(), line, arguments)
         except BaseException as error:  # noqa: BLE001  # distinguished there
             return self._failed(error)
+        return self._again(token)
 
     def _again(self, token: int) -> tuple[int, Any, int]:
         try:
