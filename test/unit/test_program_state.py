@@ -116,7 +116,7 @@ def test_finished_motion_is_idle_and_lets_the_program_go_on():
 def test_setting_idle_finishes_the_motion():
     state = running_state()
     state.command_motion(command())
-    state.set_command_state('IDLE')
+    state.command_state = 'IDLE'
     wait_for_motion(state)
     assert state.motion is None
 
@@ -270,9 +270,9 @@ def test_output_tells_whether_it_changed():
 def test_number_of_axes_is_fixed_while_running():
     state = running_state()
     with pytest.raises(ProgramError, match='while a program runs'):
-        state.set_num_axes(7)
+        state.num_axes = 7
     state.set_run_state(RunState.FINISHED)
-    state.set_num_axes(7)
+    state.num_axes = 7
     np.testing.assert_array_equal(state.overrides, np.ones(7))
 
 
@@ -284,4 +284,4 @@ def test_sizes_are_whole_numbers_from_one(size: object):
 
 def test_unknown_command_state_names_the_valid_ones():
     with pytest.raises(InvalidInputError, match='PTPJOINT_JOINT'):
-        running_state().set_command_state('DANCE')
+        running_state().command_state = 'DANCE'

@@ -15,10 +15,10 @@ from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.program_run import ProgramRun
 from robots_controller.program.cell_port import CellPort, DetachedCell
+from robots_controller.program.motion_command import OutputChange
 from robots_controller.program.motion_target import RobotView
 from robots_controller.program.persistent_values import SUFFIX as VALUES_SUFFIX
 from robots_controller.program.program_state import ProgramState, RunState
-from robots_controller.program.shared_data import SharedData
 from robots_controller.program.taught_points import SUFFIX
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.orientation import check_convention
@@ -28,7 +28,7 @@ ANALOG_SIZE: Final = 8
 LONGEST_END: Final = 5.0  # s
 
 
-class LuaProgram(SharedData):
+class LuaProgram(ProgramState):
     """A robot program and what it shares with the robot's side; every method is safe from any thread.
 
     The program commands a motion by setting the command state and `motion`, and waits; the robot's side
@@ -61,11 +61,15 @@ class LuaProgram(SharedData):
         check_convention(orientation_convention)
         if prismatic and len(prismatic) != num_axes:
             raise InvalidInputError(f'prismatic has {len(prismatic)} values for {num_axes} axes')
-        cell = cell or DetachedCell()
-        state = ProgramState(
-            num_axes, digital=digital_size, analog=analog_size, clock=cell.clock, labels=io_labels
+        self._cell = cell or DetachedCell()
+        super().__init__(
+            num_axes,
+            digital=digital_size,
+            analog=analog_size,
+            clock=self._cell.clock,
+            labels=io_labels,
+            prismatic=tuple(prismatic),
         )
-        super().__init__(state, cell, tuple(prismatic))
         self._convention = orientation_convention
         self._hold_lock = threading.Lock()
         self._told_hold = False
@@ -96,11 +100,11 @@ class LuaProgram(SharedData):
         """
         source = read_source(path)
         check_syntax(source, lambda text: syntax_error(source, text))
-        with self._state.condition:
+        with self.condition:
             self._refuse_while_running('open another program')
             self._source, self._line_source = source, None
             self.line, self.error = 0, None
-            self._state.set_run_state(RunState.OPENED)
+            self.set_run_state(RunState.OPENED)
 
     def run(self, *, hold: bool = False) -> None:
         """Run the opened program from its start, in a parallel thread.
@@ -111,9 +115,9 @@ class LuaProgram(SharedData):
         Raises:
             ProgramError: no program is open, one runs, or the robot still moves for an earlier one.
         """
-        if not self._state.running and self._thread is not threading.current_thread():
+        if not self.running and self._thread is not threading.current_thread():
             self.join(LONGEST_END)  # the run before may still report its end
-        with self._state.condition:
+        with self.condition:
             source = self._source
             if source is None:
                 raise ProgramError('no program is open; open one first')
@@ -122,20 +126,12 @@ class LuaProgram(SharedData):
             self._line_source, self.line, self.error, self._failure = None, 0, None, ''
             self.debugger.step('in' if hold else None, entry=hold)
             self._set_hold_reason('')
-            self._state.set_run_state(RunState.RUNNING)
+            self.set_run_state(RunState.RUNNING)
             self._cell.started()
             self._thread = threading.Thread(
                 target=self._run, args=(source,), name=f'lua {source.file}', daemon=True
             )
             self._thread.start()
-
-    def stop(self) -> bool:
-        """Stop the program for good, wherever it is; a commanded motion is the robot's side to stop.
-
-        Returns:
-            True if it was running. It ends a moment later: see `join`.
-        """
-        return self._state.stop()
 
     def fail(self, reason: str) -> bool:
         """Stop the program for good, as `stop`; it has failed, for this reason.
@@ -143,10 +139,10 @@ class LuaProgram(SharedData):
         Returns:
             True if it was running.
         """
-        with self._state.condition:
-            if not self._state.stopping:
+        with self.condition:
+            if not self.stopping:
                 self._failure = reason
-            return self._state.stop()
+            return self.stop()
 
     def pause(self) -> bool:
         """Hold the program at its next statement, wait or motion, and the robot on its path.
@@ -186,13 +182,13 @@ class LuaProgram(SharedData):
         Raises:
             ProgramError: no program is open, it runs, or the robot still moves.
         """
-        with self._state.condition:
+        with self.condition:
             if self._source is None:
                 raise ProgramError('no program is open; open one first')
             self._refuse_while_running('reset')
             self._refuse_while_moving('reset')
             self._line_source, self.line, self.error = None, 0, None
-            self._state.set_run_state(RunState.OPENED)
+            self.set_run_state(RunState.OPENED)
 
     def join(self, timeout: float | None = None) -> bool:
         """Wait until the program has ended and `CellPort.ended` has returned.
@@ -208,16 +204,6 @@ class LuaProgram(SharedData):
             return True
         thread.join(timeout)
         return not thread.is_alive()
-
-    @property
-    def run_state(self) -> RunState:
-        """What the program does."""
-        return self._state.run_state
-
-    @property
-    def stopping(self) -> bool:
-        """A stop of the program was requested."""
-        return self._state.stopping
 
     @property
     def path(self) -> Path | None:
@@ -237,6 +223,11 @@ class LuaProgram(SharedData):
         source = self._line_source
         return source.file if source else self.file
 
+    def switch_output(self, change: OutputChange) -> None:
+        """Switch an output for a motion on its way (see `PathSwitch`); from any thread."""
+        if self.set_output(change.kind, change.index, change.value):
+            self._cell.output_changed(change)
+
     def source_line(self, number: int) -> str:
         """Text of a line of the program or subprogram that `line` belongs to, '' where there is none."""
         source = self._line_source or self._source
@@ -245,19 +236,19 @@ class LuaProgram(SharedData):
     # -- holding --------------------------------------------------------------------------------------
 
     def _hold(self, reason: HoldReason) -> bool:
-        if not self._state.change_run_state(RunState.RUNNING, RunState.PAUSED):
+        if not self.change_run_state(RunState.RUNNING, RunState.PAUSED):
             return False
         self._set_hold_reason(reason)
         self._tell_hold()
         return True
 
     def _release(self, step: Step | None) -> bool:
-        with self._state.condition:
-            if self._state.run_state is not RunState.PAUSED or not self._enabled:
+        with self.condition:
+            if self.run_state is not RunState.PAUSED or not self._enabled:
                 return False
             self.debugger.step(step)
             self._set_hold_reason('')
-            released = self._state.change_run_state(RunState.PAUSED, RunState.RUNNING)
+            released = self.change_run_state(RunState.PAUSED, RunState.RUNNING)
         self._tell_hold()
         return released
 
@@ -267,7 +258,7 @@ class LuaProgram(SharedData):
     def _tell_hold(self) -> None:
         # One at a time: the state reported last is the present one.
         with self._hold_lock:
-            held = self._state.robot_held
+            held = self.robot_held
             if held != self._told_hold:
                 self._told_hold = held
                 self._cell.hold(held=held)
@@ -281,13 +272,13 @@ class LuaProgram(SharedData):
     def _run(self, source: LuaSource) -> None:
         view = RobotView(
             self._convention,
-            self._prismatic,
+            self.prismatic,
             self.points_file or source.path.with_suffix(SUFFIX),
             source.path.with_suffix(VALUES_SUFFIX),
         )
         run = ProgramRun(
             source,
-            self._state,
+            self,
             self._cell,
             view,
             self.debugger,
@@ -297,7 +288,7 @@ class LuaProgram(SharedData):
             line=self._set_line,
         )
         error, stopped = run.run()
-        with self._state.condition:
+        with self.condition:
             if stopped and error is None and self._failure:
                 error = ProgramError(self._failure, file=self.line_file, line=self.line)
             self.error = error
@@ -305,10 +296,10 @@ class LuaProgram(SharedData):
             if error is not None:
                 if error.line:
                     self._line_source, self.line = run.source_of(error.file), error.line
-                self._state.set_run_state(RunState.FAILED)
+                self.set_run_state(RunState.FAILED)
             else:
-                self._state.set_run_state(RunState.STOPPED if stopped else RunState.FINISHED)
-        if self._state.motions:  # what stopped the robot releases it too
+                self.set_run_state(RunState.STOPPED if stopped else RunState.FINISHED)
+        if self.motions:  # what stopped the robot releases it too
             self._told_hold = False
         else:
             self._tell_hold()
@@ -319,10 +310,10 @@ class LuaProgram(SharedData):
         self._cell.line_reached(line)
 
     def _refuse_while_running(self, action: str) -> None:
-        if self._state.running:
+        if self.running:
             raise ProgramError(f'cannot {action}: {self.file} is running; stop it first')
 
     def _refuse_while_moving(self, action: str) -> None:
-        motion = self._state.motion
+        motion = self.motion
         if motion is not None:
             raise ProgramError(f'cannot {action}: the robot still moves for line {motion.line}')

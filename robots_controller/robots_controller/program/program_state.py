@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from robots_controller.io.io_image import IoImage, check_count
 from robots_controller.program.background_tasks import BackgroundTasks
@@ -17,7 +17,7 @@ from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import ProgramStopped, RunState
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.pose import Pose
-from robots_core.validation import finite_vector, read_only
+from robots_core.validation import Array, finite_vector, read_only
 from robots_planning.robot_command_state import RobotCommandState
 
 __all__ = ['MotionCommand', 'OutputChange', 'ProgramState', 'ProgramStopped', 'RunState']
@@ -35,15 +35,15 @@ class ProgramState:
         analog: Number of analog inputs, and of analog outputs.
         clock: The program's time.
         labels: Names of the channels of an image, see `IoImage`.
+        prismatic: Per axis, whether it slides; () if unknown.
 
     Attributes:
         io: All inputs and outputs.
         run_state: What the program does.
         stopping: A stop of the program was requested.
-        num_axes: n.
-        command_state: What the robot is commanded to do.
-        reference_pose: Where the last commanded motion leads the tool, seen from the base; None for unknown.
-        overrides: Speed scale factor per axis, (n,), 0..1, read-only.
+        prismatic: Per axis, whether it slides; () if unknown.
+        reference_cartesian_position: Where the last commanded motion leads the tool, seen from the base. None
+            before the first, and after a joint motion in a cell that has no kinematics.
         braked: The handler of an input runs, and the motion under way is held for it.
 
     Raises:
@@ -58,19 +58,21 @@ class ProgramState:
         analog: int,
         clock: Clock,
         labels: Mapping[str, Sequence[str]] = MappingProxyType({}),
+        prismatic: tuple[bool, ...] = (),
     ) -> None:
         check_count(num_axes, 'num_axes')
         self.condition = threading.Condition()
         self.io = IoImage(digital=digital, analog=analog, labels=labels, condition=self.condition)
         self.clock = clock
-        self.num_axes = num_axes
+        self.prismatic = prismatic
+        self._num_axes = num_axes
         self.run_state = RunState.IDLE
         self.stopping = False
-        self.command_state = RobotCommandState.IDLE
+        self._command_state = RobotCommandState.IDLE
         self._motions: list[MotionCommand] = []
         self._motion_error: tuple[MotionCommand, RobotsError] | None = None
-        self.reference_pose: Pose | None = None
-        self.overrides = read_only(np.ones(num_axes))
+        self.reference_cartesian_position: Pose | None = None
+        self._overrides = read_only(np.ones(num_axes))
         self.interrupts = InputInterrupts()
         self.tasks = BackgroundTasks(clock)
         self.braked = False
@@ -96,10 +98,12 @@ class ProgramState:
             self.condition.notify_all()
 
     def stop(self) -> bool:
-        """Request a stop of the program; it stops at its next instruction or where it waits.
+        """Stop the program for good, at its next instruction or where it waits.
+
+        A commanded motion is the robot's side to stop.
 
         Returns:
-            True if it was running.
+            True if it was running. It ends a moment later.
         """
         with self.condition:
             if not self.running:
@@ -208,26 +212,29 @@ class ProgramState:
 
     # -- the motion -----------------------------------------------------------------------------
 
-    def set_num_axes(self, num_axes: int) -> None:
-        """Define the number of axes; not while a program runs.
+    @property
+    def num_axes(self) -> int:
+        """Number of axes n; it cannot change while a program runs."""
+        return self._num_axes
 
-        Raises:
-            InvalidInputError: below 1.
-            ProgramError: a program runs.
-        """
+    @num_axes.setter
+    def num_axes(self, num_axes: int) -> None:
         check_count(num_axes, 'num_axes')
+        if self.prismatic and num_axes != len(self.prismatic):
+            raise InvalidInputError(f'prismatic names {len(self.prismatic)} axes, num_axes = {num_axes}')
         with self.condition:
             if self.running:
                 raise ProgramError('the number of axes cannot change while a program runs; stop it first')
-            self.num_axes = num_axes
-            self.overrides = read_only(np.ones(num_axes))
+            self._num_axes = num_axes
+            self._overrides = read_only(np.ones(num_axes))
 
-    def set_command_state(self, state: RobotCommandState | str) -> None:
-        """Set the command state; IDLE ends the motion that was commanded.
+    @property
+    def command_state(self) -> RobotCommandState:
+        """What the robot is commanded to do; setting IDLE ends the motion as `finish_motion` does."""
+        return self._command_state
 
-        Raises:
-            InvalidInputError: not a command state.
-        """
+    @command_state.setter
+    def command_state(self, state: RobotCommandState | str) -> None:
         try:
             state = RobotCommandState(state)
         except ValueError:
@@ -238,7 +245,7 @@ class ProgramState:
             if state is RobotCommandState.IDLE:
                 self.finish_motion()
             else:
-                self.command_state = state
+                self._command_state = state
 
     @property
     def motion(self) -> MotionCommand | None:
@@ -262,8 +269,8 @@ class ProgramState:
             if self._motions and not self._motions[-1].blend:
                 raise ProgramError(f'the motion of line {self._motions[-1].line} has not finished')
             self._motions.append(command)
-            self.command_state = command.kind.state
-            self.reference_pose = reference_pose
+            self._command_state = command.kind.state
+            self.reference_cartesian_position = reference_pose
 
     def finish_motion(self, error: RobotsError | None = None, command: MotionCommand | None = None) -> None:
         """End a motion: the program goes on, or gets the error; IDLE again after the last one.
@@ -282,7 +289,7 @@ class ProgramState:
                 else:
                     del self._motions[: self._motions.index(command) + 1]
             if not self._motions:
-                self.command_state = RobotCommandState.IDLE
+                self._command_state = RobotCommandState.IDLE
             self.condition.notify_all()
 
     def take_motion_error(self) -> tuple[MotionCommand, RobotsError] | None:
@@ -293,17 +300,46 @@ class ProgramState:
 
     # -- inputs, outputs, overrides ----------------------------------------------------------------
 
-    def set_overrides(self, values: ArrayLike) -> None:
-        """Set the speed scale factors.
+    @property
+    def overrides(self) -> Array:
+        """Speed scale factor per axis, (n,), 0..1, read-only."""
+        return self._overrides
 
-        Raises:
-            InvalidInputError: not one number in 0..1 per axis.
-        """
+    @overrides.setter
+    def overrides(self, values: ArrayLike) -> None:
         with self.condition:
             overrides = finite_vector(values, self.num_axes, 'overrides')
             if ((overrides < 0.0) | (overrides > 1.0)).any():
                 raise InvalidInputError(f'overrides = {overrides.tolist()}; valid is 0..1 for every axis')
-            self.overrides = read_only(overrides)
+            self._overrides = read_only(overrides)
+
+    @property
+    def digital_inputs(self) -> NDArray[np.bool_]:
+        """Image of the digital inputs; set 0s and 1s for inputs 1..k, further inputs keep theirs."""
+        return self.io.bits('digital_inputs')
+
+    @digital_inputs.setter
+    def digital_inputs(self, values: ArrayLike) -> None:
+        self.io.set_inputs('digital', values)
+
+    @property
+    def analog_inputs(self) -> Array:
+        """Image of the analog inputs; set numbers for inputs 1..k, further inputs keep theirs."""
+        return self.io.numbers('analog_inputs')
+
+    @analog_inputs.setter
+    def analog_inputs(self, values: ArrayLike) -> None:
+        self.io.set_inputs('analog', values)
+
+    @property
+    def digital_outputs(self) -> NDArray[np.bool_]:
+        """Image of the digital outputs; the first is output 1."""
+        return self.io.bits('digital_outputs')
+
+    @property
+    def analog_outputs(self) -> Array:
+        """Image of the analog outputs; the first is output 1."""
+        return self.io.numbers('analog_outputs')
 
     def set_output(self, kind: Literal['digital', 'analog'], index: int, value: float) -> bool:
         """Switch one output.

@@ -100,7 +100,7 @@ class Settings(Family):
         Argument('value', kinds.SCALE, '', 'speed scale of all motions, 0 to 1, at once'),
     )
     def _set_override(self, value: float) -> None:
-        self._run.state.set_overrides(np.full(self._run.state.num_axes, value))
+        self._run.state.overrides = np.full(self._run.state.num_axes, value)
         self._run.cell.set_override(value)
 
     @lua_function(
