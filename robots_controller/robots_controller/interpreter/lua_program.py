@@ -118,11 +118,7 @@ class LuaProgram(ProgramState):
         if not self.running and self._thread is not threading.current_thread():
             self.join(LONGEST_END)  # the run before may still report its end
         with self.condition:
-            source = self._source
-            if source is None:
-                raise ProgramError('no program is open; open one first')
-            self._refuse_while_running('run')
-            self._refuse_while_moving('run')
+            source = self._source_at_rest('run')
             self._line_source, self.line, self.error, self._failure = None, 0, None, ''
             self.debugger.step('in' if hold else None, entry=hold)
             self._set_hold_reason('')
@@ -183,10 +179,7 @@ class LuaProgram(ProgramState):
             ProgramError: no program is open, it runs, or the robot still moves.
         """
         with self.condition:
-            if self._source is None:
-                raise ProgramError('no program is open; open one first')
-            self._refuse_while_running('reset')
-            self._refuse_while_moving('reset')
+            self._source_at_rest('reset')
             self._line_source, self.line, self.error = None, 0, None
             self.set_run_state(RunState.OPENED)
 
@@ -313,7 +306,10 @@ class LuaProgram(ProgramState):
         if self.running:
             raise ProgramError(f'cannot {action}: {self.file} is running; stop it first')
 
-    def _refuse_while_moving(self, action: str) -> None:
-        motion = self.motion
-        if motion is not None:
-            raise ProgramError(f'cannot {action}: the robot still moves for line {motion.line}')
+    def _source_at_rest(self, action: str) -> LuaSource:
+        if self._source is None:
+            raise ProgramError('no program is open; open one first')
+        self._refuse_while_running(action)
+        if self.motion is not None:
+            raise ProgramError(f'cannot {action}: the robot still moves for line {self.motion.line}')
+        return self._source
