@@ -61,7 +61,7 @@ class LuaProgram(ProgramState):
         check_convention(orientation_convention)
         if prismatic and len(prismatic) != num_axes:
             raise InvalidInputError(f'prismatic has {len(prismatic)} values for {num_axes} axes')
-        self._cell = cell or DetachedCell()
+        self._cell = cell or DetachedCell()  # type: ignore[abstract]  # empty bodies are its own
         super().__init__(
             num_axes,
             digital=digital_size,
