@@ -196,6 +196,50 @@ function setJerkLimited(value) end
 ---@param rotation? number angular acceleration of the tool on Cartesian paths (deg/s^2)
 function setAcceleration(fraction, cartesian, rotation) end
 
+---Lets a change of an input interrupt the program: the robot brakes on its path, `handler` runs, the motion goes on, or ends there if it returned 'abort'.
+---@param index integer|string number of the input, from 1, or its name
+---@param value boolean|0|1 0 or false: off, 1 or true: on
+---@param handler fun(): "abort"|nil called at the change; it may return 'abort'
+---@param priority? integer 1 is the most urgent, 100 the default
+---@return integer # the interrupt's number
+function onDigitalInput(index, value, handler, priority) end
+
+---Lets an analog input interrupt the program when the comparison comes true, as 'onDigitalInput'.
+---@param index integer|string number of the input, from 1, or its name
+---@param comparison "<"|"<="|">"|">="|"=="|"~=" one of < <= > >= == ~=
+---@param value number what the input is compared with
+---@param handler fun(): "abort"|nil called at the change; it may return 'abort'
+---@param priority? integer 1 is the most urgent, 100 the default
+---@return integer # the interrupt's number
+function onAnalogInput(index, comparison, value, handler, priority) end
+
+---Takes an interrupt away.
+---@param number integer what onDigitalInput or onAnalogInput returned
+function removeInterrupt(number) end
+
+---Lets `reference_pose` guide the robot (state TRAJECTORY).
+---@param time number longest time of it (s)
+---@param index? integer|string number or name of a digital input that ends it
+---@param value? boolean|0|1 the value of it that does
+---@return boolean # true if the input ended it, false after `time`
+function followReference(time, index, value) end
+
+---Lets a person jog the robot (state TEACH).
+---@param time number longest time of it (s)
+---@param index? integer|string number or name of a digital input that ends it
+---@param value? boolean|0|1 the value of it that does
+---@return boolean # true if the input ended it, false after `time`
+function jog(time, index, value) end
+
+---Holds the program where the robot stands, until an operator lets it go on; in simulated time it goes on at once.
+---@param string? string why, for the operator
+function halt(string) end
+
+---Runs a program beside this one, until it ends: with the same globals, and further arguments as `...`, for all that neither moves the robot nor sets what holds for motions.
+---@param program string file of the task, seen from the folder of the main program
+---@param ... any
+function startTask(program, ...) end
+
 ---Reads where the joints are, in degrees, in metres for sliding axes.
 ---@return number[] # a table of n numbers
 function getJointAngles() end
@@ -356,41 +400,6 @@ function waitAnalogInput(index, comparison, value, timeout) end
 ---@param time number how long it is on (s)
 function pulseDigitalOutput(index, time) end
 
----Lets a change of an input interrupt the program: the robot brakes on its path, `handler` runs, the motion goes on, or ends there if it returned 'abort'.
----@param index integer|string number of the input, from 1, or its name
----@param value boolean|0|1 0 or false: off, 1 or true: on
----@param handler fun(): "abort"|nil called at the change; it may return 'abort'
----@param priority? integer 1 is the most urgent, 100 the default
----@return integer # the interrupt's number
-function onDigitalInput(index, value, handler, priority) end
-
----Lets an analog input interrupt the program when the comparison comes true, as 'onDigitalInput'.
----@param index integer|string number of the input, from 1, or its name
----@param comparison "<"|"<="|">"|">="|"=="|"~=" one of < <= > >= == ~=
----@param value number what the input is compared with
----@param handler fun(): "abort"|nil called at the change; it may return 'abort'
----@param priority? integer 1 is the most urgent, 100 the default
----@return integer # the interrupt's number
-function onAnalogInput(index, comparison, value, handler, priority) end
-
----Takes an interrupt away.
----@param number integer what onDigitalInput or onAnalogInput returned
-function removeInterrupt(number) end
-
----Lets `reference_pose` guide the robot (state TRAJECTORY).
----@param time number longest time of it (s)
----@param index? integer|string number or name of a digital input that ends it
----@param value? boolean|0|1 the value of it that does
----@return boolean # true if the input ended it, false after `time`
-function followReference(time, index, value) end
-
----Lets a person jog the robot (state TEACH).
----@param time number longest time of it (s)
----@param index? integer|string number or name of a digital input that ends it
----@param value? boolean|0|1 the value of it that does
----@return boolean # true if the input ended it, false after `time`
-function jog(time, index, value) end
-
 ---Runs another program as subprogram; it has the same globals, and further arguments as `...`.
 ---@param program string file of the subprogram, seen from the folder of the main program
 ---@param ... any
@@ -404,10 +413,6 @@ function getTime() end
 ---Starts a timer: `local elapsed = timer()`, and `elapsed()` is the time since then.
 ---@return fun(): number # a function that returns s
 function timer() end
-
----Holds the program where the robot stands, until an operator lets it go on; in simulated time it goes on at once.
----@param string? string why, for the operator
-function halt(string) end
 
 ---Waits.
 ---@param time number how long, not counting pauses (s)
@@ -427,8 +432,3 @@ function setPersistent(name, value) end
 ---@param default? number|string|boolean|number[] what is returned if there is none
 ---@return any # the value, or `default`
 function getPersistent(name, default) end
-
----Runs a program beside this one, until it ends: with the same globals, and further arguments as `...`, for all that neither moves the robot nor sets what holds for motions.
----@param program string file of the task, seen from the folder of the main program
----@param ... any
-function startTask(program, ...) end

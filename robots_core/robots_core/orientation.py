@@ -74,12 +74,21 @@ def angles_from_orientation(T: ArrayLike, convention: str = 'zyx') -> Array:
     return angles + 0.0  # without the sign of zeros
 
 
-def _axes(convention: str) -> tuple[int, int, int]:
+def check_convention(convention: str) -> None:
+    """Check a convention.
+
+    Raises:
+        InvalidInputError: none of `ORIENTATION_CONVENTIONS`.
+    """
     if convention not in ORIENTATION_CONVENTIONS:
         raise InvalidInputError(
             f'unknown orientation convention {convention!r}; conventions are '
             f'{", ".join(ORIENTATION_CONVENTIONS)}'
         )
+
+
+def _axes(convention: str) -> tuple[int, int, int]:
+    check_convention(convention)
     i, j, k = ('xyz'.index(axis) for axis in convention.lower())
     return i, j, k
 

@@ -104,7 +104,7 @@ def finite_motion(q: ArrayLike, q_dot: ArrayLike, q_ddot: ArrayLike, size: int) 
     )
 
 
-def rotation_matrix(T: ArrayLike, name: str = 'T') -> Array:
+def rotation_matrix(T: ArrayLike) -> Array:
     """`T` as a float64 rotation matrix of shape (3, 3).
 
     Raises:
@@ -112,7 +112,7 @@ def rotation_matrix(T: ArrayLike, name: str = 'T') -> Array:
     """
     array = np.asarray(T, dtype=np.float64)
     if array.shape != (3, 3):
-        raise InvalidInputError(f'{name} must have shape (3, 3), got {array.shape}')
+        raise InvalidInputError(f'T must have shape (3, 3), got {array.shape}')
     # On nine values numpy's own products and reductions take several times longer.
     (a, b, c), (d, e, f), (g, h, i) = array.tolist()
     deviation = max(
@@ -125,11 +125,11 @@ def rotation_matrix(T: ArrayLike, name: str = 'T') -> Array:
     )
     if not (deviation <= ROTATION_TOLERANCE and isfinite(a + b + c + d + e + f + g + h + i)):
         raise InvalidInputError(
-            f'{name} is not a rotation matrix: T T^T differs from identity by {deviation:.3g}, '
+            f'T is not a rotation matrix: T T^T differs from identity by {deviation:.3g}, '
             f'allowed is {ROTATION_TOLERANCE:g}'
         )
     if a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g) < 0.0:
-        raise InvalidInputError(f'{name} is left-handed (determinant -1); a rotation has determinant +1')
+        raise InvalidInputError('T is left-handed (determinant -1); a rotation has determinant +1')
     return array
 
 
@@ -144,12 +144,12 @@ def positive(value: float, name: str, unit: str = '') -> float:
     return float(value)
 
 
-def fraction(value: float, name: str, *, lowest: float = 0.0) -> float:
-    """`value` if it lies in [lowest, 1].
+def fraction(value: float, name: str) -> float:
+    """`value` if it lies in [0, 1].
 
     Raises:
         InvalidInputError: outside, NaN or infinite.
     """
-    if not lowest <= value <= 1.0:
-        raise InvalidInputError(f'{name} = {value!r} must be in [{lowest:g}, 1]')
+    if not 0.0 <= value <= 1.0:
+        raise InvalidInputError(f'{name} = {value!r} must be in [0, 1]')
     return float(value)

@@ -133,6 +133,15 @@ class YamlSection:
         node = self._take(key, needed=False)
         return None if node is None else self._section(node, key)
 
+    def entries(self, key: str) -> list[tuple[YamlSection, str]]:
+        """The keys of a mapping below a key, each with the mapping; none if the key is missing.
+
+        Raises:
+            InvalidInputError: not a mapping.
+        """
+        below = self.section(key)
+        return [] if below is None else [(below, name) for name in below.keys]
+
     def sections(self, key: str) -> Iterator[YamlSection]:
         """A list of mappings below a key; none if the key is missing or empty.
 
@@ -212,13 +221,13 @@ class YamlSection:
         return YamlSection(self.file, node)
 
 
-def read_yaml(path: Path | str, what: str = 'file') -> YamlSection:
+def read_yaml(path: Path | str) -> YamlSection:
     """The mapping that a YAML file is.
 
     Raises:
         InvalidInputError: no file, not YAML, or not a mapping; with its line.
     """
-    return parse_yaml(read_text(path, what), Path(path).name)
+    return parse_yaml(read_text(path), Path(path).name)
 
 
 def read_yaml_data(path: Path | str, what: str = 'file') -> Any:

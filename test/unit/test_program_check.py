@@ -8,8 +8,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_tokens import lua_tokens
-from robots_controller.interpreter.lua_values import Sizes
 from robots_controller.program_check.check_program import main
 from robots_controller.program_check.program_check import check_program
 from robots_core import load_robot_model

@@ -116,7 +116,7 @@ def test_finished_motion_is_idle_and_lets_the_program_go_on():
 def test_setting_idle_finishes_the_motion():
     state = running_state()
     state.command_motion(command())
-    state.set_command_state('IDLE')
+    state.command_state = 'IDLE'
     wait_for_motion(state)
     assert state.motion is None
 
@@ -224,12 +224,12 @@ def test_paused_program_cannot_be_resumed_after_its_stop():
 
 def test_inputs_beyond_those_given_keep_their_values():
     state = running_state()
-    state.set_digital_inputs([1, 0, 1, 1])
-    state.set_digital_inputs([0, 1])
-    assert state.digital_inputs.tolist() == [False, True, True, True]
-    state.set_analog_inputs([1.5, -2.0])
-    state.set_analog_inputs([0.5])
-    assert state.analog_inputs.tolist() == [0.5, -2.0]
+    state.io.set_inputs('digital', [1, 0, 1, 1])
+    state.io.set_inputs('digital', [0, 1])
+    assert state.io.bits('digital_inputs').tolist() == [False, True, True, True]
+    state.io.set_inputs('analog', [1.5, -2.0])
+    state.io.set_inputs('analog', [0.5])
+    assert state.io.numbers('analog_inputs').tolist() == [0.5, -2.0]
 
 
 @pytest.mark.parametrize(
@@ -246,33 +246,33 @@ def test_inputs_beyond_those_given_keep_their_values():
 def test_wrong_inputs_are_refused_and_change_nothing(kind: str, values: object, message: str):
     state = running_state()
     with pytest.raises(InvalidInputError, match=message):
-        getattr(state, f'set_{kind}_inputs')(values)
-    assert not getattr(state, f'{kind}_inputs').any()
+        state.io.set_inputs(kind, values)  # type: ignore[arg-type]
+    assert not state.io.numbers(f'{kind}_inputs').any()
 
 
 def test_images_are_copies():
     state = running_state()
-    state.digital_inputs[0] = True
-    state.analog_outputs[0] = 1.0
-    assert not state.digital_inputs.any()
-    assert not state.analog_outputs.any()
+    state.io.bits('digital_inputs')[0] = True
+    state.io.numbers('analog_outputs')[0] = 1.0
+    assert not state.io.bits('digital_inputs').any()
+    assert not state.io.numbers('analog_outputs').any()
 
 
 def test_output_tells_whether_it_changed():
     state = running_state()
     assert state.set_output('digital', 4, 1)
     assert not state.set_output('digital', 4, 1)
-    assert state.digital_outputs.tolist() == [False, False, False, True]
+    assert state.io.bits('digital_outputs').tolist() == [False, False, False, True]
     assert state.set_output('analog', 2, 0.5)
-    assert state.analog_outputs.tolist() == [0.0, 0.5]
+    assert state.io.numbers('analog_outputs').tolist() == [0.0, 0.5]
 
 
 def test_number_of_axes_is_fixed_while_running():
     state = running_state()
     with pytest.raises(ProgramError, match='while a program runs'):
-        state.set_num_axes(7)
+        state.num_axes = 7
     state.set_run_state(RunState.FINISHED)
-    state.set_num_axes(7)
+    state.num_axes = 7
     np.testing.assert_array_equal(state.overrides, np.ones(7))
 
 
@@ -284,4 +284,4 @@ def test_sizes_are_whole_numbers_from_one(size: object):
 
 def test_unknown_command_state_names_the_valid_ones():
     with pytest.raises(InvalidInputError, match='PTPJOINT_JOINT'):
-        running_state().set_command_state('DANCE')
+        running_state().command_state = 'DANCE'

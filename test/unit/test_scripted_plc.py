@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
 from robots_controller.io.io_image import Channel
 from robots_controller.io.plc_script import parse_plc_script, read_plc_script
-from robots_controller.io.scripted_plc import ScriptedPlc
+from robots_controller.io.scripted_plc import InputChange, ScriptedPlc
 from robots_core.errors import InvalidInputError
 
 PRESS = Path(__file__).parents[2] / 'programs' / 'io' / 'press_tending.yaml'
@@ -21,10 +22,16 @@ def plc(rules: str) -> ScriptedPlc:
     return ScriptedPlc(parse_plc_script(f'rules:\n{rules}'))
 
 
+def stepped(machine: ScriptedPlc, now: float, outputs: Mapping[Channel, float]) -> list[InputChange]:
+    for channel, value in outputs.items():
+        machine.output(channel.name, value)
+    return machine.step(now)
+
+
 def changes(machine: ScriptedPlc, now: float, **outputs: float) -> list[tuple[float, str, float]]:
     named = {'output': OUTPUT, 'level': LEVEL}
     values = {named[name]: value for name, value in outputs.items()}
-    return [(round(c.time, 9), c.channel.name, c.value) for c in machine.step(now, values)]
+    return [(round(c.time, 9), c.channel.name, c.value) for c in stepped(machine, now, values)]
 
 
 def test_when_an_output_rises_an_input_follows_after_its_time():
@@ -44,7 +51,7 @@ def test_rules_of_inputs_follow_each_other_without_losing_time():
   - {when: digital_output.1 rises, after: 0.5, set: {digital_input.1: 1}}
   - {when: digital_input.1 rises, after: 0.25, set: {analog_input.2: 3.5}}
 """)
-    machine.step(0.0, {OUTPUT: 1.0})
+    stepped(machine, 0.0, {OUTPUT: 1.0})
     assert changes(machine, 10.0) == [(0.5, 'digital_input.1', 1.0), (0.75, 'analog_input.2', 3.5)]
 
 
@@ -66,9 +73,9 @@ def test_conditions_are_those_of_the_trigger():
   - {when: start, after: 1, set: {digital_input.2: 1}}
   - {when: digital_output.1 rises, if: digital_input.2 is off, after: 2, set: {digital_input.1: 1}}
 """)
-    machine.step(0.5, {OUTPUT: 1.0})
+    stepped(machine, 0.5, {OUTPUT: 1.0})
     assert changes(machine, 3.0, output=0.0) == [(1.0, 'digital_input.2', 1.0), (2.5, 'digital_input.1', 1.0)]
-    machine.step(4.0, {OUTPUT: 1.0})
+    stepped(machine, 4.0, {OUTPUT: 1.0})
     assert machine.next_time == math.inf
 
 
@@ -89,10 +96,10 @@ def test_a_period_repeats():
 
 def test_a_time_before_the_last_step_is_refused():
     machine = plc('  - {when: start, set: {digital_input.1: 1}}')
-    machine.step(1.0, {})
+    machine.step(1.0)
     for now in (0.9, math.nan):
         with pytest.raises(InvalidInputError, match='is before the last step'):
-            machine.step(now, {})
+            machine.step(now)
 
 
 def test_rules_that_trigger_each_other_without_end_are_refused():
@@ -102,7 +109,7 @@ def test_rules_that_trigger_each_other_without_end_are_refused():
   - {when: start, set: {digital_input.1: 1}}
 """)
     with pytest.raises(InvalidInputError, match='trigger each other without end at 0 s'):
-        machine.step(0.0, {})
+        machine.step(0.0)
 
 
 def test_a_cycle_acts_on_every_change_of_an_output_in_order():
@@ -141,9 +148,9 @@ def test_the_press_makes_a_stroke_for_each_part():
     def step(until: float, **switched: float) -> dict[str, float]:
         nonlocal now
         outputs.update({signal[name]: value for name, value in switched.items()})
-        machine.step(now, outputs)
+        stepped(machine, now, outputs)
         now = until
-        machine.step(now, outputs)
+        stepped(machine, now, outputs)
         return {channel.label: value for channel, value in machine.inputs.items()}
 
     for part in range(3):

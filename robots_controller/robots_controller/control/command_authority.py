@@ -22,19 +22,16 @@ class CommandAuthority:
     def __init__(
         self, mode: OperatingMode = OperatingMode.AUTOMATIC, *, hold_timeout: float = HOLD_TIMEOUT
     ) -> None:
-        self._mode, self._hold_timeout = mode, hold_timeout
+        self.mode = mode
+        """The operating mode."""
+        self._hold_timeout = hold_timeout
         self._held_at = -math.inf
         self.commander = Commander.NOBODY
         """Who commands the robot."""
 
-    @property
-    def mode(self) -> OperatingMode:
-        """The operating mode."""
-        return self._mode
-
     def set_mode(self, mode: OperatingMode) -> None:
         """Change the mode, while the robot stands; a commander that it excludes loses the robot."""
-        self._mode = mode
+        self.mode = mode
         self._held_at = -math.inf
         if self.commander not in MODES[mode].commanders:
             self.commander = Commander.NOBODY
@@ -49,7 +46,7 @@ class CommandAuthority:
         Raises:
             CommandRefusedError: another one commands it, it moves, or the mode excludes the commander.
         """
-        check_command(commander, commander=self.commander, mode=self._mode)
+        check_command(commander, commander=self.commander, mode=self.mode)
         if self.commander is Commander.NOBODY and not standing:
             raise CommandRefusedError(
                 f'{commander} cannot take the robot while it moves; it can when the robot stands'
@@ -72,7 +69,7 @@ class CommandAuthority:
         Raises:
             CommandRefusedError: the mode excludes the commander.
         """
-        check_mode(commander, self._mode)
+        check_mode(commander, self.mode)
         self.commander = commander
 
     def hold(self, now: float, *, held: bool) -> None:
@@ -85,7 +82,7 @@ class CommandAuthority:
         Args:
             now: Time, s.
         """
-        needed = MODES[self._mode].held and self._hold_timeout > 0.0
+        needed = MODES[self.mode].held and self._hold_timeout > 0.0
         return not needed or now - self._held_at <= self._hold_timeout
 
     def stream_enabled(self, now: float) -> bool:
@@ -94,5 +91,5 @@ class CommandAuthority:
 
     def speed_limit(self, limit: float) -> float:
         """The lower one of a limit of the tool's speed and the mode's, m/s; 0 is none."""
-        limits = [one for one in (limit, MODES[self._mode].tool_speed_limit) if one > 0.0]
+        limits = [one for one in (limit, MODES[self.mode].tool_speed_limit) if one > 0.0]
         return min(limits, default=0.0)

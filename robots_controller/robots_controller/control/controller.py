@@ -77,7 +77,8 @@ class Controller:
         period = self.settings.period
         self._following = PathFollowing(axes, self.settings)
         self._guard = LimitGuard(axes, period=period)
-        self._reference: Array | None = None
+        self.reference: Array | None = None
+        """Last one, (3, n): position, velocity, acceleration; None before the first feedback."""
         self._motions = MotionQueue(axes)
         self._stream = StreamedReference(axes, period=period, timeout=self.settings.stream_timeout)
         self._brake: Brake | None = None
@@ -88,7 +89,7 @@ class Controller:
     @property
     def state(self) -> ControllerState:
         """What the controller does now."""
-        if self._reference is None:
+        if self.reference is None:
             return ControllerState.WAITING
         if self._brake is not None:
             return ControllerState.BRAKING
@@ -115,11 +116,6 @@ class Controller:
         """Before what border the robot is held, for a person; '' for none."""
         zones = self.speed.zones
         return '' if zones is None or self.standing else zones.obstacle
-
-    @property
-    def reference(self) -> Array | None:
-        """Last reference, (3, n): position, velocity, acceleration; None before the first feedback."""
-        return self._reference
 
     @property
     def _motion(self) -> FollowedMotion | None:
@@ -166,9 +162,9 @@ class Controller:
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
         refuse_closed(borders)
         standing = self._motion is None
-        assert self._reference is not None
+        assert self.reference is not None
         motion = FollowedMotion(trajectory, id_, now, cap, borders)
-        self._motions.put(motion, self._reference, join_time)
+        self._motions.put(motion, self.reference, join_time)
         if standing:
             self._following.begin(motion, self.speed.of_motion(motion, now))
 
@@ -258,11 +254,11 @@ class Controller:
         Returns:
             (3, n): position, velocity, acceleration; None before the first feedback.
         """
-        finding = self._feedback.look(now, feedback, self._reference)
-        if self._reference is None:
+        finding = self._feedback.look(now, feedback, self.reference)
+        if self.reference is None:
             if feedback is not None:
                 self._stand_at(feedback)
-            return self._reference
+            return self.reference
         if finding is not None:
             self.trip(*finding, now)
         if self.speed.zones is not None:
@@ -275,14 +271,14 @@ class Controller:
             self._step_motion(self._motion, now)
         if self.stops.latched and self.standing:
             self._stay_stopped(feedback)
-        return self._reference
+        return self.reference
 
     def _look_at_zones(self, zones: ZoneGuard, now: float) -> None:
-        assert self._reference is not None
-        if reason := zones.look(self._reference[0]):
+        assert self.reference is not None
+        if reason := zones.look(self.reference[0]):
             self.trip(ZONE_VIOLATED, reason, now)
         measured = self._feedback.position
-        places = [self._reference[0], *([] if measured is None else [measured])]
+        places = [self.reference[0], *([] if measured is None else [measured])]
         motion = None if self._motion is None or self._motion.failure else self._motion
         zones.share(places, motion, streaming=self._stream.active)
 
@@ -300,13 +296,13 @@ class Controller:
     def _let_go(self, now: float, reason: str) -> None:
         """Give the motion up at once: the drives are switched off."""
         self.stops.stands()
-        assert self._reference is not None
+        assert self.reference is not None
         self._brake = None
-        self._stand_at(self._reference[0])
+        self._stand_at(self.reference[0])
         self._end_moving(now, reason)
 
     def _stand_at(self, position: Array) -> None:
-        self._reference = self._following.stand_at(position)
+        self.reference = self._following.stand_at(position)
         self._guard.reset(position)
         self._feedback.restart()
 
@@ -338,7 +334,7 @@ class Controller:
             self.outcomes.append(replaced.outcome(now, message, ok=replaced.passes))
 
     def _step_stream(self, now: float) -> None:
-        before = self._reference
+        before = self.reference
         assert before is not None
         reference, over = self.speed.step_stream(self._stream, now, before)
         if over:
@@ -354,11 +350,11 @@ class Controller:
         """Take a reference if it breaks no limit; otherwise start to brake."""
         broken = self._guard.check(reference)
         if broken is None:
-            self._reference = reference
+            self.reference = reference
             return True
         reason = f'reference refused by the limit guard: {broken}'
-        assert self._reference is not None
-        self._brake = Brake(self._axes, self._reference, self.settings.period, reason)
+        assert self.reference is not None
+        self._brake = Brake(self._axes, self.reference, self.settings.period, reason)
         self.stops.trip(REFERENCE_REFUSED, reason)
         return False
 
@@ -387,11 +383,11 @@ class Controller:
     def _step_brake(self, now: float) -> None:
         brake = self._brake
         assert brake is not None
-        self._reference, standing = brake.step()
+        self.reference, standing = brake.step()
         if not standing:
             return
         self._brake = None
-        self._stand_at(self._reference[0])
+        self._stand_at(self.reference[0])
         self._end_moving(now, brake.reason)
 
     def _end_moving(self, now: float, reason: str) -> None:

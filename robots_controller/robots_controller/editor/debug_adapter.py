@@ -12,10 +12,11 @@ import os
 import re
 import threading
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
-from robots_controller.interpreter.debugger import CallStack, HoldReason, Variable
+from robots_controller.interpreter.debugger import CallStack, HoldReason, Step, Variable
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.interpreter.lua_source import chunk_name
 from robots_controller.program.program_state import RunState
@@ -33,6 +34,7 @@ _CAPABILITIES: Final = {
     'supportsTerminateRequest': True,
     'supportsEvaluateForHovers': True,
 }
+_STEPS: Final[dict[str, Step]] = {'next': 'over', 'stepIn': 'in', 'stepOut': 'out'}
 _STOP_TEXTS: Final[dict[HoldReason, str]] = {
     'entry': 'Held before the first line',
     'breakpoint': 'Held at a breakpoint',
@@ -140,6 +142,8 @@ class DebugAdapter:
 
     def _handler(self, command: str) -> Callable[[Message], Any]:
         handler: Callable[[Message], Any] | None = getattr(self, f'_do_{_snake(command)}', None)
+        if step := _STEPS.get(command):
+            handler = partial(self._make_step, step)
         if handler is None:
             raise InvalidInputError(f'the request {command!r} is not known here')
         if not self.admitted and command not in _OF_STRANGERS:
@@ -150,7 +154,7 @@ class DebugAdapter:
         return dict(_CAPABILITIES)
 
     def _do_launch(self, arguments: Message) -> None:
-        self._admit(arguments)
+        self._do_attach(arguments)
         path = Path(str(arguments['program'])).resolve()
         if not path.is_relative_to(self._launch_folder):
             raise InvalidInputError(f'{path} is not below {self._launch_folder}, where programs are launched')
@@ -158,12 +162,15 @@ class DebugAdapter:
         self._launch = arguments
 
     def _do_attach(self, arguments: Message) -> None:
-        self._admit(arguments)
+        self.admitted = hmac.compare_digest(str(arguments.get('token', '')).encode(), self._token.encode())
+        if not self.admitted:
+            self.ended = True
+            raise InvalidInputError('the token is wrong: it is the one that the cell shows when it starts')
 
     def _do_configuration_done(self, _: Message) -> Callable[[], None] | None:
         if self._launch is not None:
             if self._launch.get('noDebug'):
-                self._clear_breakpoints()
+                self.leave()
             stop_on_entry = bool(self._launch.get('stopOnEntry'))
             self._asked = 'entry' if stop_on_entry else ''
             self._program.run(hold=stop_on_entry)
@@ -233,14 +240,8 @@ class DebugAdapter:
         self._release(self._program.resume, '')
         return {'allThreadsContinued': True}
 
-    def _do_next(self, _: Message) -> None:
-        self._release(lambda: self._program.step('over'), 'step')
-
-    def _do_step_in(self, _: Message) -> None:
-        self._release(lambda: self._program.step('in'), 'step')
-
-    def _do_step_out(self, _: Message) -> None:
-        self._release(lambda: self._program.step('out'), 'step')
+    def _make_step(self, step: Step, _: Message) -> None:
+        self._release(lambda: self._program.step(step), 'step')
 
     def _do_pause(self, _: Message) -> None:
         self._asked = 'pause'
@@ -289,15 +290,10 @@ class DebugAdapter:
 
     def leave(self) -> None:
         """The editor is gone, and its breakpoints with it; a program that is held stays held."""
-        self._clear_breakpoints()
+        self._breakpoints = {path: set() for path in self._breakpoints}
+        self._apply_breakpoints()
 
     # -- inside ---------------------------------------------------------------------------------------
-
-    def _admit(self, arguments: Message) -> None:
-        self.admitted = hmac.compare_digest(str(arguments.get('token', '')).encode(), self._token.encode())
-        if not self.admitted:
-            self.ended = True
-            raise InvalidInputError('the token is wrong: it is the one that the cell shows when it starts')
 
     def _holds(self) -> bool:
         """The program is held by this editor: its breakpoint, step or pause."""
@@ -329,10 +325,6 @@ class DebugAdapter:
         for path, lines in self._breakpoints.items():
             if path.is_relative_to(folder):
                 self._program.debugger.set_breakpoints(chunk_name(path.relative_to(folder).as_posix()), lines)
-
-    def _clear_breakpoints(self) -> None:
-        self._breakpoints = {path: set() for path in self._breakpoints}
-        self._apply_breakpoints()
 
     def _reference(self, variables: tuple[Variable, ...]) -> int:
         self._references.append(variables)

@@ -10,53 +10,21 @@ import sys
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from robots_controller.interpreter.functions.lua_function import (
-    ANCHORS,
-    COMPARISONS,
-    FRAMES,
-    MOMENTS,
-    Argument,
-    Kind,
-    LuaFunction,
-)
+from robots_controller.interpreter import argument_kinds as kinds
+from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
-from robots_controller.interpreter.lua_values import CHANNELS
-from robots_core.blocks.inverse_kinematics.hold import HOLDS
 from robots_core.errors import RobotsError
-from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.robot_choice import load_robot_model
-from robots_core.robot_model.analytic.configuration import CONFIGURATIONS
 
 # Where no robot is named: what most arms have, and the others as overloads.
 USUAL_AXES: Final = 6
 OTHER_AXES: Final = (3, 4, 5, 7)
 
-_TYPES: Final[dict[Kind, str]] = {
-    'switch': 'boolean|0|1',
-    'text': 'any',
-    'name': 'string',
-    'frame': '|'.join(f'"{frame}"' for frame in FRAMES),
-    'comparison': '|'.join(f'"{comparison}"' for comparison in COMPARISONS),
-    'hold': '|'.join(f'"{hold}"' for hold in HOLDS),
-    'convention': '|'.join(f'"{convention}"' for convention in ORIENTATION_CONVENTIONS),
-    'function': 'fun(): "abort"|nil',
-    'pose': 'Pose|number[]',
-    'joints': 'number[]',
-    'condition': 'Condition',
-    'value': 'number|string|boolean|number[]',
-    'motion': 'function',
-    'moment': '|'.join(f'"{moment}"' for moment in MOMENTS),
-    'joint_planner': 'string',
-    'cartesian_planner': 'string',
-    'configuration': '|'.join(f'"{configuration}"' for configuration in CONFIGURATIONS),
-    'count': 'integer',
-    **dict.fromkeys(CHANNELS, 'integer|string'),
-}
 _OPTIONS: Final = {'cartesian': 'CartesianOptions', 'joint': 'JointOptions'}
 
 _ANCHOR_FIELDS: Final = '\n'.join(
     f'---@field {anchor}? number {"m, on the way of the tool" if anchor.startswith("distance") else "s"}'
-    for anchor in ANCHORS
+    for anchor in kinds.ANCHORS
 )
 
 HEADER: Final = f"""---@meta
@@ -115,12 +83,12 @@ def _function(function: LuaFunction, num_axes: int | None) -> Iterator[str]:
     for argument in function.arguments:
         if argument.repeated:  # whatever follows comes with them
             options = f'|{_OPTIONS[function.options]}' if function.options else ''
-            yield f'---@param ... {_type(argument)}{options} {_meaning(argument)}'
+            yield f'---@param ... {argument.kind.lua_type}{options} {_meaning(argument)}'
             names.append('...')
             continue
         optional = '?' if argument.optional else ''
         for name in _names(argument, axes):
-            yield f'---@param {name}{optional} {_type(argument)} {_meaning(argument)}'
+            yield f'---@param {name}{optional} {argument.kind.lua_type} {_meaning(argument)}'
             names.append(name)
     if function.options and '...' not in names:
         yield f'---@param options? {_OPTIONS[function.options]}'
@@ -136,7 +104,7 @@ def _function(function: LuaFunction, num_axes: int | None) -> Iterator[str]:
 
 
 def _overloads(function: LuaFunction, num_axes: int | None) -> Iterator[str]:
-    if not function.arguments or function.arguments[0].kind != 'number':
+    if not function.arguments or function.arguments[0].kind is not kinds.NUMBER:
         return
     options = f', options?: {_OPTIONS[function.options]}' if function.options else ''
     if len(function.arguments) == 1 and not function.arguments[0].per_axis:
@@ -144,20 +112,16 @@ def _overloads(function: LuaFunction, num_axes: int | None) -> Iterator[str]:
     first = function.arguments[0]
     if first.per_axis:
         for axes in () if num_axes else OTHER_AXES:
-            listed = ', '.join(f'{name}: {_type(first)}' for name in _names(first, axes))
+            listed = ', '.join(f'{name}: {first.kind.lua_type}' for name in _names(first, axes))
             yield f'---@overload fun({listed}{options})'
         yield f'---@overload fun({first.name}: number[]{options})'
-    elif sum(argument.kind == 'number' for argument in function.arguments) >= 6:
-        rest = ''.join(f', {a.name}?: {_type(a)}' for a in function.arguments[6:])
-        yield f'---@overload fun(pose: {_TYPES["pose"]}{rest}{options})'
+    elif sum(argument.kind is kinds.NUMBER for argument in function.arguments) >= 6:
+        rest = ''.join(f', {a.name}?: {a.kind.lua_type}' for a in function.arguments[6:])
+        yield f'---@overload fun(pose: {kinds.POSE.lua_type}{rest}{options})'
 
 
 def _names(argument: Argument, axes: int) -> list[str]:
     return [f'{argument.name}{i}' for i in range(1, axes + 1)] if argument.per_axis else [argument.name]
-
-
-def _type(argument: Argument) -> str:
-    return _TYPES.get(argument.kind, 'number')
 
 
 def _meaning(argument: Argument) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
@@ -66,7 +66,7 @@ class CallStack:
         return '\n'.join(f'{frame.chunk}:{frame.line}: {frame.name}' for frame in self.frames)
 
 
-def call_stack(records: list[str]) -> CallStack:
+def call_stack(records: Sequence[str]) -> CallStack:
     """The stack of the sandbox's records: four texts each, of frames, scopes and variables by depth."""
     frames: list[Frame] = []
     global_variables: list[Variable] = []

@@ -4,9 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from robots_controller.interpreter import argument_kinds as kinds
+from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
-from robots_controller.interpreter.lua_values import Sizes, check_value
+from robots_controller.interpreter.lua_values import check_value
 from robots_controller.interpreter.motion_options import MotionOptions, check_options
 
 
@@ -16,12 +18,12 @@ class Arguments:
 
     Attributes:
         values: SI numbers, texts, or lists of six SI numbers for poses; None for one that was left out.
-        options: Those of a motion.
+        options: Those of a motion; None for other functions.
         more: What came behind them, as it came.
     """
 
     values: list[Any]
-    options: MotionOptions
+    options: MotionOptions | None
     more: tuple[LuaArgument, ...] = ()
 
 
@@ -32,12 +34,11 @@ def check_arguments(function: LuaFunction, given: Sequence[LuaArgument], sizes: 
         LuaCallError: naming the function, the argument, what came and what is valid.
     """
     name, given = function.name, list(given)
-    options = MotionOptions()
+    options = None
     if function.options:
         given, table = _without_options(given)
-        if table is not None:
-            options = check_options(function, table, sizes)
-    if given and function.arguments and function.arguments[0].kind == 'number':
+        options = MotionOptions() if table is None else check_options(function, table, sizes)
+    if given and function.arguments and function.arguments[0].kind is kinds.NUMBER:
         given = _spread(function, given)
     wanted = wanted_arguments(function, sizes.num_axes, len(given))
     needed = sum(not argument.optional for _, argument in wanted)
@@ -99,7 +100,7 @@ def _spread(function: LuaFunction, given: list[LuaArgument]) -> list[LuaArgument
             f'of their own: {name}({{...}}, {{blend = ...}})'
         )
     # A table with something after it is an argument like any other: it may not be a target.
-    behind = 'table' if function.arguments[-1].kind == 'joints' else 'string'
+    behind = 'table' if function.arguments[-1].kind is kinds.JOINTS else 'string'
     if len(given) > 1 and given[1].type != behind:
         return given
     return [*table.values, *given[1:]]

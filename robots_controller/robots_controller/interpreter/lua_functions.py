@@ -10,45 +10,37 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from robots_controller.interpreter.functions.flow import FLOW
-from robots_controller.interpreter.functions.guidance import GUIDANCE
-from robots_controller.interpreter.functions.interrupts import INTERRUPTS
-from robots_controller.interpreter.functions.kinematics import KINEMATICS
+from robots_controller.interpreter.functions.flow import Flow, Halt
+from robots_controller.interpreter.functions.guidance import Guidance
+from robots_controller.interpreter.functions.interrupts import Interrupts
+from robots_controller.interpreter.functions.kinematics import Kinematics
 from robots_controller.interpreter.functions.lua_function import LuaFunction
-from robots_controller.interpreter.functions.motions import MOTIONS
-from robots_controller.interpreter.functions.persistence import PERSISTENCE
-from robots_controller.interpreter.functions.poses import POSES
-from robots_controller.interpreter.functions.positions import POSITIONS
-from robots_controller.interpreter.functions.search import SEARCH
-from robots_controller.interpreter.functions.settings import SETTINGS
-from robots_controller.interpreter.functions.signals import SIGNALS
-from robots_controller.interpreter.functions.tasks import TASKS
+from robots_controller.interpreter.functions.motions import Motions
+from robots_controller.interpreter.functions.persistence import Persistence
+from robots_controller.interpreter.functions.poses import Poses
+from robots_controller.interpreter.functions.positions import Positions
+from robots_controller.interpreter.functions.run_context import Family
+from robots_controller.interpreter.functions.search import Search
+from robots_controller.interpreter.functions.settings import Settings
+from robots_controller.interpreter.functions.signals import Signals
+from robots_controller.interpreter.functions.tasks import Tasks
 
-_FAMILIES: Final = (
-    MOTIONS,
-    SEARCH,
-    SETTINGS,
-    POSITIONS,
-    POSES,
-    KINEMATICS,
-    SIGNALS,
-    INTERRUPTS,
-    GUIDANCE,
-    FLOW,
-    PERSISTENCE,
-    TASKS,
-)
-LUA_FUNCTIONS: Final[Mapping[str, LuaFunction]] = MappingProxyType(
-    {function.name: function for family in _FAMILIES for function in family}
-)
+TASK_FAMILIES: Final = (Positions, Poses, Kinematics, Signals, Flow, Persistence)
+"""Those that tasks have too."""
+MAIN_FAMILIES: Final = (Settings, Interrupts, Guidance, Halt, Tasks)
+"""Those that the main program alone has, besides its motions and searches."""
+
+
+def _functions(*families: type[Family]) -> Mapping[str, LuaFunction]:
+    return MappingProxyType(
+        {function.name: function for family in families for function in family.functions()}
+    )
+
+
+LUA_FUNCTIONS: Final = _functions(Motions, Search, *MAIN_FAMILIES, *TASK_FAMILIES)
 """All functions of robot programs, by name."""
 
-TASK_FUNCTIONS: Final = frozenset(
-    function.name
-    for family in (POSITIONS, POSES, KINEMATICS, SIGNALS, FLOW, PERSISTENCE)
-    for function in family
-    if function.name != 'halt'
-)
+TASK_FUNCTIONS: Final = frozenset(_functions(*TASK_FAMILIES))
 """Those that tasks have."""
 
 PAPER_FUNCTIONS: Final = (

@@ -15,20 +15,20 @@ from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.program_run import ProgramRun
 from robots_controller.program.cell_port import CellPort, DetachedCell
+from robots_controller.program.motion_command import OutputChange
 from robots_controller.program.motion_target import RobotView
 from robots_controller.program.persistent_values import SUFFIX as VALUES_SUFFIX
 from robots_controller.program.program_state import ProgramState, RunState
-from robots_controller.program.shared_data import SharedData
 from robots_controller.program.taught_points import SUFFIX
 from robots_core.errors import InvalidInputError, ProgramError
-from robots_core.orientation import ORIENTATION_CONVENTIONS
+from robots_core.orientation import check_convention
 
 DIGITAL_SIZE: Final = 32
 ANALOG_SIZE: Final = 8
 LONGEST_END: Final = 5.0  # s
 
 
-class LuaProgram(SharedData):
+class LuaProgram(ProgramState):
     """A robot program and what it shares with the robot's side; every method is safe from any thread.
 
     The program commands a motion by setting the command state and `motion`, and waits; the robot's side
@@ -58,32 +58,36 @@ class LuaProgram(SharedData):
         orientation_convention: str = 'zyx',
         prismatic: Sequence[bool] = (),
     ) -> None:
-        if orientation_convention not in ORIENTATION_CONVENTIONS:
-            raise InvalidInputError(
-                f'unknown orientation convention {orientation_convention!r}; conventions are '
-                f'{", ".join(ORIENTATION_CONVENTIONS)}'
-            )
+        check_convention(orientation_convention)
         if prismatic and len(prismatic) != num_axes:
             raise InvalidInputError(f'prismatic has {len(prismatic)} values for {num_axes} axes')
-        cell = cell or DetachedCell()
-        state = ProgramState(
-            num_axes, digital=digital_size, analog=analog_size, clock=cell.clock, labels=io_labels
+        self._cell = cell or DetachedCell()  # type: ignore[abstract]  # empty bodies are its own
+        super().__init__(
+            num_axes,
+            digital=digital_size,
+            analog=analog_size,
+            clock=self._cell.clock,
+            labels=io_labels,
+            prismatic=tuple(prismatic),
         )
-        super().__init__(state, cell, tuple(prismatic))
         self._convention = orientation_convention
         self._hold_lock = threading.Lock()
         self._told_hold = False
         self.debugger = Debugger()
-        self._hold_reason: HoldReason = ''
+        self.hold_reason: HoldReason = ''
+        """Why the program is held: 'pause', 'breakpoint', 'step', 'entry', 'release'; '' if it is not."""
+        self.call_stack = CallStack()
+        """Where the held program is and what its variables are; empty while it runs."""
         self._enabled = True
-        self._call_stack = CallStack()
         self.points_file: Path | None = None
         """Where taught points stand; beside the program by default."""
         self._source: LuaSource | None = None
         self._line_source: LuaSource | None = None
         self._thread: threading.Thread | None = None
-        self._line = 0
-        self._error: ProgramError | None = None
+        self.line = 0
+        """Line of the last call of a robot function, or of the error; 0 before the first."""
+        self.error: ProgramError | None = None
+        """Why the last run failed."""
         self._failure = ''
 
     # -- the run ----------------------------------------------------------------------------------
@@ -96,11 +100,11 @@ class LuaProgram(SharedData):
         """
         source = read_source(path)
         check_syntax(source, lambda text: syntax_error(source, text))
-        with self._state.condition:
+        with self.condition:
             self._refuse_while_running('open another program')
             self._source, self._line_source = source, None
-            self._line, self._error = 0, None
-            self._state.set_run_state(RunState.OPENED)
+            self.line, self.error = 0, None
+            self.set_run_state(RunState.OPENED)
 
     def run(self, *, hold: bool = False) -> None:
         """Run the opened program from its start, in a parallel thread.
@@ -111,31 +115,19 @@ class LuaProgram(SharedData):
         Raises:
             ProgramError: no program is open, one runs, or the robot still moves for an earlier one.
         """
-        if not self._state.running and self._thread is not threading.current_thread():
+        if not self.running and self._thread is not threading.current_thread():
             self.join(LONGEST_END)  # the run before may still report its end
-        with self._state.condition:
-            source = self._source
-            if source is None:
-                raise ProgramError('no program is open; open one first')
-            self._refuse_while_running('run')
-            self._refuse_while_moving('run')
-            self._line_source, self._line, self._error, self._failure = None, 0, None, ''
+        with self.condition:
+            source = self._source_at_rest('run')
+            self._line_source, self.line, self.error, self._failure = None, 0, None, ''
             self.debugger.step('in' if hold else None, entry=hold)
             self._set_hold_reason('')
-            self._state.set_run_state(RunState.RUNNING)
+            self.set_run_state(RunState.RUNNING)
             self._cell.started()
             self._thread = threading.Thread(
                 target=self._run, args=(source,), name=f'lua {source.file}', daemon=True
             )
             self._thread.start()
-
-    def stop(self) -> bool:
-        """Stop the program for good, wherever it is; a commanded motion is the robot's side to stop.
-
-        Returns:
-            True if it was running. It ends a moment later: see `join`.
-        """
-        return self._state.stop()
 
     def fail(self, reason: str) -> bool:
         """Stop the program for good, as `stop`; it has failed, for this reason.
@@ -143,10 +135,10 @@ class LuaProgram(SharedData):
         Returns:
             True if it was running.
         """
-        with self._state.condition:
-            if not self._state.stopping:
+        with self.condition:
+            if not self.stopping:
                 self._failure = reason
-            return self._state.stop()
+            return self.stop()
 
     def pause(self) -> bool:
         """Hold the program at its next statement, wait or motion, and the robot on its path.
@@ -169,7 +161,7 @@ class LuaProgram(SharedData):
         self._enabled = enabled
         if not enabled:
             self._hold('release')
-        elif self._hold_reason == 'release':
+        elif self.hold_reason == 'release':
             self._release(None)
 
     def step(self, step: Step = 'over') -> bool:
@@ -180,29 +172,16 @@ class LuaProgram(SharedData):
         """
         return self._release(step)
 
-    @property
-    def hold_reason(self) -> HoldReason:
-        """Why the program is held: 'pause', 'breakpoint', 'step', 'entry', 'release'; '' if it is not."""
-        return self._hold_reason
-
-    @property
-    def call_stack(self) -> CallStack:
-        """Where the held program is and what its variables are; empty while it runs."""
-        return self._call_stack
-
     def reset(self) -> None:
         """Set a program that has ended back to its start and forget its error; outputs stay.
 
         Raises:
             ProgramError: no program is open, it runs, or the robot still moves.
         """
-        with self._state.condition:
-            if self._source is None:
-                raise ProgramError('no program is open; open one first')
-            self._refuse_while_running('reset')
-            self._refuse_while_moving('reset')
-            self._line_source, self._line, self._error = None, 0, None
-            self._state.set_run_state(RunState.OPENED)
+        with self.condition:
+            self._source_at_rest('reset')
+            self._line_source, self.line, self.error = None, 0, None
+            self.set_run_state(RunState.OPENED)
 
     def join(self, timeout: float | None = None) -> bool:
         """Wait until the program has ended and `CellPort.ended` has returned.
@@ -218,16 +197,6 @@ class LuaProgram(SharedData):
             return True
         thread.join(timeout)
         return not thread.is_alive()
-
-    @property
-    def run_state(self) -> RunState:
-        """What the program does."""
-        return self._state.run_state
-
-    @property
-    def stopping(self) -> bool:
-        """A stop of the program was requested."""
-        return self._state.stopping
 
     @property
     def path(self) -> Path | None:
@@ -247,15 +216,10 @@ class LuaProgram(SharedData):
         source = self._line_source
         return source.file if source else self.file
 
-    @property
-    def line(self) -> int:
-        """Line of the last call of a robot function, or of the error; 0 before the first."""
-        return self._line
-
-    @property
-    def error(self) -> ProgramError | None:
-        """Why the last run failed."""
-        return self._error
+    def switch_output(self, change: OutputChange) -> None:
+        """Switch an output for a motion on its way (see `PathSwitch`); from any thread."""
+        if self.set_output(change.kind, change.index, change.value):
+            self._cell.output_changed(change)
 
     def source_line(self, number: int) -> str:
         """Text of a line of the program or subprogram that `line` belongs to, '' where there is none."""
@@ -265,35 +229,35 @@ class LuaProgram(SharedData):
     # -- holding --------------------------------------------------------------------------------------
 
     def _hold(self, reason: HoldReason) -> bool:
-        if not self._state.change_run_state(RunState.RUNNING, RunState.PAUSED):
+        if not self.change_run_state(RunState.RUNNING, RunState.PAUSED):
             return False
         self._set_hold_reason(reason)
         self._tell_hold()
         return True
 
     def _release(self, step: Step | None) -> bool:
-        with self._state.condition:
-            if self._state.run_state is not RunState.PAUSED or not self._enabled:
+        with self.condition:
+            if self.run_state is not RunState.PAUSED or not self._enabled:
                 return False
             self.debugger.step(step)
             self._set_hold_reason('')
-            released = self._state.change_run_state(RunState.PAUSED, RunState.RUNNING)
+            released = self.change_run_state(RunState.PAUSED, RunState.RUNNING)
         self._tell_hold()
         return released
 
     def _set_hold_reason(self, reason: HoldReason) -> None:
-        self._hold_reason, self._call_stack = reason, CallStack()
+        self.hold_reason, self.call_stack = reason, CallStack()
 
     def _tell_hold(self) -> None:
         # One at a time: the state reported last is the present one.
         with self._hold_lock:
-            held = self._state.robot_held
+            held = self.robot_held
             if held != self._told_hold:
                 self._told_hold = held
                 self._cell.hold(held=held)
 
     def _set_call_stack(self, stack: CallStack) -> None:
-        self._call_stack = stack
+        self.call_stack = stack
         self._cell.held_changed()
 
     # -- the program's thread -----------------------------------------------------------------------
@@ -301,14 +265,13 @@ class LuaProgram(SharedData):
     def _run(self, source: LuaSource) -> None:
         view = RobotView(
             self._convention,
-            self._prismatic,
-            self._cell,
+            self.prismatic,
             self.points_file or source.path.with_suffix(SUFFIX),
             source.path.with_suffix(VALUES_SUFFIX),
         )
         run = ProgramRun(
             source,
-            self._state,
+            self,
             self._cell,
             view,
             self.debugger,
@@ -325,32 +288,35 @@ class LuaProgram(SharedData):
             self._cell.ended(error)
 
     def _end(self, run: ProgramRun, error: ProgramError | None, *, stopped: bool) -> ProgramError | None:
-        with self._state.condition:
+        with self.condition:
             if stopped and error is None and self._failure:
-                error = ProgramError(self._failure, file=self.line_file, line=self._line)
-            self._error = error
+                error = ProgramError(self._failure, file=self.line_file, line=self.line)
+            self.error = error
             self._set_hold_reason('')
             if error is not None:
                 if error.line:
-                    self._line_source, self._line = run.source_of(error.file), error.line
-                self._state.set_run_state(RunState.FAILED)
+                    self._line_source, self.line = run.source_of(error.file), error.line
+                self.set_run_state(RunState.FAILED)
             else:
-                self._state.set_run_state(RunState.STOPPED if stopped else RunState.FINISHED)
-        if self._state.motions:  # what stopped the robot releases it too
+                self.set_run_state(RunState.STOPPED if stopped else RunState.FINISHED)
+        if self.motions:  # what stopped the robot releases it too
             self._told_hold = False
         else:
             self._tell_hold()
         return error
 
     def _set_line(self, source: LuaSource, line: int) -> None:
-        self._line_source, self._line = source, line
+        self._line_source, self.line = source, line
         self._cell.line_reached(line)
 
     def _refuse_while_running(self, action: str) -> None:
-        if self._state.running:
+        if self.running:
             raise ProgramError(f'cannot {action}: {self.file} is running; stop it first')
 
-    def _refuse_while_moving(self, action: str) -> None:
-        motion = self._state.motion
-        if motion is not None:
-            raise ProgramError(f'cannot {action}: the robot still moves for line {motion.line}')
+    def _source_at_rest(self, action: str) -> LuaSource:
+        if self._source is None:
+            raise ProgramError('no program is open; open one first')
+        self._refuse_while_running(action)
+        if self.motion is not None:
+            raise ProgramError(f'cannot {action}: the robot still moves for line {self.motion.line}')
+        return self._source

@@ -21,7 +21,7 @@ from __future__ import annotations
 import itertools
 import math
 import struct
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from enum import IntFlag
 from typing import Any, Final, NoReturn, Protocol
@@ -33,7 +33,7 @@ from robots_controller.interpreter.lua_side.prelude import PRELUDE
 from robots_controller.interpreter.lua_source import LuaSource
 from robots_controller.program.program_state import ProgramStopped
 
-DEFAULT_MEMORY: Final = 100_000_000  # bytes
+MAX_MEMORY: Final = 100_000_000  # bytes
 # An instruction may copy a string as long as the memory allows: few of them, so that a stop is quick.
 HOOK_INSTRUCTIONS: Final = 200
 # s of processor time between two looks at the stop flag: each takes the lock of the Python interpreter.
@@ -108,7 +108,7 @@ class SandboxHost(Protocol):
     Every method may raise ProgramStopped.
     """
 
-    def call(self, name: str, chunk: str, line: int, arguments: list[LuaArgument]) -> Result | Waiting:
+    def call(self, name: str, chunk: str, line: int, arguments: list[LuaArgument]) -> Waiting:
         """Serve a call of a robot function; '' at the program's end. May raise LuaCallError."""
 
     def poll(self) -> Attention:
@@ -127,10 +127,10 @@ class SandboxHost(Protocol):
             task: A task that begins; the negative of one that has ended; 0 for none.
         """
 
-    def held(self, records: list[str]) -> Attention:
+    def held(self, *records: str) -> Attention:
         """Hold the program, which looks like this (see `call_stack`)."""
 
-    def handled(self, *, abort: bool) -> None:
+    def handled(self, abort: bool) -> None:  # noqa: FBT001  # called from Lua
         """The handler has ended; the motion under way goes on, or not."""
 
 
@@ -160,7 +160,6 @@ class LuaSandbox:
         source: The program.
         functions: Names of the robot functions.
         host: Serves their calls.
-        memory: Highest use of memory, bytes.
         spell: Instructions between two calls of `computed`.
     """
 
@@ -170,13 +169,12 @@ class LuaSandbox:
         *,
         functions: tuple[str, ...],
         host: SandboxHost,
-        memory: int = DEFAULT_MEMORY,
         spell: float = math.inf,
     ) -> None:
         self._source = source
         self._functions = functions
         self._host = host
-        self._memory, self._spell = memory, spell
+        self._spell = spell
         self._values: tuple[int | float, ...] = ()
         self._waiting: dict[int, Waiting] = {}
         self._tokens = itertools.count(1)
@@ -190,18 +188,18 @@ class LuaSandbox:
         Returns:
             None at its end, or why it ended early.
         """
-        runtime = _runtime(self._memory)
+        runtime, host = _runtime(), self._host
         callbacks = (
             self._serve,
             self._again,
             self._abandon,
             self._next_values,
-            self._ask,
-            self._computed,
-            self._at_line,
+            self._answered(host.poll),
+            self._answered(host.computed),
+            self._answered(host.at_line),
             self._attention,
-            self._held,
-            self._handled,
+            self._answered(host.held),
+            self._answered(host.handled),
         )
         run = runtime.execute(
             PRELUDE,
@@ -246,15 +244,11 @@ class LuaSandbox:
     def _serve(self, name: bytes, chunk: bytes, line: int, *items: Any) -> tuple[int, Any, int]:
         token = next(self._tokens)
         try:
-            flat = iter(items)
-            arguments = list(_arguments(flat))
-            result = self._host.call(name.decode(), chunk.decode(), line, arguments)
-            if isinstance(result, Generator):
-                self._waiting[token] = result
-                return self._again(token)
-            return self._answer(result)
+            arguments = list(_arguments(iter(items)))
+            self._waiting[token] = self._host.call(name.decode(), chunk.decode(), line, arguments)
         except BaseException as error:  # noqa: BLE001  # distinguished there
             return self._failed(error)
+        return self._again(token)
 
     def _again(self, token: int) -> tuple[int, Any, int]:
         try:
@@ -301,23 +295,17 @@ class LuaSandbox:
         step, self._values = self._values[:VALUES_STEP], self._values[VALUES_STEP:]
         return step
 
-    def _ask(self) -> int:
-        try:
-            return int(self._host.poll())
-        except BaseException as error:  # noqa: BLE001  # distinguished there
-            return self._stop(error)
+    def _answered(self, ask: Callable[..., int | None]) -> Callable[..., int]:
+        """A method of the host as Lua calls it: texts come as bytes, and the answer is attention."""
 
-    def _computed(self, chunk: bytes, line: int) -> int:
-        try:
-            return int(self._host.computed(chunk.decode(), line))
-        except BaseException as error:  # noqa: BLE001  # distinguished there
-            return self._stop(error)
+        def answer(*arguments: Any) -> int:
+            try:
+                texts = (a.decode(errors='replace') if isinstance(a, bytes) else a for a in arguments)
+                return int(ask(*texts) or Attention.NONE)
+            except BaseException as error:  # noqa: BLE001  # distinguished there
+                return self._stop(error)
 
-    def _at_line(self, chunk: bytes, line: int, depth: int) -> int:
-        try:
-            return int(self._host.at_line(chunk.decode(), line, depth))
-        except BaseException as error:  # noqa: BLE001  # distinguished there
-            return self._stop(error)
+        return answer
 
     def _attention(self, task: int) -> tuple[int, int]:
         try:
@@ -329,19 +317,6 @@ class LuaSandbox:
         if wanted == 0:
             return 3, 0
         return (2, wanted) if wanted > 0 else (4, -wanted)
-
-    def _held(self, *records: bytes) -> int:
-        try:
-            return int(self._host.held([record.decode(errors='replace') for record in records]))
-        except BaseException as error:  # noqa: BLE001  # distinguished there
-            return self._stop(error)
-
-    def _handled(self, _id: int, abort: bool) -> int:  # noqa: FBT001  # called from Lua
-        try:
-            self._host.handled(abort=abort)
-        except BaseException as error:  # noqa: BLE001  # distinguished there
-            return self._stop(error)
-        return 0
 
     def _stop(self, error: BaseException) -> int:
         self._failed(error)
@@ -371,7 +346,7 @@ def _argument(kind: bytes, items: Iterator[Any]) -> LuaArgument:
 
 def syntax_error(source: LuaSource, text: str) -> tuple[int, str] | None:
     """Compile `text` as if it were the program: None, or line and reason of the first syntax error."""
-    problem = _runtime(DEFAULT_MEMORY).execute(
+    problem = _runtime().execute(
         b'local text, name = ... local chunk, problem = load(text, name, "t") return problem',
         text.encode(),
         b'=' + source.chunk_name.encode(),
@@ -379,14 +354,14 @@ def syntax_error(source: LuaSource, text: str) -> tuple[int, str] | None:
     return None if problem is None else _located(source.chunk_name, 0, problem.decode(errors='replace'))
 
 
-def _runtime(memory: int) -> Any:
+def _runtime() -> Any:
     return lua54.LuaRuntime(
         encoding=None,
         register_eval=False,
         register_builtins=False,
         unpack_returned_tuples=True,
         attribute_filter=_no_attributes,
-        max_memory=memory,
+        max_memory=MAX_MEMORY,
     )
 
 

@@ -6,9 +6,11 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from robots_controller.interpreter.functions.lua_function import ANCHORS, Argument, Kind, LuaFunction
+from robots_controller.interpreter import argument_kinds as kinds
+from robots_controller.interpreter.argument_kinds import ANCHORS, ArgumentKind, Sizes
+from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
-from robots_controller.interpreter.lua_values import Sizes, check_value, shown
+from robots_controller.interpreter.lua_values import check_value, shown
 from robots_controller.program.motion_command import PathSwitch
 
 
@@ -41,8 +43,8 @@ class MotionOptions:
 
 
 _BLENDS: Final = {
-    'cartesian': Argument('blend', 'positive', 'm', ''),
-    'joint': Argument('jointBlend', 'positive', 'deg', ''),
+    'cartesian': Argument('blend', kinds.POSITIVE, 'm'),
+    'joint': Argument('jointBlend', kinds.POSITIVE, 'deg'),
 }
 
 
@@ -91,7 +93,10 @@ def _check_switches(function: str, given: LuaArgument, sizes: Sizes) -> tuple[Pa
     )
 
 
-_OUTPUTS: Final[Mapping[str, Kind]] = {'output': 'digital output', 'analog_output': 'analog output'}
+_OUTPUTS: Final[Mapping[str, ArgumentKind]] = {
+    'output': kinds.DIGITAL_OUTPUT,
+    'analog_output': kinds.ANALOG_OUTPUT,
+}
 
 
 def _check_switch(function: str, label: str, table: LuaTable | None, sizes: Sizes) -> PathSwitch:
@@ -101,16 +106,16 @@ def _check_switch(function: str, label: str, table: LuaTable | None, sizes: Size
     (anchor,), (output,) = _anchors(fields), _outputs(fields)
     kind: Any = 'digital' if output == 'output' else 'analog'
 
-    def value(key: str, argument: Argument) -> float:
+    def value(key: str, of: ArgumentKind, unit: str = '') -> float:
+        argument = Argument(key, of, unit)
         return float(check_value(function, f'options.{label}.{key}', argument, fields[key], sizes))
 
-    unit = 'm' if anchor.startswith('distance') else 's'
     return PathSwitch(
         anchor=anchor,  # type: ignore[arg-type]  # one of ANCHORS
-        at=value(anchor, Argument(anchor, 'time', unit, '')),
+        at=value(anchor, kinds.TIME, 'm' if anchor.startswith('distance') else 's'),
         kind=kind,
-        index=int(value(output, Argument(output, _OUTPUTS[output], '', ''))),
-        value=value('value', Argument('value', 'switch' if kind == 'digital' else 'number', '', '')),
+        index=int(value(output, _OUTPUTS[output])),
+        value=value('value', kinds.SWITCH if kind == 'digital' else kinds.NUMBER),
     )
 
 

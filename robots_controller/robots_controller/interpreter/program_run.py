@@ -4,9 +4,10 @@ from collections.abc import Callable
 from pathlib import PurePosixPath
 
 from robots_controller.interpreter.debugger import CallStack, Debugger, HoldReason, call_stack
+from robots_controller.interpreter.functions.run_context import RunContext
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_sandbox import (
-    DEFAULT_MEMORY,
+    MAX_MEMORY,
     Attention,
     LuaArgument,
     LuaFailure,
@@ -60,9 +61,8 @@ class ProgramRun:
         self._tell_line = line
         self._sources = {source.chunk_name: source}
         self._chunk = ''
-        self._functions = RobotFunctions(
-            state, cell, view, subprogram=self._subprogram, motion_ended=self._motion_ended, hold=hold
-        )
+        self._robot = RunContext(state, cell, view, self._subprogram, hold)
+        self._functions = RobotFunctions(self._robot, motion_ended=self._motion_ended)
 
     def run(self) -> tuple[ProgramError | None, bool]:
         """Run the program to its end.
@@ -82,12 +82,12 @@ class ProgramRun:
             error = ProgramError(
                 f'internal error: {sandbox.host_error!r}',
                 file=self._source.file,
-                line=self._functions.run.line,
+                line=self._robot.line,
             )
             error.__cause__ = sandbox.host_error
         else:
             error = self._error(failure)
-            self._functions.pulses.end(all_of_them=True)
+            self._robot.pulses.end(all_of_them=True)
             if error is not None and self._state.motions:
                 self._cell.abort()
         if error is not None or failure:
@@ -143,7 +143,7 @@ class ProgramRun:
             state.tasks.begin(task)
         else:
             state.tasks.end(-task)
-        self._functions.pulses.end()
+        self._robot.pulses.end()
         with state.condition:
             if not state.needs_attention():
                 return None
@@ -159,7 +159,7 @@ class ProgramRun:
         self._tell_hold()
         return handler
 
-    def held(self, records: list[str]) -> Attention:
+    def held(self, *records: str) -> Attention:
         """Hold the program."""
         stack = call_stack(records)
         if stack.frames:
@@ -170,12 +170,12 @@ class ProgramRun:
             self._state.hold()
             if self._state.run_state is not RunState.PAUSED:
                 break
-            self._functions.pulses.end()
+            self._robot.pulses.end()
         self._debugger.set_depth(stack.depth)
         self._held(CallStack())
         return self.poll()
 
-    def handled(self, *, abort: bool) -> None:
+    def handled(self, abort: bool) -> None:  # noqa: FBT001  # called from Lua
         """The handler of an input has ended."""
         try:
             self._functions.motions.handled(abort=abort)
@@ -185,8 +185,8 @@ class ProgramRun:
     # -- inside -----------------------------------------------------------------------------------
 
     def _set_line(self, chunk: str, line: int) -> None:
-        if (chunk, line) != (self._chunk, self._functions.run.line):
-            self._chunk, self._functions.run.line = chunk, line
+        if (chunk, line) != (self._chunk, self._robot.line):
+            self._chunk, self._robot.line = chunk, line
             self._tell_line(self._sources.get(chunk, self._source), line)
 
     def _motion_ended(self) -> None:
@@ -211,7 +211,7 @@ class ProgramRun:
             details.pop(own, None)
         reason = failure.reason
         if reason == 'not enough memory':
-            reason += f': the values of a program may take {DEFAULT_MEMORY // 1_000_000} MB'
+            reason += f': the values of a program may take {MAX_MEMORY // 1_000_000} MB'
         return ProgramError(reason, file=source.file, line=failure.line, **details)
 
 

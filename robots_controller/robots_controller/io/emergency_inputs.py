@@ -10,7 +10,7 @@ from robots_controller.io.io_signals import channel_at, parse_channel
 from robots_core.errors import InvalidInputError
 from robots_core.yaml_section import YamlSection
 
-VALUES: Final = {'off': 0, 'on': 1}
+WORDS: Final = ('off', 'on')
 
 
 class EmergencyInputs:
@@ -43,10 +43,8 @@ def read_emergency_stop(section: YamlSection, signals: Mapping[str, Channel]) ->
     Raises:
         InvalidInputError: no digital input, or another value; with its line.
     """
-    below = section.section('emergency_stop')
     found: dict[str, int] = {}
-    for key in below.keys if below else ():
-        assert below is not None
+    for below, key in section.entries('emergency_stop'):
         channel = channel_at(below, key, below.line_of(key), signals)
         if channel.image != 'digital_inputs':
             raise below.error(f'{key} is no digital input; only these can be an emergency stop', key)
@@ -56,8 +54,7 @@ def read_emergency_stop(section: YamlSection, signals: Mapping[str, Channel]) ->
 
 def emergency_stop_texts(stopping: Mapping[str, int]) -> list[str]:
     """As a parameter of a node: 'digital_input.3=off'."""
-    words = {value: word for word, value in VALUES.items()}
-    return [f'{name}={words[value]}' for name, value in stopping.items()]
+    return [f'{name}={WORDS[value]}' for name, value in stopping.items()]
 
 
 def parse_emergency_stop(texts: Iterable[str]) -> EmergencyInputs:
@@ -68,11 +65,21 @@ def parse_emergency_stop(texts: Iterable[str]) -> EmergencyInputs:
     """
     found: dict[int, int] = {}
     for text in filter(None, texts):
-        name, _, word = text.partition('=')
-        channel = parse_channel(name, {})
-        if channel.image != 'digital_inputs' or word not in VALUES:
-            raise InvalidInputError(
-                f"{text!r} is no emergency stop; valid are 'digital_input.3=off' and 'digital_input.3=on'"
-            )
-        found[channel.index] = VALUES[word]
+        index, value = parse_input(
+            text, f"{text!r} is no emergency stop; valid are 'digital_input.3=off' and 'digital_input.3=on'"
+        )
+        found[index] = value
     return EmergencyInputs(found)
+
+
+def parse_input(text: str, wrong: str) -> tuple[int, int]:
+    """Index and value of a digital input, of a text like 'digital_input.3=off'.
+
+    Raises:
+        InvalidInputError: `wrong`, if it is none.
+    """
+    name, _, word = text.partition('=')
+    channel = parse_channel(name, {})
+    if channel.image != 'digital_inputs' or word not in WORDS:
+        raise InvalidInputError(wrong)
+    return channel.index, WORDS.index(word)

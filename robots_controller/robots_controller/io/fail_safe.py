@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from robots_controller.io.io_image import Channel
-from robots_controller.io.io_signals import channel_at, parse_channel
+from robots_controller.io.io_signals import channel_at, parse_channel, value_at
 from robots_core.errors import InvalidInputError
 from robots_core.yaml_section import YamlSection
 
@@ -23,10 +23,8 @@ def read_fail_safe(section: YamlSection, signals: Mapping[str, Channel]) -> dict
     Raises:
         InvalidInputError: no output, or a value that it cannot have; with its line.
     """
-    below = section.section('fail_safe')
     found: dict[str, float | None] = {}
-    for key in below.keys if below else ():
-        assert below is not None
+    for below, key in section.entries('fail_safe'):
         channel = channel_at(below, key, below.line_of(key), signals)
         if channel.direction == 'input':
             raise below.error(f'{key} is an input; outputs have fail-safe values here', key)
@@ -44,7 +42,7 @@ def fail_safe_of(section: YamlSection, key: str, output: Channel) -> float | Non
     """
     if section.text(key) == HOLD:
         return None
-    return float(section.switch(key)) if output.kind == 'digital' else section.number(key)
+    return value_at(section, key, output)
 
 
 def fail_safe_texts(values: FailSafe) -> list[str]:

@@ -56,14 +56,9 @@ class Channel:
         Raises:
             InvalidInputError: it cannot.
         """
-        if self.kind == 'digital' and value not in (0, 1):
-            raise InvalidInputError(
-                f'{self.kind} {self.direction} {self.index} is {value:g}; valid are 0 and 1'
-            )
-        if not math.isfinite(value):
-            raise InvalidInputError(
-                f'{self.kind} {self.direction} {self.index} is {value:g}; valid is a finite number'
-            )
+        valid = 'valid are 0 and 1' if self.kind == 'digital' else 'valid is a finite number'
+        if not (value in (0, 1) if self.kind == 'digital' else math.isfinite(value)):
+            raise InvalidInputError(f'{self.kind} {self.direction} {self.index} is {value:g}; {valid}')
         return float(value)
 
 

@@ -11,7 +11,7 @@ from robots_controller.io.emergency_inputs import read_emergency_stop
 from robots_controller.io.fail_safe import FailSafe, fail_safe_of, read_fail_safe
 from robots_controller.io.field_path import FieldPath
 from robots_controller.io.io_image import Channel, Direction
-from robots_controller.io.io_signals import channel_at, read_signals
+from robots_controller.io.io_signals import channel_at, read_signals, value_at
 from robots_core.errors import InvalidInputError
 from robots_core.files import read_text
 from robots_core.yaml_section import YamlSection, located, parse_yaml
@@ -208,7 +208,7 @@ def _row(item: YamlSection, channel: Channel, bit: int | None, line: int) -> IoR
         invert=digital and item.switch('invert', default=False),
         debounce=item.number('debounce', 0.0, low=0.0, high=LONGEST_TIME) if 'debounce' in item else 0.0,
         timeout=_timeout(item, channel),
-        fail_safe=_fail_safe(item, channel) if timed else 0.0,
+        fail_safe=value_at(item, 'fail_safe', channel) if timed else 0.0,
         period=item.number('period', low=0.001, high=LONGEST_TIME) if 'period' in item else math.inf,
         qos=_qos(item),
         file=item.file,
@@ -227,12 +227,6 @@ def _declare(item: YamlSection, row: IoRow, safe: dict[str, float | None]) -> No
     value, name = fail_safe_of(item, 'fail_safe', row.channel), row.channel.name
     if safe.setdefault(name, value) != value:
         raise row.error(f'{name} has another fail-safe value already; an output has one')
-
-
-def _fail_safe(item: YamlSection, channel: Channel) -> float:
-    if channel.kind == 'digital':
-        return float(item.switch('fail_safe'))
-    return item.number('fail_safe')
 
 
 def _topic(item: YamlSection) -> str:

@@ -45,6 +45,15 @@ def channel_at(section: YamlSection, text: str, line: int, signals: Mapping[str,
         raise located(section.file, line, error.message) from None
 
 
+def value_at(section: YamlSection, key: str, channel: Channel) -> float:
+    """A value that the channel can have.
+
+    Raises:
+        InvalidInputError: it is missing, or another one; with file and line.
+    """
+    return float(section.switch(key)) if channel.kind == 'digital' else section.number(key)
+
+
 def read_signals(section: YamlSection) -> dict[str, Channel]:
     """The section `signals` of a file.
 
@@ -53,9 +62,7 @@ def read_signals(section: YamlSection) -> dict[str, Channel]:
     """
     signals: dict[str, Channel] = {}
     named: dict[str, str] = {}
-    below = section.section('signals')
-    for label in below.keys if below else ():
-        assert below is not None
+    for below, label in section.entries('signals'):
         try:
             channel = parse_channel(below.text(label), {})
             labelled = Channel(channel.kind, channel.direction, channel.index, label)

@@ -11,7 +11,7 @@ from typing import Final, Literal
 from robots_controller.io.emergency_inputs import read_emergency_stop
 from robots_controller.io.fail_safe import FailSafe, read_fail_safe
 from robots_controller.io.io_image import Channel
-from robots_controller.io.io_signals import channel_at, read_signals
+from robots_controller.io.io_signals import channel_at, read_signals, value_at
 from robots_core.files import read_text
 from robots_core.yaml_section import YamlSection, located, parse_yaml
 
@@ -127,8 +127,7 @@ def parse_plc_script(text: str, file: str = 'plc.yaml') -> PlcScript:
     """
     section = parse_yaml(text, file)
     signals = read_signals(section)
-    initial = section.section('initial')
-    start = dict(_setting(initial, key, signals) for key in initial.keys) if initial else {}
+    start = dict(_setting(below, key, signals) for below, key in section.entries('initial'))
     rules = tuple(_rule(item, signals) for item in section.sections('rules'))
     fail_safe = read_fail_safe(section, signals)
     stopping = read_emergency_stop(section, signals)
@@ -147,15 +146,15 @@ def parse_plc_script(text: str, file: str = 'plc.yaml') -> PlcScript:
 def _rule(item: YamlSection, signals: Mapping[str, Channel]) -> PlcRule:
     event, period = _trigger(item, signals)
     conditions = tuple(_condition(item, text, line, signals) for text, line in item.texts('if'))
-    settings = item.section('set')
-    if settings is None or not settings.keys:
+    settings = tuple(_setting(below, key, signals) for below, key in item.entries('set'))
+    if not settings:
         raise item.error('set is missing: the inputs to set and their values', 'set')
     rule = PlcRule(
         event=event,
         period=period,
         conditions=conditions,
         after=item.number('after', 0.0, low=0.0, high=LONGEST_TIME),
-        settings=tuple(_setting(settings, key, signals) for key in settings.keys),
+        settings=settings,
         duration=item.number('for', low=SHORTEST_PERIOD, high=LONGEST_TIME) if 'for' in item else math.inf,
         line=item.line,
     )
@@ -219,9 +218,7 @@ def _setting(section: YamlSection, key: str, signals: Mapping[str, Channel]) -> 
     channel = channel_at(section, key, section.line_of(key), signals)
     if channel.direction == 'output':
         raise section.error(f'{key} is an output, which the robot program sets; a PLC sets inputs', key)
-    if channel.kind == 'digital':
-        return channel, float(section.switch(key))
-    return channel, section.number(key)
+    return channel, value_at(section, key, channel)
 
 
 def _number(section: YamlSection, text: str, line: int) -> float:

@@ -4,7 +4,6 @@ import heapq
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final
 
 from robots_controller.io.io_image import Channel
@@ -83,13 +82,11 @@ class ScriptedPlc:
             self._read[name] = (channel, value)
             self._collected.append((channel, value))
 
-    def step(self, now: float, outputs: Mapping[Channel, float] = MappingProxyType({})) -> list[InputChange]:
+    def step(self, now: float) -> list[InputChange]:
         """Do what was due up to now, then act on the changes of outputs that were collected.
 
         Args:
             now: s, not before the last step.
-            outputs: Values that outputs have now, all at once; those that are not named keep theirs, those
-                that the script does not name do not matter.
 
         Returns:
             The inputs that changed, in order; one may change several times.
@@ -106,10 +103,6 @@ class ScriptedPlc:
         for channel, value in collected:
             self._set(now, channel, value)
             self._do_until(now)
-        for channel in self.outputs:
-            if channel in outputs:
-                self._set(now, channel, outputs[channel])
-        self._do_until(now)
         return self._changes
 
     def _do_until(self, now: float) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from robots_controller.io.emergency_inputs import VALUES
+from robots_controller.io.emergency_inputs import WORDS, parse_input
 from robots_controller.io.io_image import Channel
 from robots_controller.io.io_signals import parse_channel
 from robots_core.blocks.zones.zone import Zone
@@ -70,9 +70,8 @@ def closing_inputs(zones: Iterable[Zone], signals: Mapping[str, Channel]) -> Clo
 
 def closing_texts(closing: Closing) -> list[str]:
     """As a parameter of a node: 'digital_input.3=off press', an input's value and the zone it closes."""
-    words = {value: word for word, value in VALUES.items()}
     return [
-        f'digital_input.{index}={words[value]} {name}'
+        f'digital_input.{index}={WORDS[value]} {name}'
         for name, inputs in closing.items()
         for index, value in inputs.items()
     ]
@@ -87,11 +86,9 @@ def parse_closing(texts: Iterable[str]) -> ZoneInputs:
     found: dict[str, dict[int, int]] = {}
     for text in filter(None, texts):
         condition, _, zone = text.partition(' ')
-        name, _, word = condition.partition('=')
-        channel = parse_channel(name, {})
-        if channel.image != 'digital_inputs' or word not in VALUES or not zone:
-            raise InvalidInputError(
-                f"{text!r} closes no zone; valid is 'digital_input.3=off press', with the zone's name"
-            )
-        found.setdefault(zone, {})[channel.index] = VALUES[word]
+        wrong = f"{text!r} closes no zone; valid is 'digital_input.3=off press', with the zone's name"
+        index, value = parse_input(condition, wrong)
+        if not zone:
+            raise InvalidInputError(wrong)
+        found.setdefault(zone, {})[index] = value
     return ZoneInputs(found)

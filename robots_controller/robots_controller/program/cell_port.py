@@ -122,8 +122,11 @@ class CellPort(Protocol):
         """The program has ended: None, or why it failed. `LuaProgram.run_state` distinguishes a stop."""
 
 
-class DetachedCell:
-    """A cell without a robot: requests have no effect. For checks, and as a base of partial cells."""
+class DetachedCell(CellPort):
+    """A cell without a robot. For checks, and as a base of partial cells.
+
+    Requests and reports have no effect: those of the port itself, whose bodies are empty.
+    """
 
     def __init__(self) -> None:
         self._clock = WallClock()
@@ -158,49 +161,7 @@ class DetachedCell:
         """Raises a ProgramError: there is no robot."""
         raise ProgramError("the robot's kinematics are not known here")
 
-    def command(self, command: MotionCommand) -> None:
-        """No effect."""
-
-    def flush(self) -> None:
-        """No effect."""
-
-    def abort(self) -> None:
-        """No effect."""
-
-    def guide(self, guide: Guide) -> None:
-        """No effect."""
-
-    def hold(self, *, held: bool) -> None:
-        """No effect."""
-
-    def set_override(self, value: float) -> None:
-        """No effect."""
-
-    def output_changed(self, change: OutputChange) -> None:
-        """No effect."""
-
-    def switch_at_target(self, change: OutputChange) -> None:
-        """No effect."""
-
     @property
     def simulated(self) -> bool:
         """No."""
         return False
-
-    def printed(self, text: str, line: int) -> None:
-        """No effect."""
-
-    def started(self) -> None:
-        """No effect."""
-
-    def line_reached(self, line: int) -> None:
-        """No effect."""
-
-    def held_changed(self) -> None:
-        """No effect."""
-
-    def interrupted(self) -> None:
-        """No effect."""
-
-    def ended(self, error: ProgramError | None) -> None:
-        """No effect."""

@@ -81,7 +81,7 @@ class GuidedMotion:
 
     def _set(self, guide: Guide) -> None:
         self._guide = guide
-        self._state.set_command_state(STATE_OF_GUIDE[guide])
+        self._state.command_state = STATE_OF_GUIDE[guide]
         self._hand_over(guide)
 
     def _standstill(self, guide: Guide) -> Generator[None, None, None]:

@@ -29,11 +29,6 @@ class InputInterrupts:
         self._due: list[int] = []
         self._serving: list[_Interrupt] = []
 
-    @property
-    def serving(self) -> bool:
-        """A handler runs now."""
-        return bool(self._serving)
-
     def add(self, what: Hashable, holds: Condition, priority: int = DEFAULT_PRIORITY) -> int:
         """A handler for a condition that comes true; it replaces the one for the same, and has its number.
 

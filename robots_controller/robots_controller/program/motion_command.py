@@ -50,7 +50,6 @@ class MotionCommand:
         blend: Zone in which the corner to the next motion may be cut: m for Cartesian motions, rad (m) for
             joint motions; 0 stops at the target.
         switches: Outputs that are switched on the way.
-        options: Further wishes of this motion; none yet.
     """
 
     kind: MotionKind
@@ -62,7 +61,6 @@ class MotionCommand:
     settings: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
     blend: float = 0.0
     switches: tuple[PathSwitch, ...] = ()
-    options: Mapping[str, object] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True)

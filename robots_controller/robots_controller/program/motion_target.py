@@ -16,14 +16,12 @@ class RobotView:
     Attributes:
         convention: Order of the orientation angles.
         prismatic: (n,) which axes slide; () for none.
-        cell: Measures joint positions and computes kinematics.
         points_file: Where taught points stand.
         values_file: Where persistent values stand.
     """
 
     convention: str
     prismatic: tuple[bool, ...]
-    cell: CellPort
     points_file: Path
     values_file: Path
 
@@ -31,32 +29,16 @@ class RobotView:
         """A pose of position (m) and orientation angles (rad)."""
         return Pose.from_angles(values[:3], values[3:], self.convention)
 
-    def position(self) -> Array:
-        """Measured joint positions (n,).
-
-        Raises:
-            RobotsError: they are not known.
-        """
-        return self.cell.joint_position()
-
-    def flange(self, q: Array) -> Pose:
-        """tool0 in the base frame.
-
-        Raises:
-            RobotsError: the robot's kinematics are not known.
-        """
-        return self.cell.direct_kinematics(q)
-
 
 class MotionTarget:
     """Where the last motion leads, so that relative ones add up without the feedback's error.
 
     Args:
-        view: The robot.
+        cell: Measures joint positions and computes kinematics.
     """
 
-    def __init__(self, view: RobotView) -> None:
-        self._view = view
+    def __init__(self, cell: CellPort) -> None:
+        self._cell = cell
         self.tool = Pose.identity()
         """Tip of the tool, seen from tool0."""
         self.base = Pose.identity()
@@ -84,12 +66,16 @@ class MotionTarget:
         self._q = self._flange = None
 
     def joints(self) -> Array:
-        """Joint positions (n,) of the target, or those of the robot."""
-        return self._view.position() if self._q is None else self._q
+        """Joint positions (n,) of the target, or those of the robot.
+
+        Raises:
+            RobotsError: they are not known.
+        """
+        return self._cell.joint_position() if self._q is None else self._q
 
     def pose(self) -> Pose:
         """The target as pose of the tool seen from the base; where the robot is, if there is none."""
-        return self.seen(self._flange or self._view.flange(self.joints()))
+        return self.seen(self._flange or self._cell.direct_kinematics(self.joints()))
 
     def seen(self, flange: Pose) -> Pose:
         """A pose of tool0 in the robot's base frame as pose of the tool seen from the program's base."""

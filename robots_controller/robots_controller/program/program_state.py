@@ -26,7 +26,8 @@ __all__ = ['MotionCommand', 'OutputChange', 'ProgramState', 'ProgramStopped', 'R
 class ProgramState:
     """Command state, motion, reference pose, I/O images and overrides, safe from any thread.
 
-    One condition variable guards everything and wakes all waiting threads; a stop interrupts every wait.
+    One condition variable guards all changes and wakes all waiting threads; a stop interrupts every wait.
+    What the attributes say may be read at any time; methods change it.
 
     Args:
         num_axes: n.
@@ -34,6 +35,16 @@ class ProgramState:
         analog: Number of analog inputs, and of analog outputs.
         clock: The program's time.
         labels: Names of the channels of an image, see `IoImage`.
+        prismatic: Per axis, whether it slides; () if unknown.
+
+    Attributes:
+        io: All inputs and outputs.
+        run_state: What the program does.
+        stopping: A stop of the program was requested.
+        prismatic: Per axis, whether it slides; () if unknown.
+        reference_cartesian_position: Where the last commanded motion leads the tool, seen from the base. None
+            before the first, and after a joint motion in a cell that has no kinematics.
+        braked: The handler of an input runs, and the motion under way is held for it.
 
     Raises:
         InvalidInputError: sizes that are not at least 1, or names that are not valid.
@@ -47,94 +58,79 @@ class ProgramState:
         analog: int,
         clock: Clock,
         labels: Mapping[str, Sequence[str]] = MappingProxyType({}),
+        prismatic: tuple[bool, ...] = (),
     ) -> None:
         check_count(num_axes, 'num_axes')
         self.condition = threading.Condition()
         self.io = IoImage(digital=digital, analog=analog, labels=labels, condition=self.condition)
         self.clock = clock
+        self.prismatic = prismatic
         self._num_axes = num_axes
-        self._run_state = RunState.IDLE
-        self._stopping = False
+        self.run_state = RunState.IDLE
+        self.stopping = False
         self._command_state = RobotCommandState.IDLE
         self._motions: list[MotionCommand] = []
         self._motion_error: tuple[MotionCommand, RobotsError] | None = None
-        self._reference_pose: Pose | None = None
+        self.reference_cartesian_position: Pose | None = None
         self._overrides = read_only(np.ones(num_axes))
         self.interrupts = InputInterrupts()
         self.tasks = BackgroundTasks(clock)
-        self._braked = False
+        self.braked = False
         self._alarm: float | None = None
 
     # -- the run --------------------------------------------------------------------------------
-
-    @property
-    def run_state(self) -> RunState:
-        """What the program does."""
-        with self.condition:
-            return self._run_state
 
     @property
     def running(self) -> bool:
         """The program has begun and not ended; it may be paused."""
         return self.run_state in (RunState.RUNNING, RunState.PAUSED)
 
-    @property
-    def stopping(self) -> bool:
-        """A stop of the program was requested."""
-        with self.condition:
-            return self._stopping
-
     def set_run_state(self, state: RunState) -> None:
         """Set what the program does; beginning to run forgets an earlier stop."""
         with self.condition:
-            if state is RunState.RUNNING and self._run_state is not RunState.PAUSED:
-                self._stopping = False
+            if state is RunState.RUNNING and self.run_state is not RunState.PAUSED:
+                self.stopping = False
                 self._motion_error = None
                 self.interrupts = InputInterrupts()
                 self.tasks = BackgroundTasks(self.clock)
-                self._braked, self._alarm = False, None
-            self._run_state = state
+                self.braked, self._alarm = False, None
+            self.run_state = state
             self.condition.notify_all()
 
     def stop(self) -> bool:
-        """Request a stop of the program; it stops at its next instruction or where it waits.
+        """Stop the program for good, at its next instruction or where it waits.
+
+        A commanded motion is the robot's side to stop.
 
         Returns:
-            True if it was running.
+            True if it was running. It ends a moment later.
         """
         with self.condition:
-            if self._run_state not in (RunState.RUNNING, RunState.PAUSED):
+            if not self.running:
                 return False
-            self._stopping = True
+            self.stopping = True
             self.condition.notify_all()
             return True
 
     def change_run_state(self, expected: RunState, state: RunState) -> bool:
         """Change from one run state to another, if the program is in the first one and shall not stop."""
         with self.condition:
-            if self._run_state is not expected or self._stopping:
+            if self.run_state is not expected or self.stopping:
                 return False
-            self._run_state = state
+            self.run_state = state
             self.condition.notify_all()
             return True
-
-    @property
-    def braked(self) -> bool:
-        """The handler of an input runs, and the motion under way is held for it."""
-        with self.condition:
-            return self._braked
 
     def set_braked(self, *, braked: bool) -> None:
         """Hold the motion under way for the handler of an input, or let it go on."""
         with self.condition:
-            self._braked = braked
+            self.braked = braked
             self.condition.notify_all()
 
     @property
     def robot_held(self) -> bool:
         """The robot shall stand on its path: the program is paused, or handles an input."""
-        with self.condition:
-            return self._braked or self._run_state is RunState.PAUSED
+        return self.braked or self.run_state is RunState.PAUSED
 
     def set_alarm(self, time: float | None) -> None:
         """The program must attend to something at this time of its clock, s; None for nothing."""
@@ -148,9 +144,9 @@ class ProgramState:
             ProgramStopped: the program shall stop.
         """
         with self.condition:
-            while self._run_state is RunState.PAUSED and not self._stopping and not self._alarm_is_due():
+            while self.run_state is RunState.PAUSED and not self.stopping and not self._alarm_is_due():
                 self.clock.wait(self.condition, self._alarm)
-            if self._stopping:
+            if self.stopping:
                 raise ProgramStopped
 
     def wait_for_standstill(self) -> None:
@@ -160,9 +156,9 @@ class ProgramState:
             ProgramStopped: the program shall stop.
         """
         with self.condition:
-            while self._motions and not self._stopping:
+            while self._motions and not self.stopping:
                 self.clock.wait(self.condition, None)
-            if self._stopping:
+            if self.stopping:
                 raise ProgramStopped
 
     def needs_attention(self) -> bool:
@@ -172,11 +168,11 @@ class ProgramState:
             ProgramStopped: the program shall stop.
         """
         with self.condition:
-            if self._stopping:
+            if self.stopping:
                 raise ProgramStopped
             if self.interrupts.look() or self.tasks.next() is not None:
                 return True
-            return self._run_state is RunState.PAUSED or self._alarm_is_due()
+            return self.run_state is RunState.PAUSED or self._alarm_is_due()
 
     def _alarm_is_due(self) -> bool:
         return self._alarm is not None and self.clock.now() >= self._alarm
@@ -218,18 +214,14 @@ class ProgramState:
 
     @property
     def num_axes(self) -> int:
-        """Number of axes n."""
-        with self.condition:
-            return self._num_axes
+        """Number of axes n; it cannot change while a program runs."""
+        return self._num_axes
 
-    def set_num_axes(self, num_axes: int) -> None:
-        """Define the number of axes; not while a program runs.
-
-        Raises:
-            InvalidInputError: below 1.
-            ProgramError: a program runs.
-        """
+    @num_axes.setter
+    def num_axes(self, num_axes: int) -> None:
         check_count(num_axes, 'num_axes')
+        if self.prismatic and num_axes != len(self.prismatic):
+            raise InvalidInputError(f'prismatic names {len(self.prismatic)} axes, num_axes = {num_axes}')
         with self.condition:
             if self.running:
                 raise ProgramError('the number of axes cannot change while a program runs; stop it first')
@@ -238,16 +230,11 @@ class ProgramState:
 
     @property
     def command_state(self) -> RobotCommandState:
-        """What the robot is commanded to do."""
-        with self.condition:
-            return self._command_state
+        """What the robot is commanded to do; setting IDLE ends the motion as `finish_motion` does."""
+        return self._command_state
 
-    def set_command_state(self, state: RobotCommandState | str) -> None:
-        """Set the command state; IDLE ends the motion that was commanded.
-
-        Raises:
-            InvalidInputError: not a command state.
-        """
+    @command_state.setter
+    def command_state(self, state: RobotCommandState | str) -> None:
         try:
             state = RobotCommandState(state)
         except ValueError:
@@ -272,12 +259,6 @@ class ProgramState:
         with self.condition:
             return tuple(self._motions)
 
-    @property
-    def reference_pose(self) -> Pose | None:
-        """Where the last commanded motion leads the tool, seen from the base; None for unknown."""
-        with self.condition:
-            return self._reference_pose
-
     def command_motion(self, command: MotionCommand, reference_pose: Pose | None = None) -> None:
         """Set a motion, its command state, and where it leads the tool.
 
@@ -289,7 +270,7 @@ class ProgramState:
                 raise ProgramError(f'the motion of line {self._motions[-1].line} has not finished')
             self._motions.append(command)
             self._command_state = command.kind.state
-            self._reference_pose = reference_pose
+            self.reference_cartesian_position = reference_pose
 
     def finish_motion(self, error: RobotsError | None = None, command: MotionCommand | None = None) -> None:
         """End a motion: the program goes on, or gets the error; IDLE again after the last one.
@@ -322,56 +303,43 @@ class ProgramState:
     @property
     def overrides(self) -> Array:
         """Speed scale factor per axis, (n,), 0..1, read-only."""
-        with self.condition:
-            return self._overrides
+        return self._overrides
 
-    def set_overrides(self, values: ArrayLike) -> None:
-        """Set the speed scale factors.
-
-        Raises:
-            InvalidInputError: not one number in 0..1 per axis.
-        """
+    @overrides.setter
+    def overrides(self, values: ArrayLike) -> None:
         with self.condition:
-            overrides = finite_vector(values, self._num_axes, 'overrides')
+            overrides = finite_vector(values, self.num_axes, 'overrides')
             if ((overrides < 0.0) | (overrides > 1.0)).any():
                 raise InvalidInputError(f'overrides = {overrides.tolist()}; valid is 0..1 for every axis')
             self._overrides = read_only(overrides)
 
     @property
     def digital_inputs(self) -> NDArray[np.bool_]:
-        """Image of the digital inputs, a copy; the first is input 1."""
+        """Image of the digital inputs; set 0s and 1s for inputs 1..k, further inputs keep theirs."""
         return self.io.bits('digital_inputs')
 
-    @property
-    def digital_outputs(self) -> NDArray[np.bool_]:
-        """Image of the digital outputs, a copy; the first is output 1."""
-        return self.io.bits('digital_outputs')
+    @digital_inputs.setter
+    def digital_inputs(self, values: ArrayLike) -> None:
+        self.io.set_inputs('digital', values)
 
     @property
     def analog_inputs(self) -> Array:
-        """Image of the analog inputs, a copy; the first is input 1."""
+        """Image of the analog inputs; set numbers for inputs 1..k, further inputs keep theirs."""
         return self.io.numbers('analog_inputs')
+
+    @analog_inputs.setter
+    def analog_inputs(self, values: ArrayLike) -> None:
+        self.io.set_inputs('analog', values)
+
+    @property
+    def digital_outputs(self) -> NDArray[np.bool_]:
+        """Image of the digital outputs; the first is output 1."""
+        return self.io.bits('digital_outputs')
 
     @property
     def analog_outputs(self) -> Array:
-        """Image of the analog outputs, a copy; the first is output 1."""
+        """Image of the analog outputs; the first is output 1."""
         return self.io.numbers('analog_outputs')
-
-    def set_digital_inputs(self, values: ArrayLike) -> None:
-        """Set inputs 1..k to the k values, each 0 or 1; further inputs keep theirs.
-
-        Raises:
-            InvalidInputError: more values than inputs, or a value other than 0 and 1.
-        """
-        self.io.set_inputs('digital', values)
-
-    def set_analog_inputs(self, values: ArrayLike) -> None:
-        """Set inputs 1..k to the k values; further inputs keep theirs.
-
-        Raises:
-            InvalidInputError: more values than inputs, or a value that is not finite.
-        """
-        self.io.set_inputs('analog', values)
 
     def set_output(self, kind: Literal['digital', 'analog'], index: int, value: float) -> bool:
         """Switch one output.

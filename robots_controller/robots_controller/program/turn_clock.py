@@ -36,7 +36,8 @@ class TurnClock:
         self._condition = threading.Condition()
         self._waits_in = self._condition
         self._program_has_turn = False
-        self._waiting = False
+        self.waiting = False
+        """The program waits; it neither computes nor has it ended."""
         self._ended = False
         self._cell_turn = threading.Semaphore(0)
         self._calls = 0
@@ -45,11 +46,6 @@ class TurnClock:
         self._computed_at = -1
         self.busy = False
         """The program that waits lets time pass alone, and could go on."""
-
-    @property
-    def waiting(self) -> bool:
-        """The program waits; it neither computes nor has it ended."""
-        return self._waiting
 
     @property
     def deadline_stamp(self) -> float:
@@ -71,7 +67,7 @@ class TurnClock:
         """Wait as `Clock.wait` says: the cell has the turn until it gives it back."""
         if self._ended:
             return
-        self._waits_in, self._waiting = condition, True
+        self._waits_in, self.waiting = condition, True
         # A wait whose rest is smaller than the rounding of the time would never end.
         shortest = (self._stamp() + 1) / NANOSECONDS
         self.deadline = math.inf if deadline is None else max(deadline, shortest)
@@ -79,7 +75,7 @@ class TurnClock:
         self._cell_turn.release()
         while not self._program_has_turn:
             condition.wait()
-        self._waiting = False
+        self.waiting = False
 
     def called(self) -> None:
         """Let a period pass if the program calls functions without ever waiting."""
@@ -127,5 +123,5 @@ class TurnClock:
     def end(self) -> None:
         """No time will pass any more: the program, which has to stop, must not wait for it."""
         self._ended = True
-        if self._waiting:
+        if self.waiting:
             self.let_program_work()

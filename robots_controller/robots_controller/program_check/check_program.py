@@ -5,8 +5,8 @@ import os
 import sys
 from collections.abc import Sequence
 
+from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
-from robots_controller.interpreter.lua_values import Sizes
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.io_image import IoImage
 from robots_controller.program.program_header import ProgramHeader, read_program_header

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Final
 
 import numpy as np
@@ -35,6 +33,7 @@ class LenientPlanning(PathPlanning):
     """
 
     problems: dict[PlannedMotion, RobotsError]
+    _astray: bool
 
     @classmethod
     def of(cls, planning: PathPlanning) -> LenientPlanning:
@@ -52,33 +51,24 @@ class LenientPlanning(PathPlanning):
         settings: MotionSettings | None = None,
     ) -> PlannedMotion:
         """See `PathPlanning.plan`; raises nothing."""
-        try:
-            motion = super().plan(kind, q_start, target, settings)
-        except RobotsError as error:
-            return self._in_its_place(error, kind, q_start, target, settings)
-        self._astray = False
-        return motion
-
-    def _in_its_place(  # the arguments of `plan`, as they came
-        self,
-        error: RobotsError,
-        kind: MotionKind,
-        q_start: ArrayLike,
-        target: Target,
-        settings: MotionSettings | None,
-    ) -> PlannedMotion:
         astray, self._astray = self._astray, False
+        try:
+            return super().plan(kind, q_start, target, settings)
+        except RobotsError as problem:
+            error = problem
         end = target[-1] if isinstance(target, tuple) else target
         for other, goal in ((kind, target), (JOINT_TO_POSE, end)):
             if other.cartesian and isinstance(error, UnreachablePoseError):
                 continue
             if other is JOINT_TO_POSE and not isinstance(goal, Pose):
                 continue
+            collision, self.collision = self.collision, None
             try:
-                with self._through_everything():
-                    motion = super().plan(other, q_start, goal, settings)
+                motion = super().plan(other, q_start, goal, settings)
             except RobotsError:
                 continue
+            finally:
+                self.collision = collision
             # A path of the tool from a place where the program never is has no meaning.
             if not (astray and kind.cartesian):
                 self.problems[motion] = error
@@ -87,14 +77,6 @@ class LenientPlanning(PathPlanning):
         motion = self._stay(np.asarray(q_start, dtype=np.float64), kind)
         self.problems[motion] = error
         return motion
-
-    @contextmanager
-    def _through_everything(self) -> Iterator[None]:
-        held, self.collision = self.collision, None
-        try:
-            yield
-        finally:
-            self.collision = held
 
     def _stay(self, q: Array, kind: MotionKind) -> PlannedMotion:
         still = np.zeros((2, q.size))

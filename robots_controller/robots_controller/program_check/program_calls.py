@@ -2,12 +2,14 @@
 
 from collections.abc import Iterator, Sequence
 
+from robots_controller.interpreter import argument_kinds as kinds
+from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
 from robots_controller.interpreter.functions.search import wrong_condition
 from robots_controller.interpreter.lua_arguments import wanted_arguments
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_tokens import Token
-from robots_controller.interpreter.lua_values import Sizes, valid_text
+from robots_controller.interpreter.lua_values import valid_text
 from robots_controller.interpreter.motion_options import option_arguments, unknown_option, wrong_switch
 from robots_controller.program_check.lua_calls import (
     closing,
@@ -37,14 +39,14 @@ def _problems_of_call(function: LuaFunction, arguments: Sequence[list[Token]], s
         yield from _problems_of_search(arguments, sizes)
         return
     first = function.arguments[0] if function.arguments else None
-    if first is not None and first.kind == 'number' and arguments and is_table(arguments[0]):
+    if first is not None and first.kind is kinds.NUMBER and arguments and is_table(arguments[0]):
         arguments = [*split_values(arguments[0][1:-1], ',;'), *arguments[1:]]
     open_ended = bool(arguments) and not _single(arguments[-1])
     # A name alone may be a table with all values.
-    behind = sum(argument.kind != 'number' for argument in function.arguments)
+    behind = sum(argument.kind is not kinds.NUMBER for argument in function.arguments)
     if (
         first is not None
-        and first.kind == 'number'
+        and first.kind is kinds.NUMBER
         and 1 <= len(arguments) <= 1 + behind
         and arguments[0][0].kind == 'name'
     ):

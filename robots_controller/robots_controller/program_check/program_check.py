@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS, TASK_FUNCTIONS
 from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.lua_tokens import Token, lua_tokens
-from robots_controller.interpreter.lua_values import Sizes
 from robots_controller.interpreter.program_run import find_subprogram
 from robots_controller.program_check.comparisons import comparisons_of_unlike_values
 from robots_controller.program_check.lua_calls import lua_calls

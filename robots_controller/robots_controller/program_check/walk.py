@@ -1,8 +1,8 @@
 """walk_program: what a program meets, whatever its inputs are."""
 
-import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -42,18 +42,6 @@ class WalkResult:
         return not self.problems and self.walked == self.possible
 
 
-@dataclass(frozen=True)
-class _Walk:
-    """A walk with one combination, as it is sent to a process."""
-
-    program: str
-    robot: str
-    scene: str
-    io: str
-    combination: InputCombination
-    longest: float
-
-
 def walk_program(
     program: Path | str,
     *,
@@ -85,28 +73,28 @@ def walk_program(
         raise InvalidInputError(f'most = {most} must be at least 1')
     positive(longest, 'longest', 's')
     everything = list(input_combinations(_script(io)))
-    walks = [
-        _Walk(str(program), robot, str(scene), str(io), combination, longest)
-        for combination in itertools.islice(everything, most)
-    ]
+    combinations = everything[:most]
+    walk = partial(_walk, program=str(program), robot=robot, scene=str(scene), io=str(io), longest=longest)
     # What is wrong with the input itself is raised here, before processes start.
-    first = _walk(walks[0])
-    if workers > 1 and len(walks) > 1:
+    first = walk(combinations[0])
+    if workers > 1 and len(combinations) > 1:
         with worker_pool(workers) as pool:
-            others = list(pool.map(_walk, walks[1:]))
+            others = list(pool.map(walk, combinations[1:]))
     else:
-        others = [_walk(walk) for walk in walks[1:]]
-    return WalkResult(tuple(_together(walks, [first, *others])), len(walks), len(everything))
+        others = [walk(combination) for combination in combinations[1:]]
+    return WalkResult(tuple(_together(combinations, [first, *others])), len(combinations), len(everything))
 
 
-def _walk(walk: _Walk) -> list[ProgramProblem]:
+def _walk(
+    combination: InputCombination, *, program: str, robot: str, scene: str, io: str, longest: float
+) -> list[ProgramProblem]:
     """Problems of one walk, in the order in which they were met."""
-    parts = cell_parts(walk.program, robot=walk.robot, drive='ideal', scene=walk.scene)
+    parts = cell_parts(program, robot=robot, drive='ideal', scene=scene)
     planning = LenientPlanning.of(parts.planning)
-    plc_script = walk.combination.script(_script(walk.io))
+    plc_script = combination.script(_script(io))
     # Planning reports what collides; no guard stops the robot before it.
     parts = replace(parts, planning=planning, plc_script=plc_script, io='', scene='')
-    cell = WalkedCell(parts, longest=walk.longest)
+    cell = WalkedCell(parts, longest=longest)
     run = cell.run()
     found: dict[ProgramProblem, None] = {}
     for motion in run.motions:
@@ -132,16 +120,18 @@ def _script(io: Path | str) -> PlcScript:
     return read_plc_script(io) if io else PlcScript(())
 
 
-def _together(walks: Sequence[_Walk], found: Sequence[list[ProgramProblem]]) -> Iterator[ProgramProblem]:
+def _together(
+    combinations: Sequence[InputCombination], found: Sequence[list[ProgramProblem]]
+) -> Iterator[ProgramProblem]:
     """Each problem once, with the combinations that lead to it."""
     where: dict[ProgramProblem, list[InputCombination]] = {}
-    for walk, problems in zip(walks, found, strict=True):
+    for combination, problems in zip(combinations, found, strict=True):
         for problem in problems:
-            where.setdefault(problem, []).append(walk.combination)
+            where.setdefault(problem, []).append(combination)
     for problem in sorted(where, key=lambda one: (one.file, one.line)):
-        combinations = where[problem]
-        if len(walks) == 1 or len(combinations) == len(walks):
+        leading = where[problem]
+        if len(leading) == len(combinations):
             yield problem
             continue
-        share = f'with {len(combinations)} of {len(walks)} combinations of inputs'
-        yield replace(problem, reason=f'{problem.reason} ({share}: {combinations[0].describe()})')
+        share = f'with {len(leading)} of {len(combinations)} combinations of inputs'
+        yield replace(problem, reason=f'{problem.reason} ({share}: {leading[0].describe()})')

@@ -2,31 +2,44 @@
 
 from typing import Final
 
-from robots_controller.interpreter.functions.lua_function import COMPARISONS, Argument
+from robots_controller.interpreter import argument_kinds as kinds
+from robots_controller.interpreter.functions.lua_function import Argument
 
-_ANGLES: Final = tuple(
-    Argument(f'phi{i}', 'number', 'deg', f"orientation angle {i} in the robot's convention")
-    for i in (1, 2, 3)
+
+def six_numbers(way: str, turn: str, *, only_way: bool = False) -> tuple[Argument, ...]:
+    """Position and orientation angles of a pose; with `only_way` the angles may be left out."""
+    return (
+        *(Argument(axis, kinds.NUMBER, 'm', way.format(axis)) for axis in 'xyz'),
+        *(Argument(f'phi{i}', kinds.NUMBER, 'deg', turn.format(i), optional=only_way) for i in (1, 2, 3)),
+    )
+
+
+FRAME: Final = six_numbers('{} of the frame', "orientation angle {} in the robot's convention")
+POSE: Final = six_numbers(
+    '{} of the tool in the base frame', "orientation angle {} in the robot's convention"
 )
-FRAME: Final = (*(Argument(axis, 'number', 'm', f'{axis} of the frame') for axis in 'xyz'), *_ANGLES)
-POSE: Final = (
-    *(Argument(axis, 'number', 'm', f'{axis} of the tool in the base frame') for axis in 'xyz'),
-    *_ANGLES,
+WHOSE_AXES: Final = Argument(
+    'frame', kinds.FRAME, '', "'base' (default) or 'tool': whose axes are meant", optional=True
 )
-JOINTS: Final = Argument('q', 'number', 'deg (m)', 'joint angle, in metres for a sliding axis', per_axis=True)
-SWITCH: Final = Argument('value', 'switch', '', '0 or false: off, 1 or true: on')
-DIGITAL_INPUT: Final = Argument('index', 'digital input', '', 'number of the input, from 1, or its name')
-ANALOG_INPUT: Final = Argument('index', 'analog input', '', 'number of the input, from 1, or its name')
-DIGITAL_OUTPUT: Final = Argument('index', 'digital output', '', 'number of the output, from 1, or its name')
-ANALOG_OUTPUT: Final = Argument('index', 'analog output', '', 'number of the output, from 1, or its name')
-COMPARISON: Final = Argument('comparison', 'comparison', '', f'one of {" ".join(COMPARISONS)}')
+JOINTS: Final = Argument(
+    'q', kinds.NUMBER, 'deg (m)', 'joint angle, in metres for a sliding axis', per_axis=True
+)
+SWITCH: Final = Argument('value', kinds.SWITCH, '', '0 or false: off, 1 or true: on')
+DIGITAL_INPUT, ANALOG_INPUT, DIGITAL_OUTPUT, ANALOG_OUTPUT = (
+    Argument('index', kind, '', f'number of the {kind.channel.split()[1]}, from 1, or its name')
+    for kind in (kinds.DIGITAL_INPUT, kinds.ANALOG_INPUT, kinds.DIGITAL_OUTPUT, kinds.ANALOG_OUTPUT)
+)
+COMPARISON: Final = (
+    Argument('comparison', kinds.COMPARISON, '', f'one of {" ".join(kinds.COMPARISONS)}'),
+    Argument('value', kinds.NUMBER, '', 'what the input is compared with'),
+)
 MOMENT: Final = Argument(
     'moment',
-    'moment',
+    kinds.MOMENT,
     '',
     "'now' (default), or 'arrival': when the robot is at the last target, also where it runs through",
     optional=True,
 )
 TIMEOUT: Final = Argument(
-    'timeout', 'time', 's', 'longest wait; without one it waits for ever', optional=True
+    'timeout', kinds.TIME, 's', 'longest wait; without one it waits for ever', optional=True
 )

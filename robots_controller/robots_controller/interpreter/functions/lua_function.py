@@ -1,45 +1,21 @@
-"""LuaFunction: one function of robot programs as the table has it, and its arguments."""
+"""LuaFunction: one function of robot programs as the table has it, its arguments, and what serves it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from robots_controller.interpreter.argument_kinds import ArgumentKind
+from robots_controller.interpreter.lua_sandbox import Result, Waiting
 from robots_planning.motion_kinds import KIND_OF_FUNCTION
 
-Kind = Literal[
-    'number',
-    'time',
-    'fraction',
-    'scale',
-    'positive',
-    'switch',
-    'text',
-    'name',
-    'frame',
-    'comparison',
-    'convention',
-    'hold',
-    'function',
-    'pose',
-    'joints',
-    'condition',
-    'value',
-    'motion',
-    'moment',
-    'joint_planner',
-    'cartesian_planner',
-    'configuration',
-    'count',
-    'digital input',
-    'digital output',
-    'analog input',
-    'analog output',
-]
 Options = Literal['', 'cartesian', 'joint']
+Serve = Callable[..., Result | Waiting]
 
-FRAMES: Final = ('base', 'tool')
-MOMENTS: Final = ('now', 'arrival')
-COMPARISONS: Final = ('<', '<=', '>', '>=', '==', '~=')
-ANCHORS: Final = ('distance_before_end', 'distance_after_start', 'time_before_end', 'time_after_start')
+# What functions return, and the same for the Lua language server.
+A_POSE: Final = ('a pose', 'Pose')
+A_NUMBER: Final = ('a number', 'number')
+JOINT_NUMBERS: Final = ('a table of n numbers', 'number[]')
+TRUE_OR_FALSE: Final = ('true or false', 'boolean')
 
 
 @dataclass(frozen=True)
@@ -57,9 +33,9 @@ class Argument:
     """
 
     name: str
-    kind: Kind
-    unit: str
-    meaning: str
+    kind: ArgumentKind
+    unit: str = ''
+    meaning: str = ''
     per_axis: bool = False
     repeated: bool = False
     optional: bool = False
@@ -71,19 +47,21 @@ class LuaFunction:
 
     Attributes:
         name: The paper's name.
-        arguments: In their order; those of a target or frame may come as one table.
         doc: What it does, for the reference.
+        arguments: In their order; those of a target or frame may come as one table.
         result: What it returns, '' for nothing.
         result_type: The same for the Lua language server.
         more: Further arguments of any kind may follow.
+        serve: Serves a call: a function of a `Family` and the arguments, in SI; None for one left out.
     """
 
     name: str
-    arguments: tuple[Argument, ...]
     doc: str
-    result: str = ''
-    result_type: str = ''
-    more: bool = False
+    arguments: tuple[Argument, ...]
+    result: str
+    result_type: str
+    more: bool
+    serve: Serve
 
     @property
     def options(self) -> Options:
@@ -107,3 +85,10 @@ class LuaFunction:
         if self.more:
             names.append('...')
         return f'{self.name}({", ".join(names)})'
+
+
+def lua_function(
+    name: str, doc: str, *arguments: Argument, returns: tuple[str, str] = ('', ''), more: bool = False
+) -> Callable[[Serve], LuaFunction]:
+    """Make a method of a `Family` a function of robot programs; see `LuaFunction`."""
+    return lambda serve: LuaFunction(name, doc, arguments, *returns, more, serve)

@@ -2,77 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Final
+from typing import Any
 
 import numpy as np
 
 from robots_controller.degrees import in_degrees
-from robots_controller.interpreter.functions.common_arguments import JOINTS, POSE
-from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
+from robots_controller.interpreter import argument_kinds as kinds
+from robots_controller.interpreter.functions.common_arguments import JOINTS, POSE, WHOSE_AXES, six_numbers
+from robots_controller.interpreter.functions.lua_function import Argument, lua_function
 from robots_controller.interpreter.functions.poses import moved
-from robots_controller.interpreter.functions.run_context import Handlers, RunContext
+from robots_controller.interpreter.functions.run_context import Family, RunContext
 from robots_controller.interpreter.lua_arguments import Arguments
 from robots_controller.interpreter.lua_sandbox import LuaCallError, Waiting
-from robots_controller.interpreter.motion_options import Condition
-from robots_controller.program.guided_motion import GuidedMotion
+from robots_controller.interpreter.motion_options import Condition, MotionOptions
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, read_only
 from robots_planning.motion_kinds import KIND_OF_FUNCTION
-
-MOTIONS: Final = (
-    LuaFunction(
-        'ptpCartesianSpace',
-        POSE,
-        'Moves the tool on a straight line to a pose; returns when the robot stands there.',
-    ),
-    LuaFunction(
-        'ptpJointSpaceAngles',
-        (JOINTS,),
-        'Moves all axes together to joint angles; returns when the robot stands there.',
-    ),
-    LuaFunction(
-        'ptpJointSpacePosition',
-        POSE,
-        'Moves all axes together to a pose; returns when the robot stands there.',
-    ),
-    LuaFunction(
-        'circCartesianSpace',
-        (
-            Argument('via', 'pose', '', 'pose on the arc: its position is passed'),
-            Argument('target', 'pose', '', 'pose at the end of the arc'),
-        ),
-        'Moves the tool on an arc through `via` to `target`, each {x, y, z, phi1, phi2, phi3}.',
-    ),
-    LuaFunction(
-        'splineCartesianSpace',
-        (Argument('pose', 'pose', '', 'pose on the curve', repeated=True),),
-        'Moves the tool on a smooth curve through poses, each {x, y, z, phi1, phi2, phi3}.',
-    ),
-    LuaFunction(
-        'linearRelative',
-        (
-            *(Argument(axis, 'number', 'm', f'way along {axis}') for axis in 'xyz'),
-            *(Argument(f'phi{i}', 'number', 'deg', f'turn by orientation angle {i}') for i in (1, 2, 3)),
-            Argument('frame', 'frame', '', "'base' (default) or 'tool': whose axes are meant", optional=True),
-        ),
-        'Moves the tool on a straight line, relative to the last target.',
-    ),
-    LuaFunction(
-        'ptpJointSpaceAnglesRelative',
-        (
-            Argument(
-                'q', 'number', 'deg (m)', 'way of the joint, in metres for a sliding axis', per_axis=True
-            ),
-        ),
-        'Moves all axes together by joint angles, relative to the last target.',
-    ),
-)
-"""Motions."""
 
 
 @dataclass
@@ -83,77 +33,103 @@ class _Handler:
     interrupted: list[MotionCommand] = field(default_factory=list)
 
 
-class Motions:
+class Motions(Family):
     """Commands motions, waits for them, and holds them for handlers of inputs.
 
     Args:
         run: The run.
-        guided_motion: Gives the robot back before a motion.
         motion_ended: A motion that the program waited for has ended well.
     """
 
-    def __init__(
-        self, run: RunContext, guided_motion: GuidedMotion, motion_ended: Callable[[], None]
-    ) -> None:
-        self._run, self._state = run, run.state
-        self._guided_motion = guided_motion
-        self._motion_ended = motion_ended
+    def __init__(self, run: RunContext, motion_ended: Callable[[], None]) -> None:
+        super().__init__(run)
+        self._state, self._motion_ended = run.state, motion_ended
         self.error: RobotsError | None = None
         """Why the last motion that failed did."""
         self.error_text = ''
         self._handlers: list[_Handler] = []
         self._found: Pose | None = None  # where it came true
-        self.handlers: Handlers = {
-            'ptpCartesianSpace': self._to_pose('ptpCartesianSpace'),
-            'ptpJointSpaceAngles': self._to_joints,
-            'ptpJointSpacePosition': self._to_pose('ptpJointSpacePosition'),
-            'circCartesianSpace': self._along('circCartesianSpace'),
-            'splineCartesianSpace': self._along('splineCartesianSpace'),
-            'linearRelative': self._linear_relative,
-            'ptpJointSpaceAnglesRelative': self._joints_relative,
-        }
 
-    def _to_pose(self, function: str) -> Callable[[Arguments], Waiting]:
-        def move(arguments: Arguments) -> Waiting:
-            return self._move(function, arguments, pose=self._run.view.pose(arguments.values))
+    @lua_function(
+        'ptpCartesianSpace',
+        'Moves the tool on a straight line to a pose; returns when the robot stands there.',
+        *POSE,
+    )
+    def _line(self, *values: float, options: MotionOptions) -> Waiting:
+        return self._move('ptpCartesianSpace', options, pose=self._run.view.pose(values))
 
-        return move
+    @lua_function(
+        'ptpJointSpaceAngles',
+        'Moves all axes together to joint angles; returns when the robot stands there.',
+        JOINTS,
+    )
+    def _joints(self, *q: float, options: MotionOptions) -> Waiting:
+        return self._move('ptpJointSpaceAngles', options, q=read_only(q))
 
-    def _to_joints(self, arguments: Arguments) -> Waiting:
-        q = read_only(arguments.values)
-        return self._move('ptpJointSpaceAngles', arguments, q=q)
+    @lua_function(
+        'ptpJointSpacePosition',
+        'Moves all axes together to a pose; returns when the robot stands there.',
+        *POSE,
+    )
+    def _joints_to_pose(self, *values: float, options: MotionOptions) -> Waiting:
+        return self._move('ptpJointSpacePosition', options, pose=self._run.view.pose(values))
 
-    def _along(self, function: str) -> Callable[[Arguments], Waiting]:
-        def move(arguments: Arguments) -> Waiting:
-            path = tuple(self._run.view.pose(values) for values in arguments.values)
-            return self._move(function, arguments, pose=path[-1], path=path)
+    @lua_function(
+        'circCartesianSpace',
+        'Moves the tool on an arc through `via` to `target`, each {x, y, z, phi1, phi2, phi3}.',
+        Argument('via', kinds.POSE, '', 'pose on the arc: its position is passed'),
+        Argument('target', kinds.POSE, '', 'pose at the end of the arc'),
+    )
+    def _circle(self, *poses: Sequence[float], options: MotionOptions) -> Waiting:
+        return self._move('circCartesianSpace', options, path=poses)
 
-        return move
+    @lua_function(
+        'splineCartesianSpace',
+        'Moves the tool on a smooth curve through poses, each {x, y, z, phi1, phi2, phi3}.',
+        Argument('pose', kinds.POSE, '', 'pose on the curve', repeated=True),
+    )
+    def _spline(self, *poses: Sequence[float], options: MotionOptions) -> Waiting:
+        return self._move('splineCartesianSpace', options, path=poses)
 
-    def _linear_relative(self, arguments: Arguments) -> Waiting:
+    @lua_function(
+        'linearRelative',
+        'Moves the tool on a straight line, relative to the last target.',
+        *six_numbers('way along {}', 'turn by orientation angle {}'),
+        WHOSE_AXES,
+    )
+    def _line_relative(self, *way_and_frame: Any, options: MotionOptions) -> Waiting:
         if not self._run.target.known:
             yield from self.standstill()
-        way, frame = self._run.view.pose(arguments.values[:6]), arguments.values[6]
-        start = self._run.target.pose()
-        return (yield from self._move('linearRelative', arguments, pose=moved(start, way, frame)))
+        *way, frame = way_and_frame
+        pose = moved(self._run.target.pose(), self._run.view.pose(way), frame)
+        return (yield from self._move('linearRelative', options, pose=pose))
 
-    def _joints_relative(self, arguments: Arguments) -> Waiting:
+    @lua_function(
+        'ptpJointSpaceAnglesRelative',
+        'Moves all axes together by joint angles, relative to the last target.',
+        Argument(
+            'q', kinds.NUMBER, 'deg (m)', 'way of the joint, in metres for a sliding axis', per_axis=True
+        ),
+    )
+    def _joints_relative(self, *way: float, options: MotionOptions) -> Waiting:
         if not self._run.target.in_joints:
             yield from self.standstill()
-        q = read_only(self._run.target.joints() + np.array(arguments.values))
-        return (yield from self._move('ptpJointSpaceAnglesRelative', arguments, q=q))
+        q = read_only(self._run.target.joints() + np.array(way))
+        return (yield from self._move('ptpJointSpaceAnglesRelative', options, q=q))
 
     def _move(
         self,
         function: str,
-        arguments: Arguments,
+        options: MotionOptions,
         *,
         q: Array | None = None,
         pose: Pose | None = None,
-        path: tuple[Pose, ...] = (),
+        path: Sequence[Sequence[float]] = (),
     ) -> Waiting:
+        poses = tuple(self._run.view.pose(values) for values in path)
+        pose = poses[-1] if poses else pose
         kind = KIND_OF_FUNCTION[function]
-        blend, before = arguments.options.blend, self._state.motions
+        blend, before = options.blend, self._state.motions
         chained = bool(before and before[-1].blend)
         if blend:
             self._run.change(
@@ -167,14 +143,14 @@ class Motions:
             function,
             q=q,
             pose=pose,
-            path=path,
+            path=poses,
             settings=MappingProxyType(dict(self._run.settings)),
             blend=blend,
-            switches=arguments.options.switches,
+            switches=options.switches,
         )
         if self._handlers and self._state.braked:
             self._handlers[-1].interrupted += self._abort_motions()
-        yield from self._guided_motion.interrupt()
+        yield from self._run.guided.interrupt()
         self._raise_failure(None)
         self._send(command)
         self._run.target.set(q, pose)
@@ -182,7 +158,7 @@ class Motions:
             # Switched off before, blending would end the chain before its last motion.
             self._run.cell.flush()
         if not blend:
-            yield from self.standstill(command, arguments.options.until)
+            yield from self.standstill(command, options.until)
             self._motion_ended()
         return None
 
@@ -200,15 +176,12 @@ class Motions:
             Where the tool was when it came true, seen from the base; None if it did not.
         """
         self._found = None
+        assert arguments.options is not None
         options = replace(arguments.options, until=condition)
-        motion = self.handlers[name](replace(arguments, options=options))
+        motion = self.handlers[name](*arguments.values, options=options)
         assert isinstance(motion, Generator)
         yield from motion
         return self._found
-
-    def tool_pose(self) -> Pose:
-        """Where the tool is, seen from the base."""
-        return self._run.target.seen(self._run.view.flange(self._run.view.position()))
 
     def _send(self, command: MotionCommand) -> None:
         try:
@@ -225,7 +198,7 @@ class Motions:
         if command.q is None:
             return command.pose
         try:
-            return self._run.target.seen(self._run.view.flange(command.q))
+            return self._run.target.seen(self._run.cell.direct_kinematics(command.q))
         except RobotsError:  # a cell without kinematics; the motion itself needs none
             return None
 
@@ -249,7 +222,7 @@ class Motions:
         while not (yield from self._state.waiting(ready, period)):
             pass
         if condition is not None and self._state.motions:
-            self._found = self.tool_pose()
+            self._found = self._run.tool_pose()
             self._abort_motions()
         self._raise_failure(command)
 
@@ -292,7 +265,7 @@ class Motions:
             if handler.interrupted:
                 self._run.cell.flush()  # what is held for a blend: the program waits for these already
         if not self._handlers or abort:
-            self._guided_motion.handled(abort=abort)
+            self._run.guided.handled(abort=abort)
         self._state.set_braked(braked=handler.held and bool(self._state.motions))
 
     def _abort_motions(self) -> list[MotionCommand]:

@@ -1,60 +1,35 @@
 """Persistence: values that are kept from one run of a program to the next."""
 
-from typing import Final
-
-from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
-from robots_controller.interpreter.functions.run_context import Handlers, RunContext
-from robots_controller.interpreter.lua_arguments import Arguments
+from robots_controller.interpreter import argument_kinds as kinds
+from robots_controller.interpreter.functions.lua_function import Argument, lua_function
+from robots_controller.interpreter.functions.run_context import Family
 from robots_controller.interpreter.lua_sandbox import Result
-from robots_controller.program.persistent_values import PersistentValues, Value
+from robots_controller.program.persistent_values import Value
 
-PERSISTENCE: Final = (
-    LuaFunction(
+
+class Persistence(Family):
+    """Keeps values."""
+
+    @lua_function(
         'setPersistent',
-        (
-            Argument('name', 'name', '', 'name of the value'),
-            Argument(
-                'value',
-                'value',
-                '',
-                'number, string, boolean, list of numbers; nil for none',
-                optional=True,
-            ),
-        ),
         'Keeps a value over runs, in a file beside the program; in simulated time until the end of the run.',
-    ),
-    LuaFunction(
-        'getPersistent',
-        (
-            Argument('name', 'name', '', 'name of the value'),
-            Argument('default', 'value', '', 'what is returned if there is none', optional=True),
+        Argument('name', kinds.NAME, '', 'name of the value'),
+        Argument(
+            'value', kinds.VALUE, '', 'number, string, boolean, list of numbers; nil for none', optional=True
         ),
+    )
+    def _set(self, name: str, value: Value | None) -> None:
+        self._run.values.set(name, value)
+
+    @lua_function(
+        'getPersistent',
         'Reads a value that was kept.',
-        'the value, or `default`',
-        'any',
-    ),
-)
-"""Values over runs."""
-
-
-class Persistence:
-    """Keeps values.
-
-    Args:
-        run: The run.
-        values: The values.
-    """
-
-    def __init__(self, run: RunContext, values: PersistentValues) -> None:
-        self._run, self._values = run, values
-        self.handlers: Handlers = {
-            'setPersistent': lambda a: values.set(*a.values),
-            'getPersistent': self._get,
-        }
-
-    def _get(self, arguments: Arguments) -> Result:
-        name, default = arguments.values
-        value: Value | None = self._values.get(name, default)
+        Argument('name', kinds.NAME, '', 'name of the value'),
+        Argument('default', kinds.VALUE, '', 'what is returned if there is none', optional=True),
+        returns=('the value, or `default`', 'any'),
+    )
+    def _get(self, name: str, default: Value | None) -> Result:
+        value = self._run.values.get(name, default)
         if isinstance(value, str):
             return value.encode()
         return (value,) if isinstance(value, tuple) else value

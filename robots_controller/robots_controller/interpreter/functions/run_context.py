@@ -1,21 +1,38 @@
-"""RunContext: what all functions of one run share."""
+"""RunContext: what all functions of one run share, and Family: functions that belong together."""
 
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Protocol
 
 from robots_controller.degrees import pose_to_program
-from robots_controller.interpreter.lua_arguments import Arguments
-from robots_controller.interpreter.lua_sandbox import PoseValues, Result, Waiting
+from robots_controller.interpreter.debugger import HoldReason
+from robots_controller.interpreter.functions.lua_function import LuaFunction, Serve
+from robots_controller.interpreter.lua_sandbox import PoseValues
 from robots_controller.program.cell_port import CellPort
+from robots_controller.program.guided_motion import GuidedMotion
 from robots_controller.program.motion_command import Kind, OutputChange
 from robots_controller.program.motion_target import MotionTarget, RobotView
+from robots_controller.program.output_pulses import OutputPulses
+from robots_controller.program.persistent_values import PersistentValues
 from robots_controller.program.program_state import ProgramState
 from robots_core.pose import Pose
 from robots_planning.motion_settings import CHECKS
 
-Handlers = Mapping[str, Callable[[Arguments], Result | Waiting]]
-"""What serves a call, by the name of the function."""
+Subprogram = Callable[[str], tuple[str, str]]
+"""Gives the name and the text of a program."""
+
+
+class Waits(Protocol):
+    """How functions wait."""
+
+    def standstill(self) -> Generator[None, None, None]:
+        """Wait until the robot stands at its last target; see `Motions.standstill`."""
+
+    def waiting(
+        self, ready: Callable[[], bool], duration: float | None = None
+    ) -> Generator[None, None, bool]:
+        """Wait for a condition; see `ProgramState.waiting`."""
 
 
 @dataclass
@@ -26,7 +43,14 @@ class RunContext:
         state: What the program shares with its cell.
         cell: The cell.
         view: What the program sees of the robot.
+        subprogram: Gives a subprogram's or task's name and text.
+        hold: Holds the program.
         target: Where the last motion leads.
+        guided: Hands the robot over, and takes it back.
+        pulses: Outputs that switch off by themselves.
+        values: Those that outlast the run.
+        start: When the run began, s.
+        waits: How functions wait.
         settings: Modal settings that the program has changed, by the name of their parameter, SI.
         line: Line of the call that is served.
     """
@@ -34,9 +58,18 @@ class RunContext:
     state: ProgramState
     cell: CellPort
     view: RobotView
-    target: MotionTarget
+    subprogram: Subprogram
+    hold: Callable[[HoldReason], bool]
+    waits: Waits = field(init=False)
     settings: dict[str, object] = field(default_factory=dict)
     line: int = 0
+
+    def __post_init__(self) -> None:
+        self.target = MotionTarget(self.cell)
+        self.guided = GuidedMotion(self.state, self.cell.joint_position, self.cell.guide)
+        self.pulses = OutputPulses(self.state, lambda index, value: self.set_output('digital', index, value))
+        self.values = PersistentValues(self.view.values_file, kept=not self.cell.simulated)
+        self.start = self.state.clock.now()
 
     def change(self, **settings: Any) -> None:
         """Change modal settings, for the motions that follow.
@@ -52,6 +85,10 @@ class RunContext:
         """A pose as the program has it."""
         return PoseValues(pose_to_program(pose.r, pose.angles(self.view.convention)))
 
+    def tool_pose(self) -> Pose:
+        """Where the tool is, seen from the base."""
+        return self.target.seen(self.cell.direct_kinematics(self.cell.joint_position()))
+
     def set_output(self, kind: Kind, index: int, value: float) -> None:
         """Switch an output."""
         if self.state.set_output(kind, index, value):
@@ -66,13 +103,22 @@ class RunContext:
         return self.state.io.value(self.state.io.channel(kind, 'input', int(index)))
 
 
-class Waits(Protocol):
-    """How functions wait."""
+class Family:
+    """Functions of robot programs that belong together: rows of the table, and what they do.
 
-    def standstill(self) -> Generator[None, None, None]:
-        """Wait until the robot stands at its last target; see `Motions.standstill`."""
+    Args:
+        run: The run.
+    """
 
-    def waiting(
-        self, ready: Callable[[], bool], duration: float | None = None
-    ) -> Generator[None, None, bool]:
-        """Wait for a condition; see `ProgramState.waiting`."""
+    def __init__(self, run: RunContext) -> None:
+        self._run = run
+
+    @classmethod
+    def functions(cls) -> tuple[LuaFunction, ...]:
+        """Its functions, in the order of the table."""
+        return tuple(value for value in vars(cls).values() if isinstance(value, LuaFunction))
+
+    @property
+    def handlers(self) -> Mapping[str, Serve]:
+        """What serves a call, by the name of the function."""
+        return {function.name: partial(function.serve, self) for function in self.functions()}

@@ -45,21 +45,12 @@ for _, key in ipairs {'byte', 'char', 'len', 'lower', 'pack', 'packsize', 'rever
   string[key] = lib[key]
 end
 string.format = format_text
-function string.find(s, p, init, plain)
-  if is_quick(s, p, plain) then return lib.find(s, p, init, plain) end
-  return patterns.find(s, p, init, plain)
-end
-function string.match(s, p, init)
-  if is_quick(s, p) then return lib.match(s, p, init) end
-  return patterns.match(s, p, init)
-end
-function string.gmatch(s, p, init)
-  if is_quick(s, p, false, true) then return lib.gmatch(s, p, init) end
-  return patterns.gmatch(s, p, init)
-end
-function string.gsub(s, p, by, n)
-  if is_quick(s, p) then return lib.gsub(s, p, by, n) end
-  return patterns.gsub(s, p, by, n)
+for _, key in ipairs {'find', 'match', 'gmatch', 'gsub'} do
+  string[key] = function(s, p, ...)
+    local plain = key == 'find' and select(2, ...)
+    local matching = is_quick(s, p, plain, key == 'gmatch') and lib or patterns
+    return matching[key](s, p, ...)
+  end
 end
 function string.rep(s, n, separator)
   if s == '' and (separator or '') == '' and tonumber(n) then return '' end

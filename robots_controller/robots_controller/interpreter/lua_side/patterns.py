@@ -271,23 +271,11 @@ function patterns.gmatch(s, p, init)
 end
 
 local function expanded(m, by, from, stop)
-  local parts, i = {}, 1
-  while true do
-    local at = find(by, '%', i, true)
-    parts[#parts + 1] = sub(by, i, (at or 0) - 1)
-    if not at then return concat(parts) end
-    local d = byte(by, at + 1)
-    if d == PERCENT then
-      parts[#parts + 1] = '%'
-    elseif d == 48 then
-      parts[#parts + 1] = m.whole(from, stop)
-    elseif d and d > 48 and d <= 57 then
-      parts[#parts + 1] = m.capture(d - 48, from, stop)
-    else
-      error("invalid use of '%' in replacement string", 0)
-    end
-    i = at + 2
-  end
+  return (lib.gsub(by, '%%(.?)', function(d)
+    if d == '%' then return d end
+    if not find(d, '%d') then error("invalid use of '%' in replacement string", 0) end
+    return d == '0' and m.whole(from, stop) or m.capture(tonumber(d), from, stop)
+  end))
 end
 
 function patterns.gsub(s, p, by, max)

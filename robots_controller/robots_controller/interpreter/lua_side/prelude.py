@@ -246,7 +246,7 @@ local function run_handler(id, in_hook)
     verdict = chunk .. ':' .. line .. ': ' .. handler.function_name .. ': the handler returned a '
       .. type(verdict) .. "; valid are nothing and 'abort'"
   end
-  local problem = handled(id, not ok or verdict == 'abort')
+  local problem = handled(not ok or verdict == 'abort')
   if problem == 1 then
     stopped = true
     error(STOP, 0)

@@ -8,6 +8,11 @@ local env
 local MAX_FRAMES, MAX_VARIABLES, MAX_ENTRIES, MAX_TEXT, MAX_DEPTH, MAX_RECORDS = 20, 50, 30, 200, 3, 2000
 
 -- Records of four texts: what, name, value, detail. No metamethod is called.
+local function record(records, ...)
+  local n = #records
+  records[n + 1], records[n + 2], records[n + 3], records[n + 4] = ...
+end
+
 local function describe_variable(records, level, key, value)
   if #records >= 4 * MAX_RECORDS then return end
   local kind, shown = type(value), nil
@@ -23,8 +28,7 @@ local function describe_variable(records, level, key, value)
   else
     shown = tostring(value)
   end
-  local n = #records
-  records[n + 1], records[n + 2], records[n + 3], records[n + 4] = level .. '', key, shown, kind
+  record(records, level .. '', key, shown, kind)
   if kind == 'table' and level < MAX_DEPTH then
     local entries = 0
     for k, v in next, value do
@@ -37,11 +41,6 @@ local function describe_variable(records, level, key, value)
   end
 end
 
-local function scope(records, title)
-  local n = #records
-  records[n + 1], records[n + 2], records[n + 3], records[n + 4] = 'scope', title, '', ''
-end
-
 local function snapshot()
   local records, frames, level = {}, 0, 2
   while frames < MAX_FRAMES do
@@ -50,10 +49,8 @@ local function snapshot()
     local chunk = sources[info.source]
     if chunk then
       frames = frames + 1
-      local n = #records
-      records[n + 1], records[n + 2] = 'frame', frame_name(info)
-      records[n + 3], records[n + 4] = chunk, info.currentline .. ''
-      scope(records, 'Locals')
+      record(records, 'frame', frame_name(info), chunk, info.currentline .. '')
+      record(records, 'scope', 'Locals', '', '')
       local seen, names, i = {}, {}, 1
       while i <= 250 do
         local key, value = getlocal(level, i)
@@ -67,7 +64,7 @@ local function snapshot()
       for k = 1, #names <= MAX_VARIABLES and #names or MAX_VARIABLES do
         describe_variable(records, 0, names[k], seen[names[k]][1])
       end
-      scope(records, 'Upvalues')
+      record(records, 'scope', 'Upvalues', '', '')
       for k = 1, MAX_VARIABLES do
         local key, value = getupvalue(info.func, k)
         if not key then break end
@@ -76,10 +73,8 @@ local function snapshot()
     end
     level = level + 1
   end
-  local last_record = #records
-  records[last_record + 1], records[last_record + 2] = 'depth', ''
-  records[last_record + 3], records[last_record + 4] = '', depth() .. ''
-  scope(records, 'Globals')
+  record(records, 'depth', '', '', depth() .. '')
+  record(records, 'scope', 'Globals', '', '')
   local n = 0
   for key, value in next, env do
     if type(key) == 'string' and builtin[key] == nil then
