@@ -11,12 +11,13 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.drives.friction_kernel import solve_free, sweep
+from robots_core.blocks.drives.friction_kernel import sweep
 from robots_core.blocks.inverse_kinematics.chain_dynamics import (
     DynamicsArrays,
     bodies_of,
     fill_dynamics,
 )
+from robots_core.kernels.small_matrices import solve_free
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
@@ -59,7 +60,6 @@ class Friction(NamedTuple):
         hold: Highest friction at rest.
         slide: Friction while moving.
         sign: Direction in which it moved, 0 for one that stood.
-        now: Friction in that direction.
         stands: Whether it was at rest.
         L: For the solution, (m, m).
     """
@@ -67,7 +67,6 @@ class Friction(NamedTuple):
     hold: Array
     slide: Array
     sign: Array
-    now: Array
     stands: NDArray[np.bool_]
     L: Array
 
@@ -127,7 +126,6 @@ def advance(
 @compiled()
 def _friction_of(size: int) -> Friction:
     return Friction(
-        np.empty(size),
         np.empty(size),
         np.empty(size),
         np.empty(size),
@@ -270,8 +268,8 @@ def _solve_with_friction(
         else:
             sign[m] = np.sign(state[MOTOR_DOT, j])
     for i in range(size):
-        friction.now[i] = sign[i] * slide[i]
-    solve_free(A, b, friction.now, stands, friction.L, w)
+        w[i] = b[i] - sign[i] * slide[i]
+    solve_free(A, stands, friction.L, w)
     for j in range(n):
         m = motors[j]
         if slide[m] > 0.0 and w[m] * sign[m] <= 0.0:
