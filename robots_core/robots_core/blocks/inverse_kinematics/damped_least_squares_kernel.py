@@ -85,7 +85,7 @@ def solve_pose(
         steps += search(chain, limits, patient, target, q, error)
     if redundancy[0] != NO_CRITERION and reached(error, options):
         steps += _self_motion(chain, limits, redundancy, options, target, q, error)
-    _turn_near(first, chain[2], limits, q)
+    _turn_near(first, chain, limits, q)
     return steps
 
 
@@ -228,11 +228,11 @@ def _self_motion(
 
 
 @compiled()
-def _turn_near(reference: Array, prismatic: NDArray[np.bool_], limits: Array, q: Array) -> None:
+def _turn_near(reference: Array, chain: ChainArrays, limits: Array, q: Array) -> None:
     """Add full turns inside the limits, so that each axis is nearest to the reference."""
     turn = 2.0 * np.pi
     for i in range(q.size):
-        if prismatic[i]:
+        if chain[i, 12] != 0.0:
             continue
         turned = q[i] + turn * np.round((reference[i] - q[i]) / turn)
         if limits[0, i] <= turned <= limits[1, i]:
