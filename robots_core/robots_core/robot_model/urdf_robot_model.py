@@ -108,7 +108,7 @@ class UrdfRobotModel(BaseRobotModel):
         self._tool_pose: Callable[..., bool] = self._load_tool_pose
         self._torque_sum: Callable[..., bool] = self._load_torque_sum
         self._kinematic_model = PinocchioKinematicModel(model)
-        self._rigid_dynamics_model = PinocchioRigidDynamicsModel(model, model.inertias[0])
+        self._rigid_dynamics_model = PinocchioRigidDynamicsModel(model)
         self._allowed_pairs_file = path.with_name('allowed_pairs.yaml')
         self._home = read_only(
             self._axes_data.check_position(self._default_home() if home is None else home, 'home')

@@ -65,23 +65,11 @@ class ChainDynamics:
         masses, levers, inertias = model.masses[1:], model.centers_of_mass[1:], model.inertias[1:]
         centers = r + np.einsum('ijk,ik->ij', T, levers)
         turned = T @ inertias @ T.transpose(0, 2, 1)
-        # Torques at rest are linear in gravity, which is identified from several states.
-        axes = robot.axes_data
+        found = cls(chain, *(read_only(values) for values in (masses, centers, turned, model.gravity)))
+        axes, still = robot.axes_data, np.zeros(n)
         low, high = axes.one_turn
-        states = np.random.default_rng(0).uniform(low, high, (PROBES, n))
-        still = np.zeros(n)
-        columns, wanted = [], []
-        for q in states:
-            per_unit = [
-                cls(chain, masses, centers, turned, unit).mass_matrix_and_bias(q, still)[1]
-                for unit in np.eye(3)
-            ]
-            columns.append(np.column_stack(per_unit))
-            wanted.append(robot.rigid_dynamics(q, still, still)[2])
-        gravity = np.linalg.lstsq(np.vstack(columns), np.concatenate(wanted), rcond=1e-9)[0]
-        found = cls(chain, *(read_only(values) for values in (masses, centers, turned, gravity)))
-        rng = np.random.default_rng(1)
-        for q in states:
+        rng = np.random.default_rng(0)
+        for q in rng.uniform(low, high, (PROBES, n)):
             q_dot = rng.uniform(-1.0, 1.0, n) * axes.velocity
             _, M, tau_aux = robot.rigid_dynamics(q, q_dot, still)
             our_M, our_aux = found.mass_matrix_and_bias(q, q_dot)
@@ -89,13 +77,6 @@ class ChainDynamics:
                 if not np.abs(ours - theirs).max() <= DYNAMICS_TOLERANCE * (1.0 + np.abs(theirs).max()):
                     return None
         return found
-
-    def weight(self, q: Array, gravity: Array) -> Array:
-        """Torques (n,) that hold the bodies at `q` against an acceleration of free fall, (3,) m/s^2."""
-        M, bias = np.empty((q.size, q.size)), np.empty(q.size)
-        arrays = (*self.arrays[:-1], np.array(gravity))
-        mass_matrix_and_bias(arrays, np.array(q), np.zeros(q.size), M, bias)
-        return bias
 
     @cached_property
     def arrays(self) -> DynamicsArrays:
