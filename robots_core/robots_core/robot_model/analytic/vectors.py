@@ -9,6 +9,12 @@ Matrix = tuple[Vector, Vector, Vector]
 
 
 @compiled()
+def vector_of(a: Array) -> Vector:
+    """An array (3,)."""
+    return a[0], a[1], a[2]
+
+
+@compiled()
 def row_of(rows: Array, i: int) -> Vector:
     """Row i of an array (m, 3)."""
     return rows[i, 0], rows[i, 1], rows[i, 2]
