@@ -13,7 +13,6 @@ class CoalEngine(CollisionEngine):
     """coal (the successor of hpp-fcl; Montaut et al. 2024), pair by pair."""
 
     library = coal
-    distance_request = coal.DistanceRequest()
 
     @staticmethod
     def hull(mesh: Mesh) -> Any:
@@ -31,11 +30,6 @@ class CoalEngine(CollisionEngine):
         model.addSubModel(_points(mesh.vertices), triangles)
         model.endModel()
         return model
-
-    @staticmethod
-    def nearest_points(result: Any) -> tuple[Array, Array]:
-        """See `CollisionEngine.nearest_points`."""
-        return result.getNearestPoint1(), result.getNearestPoint2()
 
 
 def _points(vertices: Array) -> coal.StdVec_Vec3s:

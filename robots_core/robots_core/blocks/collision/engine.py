@@ -1,17 +1,12 @@
-"""CollisionEngine: contact and distance of two solids by a collision library."""
+"""CollisionEngine: contacts of solids by a collision library."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
-import numpy as np
-
 from robots_core.blocks.collision.solids import Solid
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Mesh, Sphere
 from robots_core.validation import Array
-
-Answer = tuple[float, Array, Array]
-"""Distance (m, not above 0 in contact), nearest point on the first and on the other solid (3,), m."""
 
 
 class CollisionEngine(ABC):
@@ -24,7 +19,6 @@ class CollisionEngine(ABC):
     """
 
     library: ClassVar[Any]
-    distance_request: ClassVar[Any]
 
     def __init__(self, solids: Sequence[Solid]) -> None:
         self._objects = [self.library.CollisionObject(self.geometry(solid)) for solid in solids]
@@ -43,13 +37,6 @@ class CollisionEngine(ABC):
         """Whether two solids touch or overlap."""
         result = self.library.CollisionResult()
         return bool(self.library.collide(self._object(first), self._object(second), self._request, result))
-
-    def distance(self, first: int, second: int) -> Answer:
-        """Distance and nearest points, as computed by the library."""
-        result, objects = self.library.DistanceResult(), (self._object(first), self._object(second))
-        distance = self.library.distance(*objects, self.distance_request, result)
-        p, r = self.nearest_points(result)
-        return float(distance), np.array(p, dtype=np.float64), np.array(r, dtype=np.float64)
 
     def _object(self, index: int) -> Any:
         found = self._objects[index]
@@ -84,8 +71,3 @@ class CollisionEngine(ABC):
     @abstractmethod
     def surface(mesh: Mesh) -> Any:
         """Any other mesh."""
-
-    @staticmethod
-    @abstractmethod
-    def nearest_points(result: Any) -> tuple[Array, Array]:
-        """Nearest points (3,) of a distance."""

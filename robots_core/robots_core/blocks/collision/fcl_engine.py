@@ -7,14 +7,12 @@ import numpy as np
 
 from robots_core.blocks.collision.engine import CollisionEngine
 from robots_core.robot_model.shapes import Mesh
-from robots_core.validation import Array
 
 
 class FclEngine(CollisionEngine):
     """python-fcl, pair by pair: its broad-phase manager calls back into Python for each, which is slower."""
 
     library = fcl
-    distance_request = fcl.DistanceRequest(enable_nearest_points=True)
 
     @staticmethod
     def hull(mesh: Mesh) -> Any:
@@ -29,9 +27,3 @@ class FclEngine(CollisionEngine):
         model.addSubModel(mesh.vertices, mesh.faces)
         model.endModel()
         return model
-
-    @staticmethod
-    def nearest_points(result: Any) -> tuple[Array, Array]:
-        """See `CollisionEngine.nearest_points`."""
-        p, r = result.nearest_points
-        return p, r
