@@ -27,7 +27,8 @@ from rich.table import Table
 
 from robots_core import BaseRobotModel, load_robot_model
 from robots_core.blocks import CollisionDetection, JointPath, Scene, read_scene
-from robots_core.blocks.collision import coal_engine, fcl_engine
+from robots_core.blocks.collision.coal_engine import CoalEngine
+from robots_core.blocks.collision.fcl_engine import FclEngine
 from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
 
 SCENE = Path(__file__).parents[2] / 'programs' / 'scenes' / 'car_frame.yaml'
@@ -43,7 +44,7 @@ def manager_check(detection: CollisionDetection) -> Check:
     table = detection._set
     wanted = {(int(a), int(b)) for a, b in zip(table.first, table.second, strict=True)}
     # A callback gets fresh objects: who they are is known by the geometries of their contacts.
-    shapes = [fcl_engine._geometry(solid) for solid in table.solids]
+    shapes = [FclEngine.geometry(solid) for solid in table.solids]
     number = {id(shape): k for k, shape in enumerate(shapes)}
     objects = [fcl.CollisionObject(shape) for shape in shapes]
     manager = fcl.DynamicAABBTreeCollisionManager()
@@ -82,7 +83,7 @@ def pinocchio_model(robot: BaseRobotModel, detection: CollisionDetection) -> tup
     for k, solid in enumerate(table.solids):
         placement = pin.SE3(solid.pose.T, solid.pose.r)
         geometry.addGeometryObject(
-            pin.GeometryObject(f'{k}', solid.frame, placement, coal_engine._geometry(solid))
+            pin.GeometryObject(f'{k}', solid.frame, placement, CoalEngine.geometry(solid))
         )
     for a, b in zip(table.first, table.second, strict=True):
         geometry.addCollisionPair(pin.CollisionPair(int(a), int(b)))

@@ -11,7 +11,6 @@ from robots_core.blocks.collision.coal_engine import CoalEngine
 from robots_core.blocks.collision.engine import CollisionEngine
 from robots_core.blocks.collision.fcl_engine import FclEngine
 from robots_core.blocks.collision.joint_path import JointPath
-from robots_core.blocks.collision.nearest_points import proven
 from robots_core.blocks.collision.pair_kernels import Indices
 from robots_core.blocks.collision.path_search import RESOLUTION, closest_approach, first_approach
 from robots_core.blocks.collision.results import CollisionError, PathProximity, Proximity
@@ -27,8 +26,6 @@ from robots_core.validation import Array, finite_vector, positive, read_only
 
 ENGINES: Final[dict[str, type[CollisionEngine]]] = {'fcl': FclEngine, 'coal': CoalEngine}
 
-# Tolerance of the proof of an engine's distance; python-fcl's own tolerance is 1e-6 m.
-PROOF_TOLERANCE = 1e-5  # m
 MARGINS: Final = (5e-4, 0.5)  # m
 # Pairs of an attached object and a link with at most so many axes between them are excluded if proven apart.
 NEAR_AXES = 2
@@ -38,15 +35,15 @@ NEAR_BUDGET = 300  # joint positions evaluated for that proof
 class CollisionDetection:
     """Contacts and distances of a robot and its attached objects, with itself and with obstacles.
 
-    Results of the engine are verified: a distance is accepted if its nearest points lie on the two bodies,
-    are that far apart, and a separating plane proves that nothing is closer; otherwise it is replaced by the
-    result of a compiled search with such a proof (see `nearest_points`). Whole paths are searched with these
-    proven distances alone. An instance keeps scratch memory: use one per thread.
+    The engine answers whether two bodies are in contact. Distances, those along whole paths too, are the
+    results of a compiled search with a proof: the nearest points lie on the two bodies, and a separating
+    plane shows that nothing is closer (see `nearest_points`). An instance keeps scratch memory: use one per
+    thread.
 
     Args:
         robot: The robot. Shapes fixed to its base frame may touch obstacles, on which it stands.
         scene: Obstacles and attached objects.
-        engine: 'fcl' (python-fcl) or 'coal'.
+        engine: Of contacts: 'fcl' (python-fcl) or 'coal'.
         allowed_pairs: Pairs of the robot's shapes that are not checked; by default those stored with the
             robot, or found by sampling.
 
@@ -171,7 +168,6 @@ class CollisionDetection:
         for pair in self._with_surface:
             if self._enclosed(int(self._set.first[pair]), int(self._set.second[pair])):
                 return self._proximity(int(pair))
-        # Compiled code finds the pair; the engine computes its distance.
         _, closest = self._set.smallest_distance(every, np.inf)
         return self._proximity(closest)
 
@@ -307,19 +303,8 @@ class CollisionDetection:
         if self._enclosed(i, j):
             point = read_only(self._set.t[j])
             return Proximity(*names, 0.0, point, point)
-        distance, p_i, p_j = self._engine.distance(i, j)
-        if not self._is_proven(i, j, distance, p_i, p_j):
-            found = self._set.nearest(pair)
-            distance, p_i, p_j = float(found[1]), found[2:5], found[5:]
-        return Proximity(*names, max(distance, 0.0), read_only(p_j), read_only(p_i))
-
-    def _is_proven(self, i: int, j: int, distance: float, p_i: Array, p_j: Array) -> bool:
-        arrays = self._set.arrays
-        if not (self._set.solids[i].convex and self._set.solids[j].convex):
-            return False
-        parts, first = arrays[0], arrays[1]
-        R, t = self._set.R, self._set.t
-        return proven(parts, R, t, first[i], first[j], distance, p_i, p_j, PROOF_TOLERANCE)
+        found = self._set.nearest(pair)
+        return Proximity(*names, float(found[1]), read_only(found[5:]), read_only(found[2:5]))
 
 
 def usable_margin(margin: float) -> float:

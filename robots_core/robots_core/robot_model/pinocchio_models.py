@@ -29,14 +29,15 @@ class PinocchioKinematicModel(KinematicModel):
 class PinocchioRigidDynamicsModel(RigidDynamicsModel):
     """Recursive Newton-Euler and composite rigid body algorithms (Featherstone 2008) by Pinocchio."""
 
-    def __init__(self, model: pin.Model, base_inertia: pin.Inertia) -> None:
+    def __init__(self, model: pin.Model) -> None:
         self._model = model
         self._data = model.createData()
         self._n = model.nv
-        bodies = [base_inertia, *list(model.inertias)[1:]]
+        bodies = list(model.inertias)
         self.masses = read_only([body.mass for body in bodies])
         self.centers_of_mass = read_only([body.lever for body in bodies])
         self.inertias = read_only([body.inertia for body in bodies])
+        self.gravity = read_only(model.gravity.linear)
 
     def torques(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
         """See `RigidDynamicsModel.torques`."""

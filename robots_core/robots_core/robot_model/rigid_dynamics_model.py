@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 
-from robots_core.validation import Array
+from robots_core.validation import Array, read_only
 
 
 class RigidDynamicsModel(ABC):
@@ -14,11 +14,13 @@ class RigidDynamicsModel(ABC):
         masses: (n + 1,) kg; entry 0 is the base, entry i the body moved by axis i.
         centers_of_mass: (n + 1, 3) m, each in its body's axis frame.
         inertias: (n + 1, 3, 3) kg m^2, each about its centre of mass, axes of its axis frame.
+        gravity: Acceleration of free fall in the base frame, (3,), m/s^2; that of an upright base by default.
     """
 
     masses: Array
     centers_of_mass: Array
     inertias: Array
+    gravity: Array = read_only((0.0, 0.0, -9.81))
 
     @abstractmethod
     def torques(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError, UnknownRobotError
 from robots_core.files import read_text
+from robots_core.pose import Pose
 from robots_core.robot_model.allowed_pairs import AllowedPairs
 from robots_core.robot_model.analytic.analytic_solver import AnalyticSolver
 from robots_core.robot_model.axes_data import AxesData
@@ -23,7 +24,6 @@ from robots_core.robot_model.pinocchio_models import PinocchioKinematicModel, Pi
 from robots_core.robot_model.robot_visualization import RobotVisualization
 from robots_core.robot_model.shapes import Shape
 from robots_core.robot_model.structural_data import StructuralData
-from robots_core.robot_model.urdf.chain_links import links_of
 from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
 from robots_core.robot_model.urdf.urdf_inertia import check_inertia
 from robots_core.robot_model.urdf.urdf_meshes import with_absolute_meshes
@@ -104,11 +104,11 @@ class UrdfRobotModel(BaseRobotModel):
         self._data = model.createData()
         self._n = model.nv
         self._tool0 = model.getFrameId(chain.tip, pin.FrameType.BODY)
-        self._links = links_of(model, self._tool0)
+        self._links = empty((self._n + 1, 13))
         self._tool_pose: Callable[..., bool] = self._load_tool_pose
         self._torque_sum: Callable[..., bool] = self._load_torque_sum
         self._kinematic_model = PinocchioKinematicModel(model)
-        self._rigid_dynamics_model = PinocchioRigidDynamicsModel(model, model.inertias[0])
+        self._rigid_dynamics_model = PinocchioRigidDynamicsModel(model)
         self._allowed_pairs_file = path.with_name('allowed_pairs.yaml')
         self._home = read_only(
             self._axes_data.check_position(self._default_home() if home is None else home, 'home')
@@ -237,6 +237,12 @@ class UrdfRobotModel(BaseRobotModel):
     # Compiled functions are imported on first use: these two methods are placeholders until then. A cached
     # property would take longer per call.
     def _load_tool_pose(self, *arrays: Array) -> bool:
+        chain = import_module('robots_core.blocks.inverse_kinematics.serial_chain').SerialChain
+        zero = np.zeros(self._n)
+        pin.forwardKinematics(self._model, self._data, zero)
+        placement = pin.updateFramePlacement(self._model, self._data, self._tool0)
+        tool0 = Pose(placement.translation, placement.rotation)
+        self._links[:] = chain.at_zero(tool0, self.jacobian(zero), self._axes_data.prismatic).arrays
         self._tool_pose = import_module('robots_core.robot_model.compiled_kinematics').tool_pose
         return self._tool_pose(*arrays)
 

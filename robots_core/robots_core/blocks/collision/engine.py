@@ -1,23 +1,28 @@
-"""CollisionEngine: the interface of collision libraries, for contact and distance of two solids."""
+"""CollisionEngine: contacts of solids by a collision library."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from typing import Any, ClassVar
 
 from robots_core.blocks.collision.solids import Solid
+from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Mesh, Sphere
 from robots_core.validation import Array
-
-Answer = tuple[float, Array, Array]
-"""Distance (m, not above 0 in contact), nearest point on the first and on the other solid (3,), m."""
 
 
 class CollisionEngine(ABC):
     """A set of solids as objects of a library.
 
+    The libraries have one origin, and share names; subclasses have what differs.
+
     Args:
         solids: All solids; they are identified by their index.
     """
 
+    library: ClassVar[Any]
+
     def __init__(self, solids: Sequence[Solid]) -> None:
+        self._objects = [self.library.CollisionObject(self.geometry(solid)) for solid in solids]
+        self._request = self.library.CollisionRequest()
         self._placed = [-1] * len(solids)
         self._placement = 0
         self._R: Array
@@ -25,20 +30,44 @@ class CollisionEngine(ABC):
 
     def place(self, R: Array, t: Array) -> None:
         """Place all solids: orientations (s, 3, 3) and positions (s, 3), m."""
-        # Solids are moved on demand: most pairs are excluded by the broad phase.
         self._R, self._t = R, t
         self._placement += 1
 
-    def _is_stale(self, index: int) -> bool:
-        """Whether a solid has to be moved now; from then on it counts as moved."""
-        stale = self._placed[index] != self._placement
-        self._placed[index] = self._placement
-        return stale
-
-    @abstractmethod
     def in_contact(self, first: int, second: int) -> bool:
         """Whether two solids touch or overlap."""
+        result = self.library.CollisionResult()
+        return bool(self.library.collide(self._object(first), self._object(second), self._request, result))
 
+    def _object(self, index: int) -> Any:
+        found = self._objects[index]
+        # Solids are moved on demand: most pairs are excluded by the broad phase.
+        if self._placed[index] != self._placement:
+            self._placed[index] = self._placement
+            found.setRotation(self._R[index])
+            found.setTranslation(self._t[index])
+        return found
+
+    @classmethod
+    def geometry(cls, solid: Solid) -> Any:
+        """A solid as the library has it."""
+        match solid.geometry:
+            case Box(size):
+                return cls.library.Box(*size)
+            case Cylinder(radius, length):
+                return cls.library.Cylinder(radius, length)
+            case Capsule(radius, length):
+                return cls.library.Capsule(radius, length)
+            case Sphere(radius):
+                return cls.library.Sphere(radius)
+            case mesh:
+                return cls.hull(mesh) if solid.convex else cls.surface(mesh)
+
+    @staticmethod
     @abstractmethod
-    def distance(self, first: int, second: int) -> Answer:
-        """Distance and nearest points, as computed by the library."""
+    def hull(mesh: Mesh) -> Any:
+        """A mesh that is convex."""
+
+    @staticmethod
+    @abstractmethod
+    def surface(mesh: Mesh) -> Any:
+        """Any other mesh."""

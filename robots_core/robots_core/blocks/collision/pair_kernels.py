@@ -1,4 +1,4 @@
-# ruff: noqa: PLR0917, C901  # compiled loops over arrays
+# ruff: noqa: PLR0917  # compiled loops over arrays
 """Broad phase, distances and motion bounds of many pairs of solids, compiled."""
 
 from math import inf, sqrt
@@ -8,6 +8,16 @@ from numpy.typing import NDArray
 
 from robots_core.blocks.collision.nearest_points import PartArrays, nearest_points
 from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.robot_model.analytic.vectors import (
+    add,
+    dot,
+    matrix_of,
+    product,
+    row_of,
+    subtract,
+    times,
+    transposed,
+)
 from robots_core.validation import Array
 
 Indices = NDArray[np.int64]
@@ -32,35 +42,25 @@ def place(solids: SolidArrays, r: Array, T: Array, R: Array, t: Array) -> None:
         if k < 0:
             R[s], t[s] = local_R[s], local_t[s]
             continue
+        turned = matrix_of(T[k])
+        t[s, 0], t[s, 1], t[s, 2] = add(row_of(r, k), times(turned, row_of(local_t, s)))
         for row in range(3):
-            t[s, row] = r[k, row]
-            for m in range(3):
-                t[s, row] += T[k, row, m] * local_t[s, m]
-                R[s, row, m] = (
-                    T[k, row, 0] * local_R[s, 0, m]
-                    + T[k, row, 1] * local_R[s, 1, m]
-                    + T[k, row, 2] * local_R[s, 2, m]
-                )
+            R[s, row, 0], R[s, row, 1], R[s, row, 2] = product(turned, matrix_of(local_R[s]))[row]
 
 
 @compiled()
 def _ball_to_box(solids: SolidArrays, R: Array, t: Array, i: int, j: int) -> float:
     """Distance of the ball around the box of solid i from the box of solid j, m; below 0 if they overlap."""
     centres, halves = solids[4], solids[5]
-    squared, ball = 0.0, 0.0
-    for row in range(3):
-        ball += halves[i, row] ** 2
+    middle = add(subtract(row_of(t, i), row_of(t, j)), times(matrix_of(R[i]), row_of(centres, i)))
+    inside = subtract(times(transposed(matrix_of(R[j])), middle), row_of(centres, j))
+    squared = 0.0
     for axis in range(3):
-        along = -centres[j, axis]
-        for row in range(3):
-            middle = t[i, row] - t[j, row]
-            for m in range(3):
-                middle += R[i, row, m] * centres[i, m]
-            along += R[j, row, axis] * middle
-        outside = abs(along) - halves[j, axis]
+        outside = abs(inside[axis]) - halves[j, axis]
         if outside > 0.0:
             squared += outside * outside
-    return sqrt(squared) - sqrt(ball)
+    half = row_of(halves, i)
+    return sqrt(squared) - sqrt(dot(half, half))
 
 
 @compiled()
@@ -92,31 +92,18 @@ def solid_distance(
         nearest_points(parts, R, t, first[i], first[j], result)
         return
     one = np.empty(8)
+    R_i, R_j = matrix_of(R[i]), matrix_of(R[j])
     balls = np.empty((first[j + 1] - first[j], 3))
     for b in range(first[j], first[j + 1]):
-        for row in range(3):
-            balls[b - first[j], row] = t[j, row]
-            for m in range(3):
-                balls[b - first[j], row] += R[j, row, m] * centres[b, m]
+        k = b - first[j]
+        balls[k, 0], balls[k, 1], balls[k, 2] = add(row_of(t, j), times(R_j, row_of(centres, b)))
     result[:] = 0.0
     result[0] = result[1] = inf
-    a_ball = np.empty(3)
     for a in range(first[i], first[i + 1]):
-        for row in range(3):
-            a_ball[row] = t[i, row]
-            for m in range(3):
-                a_ball[row] += R[i, row, m] * centres[a, m]
+        ball = add(row_of(t, i), times(R_i, row_of(centres, a)))
         for b in range(first[j], first[j + 1]):
-            k = b - first[j]
-            apart = (
-                sqrt(
-                    (a_ball[0] - balls[k, 0]) ** 2
-                    + (a_ball[1] - balls[k, 1]) ** 2
-                    + (a_ball[2] - balls[k, 2]) ** 2
-                )
-                - radii[a]
-                - radii[b]
-            )
+            way = subtract(ball, row_of(balls, b - first[j]))
+            apart = sqrt(dot(way, way)) - radii[a] - radii[b]
             if apart > result[1] or apart > enough:
                 result[0] = min(result[0], apart)
                 continue
@@ -193,14 +180,6 @@ def travels(
     directions, slides = motion
     centres, halves, frame = solids[4], solids[5], solids[6]
     n = turn.size
-    axes = np.empty((n, 3))
-    for k in range(n):
-        for row in range(3):
-            axes[k, row] = (
-                T[k, row, 0] * directions[k, 0]
-                + T[k, row, 1] * directions[k, 1]
-                + T[k, row, 2] * directions[k, 2]
-            )
     # Distance of the farthest corner of a solid's box from each axis, computed on demand.
     reach = np.full((frame.size, n), -1.0)
     result = np.zeros(first.size)
@@ -213,15 +192,13 @@ def travels(
                 continue
             if reach[s, k] < 0.0:
                 farthest = 0.0
+                axis = times(matrix_of(T[k]), row_of(directions, k))
                 for corner in range(8):
-                    dx, dy, dz = t[s, 0] - r[k, 0], t[s, 1] - r[k, 1], t[s, 2] - r[k, 2]
-                    for m in range(3):
-                        side = halves[s, m] if corner >> m & 1 else -halves[s, m]
-                        dx += R[s, 0, m] * (centres[s, m] + side)
-                        dy += R[s, 1, m] * (centres[s, m] + side)
-                        dz += R[s, 2, m] * (centres[s, m] + side)
-                    along = dx * axes[k, 0] + dy * axes[k, 1] + dz * axes[k, 2]
-                    farthest = max(farthest, dx * dx + dy * dy + dz * dz - along * along)
+                    x, y, z = halves[s, 0], halves[s, 1], halves[s, 2]
+                    side = (x if corner & 1 else -x, y if corner & 2 else -y, z if corner & 4 else -z)
+                    at = times(matrix_of(R[s]), add(row_of(centres, s), side))
+                    arm = add(subtract(row_of(t, s), row_of(r, k)), at)
+                    farthest = max(farthest, dot(arm, arm) - dot(arm, axis) ** 2)
                 reach[s, k] = sqrt(farthest)
             approach += turn[k] * (reach[s, k] + approach)
         result[p] = approach

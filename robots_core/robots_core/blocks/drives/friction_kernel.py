@@ -1,4 +1,3 @@
-# ruff: noqa: PLR0917  # compiled functions take arrays
 """Compiled sums with Coulomb friction: an axis slides or stands still exactly.
 
 With A symmetric and positive definite, w^T A w / 2 - b^T w + sum_j hold_j |w_j| has one minimum, where
@@ -9,8 +8,8 @@ stepping after Moreau 1988).
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from robots_core.kernels.small_matrices import solve_free
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
@@ -35,9 +34,8 @@ def accelerations(losses: Array, q_dot: Array, M: Array, tau: Array) -> Array:
     They minimise q_ddot^T M q_ddot / 2 - tau^T q_ddot + sum_j coulomb_j |q_ddot_j|.
     """
     n = tau.size
-    q_ddot, hold = np.zeros(n), np.zeros(n)
-    stands = np.zeros(n, dtype=np.bool_)
-    solve_free(M, tau, hold, stands, np.empty((n, n)), q_ddot)
+    q_ddot, hold = tau.copy(), np.zeros(n)
+    solve_free(M, np.zeros(n, dtype=np.bool_), np.empty((n, n)), q_ddot)
     for j in range(n):
         if q_dot[j] == 0.0 and losses[1, j] > 0.0:
             hold[j] = losses[1, j]
@@ -68,35 +66,3 @@ def sweep(A: Array, b: Array, hold: Array, w: Array) -> None:
             w[i] = value
         if change <= SWEEP_TOLERANCE * largest:
             return
-
-
-@compiled(nrt=False)
-def solve_free(A: Array, b: Array, friction: Array, stands: NDArray[np.bool_], L: Array, w: Array) -> None:
-    """Fill w by Cholesky's method: A w = b - friction, with those at rest fixed at zero.
-
-    L (m, m) is memory.
-    """
-    size = b.size
-    L[:] = 0.0
-    for i in range(size):
-        if stands[i]:
-            w[i] = 0.0
-            continue
-        total = b[i] - friction[i]
-        for j in range(i + 1):
-            if stands[j]:
-                continue
-            value = A[i, j]
-            for k in range(j):
-                value -= L[i, k] * L[j, k]
-            L[i, j] = np.sqrt(value) if i == j else value / L[j, j]
-        for j in range(i):
-            total -= L[i, j] * w[j]
-        w[i] = total / L[i, i]
-    for i in range(size - 1, -1, -1):
-        if stands[i]:
-            continue
-        total = w[i]
-        for j in range(i + 1, size):
-            total -= L[j, i] * w[j]
-        w[i] = total / L[i, i]

@@ -11,7 +11,7 @@ from robots_core.blocks.drives.drive_train import DriveTrain
 from robots_core.blocks.drives.feed_forward import FeedForward
 from robots_core.blocks.inverse_kinematics.chain_dynamics import mass_matrix_and_bias
 from robots_core.blocks.multibody.base_motion import BaseMotion
-from robots_core.blocks.multibody.loaded_chain import loaded_chain
+from robots_core.blocks.multibody.loaded_robot import loaded_chain
 from robots_core.blocks.multibody.payload import NOTHING, Payload
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel

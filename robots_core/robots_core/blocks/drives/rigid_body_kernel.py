@@ -11,12 +11,14 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.drives.friction_kernel import solve_free, sweep
+from robots_core.blocks.drives.friction_kernel import sweep
 from robots_core.blocks.inverse_kinematics.chain_dynamics import (
+    Bodies,
     DynamicsArrays,
     bodies_of,
     fill_dynamics,
 )
+from robots_core.kernels.small_matrices import solve_free
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
@@ -52,24 +54,59 @@ STATE_ROWS: Final = 9
 CREEP: Final = 1e-5  # rad/s (m/s)
 
 
-class Friction(NamedTuple):
-    """Memory for a step's friction, one value for each of the unknown speeds, (m,).
+class Step(NamedTuple):
+    """Memory for one step of n axes, with m unknown speeds of joints and motors.
 
     Attributes:
-        hold: Highest friction at rest.
-        slide: Friction while moving.
-        sign: Direction in which it moved, 0 for one that stood.
-        now: Friction in that direction.
-        stands: Whether it was at rest.
+        q_ref: Reference positions of the motors in its middle, (n,).
+        v_ref: Their velocities, (n,).
+        ahead: Torques of the feed-forward, (n,).
+        current: Mean torque of the step = row 0 - row 1 * mean motor speed, (2, n).
+        saturated: Sign of commanded torques past their limit, (n,).
+        q: Joint positions in its middle, (n,).
+        q_dot: Joint velocities there, (n,).
+        bodies: For `fill_dynamics`.
+        M: Mass matrix, (n, n).
+        bias: Torques of the bodies at constant speed, (n,).
+        weight: Those at rest, (n,).
+        A: Without friction, A w = b for the speeds at the end, (m, m).
+        b: (m,).
+        w: The speeds with friction, (m,).
+        hold: Highest friction at rest, (m,).
+        slide: Friction while moving, (m,).
+        sign: Direction in which it moved, 0 for one that stood, (m,).
+        stands: Whether it was at rest, (m,).
         L: For the solution, (m, m).
     """
 
+    q_ref: Array
+    v_ref: Array
+    ahead: Array
+    current: Array
+    saturated: Array
+    q: Array
+    q_dot: Array
+    bodies: Bodies
+    M: Array
+    bias: Array
+    weight: Array
+    A: Array
+    b: Array
+    w: Array
     hold: Array
     slide: Array
     sign: Array
-    now: Array
     stands: NDArray[np.bool_]
     L: Array
+
+
+@compiled()
+def _step_for(n: int, m: int) -> Step:
+    return Step(
+        np.empty(n), np.empty(n), np.empty(n), np.empty((2, n)), np.empty(n), np.empty(n), np.empty(n),
+        bodies_of(n), np.empty((n, n)), np.empty(n), np.empty(n), np.empty((m, m)), np.empty(m), np.empty(m),
+        np.empty(m), np.empty(m), np.empty(m), np.empty(m, dtype=np.bool_), np.empty((m, m)),
+    )  # fmt: skip
 
 
 @compiled()
@@ -98,96 +135,75 @@ def advance(
     size = n
     for j in range(n):
         size = max(size, motors[j] + 1)
-    M, bias, weight, bodies = np.empty((n, n)), np.empty(n), np.empty(n), bodies_of(n)
-    A, b, speed, friction = np.empty((size, size)), np.empty(size), np.empty(size), _friction_of(size)
-    q_ref, v_ref, q_mid, v_mid = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    current, saturated, ahead = np.empty((2, n)), np.zeros(n), np.empty(n)
-    h = period / steps
-    for step in range(steps):
-        _reference(start, end, period, (step + 0.5) / steps, q_ref, v_ref)
-        _ahead(drive, state, q_ref, v_ref, feed, ahead)
+    step, h = _step_for(n, size), period / steps
+    for number in range(steps):
+        _reference(start, end, period, (number + 0.5) / steps, step)
+        _ahead(drive, state, feed, step)
         for j in range(n):
-            q_mid[j] = state[Q, j] + 0.5 * h * (state[Q_DOT, j] + 0.25 * h * state[Q_DDOT, j])
-            v_mid[j] = state[Q_DOT, j] + 0.5 * h * state[Q_DDOT, j]
-        fill_dynamics(dynamics, q_mid, v_mid, bodies, M, bias, weight)
-        saturated[:] = 0.0
+            step.q[j] = state[Q, j] + 0.5 * h * (state[Q_DOT, j] + 0.25 * h * state[Q_DDOT, j])
+            step.q_dot[j] = state[Q_DOT, j] + 0.5 * h * state[Q_DDOT, j]
+        fill_dynamics(dynamics, step.q, step.q_dot, step.bodies, step.M, step.bias, step.weight)
+        step.saturated[:] = 0.0
         for _ in range(n + 1):
-            _motor_torques(drive, state, q_ref, v_ref, ahead, saturated, h, current)
-            _assemble(drive, motors, state, M, bias, current, h, A, b)
-            _solve_with_friction(drive, motors, state, h, A, b, friction, speed)
-            if not _saturate(drive, motors, state, q_ref, v_ref, ahead, h, speed, saturated):
+            _motor_torques(drive, state, h, step)
+            _assemble(drive, motors, state, h, step)
+            _solve_with_friction(drive, motors, state, h, step)
+            if not _saturate(drive, motors, state, h, step):
                 break
-        _move(drive, motors, state, q_ref, v_ref, ahead, saturated, M, bias, current, h, speed)
+        _move(drive, motors, state, h, step)
     total = 0.0
     for j in range(n):
         total += abs(state[Q, j]) + abs(state[Q_DOT, j]) + abs(state[TORQUE, j])
     return bool(np.isfinite(total))
 
 
-@compiled()
-def _friction_of(size: int) -> Friction:
-    return Friction(
-        np.empty(size),
-        np.empty(size),
-        np.empty(size),
-        np.empty(size),
-        np.empty(size, dtype=np.bool_),
-        np.empty((size, size)),
-    )
-
-
 @compiled(nrt=False)
-def _reference(start: Array, end: Array, period: float, part: float, q_ref: Array, v_ref: Array) -> None:
+def _reference(start: Array, end: Array, period: float, part: float, step: Step) -> None:
     """Cubic from start to end (2, n) at a part 0..1 of the period."""
     s, r = part, 1.0 - part
-    for j in range(q_ref.size):
+    for j in range(step.q_ref.size):
         q0, q1, v0, v1 = start[0, j], end[0, j], start[1, j] * period, end[1, j] * period
-        q_ref[j] = (
+        step.q_ref[j] = (
             (1.0 + 2.0 * s) * r * r * q0 + s * r * r * v0 + s * s * (3.0 - 2.0 * s) * q1 - s * s * r * v1
         )
-        v_ref[j] = (6.0 * s * r * (q1 - q0) + r * (1.0 - 3.0 * s) * v0 + s * (3.0 * s - 2.0) * v1) / period
+        step.v_ref[j] = (
+            6.0 * s * r * (q1 - q0) + r * (1.0 - 3.0 * s) * v0 + s * (3.0 * s - 2.0) * v1
+        ) / period
 
 
 @compiled(nrt=False)
-def _ahead(drive: Array, state: Array, q_ref: Array, v_ref: Array, feed: Array, ahead: Array) -> None:
-    """Fill ahead (n,): torques of the feed-forward, with friction in the direction of the position control.
+def _ahead(drive: Array, state: Array, feed: Array, step: Step) -> None:
+    """Fill the torques of the feed-forward, with friction in the direction of the position control.
 
     An axis at rest that should creep gets its stiction, so that it starts to move without waiting for the
     integrator, which would overshoot the target periodically.
     """
-    for j in range(ahead.size):
-        wanted = v_ref[j] + drive[POSITION_GAIN, j] * (q_ref[j] - state[MOTOR, j])
+    for j in range(step.ahead.size):
+        wanted = step.v_ref[j] + drive[POSITION_GAIN, j] * (step.q_ref[j] - state[MOTOR, j])
         friction = feed[1, j]
         if state[MOTOR_DOT, j] == 0.0:
             friction *= drive[STICTION, j]
-        ahead[j] = feed[0, j] + friction * min(max(wanted / CREEP, -1.0), 1.0)
+        step.ahead[j] = feed[0, j] + friction * min(max(wanted / CREEP, -1.0), 1.0)
 
 
 @compiled(nrt=False)
-def _motor_torques(
-    drive: Array,
-    state: Array,
-    q_ref: Array,
-    v_ref: Array,
-    ahead: Array,
-    saturated: Array,
-    h: float,
-    current: Array,
-) -> None:
-    """Fill current (2, n): mean torque of the step = row 0 - row 1 * mean motor speed.
+def _motor_torques(drive: Array, state: Array, h: float, step: Step) -> None:
+    """Fill the current.
 
     Cascade: speed error e = v_ref + position_gain (q_ref - motor) - motor_dot; torque
     velocity_gain (e + integral / integral_time) + ahead; then the current control, a second-order lag.
     """
     for j in range(state.shape[1]):
-        if saturated[j] != 0.0:
-            a, slope = saturated[j] * drive[TORQUE_LIMIT, j], 0.0
+        if step.saturated[j] != 0.0:
+            a, slope = step.saturated[j] * drive[TORQUE_LIMIT, j], 0.0
         else:
             gain = drive[VELOCITY_GAIN, j]
             growth = 1.0 + 0.5 * h / drive[INTEGRAL_TIME, j]
             kp = drive[POSITION_GAIN, j]
-            a = gain * (growth * (v_ref[j] + kp * (q_ref[j] - state[MOTOR, j])) + state[INTEGRAL, j])
-            a += ahead[j]
+            a = gain * (
+                growth * (step.v_ref[j] + kp * (step.q_ref[j] - state[MOTOR, j])) + state[INTEGRAL, j]
+            )
+            a += step.ahead[j]
             slope = gain * growth * (1.0 + 0.5 * h * kp)
         w = drive[CURRENT_FREQUENCY, j]
         if np.isfinite(w):
@@ -195,22 +211,13 @@ def _motor_torques(
             divisor = 1.0 + h * drive[CURRENT_DAMPING, j] * w + lag
             a = (state[TORQUE, j] + 0.5 * h * state[TORQUE_RATE, j] + lag * a) / divisor
             slope = (lag * slope + 0.5 * h * drive[BACK_EMF, j]) / divisor
-        current[0, j], current[1, j] = a, slope
+        step.current[0, j], step.current[1, j] = a, slope
 
 
 @compiled(nrt=False)
-def _assemble(
-    drive: Array,
-    motors: NDArray[np.int64],
-    state: Array,
-    M: Array,
-    bias: Array,
-    current: Array,
-    h: float,
-    A: Array,
-    b: Array,
-) -> None:
-    """Fill A and b of the velocities at the end of the step without friction: A w = b."""
+def _assemble(drive: Array, motors: NDArray[np.int64], state: Array, h: float, step: Step) -> None:
+    """Fill A and b."""
+    A, b, M, current = step.A, step.b, step.M, step.current
     n = state.shape[1]
     A[:], b[:] = 0.0, 0.0
     for i in range(n):
@@ -218,7 +225,7 @@ def _assemble(
         for j in range(n):
             A[i, j] = M[i, j]
             total += M[i, j] * state[Q_DOT, j]
-        b[i] = total - h * bias[i]
+        b[i] = total - h * step.bias[i]
     for j in range(n):
         m = motors[j]
         speed = state[MOTOR_DOT, j]
@@ -241,24 +248,15 @@ def _assemble(
 
 
 @compiled(nrt=False)
-def _solve_with_friction(
-    drive: Array,
-    motors: NDArray[np.int64],
-    state: Array,
-    h: float,
-    A: Array,
-    b: Array,
-    friction: Friction,
-    w: Array,
-) -> None:
+def _solve_with_friction(drive: Array, motors: NDArray[np.int64], state: Array, h: float, step: Step) -> None:
     """Fill w: velocities at the end of the step with friction on the motors.
 
     The initial guess, with each axis sliding or at rest as before, is exact in nearly every step; sweeps over
     the axes (coordinate descent) converge to the minimum from any guess. An axis at rest is held up to its
     stiction; once it slips, it has sliding friction.
     """
-    n, size = state.shape[1], b.size
-    hold, slide, sign, stands = friction.hold, friction.slide, friction.sign, friction.stands
+    hold, slide, sign, stands, w = step.hold, step.slide, step.sign, step.stands, step.w
+    n, size = state.shape[1], w.size
     hold[:], slide[:], sign[:], stands[:] = 0.0, 0.0, 0.0, False
     for j in range(n):
         m = motors[j]
@@ -270,14 +268,14 @@ def _solve_with_friction(
         else:
             sign[m] = np.sign(state[MOTOR_DOT, j])
     for i in range(size):
-        friction.now[i] = sign[i] * slide[i]
-    solve_free(A, b, friction.now, stands, friction.L, w)
+        w[i] = step.b[i] - sign[i] * slide[i]
+    solve_free(step.A, stands, step.L, w)
     for j in range(n):
         m = motors[j]
         if slide[m] > 0.0 and w[m] * sign[m] <= 0.0:
             w[m] = 0.0
     for _ in range(size + 1):
-        sweep(A, b, hold, w)
+        sweep(step.A, step.b, hold, w)
         slipped = False
         for i in range(size):
             if hold[i] > slide[i] and w[i] != 0.0:
@@ -288,70 +286,46 @@ def _solve_with_friction(
 
 
 @compiled(nrt=False)
-def _saturate(
-    drive: Array,
-    motors: NDArray[np.int64],
-    state: Array,
-    q_ref: Array,
-    v_ref: Array,
-    ahead: Array,
-    h: float,
-    w: Array,
-    saturated: Array,
-) -> bool:
-    """Set saturated (n,) to the sign of commanded torques past their limit; True if there is a new one."""
+def _saturate(drive: Array, motors: NDArray[np.int64], state: Array, h: float, step: Step) -> bool:
+    """Set saturated to the sign of commanded torques past their limit; True if there is a new one."""
     found = False
     for j in range(state.shape[1]):
-        if saturated[j] == 0.0:
-            mean = 0.5 * (state[MOTOR_DOT, j] + w[motors[j]])
-            torque = _wanted(drive, state, q_ref, v_ref, h, mean, j) + ahead[j]
+        if step.saturated[j] == 0.0:
+            mean = 0.5 * (state[MOTOR_DOT, j] + step.w[motors[j]])
+            torque = _wanted(drive, state, step, h, mean, j) + step.ahead[j]
             if abs(torque) > drive[TORQUE_LIMIT, j]:
-                saturated[j] = np.sign(torque)
+                step.saturated[j] = np.sign(torque)
                 found = True
     return found
 
 
 @compiled(nrt=False)
-def _speed_error(
-    drive: Array, state: Array, q_ref: Array, v_ref: Array, h: float, mean: float, j: int
-) -> float:
+def _speed_error(drive: Array, state: Array, step: Step, h: float, mean: float, j: int) -> float:
     position = state[MOTOR, j] + 0.5 * h * mean
-    return float(v_ref[j] + drive[POSITION_GAIN, j] * (q_ref[j] - position) - mean)
+    return float(step.v_ref[j] + drive[POSITION_GAIN, j] * (step.q_ref[j] - position) - mean)
 
 
 @compiled(nrt=False)
-def _wanted(drive: Array, state: Array, q_ref: Array, v_ref: Array, h: float, mean: float, j: int) -> float:
-    error = _speed_error(drive, state, q_ref, v_ref, h, mean, j)
+def _wanted(drive: Array, state: Array, step: Step, h: float, mean: float, j: int) -> float:
+    error = _speed_error(drive, state, step, h, mean, j)
     growth = 1.0 + 0.5 * h / drive[INTEGRAL_TIME, j]
     return float(drive[VELOCITY_GAIN, j] * (growth * error + state[INTEGRAL, j]))
 
 
 @compiled(nrt=False)
-def _move(
-    drive: Array,
-    motors: NDArray[np.int64],
-    state: Array,
-    q_ref: Array,
-    v_ref: Array,
-    ahead: Array,
-    saturated: Array,
-    M: Array,
-    bias: Array,
-    current: Array,
-    h: float,
-    w: Array,
-) -> None:
+def _move(drive: Array, motors: NDArray[np.int64], state: Array, h: float, step: Step) -> None:
     """Write the end of the step into the state."""
+    current, saturated, w = step.current, step.saturated, step.w
     n = state.shape[1]
     for j in range(n):
         state[Q_DDOT, j] = (w[j] - state[Q_DOT, j]) / h
     for j in range(n):
         mean = 0.5 * (state[MOTOR_DOT, j] + w[motors[j]])
         torque = current[0, j] - current[1, j] * mean
-        wanted = _wanted(drive, state, q_ref, v_ref, h, mean, j) + ahead[j]
+        wanted = _wanted(drive, state, step, h, mean, j) + step.ahead[j]
         if saturated[j] != 0.0:
             wanted = saturated[j] * drive[TORQUE_LIMIT, j]
-        error = _speed_error(drive, state, q_ref, v_ref, h, mean, j)
+        error = _speed_error(drive, state, step, h, mean, j)
         # Anti-windup: at the torque limit the integrator is frozen unless it unloads.
         if error * saturated[j] <= 0.0:
             state[INTEGRAL, j] += h / drive[INTEGRAL_TIME, j] * error
@@ -361,9 +335,9 @@ def _move(
             state[TORQUE, j] = 2.0 * torque - state[TORQUE, j]
         else:
             state[TORQUE, j] = torque
-        total = bias[j]
+        total = step.bias[j]
         for k in range(n):
-            total += M[j, k] * state[Q_DDOT, k]
+            total += step.M[j, k] * state[Q_DDOT, k]
         state[JOINT_TORQUE, j] = total
         state[MOTOR, j] += h * mean
         state[MOTOR_DOT, j] = w[motors[j]]

@@ -4,25 +4,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
+from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, SerialChain, next_frame
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.robot_model.analytic.vectors import (
-    Matrix,
     Vector,
     add,
     cross,
     dot,
+    matrix_of,
     product,
-    rotation,
     row_of,
     scale,
     subtract,
     times,
+    transposed,
 )
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
@@ -31,8 +31,8 @@ from robots_core.validation import Array, read_only
 DYNAMICS_TOLERANCE = 1e-9
 PROBES = 6
 
-DynamicsArrays = tuple[Array, Array, NDArray[np.bool_], Array, Array, Array, Array]
-"""Directions, points and prismatic of a `SerialChain`; masses, centres, inertias and gravity."""
+DynamicsArrays = tuple[ChainArrays, Array, Array, Array, Array]
+"""Of a `SerialChain`; masses; centres and inertias in the frames of the axes; gravity."""
 
 Bodies = tuple[Array, Array]
 """Scratch memory for the moving bodies: (n, 5, 3) and (n, 3, 3)."""
@@ -65,23 +65,11 @@ class ChainDynamics:
         masses, levers, inertias = model.masses[1:], model.centers_of_mass[1:], model.inertias[1:]
         centers = r + np.einsum('ijk,ik->ij', T, levers)
         turned = T @ inertias @ T.transpose(0, 2, 1)
-        # Torques at rest are linear in gravity, which is identified from several states.
-        axes = robot.axes_data
+        found = cls(chain, *(read_only(values) for values in (masses, centers, turned, model.gravity)))
+        axes, still = robot.axes_data, np.zeros(n)
         low, high = axes.one_turn
-        states = np.random.default_rng(0).uniform(low, high, (PROBES, n))
-        still = np.zeros(n)
-        columns, wanted = [], []
-        for q in states:
-            per_unit = [
-                cls(chain, masses, centers, turned, unit).mass_matrix_and_bias(q, still)[1]
-                for unit in np.eye(3)
-            ]
-            columns.append(np.column_stack(per_unit))
-            wanted.append(robot.rigid_dynamics(q, still, still)[2])
-        gravity = np.linalg.lstsq(np.vstack(columns), np.concatenate(wanted), rcond=1e-9)[0]
-        found = cls(chain, *(read_only(values) for values in (masses, centers, turned, gravity)))
-        rng = np.random.default_rng(1)
-        for q in states:
+        rng = np.random.default_rng(0)
+        for q in rng.uniform(low, high, (PROBES, n)):
             q_dot = rng.uniform(-1.0, 1.0, n) * axes.velocity
             _, M, tau_aux = robot.rigid_dynamics(q, q_dot, still)
             our_M, our_aux = found.mass_matrix_and_bias(q, q_dot)
@@ -90,26 +78,14 @@ class ChainDynamics:
                     return None
         return found
 
-    def weight(self, q: Array, gravity: Array) -> Array:
-        """Torques (n,) that hold the bodies at `q` against an acceleration of free fall, (3,) m/s^2."""
-        M, bias = np.empty((q.size, q.size)), np.empty(q.size)
-        arrays = (*self.arrays[:-1], np.array(gravity))
-        mass_matrix_and_bias(arrays, np.array(q), np.zeros(q.size), M, bias)
-        return bias
-
-    @property
+    @cached_property
     def arrays(self) -> DynamicsArrays:
         """The attributes as arrays for compiled code."""
         chain = self.chain
-        return (
-            chain.directions,
-            chain.points,
-            chain.prismatic,
-            np.array(self.masses, order='C'),
-            np.array(self.centers, order='C'),
-            np.array(self.inertias, order='C'),
-            np.array(self.gravity),
-        )
+        T = chain.frames.transpose(0, 2, 1)
+        centers = np.einsum('kij,kj->ki', T, self.centers - chain.points)
+        inertias = np.ascontiguousarray(T @ self.inertias @ chain.frames)
+        return chain.arrays, np.array(self.masses, order='C'), centers, inertias, np.array(self.gravity)
 
     def mass_matrix_and_bias(self, q: Array, q_dot: Array) -> tuple[Array, Array]:
         """Mass matrix (n, n) and torques of Coriolis, centrifugal and gravitational forces (n,)."""
@@ -152,7 +128,7 @@ def fill_dynamics(
     """`mass_matrix_and_bias` without allocation; weight (n,) is the part of the bias due to gravity."""
     bias[:] = 0.0  # the accelerations
     _move_bodies(dynamics, (0.0, 0.0, 0.0), q, q_dot, bias, bodies)
-    _collect(bodies, dynamics[2], dynamics[3], dynamics[6], M, bias, weight)
+    _collect(dynamics, bodies, M, bias, weight)
 
 
 @compiled(nrt=False)
@@ -160,7 +136,7 @@ def fill_torques(
     dynamics: DynamicsArrays, q: Array, q_dot: Array, q_ddot: Array, bodies: Bodies, tau: Array
 ) -> None:
     """Fill the torques tau (n,) of a motion: recursive Newton-Euler (Featherstone 2008)."""
-    prismatic, gravity = dynamics[2], dynamics[6]
+    chain, gravity = dynamics[0], dynamics[4]
     # Gravity acts like an upward acceleration of the base.
     _move_bodies(dynamics, (-gravity[0], -gravity[1], -gravity[2]), q, q_dot, q_ddot, bodies)
     moving = bodies[0]
@@ -168,7 +144,7 @@ def fill_torques(
     for j in range(tau.size - 1, -1, -1):
         axis, place = row_of(moving[j], 0), row_of(moving[j], 1)
         force, moment = add(force, row_of(moving[j], 3)), add(moment, row_of(moving[j], 4))
-        tau[j] = dot(axis, force if prismatic[j] else subtract(moment, cross(place, force)))
+        tau[j] = dot(axis, force if chain[j, 12] != 0.0 else subtract(moment, cross(place, force)))
 
 
 @compiled(nrt=False)
@@ -179,27 +155,24 @@ def _move_bodies(
 
     Per axis: direction, a point on it; its body's centre of mass, force and moment about the origin.
     """
-    directions, points, prismatic, masses, centers, inertias, _ = dynamics
+    chain, masses, centers, inertias, _ = dynamics
     moving, tensors = bodies
     R = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     t = omega = alpha = last = (0.0, 0.0, 0.0)
     acceleration = base
     for i in range(q.size):
-        axis, place = times(R, row_of(directions, i)), add(times(R, row_of(points, i)), t)
+        place, R, t = next_frame(chain, i, q[i], R, t)
+        axis = (R[0][2], R[1][2], R[2][2])
         acceleration = add(acceleration, _at(omega, alpha, subtract(place, last)))
         last = place
         spin, push = scale(q_dot[i], axis), scale(q_ddot[i], axis)
-        if prismatic[i]:
-            t = add(t, scale(q[i], axis))
+        if chain[i, 12] != 0.0:
             acceleration = add(add(acceleration, push), cross(omega, scale(2.0, spin)))
         else:
             alpha = add(add(alpha, push), cross(omega, spin))
             omega = add(omega, spin)
-            E = rotation(axis, q[i])
-            t = add(place, times(E, subtract(t, place)))
-            R = product(E, R)
         com = add(times(R, row_of(centers, i)), t)
-        tensor = _turned(R, inertias, i)
+        tensor = product(product(R, matrix_of(inertias[i])), transposed(R))
         force = scale(masses[i], add(acceleration, _at(omega, alpha, subtract(com, place))))
         moment = add(times(tensor, alpha), cross(omega, times(tensor, omega)))
         moment = add(moment, cross(com, force))
@@ -211,16 +184,9 @@ def _move_bodies(
 
 
 @compiled(nrt=False)
-def _collect(
-    bodies: Bodies,
-    prismatic: NDArray[np.bool_],
-    masses: Array,
-    gravity: Array,
-    M: Array,
-    bias: Array,
-    weight: Array,
-) -> None:
+def _collect(dynamics: DynamicsArrays, bodies: Bodies, M: Array, bias: Array, weight: Array) -> None:
     """From the tip to the base: sums of forces, and composite bodies."""
+    chain, masses, _, _, gravity = dynamics
     moving, tensors = bodies
     n = bias.size
     fall = (gravity[0], gravity[1], gravity[2])
@@ -245,7 +211,7 @@ def _collect(
             xz += tensors[j, 0, 2] - reduced * d[0] * d[2]
             yz += tensors[j, 1, 2] - reduced * d[1] * d[2]
         mass = total
-        if prismatic[j]:
+        if chain[j, 12] != 0.0:
             bias[j] = dot(axis, force)
             push, twist = scale(mass, axis), (0.0, 0.0, 0.0)
         else:
@@ -256,7 +222,7 @@ def _collect(
         bias[j] += weight[j]
         for i in range(j + 1):
             other = row_of(moving[i], 0)
-            if prismatic[i]:
+            if chain[i, 12] != 0.0:
                 M[i, j] = dot(other, push)
             else:
                 arm = subtract(com, row_of(moving[i], 1))
@@ -268,11 +234,3 @@ def _collect(
 def _at(omega: Vector, alpha: Vector, arm: Vector) -> Vector:
     """Acceleration of a point of a body relative to another, `arm` away from it."""
     return add(cross(alpha, arm), cross(omega, cross(omega, arm)))
-
-
-@compiled(nrt=False)
-def _turned(R: Matrix, tensors: Array, i: int) -> Matrix:
-    """R I R^T of tensor i."""
-    tensor = (row_of(tensors[i], 0), row_of(tensors[i], 1), row_of(tensors[i], 2))
-    half = product(R, tensor)
-    return times(R, half[0]), times(R, half[1]), times(R, half[2])

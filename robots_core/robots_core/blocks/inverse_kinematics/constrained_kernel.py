@@ -10,7 +10,6 @@ from robots_core.blocks.inverse_kinematics.chain_dynamics import mass_matrix_and
 from robots_core.blocks.inverse_kinematics.quadratic_program import (
     INFEASIBLE,
     SOLVED,
-    factorise,
     solve_factorised,
     solve_quadratic_program,
 )
@@ -25,6 +24,7 @@ from robots_core.blocks.inverse_kinematics.viability import (
     fastest_stoppable,
     velocity_interval,
 )
+from robots_core.kernels.small_matrices import factorise, solve_lower, solve_transposed
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
@@ -118,7 +118,7 @@ def constrained_step(
 def _task(
     chain: ChainArrays, options: Array, state: Any, reference: Any, J: Array, error: Array
 ) -> tuple[Array, Array]:
-    """Quadratic form of |W (J w - V - k e)|^2, damped near singularities, and J^T W^2 [V e], (n, 2).
+    """Quadratic form of |W (J w - V - k e)|^2, damped near singularities, and J^T W^2 V and J^T W^2 e.
 
     Fills J and error, both weighted.
     """
@@ -130,14 +130,14 @@ def _task(
     pose_and_jacobian(chain, q + 0.5 * dt * q_dot, r, T, J)
     error_between(r, T, reference[0], reference[1], error)
     rows = 0
-    gradients = np.zeros((n, 2))
+    gradients = np.zeros((2, n))
     for row in range(6):
         weight = options[2] if row < 3 else options[3]
         error[row] = weight * (error[row] - 0.5 * dt * twist[row])
         for i in range(n):
             J[row, i] *= weight
-            gradients[i, 0] += J[row, i] * weight * twist[row]
-            gradients[i, 1] += J[row, i] * error[row]
+            gradients[0, i] += J[row, i] * weight * twist[row]
+            gradients[1, i] += J[row, i] * error[row]
         if weight > 0.0:
             rows += 1
     H = J.T @ J
@@ -172,11 +172,10 @@ def _inverse_trace(A: Array) -> float:
     factorise(A, L)
     trace = 0.0
     for j in range(n):
+        column[:] = 0.0
+        column[j] = 1.0
+        solve_lower(L, column)
         for i in range(j, n):
-            value = 1.0 if i == j else 0.0
-            for k in range(j, i):
-                value -= L[i, k] * column[k]
-            column[i] = value / L[i, i]
             trace += column[i] * column[i]
     return trace
 
@@ -185,27 +184,18 @@ def _inverse_trace(A: Array) -> float:
 def _towards_reference(L: Array, gradients: Array, limits: Array, options: Array) -> Array:
     """Linear term (n,): the fastest approach from which every axis can stop when it reaches the reference."""
     velocity, deceleration = limits[2], limits[4]
-    n = L.shape[0]
-    free = np.empty((n, 2))
-    for side in range(2):
-        for i in range(n):
-            value = gradients[i, side]
-            for k in range(i):
-                value -= L[i, k] * free[k, side]
-            free[i, side] = value / L[i, i]
-        for i in range(n - 1, -1, -1):
-            value = free[i, side]
-            for k in range(i + 1, n):
-                value -= L[k, i] * free[k, side]
-            free[i, side] = value / L[i, i]
+    free = gradients.copy()
+    for motion in free:
+        solve_lower(L, motion)
+        solve_transposed(L, motion)
     rate = options[1]
     for i in range(velocity.size):
-        distance = abs(free[i, 1])
+        distance = abs(free[1, i])
         if distance > 0.0:
             fastest = fastest_stoppable(distance, APPROACH_SHARE * deceleration[i], options[0])
-            left = max(velocity[i] - abs(free[i, 0]), SMALLEST_SPEED_SHARE * velocity[i])
+            left = max(velocity[i] - abs(free[0, i]), SMALLEST_SPEED_SHARE * velocity[i])
             rate = min(rate, fastest / distance, left / distance)
-    f: Array = -gradients[:, 0] - rate * gradients[:, 1]
+    f: Array = -gradients[0] - rate * gradients[1]
     return f
 
 

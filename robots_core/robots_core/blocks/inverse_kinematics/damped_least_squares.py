@@ -74,11 +74,14 @@ class DampedLeastSquares:
             int(max_iterations),
             PROGRESS_STEPS,
         )
-        self._chain = SerialChain.of(robot, tool).arrays
-        self._limits = np.array([self._axes.lower, self._axes.upper])
-        self._redundancy = redundancy_arrays(redundancy, self._axes)
         offset = np.random.default_rng(seed).uniform(size=self._axes.num_axes)
-        self._starts = low_discrepancy(self._axes, restarts, offset)
+        self._fixed = (
+            SerialChain.of(robot, tool).arrays,
+            np.array([self._axes.lower, self._axes.upper]),
+            low_discrepancy(self._axes, restarts, offset),
+            redundancy_arrays(redundancy, self._axes),
+            self._options,
+        )
         self._target = (np.empty(3), np.empty((3, 3)))
 
     def solve(self, pose: Pose, q_start: ArrayLike) -> IkResult:
@@ -96,17 +99,17 @@ class DampedLeastSquares:
             InvalidInputError: `q_start` of another shape or not finite.
         """
         q, error = self._axes.check_position(q_start, 'q_start').copy(), np.empty(6)
-        steps = solve_pose(
-            self._chain,
-            self._limits,
-            self._starts,
-            self._redundancy,
-            self._options,
-            self._as_arrays(pose),
+        # Compiled code is specialised for one memory layout; another would take many seconds to compile.
+        self._target[0][:], self._target[1][:] = pose.r, pose.T
+        steps = solve_pose(*self._fixed, self._target, q, error)
+        x, y, z, a, b, c = error.tolist()
+        return IkResult(
             q,
-            error,
+            reached(error, self._options),
+            steps,
+            sqrt(x * x + y * y + z * z),
+            sqrt(a * a + b * b + c * c),
         )
-        return self._result(q, error, steps)
 
     def solve_many(self, r: ArrayLike, T: ArrayLike, q_start: ArrayLike) -> IkBatch:
         """`solve` for many poses at once, on all cores; the results are the same.
@@ -131,18 +134,8 @@ class DampedLeastSquares:
         errors, steps = np.empty((count, 6)), np.empty(count, dtype=np.int64)
 
         def solve_part(part: slice) -> None:
-            solve_poses(
-                self._chain,
-                self._limits,
-                self._starts,
-                self._redundancy,
-                self._options,
-                positions[part],
-                orientations[part],
-                q[part],
-                errors[part],
-                steps[part],
-            )
+            poses = positions[part], orientations[part]
+            solve_poses(*self._fixed, *poses, q[part], errors[part], steps[part])
 
         cores = len(os.sched_getaffinity(0))
         size = max(1, -(-count // (cores * CHUNKS_PER_CORE)))
@@ -153,22 +146,6 @@ class DampedLeastSquares:
         orientation_error = np.linalg.norm(errors[:, 3:], axis=1)
         converged = (position_error <= self._options[0]) & (orientation_error <= self._options[1])
         return IkBatch(q, converged, steps, position_error, orientation_error)
-
-    def _as_arrays(self, pose: Pose) -> tuple[Array, Array]:
-        """The pose in arrays of the memory layout that the code is compiled for."""
-        r, T = self._target
-        r[:], T[:] = pose.r, pose.T
-        return r, T
-
-    def _result(self, q: Array, error: Array, steps: int) -> IkResult:
-        x, y, z, a, b, c = error.tolist()
-        return IkResult(
-            q,
-            reached(error, self._options),
-            steps,
-            sqrt(x * x + y * y + z * z),
-            sqrt(a * a + b * b + c * c),
-        )
 
 
 def low_discrepancy(axes: AxesData, count: int, offset: Array | float) -> Array:

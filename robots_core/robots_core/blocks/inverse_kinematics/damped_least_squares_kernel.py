@@ -1,7 +1,5 @@
-# ruff: noqa: PLR0917, C901, PLR0912  # compiled loops over arrays
+# ruff: noqa: PLR0917, C901  # compiled loops over arrays
 """The search of the damped least squares, compiled."""
-
-from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +10,7 @@ from robots_core.blocks.inverse_kinematics.redundancy import (
     desired_displacement,
 )
 from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, error_between, pose_and_jacobian
+from robots_core.kernels.small_matrices import solve_free
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
@@ -37,6 +36,9 @@ NULL_SPACE_DAMPING = 1e-6
 Options = tuple[float, float, int, int]
 """Position tolerance (m), orientation tolerance (rad), steps per start, and steps after which a start without
 progress is abandoned (PATIENT: never)."""
+
+Memory = tuple[Array, Array, Array, Array, NDArray[np.bool_]]
+"""For a step: two matrices (n, n), two vectors (n,), and which axes stand, (n,)."""
 
 
 @compiled()
@@ -83,7 +85,7 @@ def solve_pose(
         steps += search(chain, limits, patient, target, q, error)
     if redundancy[0] != NO_CRITERION and reached(error, options):
         steps += _self_motion(chain, limits, redundancy, options, target, q, error)
-    _turn_near(first, chain[2], limits, q)
+    _turn_near(first, chain, limits, q)
     return steps
 
 
@@ -101,8 +103,8 @@ def search(
     r, T = np.empty(3), np.empty((3, 3))
     J, next_J = np.empty((6, n)), np.empty((6, n))
     next_q, next_error = np.empty(n), np.empty(6)
-    A, gradient, step = np.empty((n, n)), np.empty(n), np.empty(n)
-    free = np.empty(n, np.bool_)
+    memory = (np.empty((n, n)), np.empty((n, n)), np.empty(n), np.empty(n), np.empty(n, np.bool_))
+    step = np.empty(n)
     window = options[3]
     past = np.empty(max(window, 1))
     for i in range(n):
@@ -120,7 +122,7 @@ def search(
                 return iteration
             past[slot] = cost
         while True:
-            damped_step(J, error, q, limits, damping, free, A, gradient, step)
+            _damped_step(J, error, q, limits, damping, memory, step)
             for i in range(n):
                 # Rounding of q + step may pass a limit by one unit in the last place.
                 next_q[i] = min(max(q[i] + step[i], limits[0, i]), limits[1, i])
@@ -141,110 +143,45 @@ def search(
     return options[2]
 
 
-@compiled()
-def damped_step(
-    J: Array,
-    error: Array,
-    q: Array,
-    limits: Array,
-    damping: float,
-    free: NDArray[np.bool_],
-    A: Array,
-    gradient: Array,
-    step: Array,
+@compiled(nrt=False)
+def _damped_step(
+    J: Array, error: Array, q: Array, limits: Array, damping: float, memory: Memory, step: Array
 ) -> None:
-    """Fill the damped step, (n,); an axis that would pass its limit stops there, the others are solved again.
-
-    `free`, `A` (n, n) and `gradient` (n,) are scratch.
-    """
+    """Fill the damped step, (n,); axes that would pass a limit stop there, the others are solved anew."""
+    A, L, gradient, free_step, stands = memory
     n = q.size
-    rest = error.copy()
     for i in range(n):
         step[i] = 0.0
-        pull = 0.0
+        gradient[i] = 0.0
         for row in range(6):
-            pull += J[row, i] * error[row]
-        free[i] = not ((q[i] <= limits[0, i] and pull < 0.0) or (q[i] >= limits[1, i] and pull > 0.0))
-    while True:
-        for i in range(n):
-            if not free[i]:
-                continue
-            value = 0.0
+            gradient[i] += J[row, i] * error[row]
+        stands[i] = (q[i] <= limits[0, i] and gradient[i] < 0.0) or (
+            q[i] >= limits[1, i] and gradient[i] > 0.0
+        )
+        for j in range(i + 1):
+            value = damping if i == j else 0.0
             for row in range(6):
-                value += J[row, i] * rest[row]
-            gradient[i] = value
-            for j in range(i + 1):
-                if free[j]:
-                    value = 0.0
-                    for row in range(6):
-                        value += J[row, i] * J[row, j]
-                    A[i, j] = value
-            A[i, i] += damping
-        _solve_free(A, gradient, free)
+                value += J[row, i] * J[row, j]
+            A[i, j] = A[j, i] = value
+    stopped = True
+    while stopped:
+        for i in range(n):
+            free_step[i] = gradient[i]
+            for j in range(n):
+                free_step[i] -= A[i, j] * step[j]
+        solve_free(A, stands, L, free_step)
         stopped = False
         for i in range(n):
-            if not free[i]:
-                continue
-            step[i] = min(max(gradient[i], limits[0, i] - q[i]), limits[1, i] - q[i])
-            if step[i] != gradient[i]:
-                stopped = True
-        if not stopped:
-            break
-        left = False
-        for i in range(n):
-            if not free[i]:
-                continue
-            if step[i] != gradient[i]:
-                free[i] = False
-                for row in range(6):
-                    rest[row] -= J[row, i] * step[i]
-            else:
-                left = True
-        if not left:
-            break
+            inside = min(max(free_step[i], limits[0, i] - q[i]), limits[1, i] - q[i])
+            if not stands[i] and inside != free_step[i]:
+                step[i], stands[i], stopped = inside, True, True
     largest = 0.0
     for i in range(n):
+        step[i] += free_step[i]
         largest = max(largest, abs(step[i]))
     if largest > LARGEST_STEP:
         for i in range(n):
             step[i] *= LARGEST_STEP / largest
-
-
-@compiled()
-def _solve_free(A: Array, b: Array, free: NDArray[np.bool_]) -> None:
-    """Solve A x = b for the free rows and columns, by Cholesky in place (lower triangle); x replaces b."""
-    n = b.size
-    for i in range(n):
-        if not free[i]:
-            continue
-        for j in range(i):
-            if not free[j]:
-                continue
-            value = A[i, j]
-            for k in range(j):
-                if free[k]:
-                    value -= A[i, k] * A[j, k]
-            A[i, j] = value / A[j, j]
-        value = A[i, i]
-        for k in range(i):
-            if free[k]:
-                value -= A[i, k] * A[i, k]
-        # Damping below the rounding of a singular J^T J: the smallest pivot that still divides.
-        A[i, i] = sqrt(max(value, 1e-18))
-    for i in range(n):
-        if free[i]:
-            value = b[i]
-            for k in range(i):
-                if free[k]:
-                    value -= A[i, k] * b[k]
-            b[i] = value / A[i, i]
-    for i in range(n - 1, -1, -1):
-        if free[i]:
-            value = b[i]
-            for k in range(i + 1, n):
-                if free[k]:
-                    value -= A[k, i] * b[k]
-            b[i] = value / A[i, i]
 
 
 @compiled()
@@ -291,11 +228,11 @@ def _self_motion(
 
 
 @compiled()
-def _turn_near(reference: Array, prismatic: NDArray[np.bool_], limits: Array, q: Array) -> None:
+def _turn_near(reference: Array, chain: ChainArrays, limits: Array, q: Array) -> None:
     """Add full turns inside the limits, so that each axis is nearest to the reference."""
     turn = 2.0 * np.pi
     for i in range(q.size):
-        if prismatic[i]:
+        if chain[i, 12] != 0.0:
             continue
         turned = q[i] + turn * np.round((reference[i] - q[i]) / turn)
         if limits[0, i] <= turned <= limits[1, i]:

@@ -172,11 +172,11 @@ class HeldInverseKinematics:
 
 def _with_free_wrist(chain: SerialChain) -> ChainArrays:
     """Arrays of a chain with three more axes through its tool centre point."""
-    axes = chain.T.T  # the tool's own, in the base frame
-    return (
-        np.ascontiguousarray(np.concatenate([chain.directions, axes])),
-        np.ascontiguousarray(np.concatenate([chain.points, np.tile(chain.r, (3, 1))])),
-        np.array([*chain.prismatic, False, False, False]),
-        np.array(chain.r),
-        np.array(chain.T),
+    free = SerialChain(
+        np.concatenate([chain.directions, chain.T.T]),  # the tool's own axes, in the base frame
+        np.concatenate([chain.points, np.tile(chain.r, (3, 1))]),
+        np.append(chain.prismatic, [False] * 3),
+        chain.r,
+        chain.T,
     )
+    return free.arrays

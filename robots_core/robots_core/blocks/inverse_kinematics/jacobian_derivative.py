@@ -1,6 +1,7 @@
 """The time derivative of a serial chain's Jacobian, compiled."""
 
 from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.robot_model.analytic.vectors import add, cross, scale, subtract
 from robots_core.validation import Array
 
 
@@ -13,19 +14,13 @@ def jacobian_der(J: Array, q_dot: Array, J_der: Array) -> None:
     part by w_j x w_i if j < i. An axis that slides has w = 0.
     """
     n = q_dot.size
-    # Linear velocity of the tool due to the axes after i.
-    bx, by, bz = 0.0, 0.0, 0.0
+    # Linear velocity of the tool due to the axes after i, and angular velocity due to those before i.
+    after = before = (0.0, 0.0, 0.0)
     for j in range(n):
-        bx, by, bz = bx + J[0, j] * q_dot[j], by + J[1, j] * q_dot[j], bz + J[2, j] * q_dot[j]
-    # Angular velocity due to the axes before i.
-    ax, ay, az = 0.0, 0.0, 0.0
+        after = add(after, scale(q_dot[j], (J[0, j], J[1, j], J[2, j])))
     for i in range(n):
-        rate = q_dot[i]
-        vx, vy, vz = J[0, i], J[1, i], J[2, i]
-        wx, wy, wz = J[3, i], J[4, i], J[5, i]
-        bx, by, bz = bx - vx * rate, by - vy * rate, bz - vz * rate
-        J_der[3, i], J_der[4, i], J_der[5, i] = ay * wz - az * wy, az * wx - ax * wz, ax * wy - ay * wx
-        ax, ay, az = ax + wx * rate, ay + wy * rate, az + wz * rate
-        J_der[0, i] = ay * vz - az * vy + wy * bz - wz * by
-        J_der[1, i] = az * vx - ax * vz + wz * bx - wx * bz
-        J_der[2, i] = ax * vy - ay * vx + wx * by - wy * bx
+        v, w = (J[0, i], J[1, i], J[2, i]), (J[3, i], J[4, i], J[5, i])
+        after = subtract(after, scale(q_dot[i], v))
+        J_der[3, i], J_der[4, i], J_der[5, i] = cross(before, w)
+        before = add(before, scale(q_dot[i], w))
+        J_der[0, i], J_der[1, i], J_der[2, i] = add(cross(before, v), cross(w, after))

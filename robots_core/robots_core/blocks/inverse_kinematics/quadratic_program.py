@@ -1,11 +1,13 @@
-# ruff: noqa: PLR0917, C901, PLR0912, PLR0915  # one compiled loop over arrays
+# ruff: noqa: PLR0917, C901  # compiled loops over arrays
 """A small dense quadratic program with bounds and rows, compiled."""
 
 from math import inf, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robots_core.kernels.small_matrices import factorise, solve_lower, solve_transposed
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
@@ -13,8 +15,6 @@ SOLVED = 0
 INFEASIBLE = 1
 EXHAUSTED = 2
 MAX_ITERATIONS = 200
-# Of a matrix that is singular up to rounding.
-SMALLEST_PIVOT = 1e-18
 # A violation below this is rounding of sums of terms of order one.
 TOLERANCE = 1e-11
 # Multipliers this far below zero, relative to the largest, are rounding.
@@ -22,6 +22,28 @@ ROUNDING = 1e-9
 # A step direction shorter than this, relative to the constraint, is rounding: the constraint depends on the
 # active ones.
 DEPENDENT = 1e-12
+
+
+class ActiveSet(NamedTuple):
+    """Active constraints of a program in the variables y = L^T x, with the last row for one that enters.
+
+    Attributes:
+        number: Which constraint each is, (n + 1,).
+        side: The side of every constraint that is active, +1 (high) or -1 (low); 0 of others, (n + m,).
+        normal: Normals D, which point inwards, (n + 1, n).
+        bound: b of D y >= b, (n + 1,).
+        Q: Orthonormal rows, (n + 1, n): D = R^T Q.
+        R: Upper triangle, (n + 1, n + 1).
+        u: Multipliers, (n + 1,).
+    """
+
+    number: NDArray[np.int64]
+    side: Array
+    normal: Array
+    bound: Array
+    Q: Array
+    R: Array
+    u: Array
 
 
 @compiled()
@@ -52,141 +74,61 @@ def solve_quadratic_program(
 
 
 @compiled()
-def factorise(H: Array, L: Array) -> None:
-    """Fill the lower triangle of L with the Cholesky factor of H, (n, n)."""
-    for j in range(H.shape[0]):
-        for i in range(j, H.shape[0]):
-            value = H[i, j]
-            for k in range(j):
-                value -= L[i, k] * L[j, k]
-            L[i, j] = sqrt(max(value, SMALLEST_PIVOT)) if i == j else value / L[j, j]
-
-
-@compiled()
 def solve_factorised(
     L: Array, f: Array, low: Array, high: Array, C: Array, x: Array, multipliers: Array
 ) -> int:
-    """`solve_quadratic_program` for H = L L^T.
+    """`solve_quadratic_program` for H = L L^T: the point y = L^T x closest to y0 = -L^-1 f.
 
-    Constraint p is bound p of x, or row p - n, on the side +1 (high) or -1 (low); with N the matrix of active
-    normals, K = Q^T L^-1 is kept such that K N = (R, 0), R upper triangular.
+    Constraint p is bound p of x, or row p - n.
     """
     n = f.size
-    K, R = np.zeros((n, n)), np.empty((n, n))
-    active, sides = np.empty(n, np.int64), np.zeros(low.size)
-    u, d, z, r, normal = np.empty(n + 1), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    _invert(L, K)
-    x[:] = 0.0
-    for j in range(n):
-        value = 0.0
-        for i in range(j + 1):
-            value += K[j, i] * f[i]
-        for i in range(j + 1):
-            x[i] -= value * K[j, i]
+    y0, y, r = -f, np.empty(n), np.empty(n)
+    set_ = ActiveSet(
+        np.empty(n + 1, np.int64),
+        np.zeros(low.size),
+        np.empty((n + 1, n)),
+        np.empty(n + 1),
+        np.empty((n + 1, n)),
+        np.empty((n + 1, n + 1)),
+        np.zeros(n + 1),
+    )
+    solve_lower(L, y0)
+    y[:] = y0
     multipliers[:] = 0.0
-    count, iterations, fresh = 0, 0, False
-    while True:
-        chosen, side = _most_violated(low, high, C, x, sides)
-        if chosen < 0:
-            if fresh or count == 0:
-                for k in range(count):
-                    multipliers[active[k]] = sides[active[k]] * max(u[k], 0.0)
-                return SOLVED
+    count, fresh = 0, True
+    for _ in range(MAX_ITERATIONS):
+        x[:] = y
+        solve_transposed(L, x)
+        chosen, side = _most_violated(low, high, C, x, set_.side)
+        if chosen >= 0:
+            _enter(L, C, low, high, chosen, side, count, set_)
+            status, count = _make_active(y, r, count, set_)
+            if status != SOLVED:
+                return status
+            fresh = False
+        elif fresh:
+            for k in range(count):
+                p = set_.number[k]
+                multipliers[p] = set_.side[p] * max(set_.u[k], 0.0)
+            return SOLVED
+        else:
             # Multipliers may have been large in earlier iterations, with large rounding errors.
-            _recompute(K, R, f, low, high, sides, active, count, x, u)
+            _recompute(y0, y, count, set_)
             fresh = True
             leaving, largest = 0, 0.0
             for k in range(count):
-                largest = max(largest, abs(u[k]))
-                if u[k] < u[leaving]:
+                largest = max(largest, abs(set_.u[k]))
+                if set_.u[k] < set_.u[leaving]:
                     leaving = k
-            if u[leaving] < -ROUNDING * (1.0 + largest):
-                _drop(K, R, active, sides, u, leaving, count)
+            if set_.u[leaving] < -ROUNDING * (1.0 + largest):
+                _drop(set_, leaving, count)
                 count -= 1
-                _recompute(K, R, f, low, high, sides, active, count, x, u)
+                _recompute(y0, y, count, set_)
                 fresh = False
-            iterations += 1
-            if iterations > MAX_ITERATIONS:
-                return EXHAUSTED
-            continue
-        fresh = False
-        # The normal points inwards.
-        if chosen < n:
-            normal[:] = 0.0
-            normal[chosen] = -side
-        else:
-            for i in range(n):
-                normal[i] = -side * C[chosen - n, i]
-        bound = high[chosen] if side > 0.0 else -low[chosen]
-        u[count] = 0.0
-        while True:
-            iterations += 1
-            if iterations > MAX_ITERATIONS:
-                return EXHAUSTED
-            length, rest = 0.0, 0.0
-            for j in range(n):
-                value = 0.0
-                if chosen < n:
-                    value = -side * K[j, chosen]
-                else:
-                    for i in range(n):
-                        value += K[j, i] * normal[i]
-                d[j] = value
-                length += value * value
-                if j >= count:
-                    rest += value * value
-            z[:] = 0.0
-            for j in range(count, n):
-                for i in range(n):
-                    z[i] += d[j] * K[j, i]
-            for i in range(count - 1, -1, -1):
-                value = d[i]
-                for j in range(i + 1, count):
-                    value -= R[i, j] * r[j]
-                r[i] = value / R[i, i]
-            partial, leaving = inf, -1
-            for k in range(count):
-                if r[k] > 0.0 and u[k] < partial * r[k]:
-                    partial, leaving = u[k] / r[k], k
-            full = inf
-            if count < n and rest > DEPENDENT * length:
-                gap = bound
-                for i in range(n):
-                    gap += normal[i] * x[i]
-                full = -gap / rest
-            step = min(partial, full)
-            if step == inf:
-                return INFEASIBLE
-            for k in range(count):
-                u[k] -= step * r[k]
-            u[count] += step
-            if full < inf:
-                for i in range(n):
-                    x[i] += step * z[i]
-            if full <= partial:
-                _add(K, R, d, z, rest, count)
-                active[count] = chosen
-                sides[chosen] = side
-                count += 1
-                break
-            _drop(K, R, active, sides, u, leaving, count)
-            count -= 1
+    return EXHAUSTED
 
 
-@compiled()
-def _invert(L: Array, K: Array) -> None:
-    """Fill the lower triangle of K with the inverse of that of L, (n, n)."""
-    for i in range(L.shape[0]):
-        inverse = 1.0 / L[i, i]
-        for k in range(i):
-            for j in range(k + 1):
-                K[i, j] -= L[i, k] * K[k, j]
-        for j in range(i):
-            K[i, j] *= inverse
-        K[i, i] = inverse
-
-
-@compiled()
+@compiled(nrt=False)
 def _most_violated(low: Array, high: Array, C: Array, x: Array, sides: Array) -> tuple[int, float]:
     """The constraint that x violates most, bounds first, and its side; -1 if there is none."""
     n = x.size
@@ -212,100 +154,118 @@ def _most_violated(low: Array, high: Array, C: Array, x: Array, sides: Array) ->
     return chosen, side
 
 
-@compiled()
-def _drop(
-    K: Array, R: Array, active: NDArray[np.int64], sides: Array, u: Array, leaving: int, count: int
+@compiled(nrt=False)
+def _enter(
+    L: Array, C: Array, low: Array, high: Array, chosen: int, side: float, count: int, set_: ActiveSet
 ) -> None:
-    """Remove an active constraint; later multipliers, that of the entering one included, move up."""
-    sides[active[leaving]] = 0.0
-    for k in range(leaving, count - 1):
-        active[k] = active[k + 1]
-        u[k] = u[k + 1]
-    u[count - 1] = u[count]
-    _remove(K, R, leaving, count)
+    """Write a constraint behind the active ones."""
+    n = L.shape[0]
+    normal = set_.normal[count]
+    for i in range(n):
+        normal[i] = -side * C[chosen - n, i] if chosen >= n else 0.0
+    if chosen < n:
+        normal[chosen] = -side
+    solve_lower(L, normal)
+    set_.number[count], set_.side[chosen], set_.u[count] = chosen, side, 0.0
+    set_.bound[count] = -high[chosen] if side > 0.0 else low[chosen]
 
 
-@compiled()
-def _recompute(
-    K: Array,
-    R: Array,
-    f: Array,
-    low: Array,
-    high: Array,
-    sides: Array,
-    active: NDArray[np.int64],
-    count: int,
-    x: Array,
-    u: Array,
-) -> None:
-    """Fill x and u from the active constraints: x = K^T y, R^T y_1 = b, y_2 = -K_2 f, R u = y_1 + K_1 f."""
-    n = f.size
-    y, slope = np.empty(n), np.empty(n)
-    for j in range(n):
-        slope[j] = 0.0
-        for i in range(n):
-            slope[j] += K[j, i] * f[i]
-    for k in range(count):
-        p = active[k]
-        bound = -high[p] if sides[p] > 0.0 else low[p]
-        for i in range(k):
-            bound -= R[i, k] * y[i]
-        y[k] = bound / R[k, k]
-    for j in range(count, n):
-        y[j] = -slope[j]
-    x[:] = 0.0
-    for j in range(n):
-        for i in range(n):
-            x[i] += y[j] * K[j, i]
-    for k in range(count - 1, -1, -1):
-        value = y[k] + slope[k]
-        for j in range(k + 1, count):
-            value -= R[k, j] * u[j]
-        u[k] = value / R[k, k]
+@compiled(nrt=False)
+def _make_active(y: Array, r: Array, count: int, set_: ActiveSet) -> tuple[int, int]:
+    """Move y to the entering constraint, and drop those that become inactive; a status and the new count."""
+    Q, R, u = set_.Q, set_.R, set_.u
+    for _ in range(MAX_ITERATIONS):
+        length, rest = _orthogonalise(set_, count)
+        for i in range(count - 1, -1, -1):
+            value = R[i, count]
+            for j in range(i + 1, count):
+                value -= R[i, j] * r[j]
+            r[i] = value / R[i, i]
+        partial, leaving = inf, -1
+        for k in range(count):
+            if r[k] > 0.0 and u[k] < partial * r[k]:
+                partial, leaving = u[k] / r[k], k
+        full = inf
+        if count < y.size and rest > DEPENDENT * length:
+            gap = set_.bound[count]
+            for i in range(y.size):
+                gap -= set_.normal[count, i] * y[i]
+            full = gap / rest
+        step = min(partial, full)
+        if step == inf:
+            return INFEASIBLE, count
+        for k in range(count):
+            u[k] -= step * r[k]
+        u[count] += step
+        if full < inf:
+            for i in range(y.size):
+                y[i] += step * sqrt(rest) * Q[count, i]
+        if full <= partial:
+            return SOLVED, count + 1
+        _drop(set_, leaving, count + 1)
+        count -= 1
+    return EXHAUSTED, count
 
 
-@compiled()
-def _add(K: Array, R: Array, d: Array, z: Array, rest: float, count: int) -> None:
-    """Reflect the rows of K behind `count` so that the new constraint meets only the first of them.
+@compiled(nrt=False)
+def _orthogonalise(set_: ActiveSet, k: int) -> tuple[float, float]:
+    """Fill row k of Q and column k of R; the squares of the normal, and of its part across those before.
 
-    Householder's reflection I - 2 v v^T / v^T v with v = d_2 -+ |d_2| e_1; K_2^T v is z -+ |d_2| K_2[0].
+    Gram-Schmidt, done twice (Giraud et al. 2005).
     """
-    n = d.size
-    norm = sqrt(rest) if d[count] < 0.0 else -sqrt(rest)
-    for i in range(count):
-        R[i, count] = d[i]
-    R[count, count] = norm
-    first = d[count] - norm
-    # v^T v / 2 = |d_2|^2 -+ |d_2| d_2[0]
-    factor = 1.0 / (rest - norm * d[count])
+    Q, R = set_.Q, set_.R
+    n = Q.shape[1]
+    length, rest = 0.0, 0.0
     for i in range(n):
-        z[i] = factor * (z[i] - norm * K[count, i])
+        Q[k, i] = set_.normal[k, i]
+        length += Q[k, i] * Q[k, i]
+    for j in range(k):
+        R[j, k] = 0.0
+    for _ in range(2):
+        for j in range(k):
+            part = 0.0
+            for i in range(n):
+                part += Q[j, i] * Q[k, i]
+            R[j, k] += part
+            for i in range(n):
+                Q[k, i] -= part * Q[j, i]
     for i in range(n):
-        K[count, i] -= first * z[i]
-    for j in range(count + 1, n):
+        rest += Q[k, i] * Q[k, i]
+    R[k, k] = sqrt(rest)
+    if rest > 0.0:
         for i in range(n):
-            K[j, i] -= d[j] * z[i]
+            Q[k, i] /= R[k, k]
+    return length, rest
 
 
-@compiled()
-def _remove(K: Array, R: Array, leaving: int, count: int) -> None:
-    """Drop column `leaving` of R and rotate the rest upper triangular again."""
-    n = K.shape[0]
+@compiled(nrt=False)
+def _drop(set_: ActiveSet, leaving: int, count: int) -> None:
+    """Remove one of `count` constraints; those behind it move up."""
+    set_.side[set_.number[leaving]] = 0.0
     for k in range(leaving, count - 1):
-        for i in range(k + 2):
-            R[i, k] = R[i, k + 1]
-    for k in range(leaving, count - 1):
-        a, b = R[k, k], R[k + 1, k]
-        h = sqrt(a * a + b * b)
-        if h == 0.0:
-            continue
-        cosine, sine = a / h, b / h
-        R[k, k], R[k + 1, k] = h, 0.0
-        for j in range(k + 1, count - 1):
-            first, second = R[k, j], R[k + 1, j]
-            R[k, j] = cosine * first + sine * second
-            R[k + 1, j] = cosine * second - sine * first
-        for i in range(n):
-            first, second = K[k, i], K[k + 1, i]
-            K[k, i] = cosine * first + sine * second
-            K[k + 1, i] = cosine * second - sine * first
+        set_.number[k], set_.bound[k], set_.u[k] = set_.number[k + 1], set_.bound[k + 1], set_.u[k + 1]
+        for i in range(set_.normal.shape[1]):
+            set_.normal[k, i] = set_.normal[k + 1, i]
+        _orthogonalise(set_, k)
+
+
+@compiled(nrt=False)
+def _recompute(y0: Array, y: Array, count: int, set_: ActiveSet) -> None:
+    """Fill y and u from the active constraints: R u = v, y = y0 + Q^T v, v = R^-T b - Q y0."""
+    Q, R, u = set_.Q, set_.R, set_.u
+    for i in range(y.size):
+        y[i] = y0[i]
+    for k in range(count):
+        value = set_.bound[k]
+        for i in range(k):
+            value -= R[i, k] * u[i]
+        u[k] = value / R[k, k]
+    for k in range(count):
+        for i in range(y0.size):
+            u[k] -= Q[k, i] * y0[i]
+        for i in range(y0.size):
+            y[i] += u[k] * Q[k, i]
+    for k in range(count - 1, -1, -1):
+        for j in range(k + 1, count):
+            u[k] -= R[k, j] * u[j]
+        u[k] /= R[k, k]

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.robot_model.analytic.vectors import cross, dot
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, read_only
 
@@ -116,12 +117,9 @@ def _manipulability_gradient(J: Array, gradient: Array) -> None:
         for i in range(n):
             # The axis nearer to the base rotates the column of the other.
             first, second = (k, i) if k <= i else (i, k)
-            wx, wy, wz = J[3, first], J[4, first], J[5, first]
-            vx, vy, vz = J[0, second], J[1, second], J[2, second]
-            value += G[0, i] * (wy * vz - wz * vy) + G[1, i] * (wz * vx - wx * vz)
-            value += G[2, i] * (wx * vy - wy * vx)
+            omega = (J[3, first], J[4, first], J[5, first])
+            linear = cross(omega, (J[0, second], J[1, second], J[2, second]))
+            value += dot((G[0, i], G[1, i], G[2, i]), linear)
             if k < i:
-                ax, ay, az = J[3, i], J[4, i], J[5, i]
-                value += G[3, i] * (wy * az - wz * ay) + G[4, i] * (wz * ax - wx * az)
-                value += G[5, i] * (wx * ay - wy * ax)
+                value += dot((G[3, i], G[4, i], G[5, i]), cross(omega, (J[3, i], J[4, i], J[5, i])))
         gradient[k] = value

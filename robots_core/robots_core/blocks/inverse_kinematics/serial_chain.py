@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import atan2, sqrt
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import atan2, cos, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +14,16 @@ from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.robot_model.analytic.vectors import (
+    Matrix,
+    Vector,
     add,
     cross,
+    matrix_of,
     product,
-    rotation,
-    row_of,
     scale,
     subtract,
     times,
+    transposed,
 )
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
@@ -28,8 +32,9 @@ from robots_core.validation import Array, read_only
 CHAIN_TOLERANCE = 1e-9
 PROBES = 4
 
-ChainArrays = tuple[Array, Array, NDArray[np.bool_], Array, Array]
-"""Directions, points, prismatic, r and T of a `SerialChain`."""
+ChainArrays = Array
+"""(n + 1, 13): frames with z along each axis, and of the tool, each in the one before: orientation, row by
+row, position, and 1 for an axis that slides."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,29 +62,42 @@ class SerialChain:
         Raises:
             InvalidInputError: the robot's `direct_kinematics` is not that of a chain of single axes.
         """
-        n = robot.num_axes
-        zero = np.zeros(n)
-        r, T = robot.direct_kinematics(zero)
-        J = robot.jacobian(zero)
-        prismatic = np.array(robot.axes_data.prismatic)
-        directions = np.where(prismatic, J[:3], J[3:]).T.copy()
-        # A point p turns with v = w x (r - p); the nearest such p to r is r - v x w.
-        points = np.where(prismatic[:, None], 0.0, r - np.cross(J[:3].T, J[3:].T))
-        flange = Pose(r, T) @ (Pose.identity() if tool is None else tool)
-        chain = cls(
-            read_only(directions),
-            read_only(points),
-            prismatic,
-            read_only(flange.r),
-            read_only(flange.T),
-        )
-        chain._check(robot, Pose.identity() if tool is None else tool)
+        zero = np.zeros(robot.num_axes)
+        tool = Pose.identity() if tool is None else tool
+        tool0 = Pose(*robot.direct_kinematics(zero))
+        chain = cls.at_zero(tool0, robot.jacobian(zero), robot.axes_data.prismatic)
+        tip = tool0 @ tool
+        chain = replace(chain, r=read_only(tip.r), T=read_only(tip.T))
+        _check(chain, robot, tool)
         return chain
 
-    @property
+    @classmethod
+    def at_zero(cls, tool0: Pose, J: Array, prismatic: Sequence[bool]) -> SerialChain:
+        """The chain by its pose and its Jacobian (6, n) at q = 0."""
+        slides = np.array(prismatic)
+        directions = np.where(slides, J[:3], J[3:]).T
+        # A point p turns with v = w x (r - p); the nearest such p to r is r - v x w.
+        points = np.where(slides[:, None], 0.0, tool0.r - np.cross(J[:3].T, J[3:].T))
+        return cls(read_only(directions), read_only(points), slides, read_only(tool0.r), read_only(tool0.T))
+
+    @cached_property
+    def frames(self) -> Array:
+        """Orientations of frames with z along the axes, (n, 3, 3)."""
+        z = self.directions
+        x = np.cross(np.eye(3)[np.abs(z).argmin(axis=1)], z)
+        x /= np.linalg.norm(x, axis=1, keepdims=True)
+        return np.stack([x, np.cross(z, x), z], axis=2)
+
+    @cached_property
     def arrays(self) -> ChainArrays:
-        """The attributes as arrays for compiled code."""
-        return self.directions, self.points, self.prismatic, self.r, self.T
+        """The axes and the tool for compiled code."""
+        T = np.concatenate([np.eye(3)[None], self.frames, self.T[None]])
+        r = np.concatenate([np.zeros((1, 3)), self.points, self.r[None]])
+        links = np.zeros((len(r) - 1, 13))
+        links[:, :9] = (T[:-1].transpose(0, 2, 1) @ T[1:]).reshape(-1, 9)
+        links[:, 9:12] = np.einsum('kji,kj->ki', T[:-1], np.diff(r, axis=0))
+        links[:-1, 12] = self.prismatic
+        return links
 
     def forward(self, q: Array) -> Pose:
         """Pose of the tool centre point at joint positions `q`, (n,)."""
@@ -87,47 +105,61 @@ class SerialChain:
         pose_and_jacobian(self.arrays, np.array(q), r, T, J)  # read-only arrays would be compiled for again
         return Pose(r, T)
 
-    def _check(self, robot: BaseRobotModel, tool: Pose) -> None:
-        axes = robot.axes_data
-        low, high = axes.one_turn
-        for q in np.random.default_rng(0).uniform(low, high, (PROBES, axes.num_axes)):
-            expected, found = Pose(*robot.direct_kinematics(q)) @ tool, self.forward(q)
-            off = max(np.abs(found.r - expected.r).max(), np.abs(found.T - expected.T).max())
-            if not off <= CHAIN_TOLERANCE * (1.0 + np.linalg.norm(expected.r)):
-                raise InvalidInputError(
-                    f'robot {robot.name!r} is not a chain of axes that turn or slide on their own: its '
-                    f'direct kinematics differs from that of its Jacobian at q = 0 by {off:.3g}'
-                )
+
+def _check(chain: SerialChain, robot: BaseRobotModel, tool: Pose) -> None:
+    axes = robot.axes_data
+    low, high = axes.one_turn
+    for q in np.random.default_rng(0).uniform(low, high, (PROBES, axes.num_axes)):
+        expected, found = Pose(*robot.direct_kinematics(q)) @ tool, chain.forward(q)
+        off = max(np.abs(found.r - expected.r).max(), np.abs(found.T - expected.T).max())
+        if not off <= CHAIN_TOLERANCE * (1.0 + np.linalg.norm(expected.r)):
+            raise InvalidInputError(
+                f'robot {robot.name!r} is not a chain of axes that turn or slide on their own: its '
+                f'direct kinematics differs from that of its Jacobian at q = 0 by {off:.3g}'
+            )
+
+
+@compiled()
+def next_frame(chain: ChainArrays, i: int, q: float, R: Matrix, t: Vector) -> tuple[Vector, Matrix, Vector]:
+    """Where axis i is, (3,), and the frame that it moves, from the frame R, t of the axis before."""
+    turn = (
+        (chain[i, 0], chain[i, 1], chain[i, 2]),
+        (chain[i, 3], chain[i, 4], chain[i, 5]),
+        (chain[i, 6], chain[i, 7], chain[i, 8]),
+    )
+    place = add(t, times(R, (chain[i, 9], chain[i, 10], chain[i, 11])))
+    (a, b, x), (d, e, y), (g, h, z) = product(R, turn)
+    if chain[i, 12] != 0.0:
+        return place, ((a, b, x), (d, e, y), (g, h, z)), add(place, scale(q, (x, y, z)))
+    c, s = cos(q), sin(q)
+    turned = (
+        (c * a + s * b, c * b - s * a, x),
+        (c * d + s * e, c * e - s * d, y),
+        (c * g + s * h, c * h - s * g, z),
+    )
+    return place, turned, place
 
 
 @compiled(nrt=False)
 def pose_and_jacobian(chain: ChainArrays, q: Array, r: Array, T: Array, J: Array) -> None:
     """Fill pose r (3,), T (3, 3) and geometric Jacobian J (6, n) of a chain at `q`, base frame."""
-    directions, points, prismatic, r0, T0 = chain
     n = q.size
-    # R, t: displacement of a body that the axes so far carry.
     R, t = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), (0.0, 0.0, 0.0)
     for i in range(n):
-        axis = times(R, row_of(directions, i))
-        if prismatic[i]:
+        place, R, t = next_frame(chain, i, q[i], R, t)
+        J[0, i], J[1, i], J[2, i] = place  # replaced below
+        J[3, i], J[4, i], J[5, i] = R[0][2], R[1][2], R[2][2]
+    tip, R, _ = next_frame(chain, n, 0.0, R, t)
+    r[0], r[1], r[2] = tip
+    for row in range(3):
+        T[row, 0], T[row, 1], T[row, 2] = R[row]
+    for i in range(n):
+        axis = (J[3, i], J[4, i], J[5, i])
+        if chain[i, 12] != 0.0:
             J[0, i], J[1, i], J[2, i] = axis
             J[3, i], J[4, i], J[5, i] = 0.0, 0.0, 0.0
-            t = add(t, scale(q[i], axis))
-            continue
-        place = add(times(R, row_of(points, i)), t)
-        J[0, i], J[1, i], J[2, i] = place  # replaced by the linear column below
-        J[3, i], J[4, i], J[5, i] = axis
-        E = rotation(axis, q[i])
-        R = product(E, R)
-        t = add(place, times(E, subtract(t, place)))
-    tip = add(times(R, (r0[0], r0[1], r0[2])), t)
-    r[0], r[1], r[2] = tip
-    for j in range(3):
-        T[0, j], T[1, j], T[2, j] = times(R, (T0[0, j], T0[1, j], T0[2, j]))
-    for i in range(n):
-        if not prismatic[i]:
-            arm = subtract(tip, (J[0, i], J[1, i], J[2, i]))
-            J[0, i], J[1, i], J[2, i] = cross((J[3, i], J[4, i], J[5, i]), arm)
+        else:
+            J[0, i], J[1, i], J[2, i] = cross(axis, subtract(tip, (J[0, i], J[1, i], J[2, i])))
 
 
 @compiled(nrt=False)
@@ -135,15 +167,7 @@ def error_between(r: Array, T: Array, r_target: Array, T_target: Array, error: A
     """Fill error (6,): translation (m), then rotation vector (rad), from a pose to a target, base frame."""
     error[0], error[1], error[2] = r_target[0] - r[0], r_target[1] - r[1], r_target[2] - r[2]
     # E = T_target T^T
-    E00 = T_target[0, 0] * T[0, 0] + T_target[0, 1] * T[0, 1] + T_target[0, 2] * T[0, 2]
-    E01 = T_target[0, 0] * T[1, 0] + T_target[0, 1] * T[1, 1] + T_target[0, 2] * T[1, 2]
-    E02 = T_target[0, 0] * T[2, 0] + T_target[0, 1] * T[2, 1] + T_target[0, 2] * T[2, 2]
-    E10 = T_target[1, 0] * T[0, 0] + T_target[1, 1] * T[0, 1] + T_target[1, 2] * T[0, 2]
-    E11 = T_target[1, 0] * T[1, 0] + T_target[1, 1] * T[1, 1] + T_target[1, 2] * T[1, 2]
-    E12 = T_target[1, 0] * T[2, 0] + T_target[1, 1] * T[2, 1] + T_target[1, 2] * T[2, 2]
-    E20 = T_target[2, 0] * T[0, 0] + T_target[2, 1] * T[0, 1] + T_target[2, 2] * T[0, 2]
-    E21 = T_target[2, 0] * T[1, 0] + T_target[2, 1] * T[1, 1] + T_target[2, 2] * T[1, 2]
-    E22 = T_target[2, 0] * T[2, 0] + T_target[2, 1] * T[2, 1] + T_target[2, 2] * T[2, 2]
+    (E00, E01, E02), (E10, E11, E12), (E20, E21, E22) = product(matrix_of(T_target), transposed(matrix_of(T)))
     x, y, z = E21 - E12, E02 - E20, E10 - E01
     sine = sqrt(x * x + y * y + z * z)  # twice the sine and twice the cosine of the angle
     cosine = E00 + E11 + E22 - 1.0
@@ -152,15 +176,14 @@ def error_between(r: Array, T: Array, r_target: Array, T_target: Array, error: A
         angle = atan2(sine, cosine)
         c = 0.5 * cosine
         xx, yy, zz = E00 - c, E11 - c, E22 - c
+        xy, xz, yz = 0.5 * (E01 + E10), 0.5 * (E02 + E20), 0.5 * (E12 + E21)
         if xx >= yy and xx >= zz:
-            ax, ay, az = xx, 0.5 * (E01 + E10), 0.5 * (E02 + E20)
-            sign = -1.0 if x < 0.0 else 1.0
+            ax, ay, az, along = xx, xy, xz, x
         elif yy >= zz:
-            ax, ay, az = 0.5 * (E01 + E10), yy, 0.5 * (E12 + E21)
-            sign = -1.0 if y < 0.0 else 1.0
+            ax, ay, az, along = xy, yy, yz, y
         else:
-            ax, ay, az = 0.5 * (E02 + E20), 0.5 * (E12 + E21), zz
-            sign = -1.0 if z < 0.0 else 1.0
+            ax, ay, az, along = xz, yz, zz, z
+        sign = -1.0 if along < 0.0 else 1.0
         factor = sign * angle / sqrt(ax * ax + ay * ay + az * az)
         error[3], error[4], error[5] = factor * ax, factor * ay, factor * az
         return

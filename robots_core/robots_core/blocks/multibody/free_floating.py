@@ -1,6 +1,6 @@
 """FreeFloatingRobot: a robot on a floating base, such as a satellite."""
 
-from math import ceil, sqrt
+from math import ceil
 from typing import Final
 
 import numpy as np
@@ -22,9 +22,9 @@ class FreeFloatingRobot:
     """Simulates base and joints of a robot that floats, driven by torques in its joints.
 
     Forward dynamics by the articulated body algorithm on the floating base (Featherstone 2008), integrated by
-    the classical Runge-Kutta method on positions, quaternion, twist and joints. The robot's gravity acts on
-    base and arm alike, along its direction for an upright base; load the robot with gravity zero for one in
-    orbit. Joint friction and rotors are omitted: both are internal and change no momentum.
+    the classical Runge-Kutta method on displacements (Munthe-Kaas 1999) and velocities. The robot's gravity
+    acts on base and arm alike, along its direction for an upright base; load the robot with gravity zero for
+    one in orbit. Joint friction and rotors are omitted: both are internal and change no momentum.
 
     Args:
         robot: The robot; its base body needs a mass and an inertia.
@@ -117,31 +117,18 @@ class FreeFloatingRobot:
         return self.position, self.velocity
 
     def _runge_kutta(self, tau: Array, h: float) -> None:
-        c, v = self._configuration, self._velocity
-        c1, v1 = self._rates(c, v, tau)
-        c2, v2 = self._rates(c + 0.5 * h * c1, v + 0.5 * h * v1, tau)
-        c3, v3 = self._rates(c + 0.5 * h * c2, v + 0.5 * h * v2, tau)
-        c4, v4 = self._rates(c + h * c3, v + h * v3, tau)
-        self._configuration = c + h / 6.0 * (c1 + 2.0 * c2 + 2.0 * c3 + c4)
-        self._configuration[3:7] /= np.linalg.norm(self._configuration[3:7])
+        v, still = self._velocity, np.zeros_like(self._velocity)
+        d1, v1 = self._rates(still, v, tau)
+        d2, v2 = self._rates(0.5 * h * d1, v + 0.5 * h * v1, tau)
+        d3, v3 = self._rates(0.5 * h * d2, v + 0.5 * h * v2, tau)
+        d4, v4 = self._rates(h * d3, v + h * v3, tau)
+        step = h / 6.0 * (d1 + 2.0 * d2 + 2.0 * d3 + d4)
+        self._configuration = np.asarray(pin.integrate(self.model, self._configuration, step))
         self._velocity = v + h / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4)
 
-    def _rates(self, c: Array, v: Array, tau: Array) -> tuple[Array, Array]:
-        """Rates of the configuration and of the velocity; the quaternion need not have length 1."""
-        x, y, z, w = c[3:7]
-        unit = np.array(c)
-        unit[3:7] /= sqrt(x * x + y * y + z * z + w * w)
-        wx, wy, wz = v[3:6]
-        rate = np.empty_like(c)
-        rate[:3] = pin.XYZQUATToSE3(unit[:7]).rotation.dot(v[:3])
-        rate[3:7] = 0.5 * np.array(
-            [
-                w * wx + y * wz - z * wy,
-                w * wy + z * wx - x * wz,
-                w * wz + x * wy - y * wx,
-                -x * wx - y * wy - z * wz,
-            ]
-        )
-        rate[7:] = v[6:]
-        acceleration = np.asarray(pin.aba(self.model, self._data, unit, v, tau))
-        return rate, acceleration
+    def _rates(self, moved: Array, v: Array, tau: Array) -> tuple[Array, Array]:
+        """Rates of the displacement (6 + n,) since the step began, and of the velocity (6 + n,)."""
+        rate = np.array(v)
+        rate[:6] = pin.Jlog6(pin.exp6(moved[:6])) @ v[:6]
+        configuration = pin.integrate(self.model, self._configuration, moved)
+        return rate, np.asarray(pin.aba(self.model, self._data, configuration, v, tau))

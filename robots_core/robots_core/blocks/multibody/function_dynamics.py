@@ -1,5 +1,6 @@
 """FunctionDynamics: the dynamics of a robot by its own function."""
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +12,7 @@ from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.dynamics import Dynamics
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
-from robots_core.validation import Array
+from robots_core.validation import Array, read_only
 
 
 class FunctionDynamics(Dynamics):
@@ -41,7 +42,7 @@ class FunctionDynamics(Dynamics):
         if self._inclined or self._loads:
             gravity = self._chain.gravity
             self._fall = base.free_fall(gravity)
-            self._relative_fall = self._fall - gravity
+            self._inclined_chain = replace(self._chain, gravity=read_only(self._fall - gravity))
 
     @cached_property
     def _chain(self) -> ChainDynamics:
@@ -51,7 +52,7 @@ class FunctionDynamics(Dynamics):
         _, M, tau_aux = self.robot.rigid_dynamics(q, q_dot, self._no_motion)
         M, tau_aux = np.array(M, order='C'), np.array(tau_aux)
         if self._inclined:
-            tau_aux += self._chain.weight(q, self._relative_fall)
+            tau_aux += self._inclined_chain.mass_matrix_and_bias(np.array(q), self._no_motion)[1]
         if self._loads:
             self._add_payload(q, q_dot, M, tau_aux)
         if self._loses:

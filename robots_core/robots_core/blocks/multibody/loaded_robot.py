@@ -1,18 +1,17 @@
 """LoadedRobot: a robot that carries a payload."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-import numpy as np
-
-from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics
+from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics, chain_dynamics_of
 from robots_core.blocks.multibody.base_motion import BaseMotion
-from robots_core.blocks.multibody.loaded_chain import loaded_chain
-from robots_core.blocks.multibody.payload import Payload, payload_of, united
-from robots_core.pose import Pose
+from robots_core.blocks.multibody.numerical_dynamics import body_model
+from robots_core.blocks.multibody.payload import Payload, payload_of
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.robot_model.pinocchio_models import PinocchioRigidDynamicsModel
 from robots_core.robot_model.rigid_dynamics_model import RigidDynamicsModel
 from robots_core.robot_model.wrapped_robot import WrappedRobot
-from robots_core.validation import Array, finite_vector, read_only
+from robots_core.validation import Array, finite_motion, read_only
 
 
 class LoadedRobot(WrappedRobot):
@@ -29,7 +28,10 @@ class LoadedRobot(WrappedRobot):
     def __init__(self, robot: BaseRobotModel, payload: Payload) -> None:
         super().__init__(robot)
         self.payload = payload
-        self._model = _LoadedModel(robot, payload)
+        dynamics = chain_dynamics_of(robot)
+        model = body_model(robot, dynamics.chain, payload, floating=False)
+        model.gravity.linear = dynamics.gravity
+        self._model = PinocchioRigidDynamicsModel(model)
 
     @property
     def rigid_dynamics_model(self) -> RigidDynamicsModel:
@@ -38,8 +40,9 @@ class LoadedRobot(WrappedRobot):
 
     def rigid_dynamics(self, q: Array, q_dot: Array, q_ddot: Array) -> tuple[Array, Array, Array]:
         """The robot's, with the payload."""
-        M, tau_aux = self._model.dynamics(q, q_dot)
-        return M @ finite_vector(q_ddot, self.num_axes, 'q_ddot') + tau_aux, M, tau_aux
+        q, q_dot, q_ddot = finite_motion(q, q_dot, q_ddot, self.num_axes)
+        M, tau_aux = self._model.mass_matrix(q), self._model.bias_torques(q, q_dot)
+        return M @ q_ddot + tau_aux, M, tau_aux
 
 
 def loaded_robot(robot: BaseRobotModel, payload: Sequence[float]) -> BaseRobotModel:
@@ -52,36 +55,11 @@ def loaded_robot(robot: BaseRobotModel, payload: Sequence[float]) -> BaseRobotMo
     return LoadedRobot(robot, carried) if carried.mass > 0.0 else robot
 
 
-class _LoadedModel(RigidDynamicsModel):
-    def __init__(self, robot: BaseRobotModel, payload: Payload) -> None:
-        self._chain: ChainDynamics = loaded_chain(robot, payload, BaseMotion())
-        own, n = robot.rigid_dynamics_model, robot.num_axes
-        r, T = robot.kinematic_model.frame_axes(np.zeros(n))
-        tool = Pose(r[-1], T[-1]).inverse() @ Pose(*robot.direct_kinematics(np.zeros(n)))
-        load = payload.seen_from(tool)
-        masses, centers, inertias = (np.array(a) for a in (own.masses, own.centers_of_mass, own.inertias))
-        masses[-1], centers[-1], inertias[-1] = united(
-            (masses[-1], centers[-1], inertias[-1]), (load.mass, load.center, load.inertia)
-        )
-        self.masses, self.centers_of_mass = read_only(masses), read_only(centers)
-        self.inertias = read_only(inertias)
-        self._n = n
+def loaded_chain(robot: BaseRobotModel, payload: Payload, base: BaseMotion) -> ChainDynamics:
+    """The dynamics of a robot with its payload, for compiled code; rotation of the base is ignored.
 
-    def dynamics(self, q: Array, q_dot: Array) -> tuple[Array, Array]:
-        """Mass matrix (n, n) and bias torques (n,)."""
-        return self._chain.mass_matrix_and_bias(
-            np.array(finite_vector(q, self._n, 'q')), np.array(finite_vector(q_dot, self._n, 'q_dot'))
-        )
-
-    def torques(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
-        """See `RigidDynamicsModel`."""
-        M, bias = self.dynamics(q, q_dot)
-        return np.asarray(M @ finite_vector(q_ddot, self._n, 'q_ddot') + bias)
-
-    def mass_matrix(self, q: Array) -> Array:
-        """See `RigidDynamicsModel`."""
-        return self.dynamics(q, np.zeros(self._n))[0]
-
-    def bias_torques(self, q: Array, q_dot: Array) -> Array:
-        """See `RigidDynamicsModel`."""
-        return self.dynamics(q, q_dot)[1]
+    Raises:
+        InvalidInputError: the robot's `rigid_dynamics` are not those of its bodies under gravity.
+    """
+    dynamics = chain_dynamics_of(LoadedRobot(robot, payload))
+    return replace(dynamics, gravity=read_only(base.free_fall(dynamics.gravity)))

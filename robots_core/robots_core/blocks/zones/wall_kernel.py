@@ -7,45 +7,35 @@ import numpy as np
 
 from robots_core.blocks.collision.pair_kernels import Indices, SolidArrays
 from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.robot_model.analytic.vectors import dot, matrix_of, row_of, times, transposed
 from robots_core.validation import Array
 
 
 @compiled()
-def _behind(solids: SolidArrays, R: Array, t: Array, s: int, normal: Array, offset: float) -> float:
-    """Distance of a wall from the point of a solid that is farthest along the wall's normal, m."""
-    vertices, corner, disc, half, radius = (
-        solids[0][0],
-        solids[0][1],
-        solids[0][2],
-        solids[0][3],
-        solids[0][4],
-    )
-    u, v, w, along = 0.0, 0.0, 0.0, 0.0
-    for row in range(3):
-        u += R[s, row, 0] * normal[row]
-        v += R[s, row, 1] * normal[row]
-        w += R[s, row, 2] * normal[row]
-        along += t[s, row] * normal[row]
+def _behind(solids: SolidArrays, R: Array, t: Array, s: int, normals: Array, offsets: Array, k: int) -> float:
+    """Distance of wall k from the point of a solid that is farthest along the wall's normal, m."""
+    vertices, corner, disc, half, radius, _ = solids[0]
+    wall = row_of(normals, k)
+    u, v, w = times(transposed(matrix_of(R[s])), wall)
     farthest = -inf
     for p in range(solids[1][s], solids[1][s + 1]):
         if disc[p] > 0.0:
             farthest = max(farthest, disc[p] * sqrt(u * u + v * v) + half[p] * abs(w) + radius[p])
         for c in range(corner[p], corner[p + 1]):
-            reach = vertices[c, 0] * u + vertices[c, 1] * v + vertices[c, 2] * w + radius[p]
-            farthest = max(farthest, reach)
-    return float(offset - along - farthest)
+            farthest = max(farthest, dot(row_of(vertices, c), (u, v, w)) + radius[p])
+    return float(offsets[k] - dot(row_of(t, s), wall) - farthest)
 
 
 @compiled()
-def _box_behind(solids: SolidArrays, R: Array, t: Array, s: int, normal: Array, offset: float) -> float:
+def _box_behind(
+    solids: SolidArrays, R: Array, t: Array, s: int, normals: Array, offsets: Array, k: int
+) -> float:
     """`_behind` of the box around a solid."""
     centres, halves = solids[4], solids[5]
-    farthest = 0.0
-    for m in range(3):
-        side = R[s, 0, m] * normal[0] + R[s, 1, m] * normal[1] + R[s, 2, m] * normal[2]
-        farthest += centres[s, m] * side + halves[s, m] * abs(side)
-    along = t[s, 0] * normal[0] + t[s, 1] * normal[1] + t[s, 2] * normal[2]
-    return float(offset - along - farthest)
+    wall = row_of(normals, k)
+    u, v, w = times(transposed(matrix_of(R[s])), wall)
+    farthest = dot(row_of(centres, s), (u, v, w)) + dot(row_of(halves, s), (abs(u), abs(v), abs(w)))
+    return float(offsets[k] - dot(row_of(t, s), wall) - farthest)
 
 
 @compiled()
@@ -68,8 +58,8 @@ def wall_distances(
     result = np.empty((chosen.size, offsets.size))
     for i in range(chosen.size):
         for k in range(offsets.size):
-            distance = _box_behind(solids, R, t, chosen[i], normals[k], offsets[k])
+            distance = _box_behind(solids, R, t, chosen[i], normals, offsets, k)
             if distance <= enough[i]:
-                distance = _behind(solids, R, t, chosen[i], normals[k], offsets[k])
+                distance = _behind(solids, R, t, chosen[i], normals, offsets, k)
             result[i, k] = distance
     return result

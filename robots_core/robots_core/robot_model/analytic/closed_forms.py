@@ -10,9 +10,20 @@ from typing import Any
 import numpy as np
 
 from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.robot_model.analytic.vectors import (
+    Matrix,
+    Vector,
+    add,
+    cross,
+    dot,
+    matrix_of,
+    scale,
+    subtract,
+    times,
+    transposed,
+    vector_of,
+)
 from robots_core.validation import Array
-
-Triple = tuple[float, float, float]
 
 # Number of solutions; FREE: any angle is a solution.
 UNREACHABLE, ONE, TWO, FREE = 0, 1, 2, 3
@@ -60,17 +71,14 @@ def wrist_swing(arm: Any, x: float, y: float, cosine: float, sine: float) -> tup
 
 
 @compiled()
-def wrist_roll(arm: Any, u: Triple, t: Triple, c: float, s: float) -> float:
+def wrist_roll(arm: Any, u: Vector, t: Vector, c: float, s: float) -> float:
     """Angle of axis 6 for its direction u, the mark's direction t and the first axis' cosine and sine."""
-    kx, ky, kz = arm.sin_a * c, arm.sin_a * s, arm.cos_a
-    cx = t[1] * u[2] - t[2] * u[1]
-    cy = t[2] * u[0] - t[0] * u[2]
-    cz = t[0] * u[1] - t[1] * u[0]
-    return atan2(kx * cx + ky * cy + kz * cz, kx * t[0] + ky * t[1] + kz * t[2])
+    first = (arm.sin_a * c, arm.sin_a * s, arm.cos_a)
+    return atan2(dot(first, cross(t, u)), dot(first, t))
 
 
 @compiled()
-def shoulder_turn(arm: Any, v: Triple) -> tuple[int, float, float]:
+def shoulder_turn(arm: Any, v: Vector) -> tuple[int, float, float]:
     """Axis 1: the wrist point keeps its offset along axis 2.
 
     Returns:
@@ -123,51 +131,36 @@ def upper_arm(arm: Any, x: float, y: float, cosine: float, sine: float) -> tuple
 
 
 @compiled()
-def _product(M: Array, x: float, y: float, z: float) -> Triple:
-    return (
-        M[0, 0] * x + M[0, 1] * y + M[0, 2] * z,
-        M[1, 0] * x + M[1, 1] * y + M[1, 2] * z,
-        M[2, 0] * x + M[2, 1] * y + M[2, 2] * z,
-    )
+def _turned(T: Matrix, x: Vector) -> Vector:
+    """R x, with R one step from T towards the nearest rotation, (3 T - T T^T T) / 2.
+
+    Poses from messages carry single-precision rounding.
+    """
+    y = times(T, x)
+    back = times(T, times(transposed(T), y))
+    return subtract(scale(1.5, y), scale(0.5, back))
 
 
 @compiled()
-def seen_from_axis_1(arm: Any, r: Array, T: Array) -> tuple[Triple, Triple, Triple]:
+def seen_from_axis_1(arm: Any, r: Array, T: Array) -> tuple[Vector, Vector, Vector]:
     """Wrist point, direction of axis 6 and mark of a pose, in the frame of axis 1 before it turns."""
-    # One step towards the nearest rotation: poses from messages carry single-precision rounding.
-    R = np.empty((3, 3))
-    for i in range(3):
-        for j in range(3):
-            R[i, j] = 1.5 * T[i, j]
-            for k in range(3):
-                gram = T[0, k] * T[0, j] + T[1, k] * T[1, j] + T[2, k] * T[2, j]
-                R[i, j] -= 0.5 * T[i, k] * gram
-    v, u, t = np.empty(3), np.empty(3), np.empty(3)
-    for i in range(3):
-        v[i] = r[i] - arm.origin[i]
-        u[i] = t[i] = 0.0
-        for j in range(3):
-            v[i] += R[i, j] * arm.wrist_point[j]
-            u[i] += R[i, j] * arm.last_axis[j]
-            t[i] += R[i, j] * arm.mark[j]
-    return (
-        _product(arm.basis, v[0], v[1], v[2]),
-        _product(arm.basis, u[0], u[1], u[2]),
-        _product(arm.basis, t[0], t[1], t[2]),
-    )
+    basis, turn = matrix_of(arm.basis), matrix_of(T)
+    v = add(subtract(vector_of(r), vector_of(arm.origin)), _turned(turn, vector_of(arm.wrist_point)))
+    u, t = _turned(turn, vector_of(arm.last_axis)), _turned(turn, vector_of(arm.mark))
+    return times(basis, v), times(basis, u), times(basis, t)
 
 
 @compiled()
-def seen_from_body_1(arm: Any, v: Triple, c: float, s: float) -> Triple:
+def seen_from_body_1(arm: Any, v: Vector, c: float, s: float) -> Vector:
     """[X, Y, Z] of body 1 for a vector in the frame of axis 1, which has turned by cosine c and sine s."""
     a, b = v[0] * c + v[1] * s, v[1] * c - v[0] * s
     return b, arm.tilt_cos * v[2] - arm.tilt_sin * a, arm.tilt_cos * a + arm.tilt_sin * v[2]
 
 
 @compiled()
-def seen_from_wrist(arm: Any, v: Triple, c: float, s: float) -> Triple:
+def seen_from_wrist(arm: Any, v: Vector, c: float, s: float) -> Vector:
     """Wrist coordinates of a vector in [X, Y, Z], the wrist's carrier being turned by c and s about Z."""
-    return _product(arm.wrist_basis, v[0] * c + v[1] * s, v[1] * c - v[0] * s, v[2])
+    return times(matrix_of(arm.wrist_basis), (v[0] * c + v[1] * s, v[1] * c - v[0] * s, v[2]))
 
 
 @compiled()
@@ -175,17 +168,12 @@ def unusable(r: Array, T: Array, tolerance: float) -> bool:
     """Whether r and T are of another shape, not finite, or T is no rotation within the tolerance."""
     if r.shape[0] != 3 or T.shape[0] != 3 or T.shape[1] != 3:
         return True
+    rows = matrix_of(T)
     for i in range(3):
         if not abs(r[i]) < np.inf:
             return True
         for j in range(i + 1):
-            product = T[i, 0] * T[j, 0] + T[i, 1] * T[j, 1] + T[i, 2] * T[j, 2]
             # Written so that NaN is unusable.
-            if not abs(product - (1.0 if i == j else 0.0)) <= tolerance:
+            if not abs(dot(rows[i], rows[j]) - (1.0 if i == j else 0.0)) <= tolerance:
                 return True
-    determinant = (
-        T[0, 0] * (T[1, 1] * T[2, 2] - T[1, 2] * T[2, 1])
-        - T[0, 1] * (T[1, 0] * T[2, 2] - T[1, 2] * T[2, 0])
-        + T[0, 2] * (T[1, 0] * T[2, 1] - T[1, 1] * T[2, 0])
-    )
-    return bool(determinant < 0.0)
+    return bool(dot(rows[0], cross(rows[1], rows[2])) < 0.0)

@@ -14,7 +14,6 @@ from robots_core.robot_model.analytic.closed_forms import (
     ONE,
     TWO,
     UNREACHABLE,
-    Triple,
     elbow_bend,
     seen_from_axis_1,
     seen_from_body_1,
@@ -27,6 +26,7 @@ from robots_core.robot_model.analytic.closed_forms import (
     wrist_swing,
 )
 from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.robot_model.analytic.vectors import Vector
 from robots_core.validation import Array
 
 TAU = 2.0 * pi
@@ -79,7 +79,7 @@ def _keep(found: Array, count: int) -> int:
 
 @compiled()
 def _axis_1(
-    v: Triple, solutions: int, branch: int, along: float, across: float, free: float
+    v: Vector, solutions: int, branch: int, along: float, across: float, free: float
 ) -> tuple[float, float]:
     """Cosine and sine of axis 1 in one of its solutions."""
     if solutions == FREE:
@@ -93,7 +93,7 @@ def _axis_1(
 
 @compiled()
 def _wrists(
-    arm: Any, u: Triple, t: Triple, near: Array, found: Array, count: int, try_: int
+    arm: Any, u: Vector, t: Vector, near: Array, found: Array, count: int, try_: int
 ) -> tuple[int, bool]:
     """Axes 4, 5 and 6 of a spherical wrist, for the arm angles in the working row."""
     solutions, cosine, sine = wrist_bend(arm, u[0], u[1], u[2])
@@ -116,7 +116,7 @@ def _wrists(
 
 @compiled()
 def _elbows_and_wrists(
-    arm: Any, v: Triple, u: Triple, t: Triple, near: Array, found: Array, count: int, try_: int
+    arm: Any, v: Vector, u: Vector, t: Vector, near: Array, found: Array, count: int, try_: int
 ) -> tuple[int, bool]:
     """Axes 2 to 6 of an arm with a spherical wrist; all vectors in body 1."""
     x, y = v[0] - arm.shoulder[0], v[1] - arm.shoulder[1]
@@ -145,7 +145,7 @@ def _elbows_and_wrists(
 
 @compiled()
 def _elbows(
-    arm: Any, v: Triple, c: float, s: float, near: Array, found: Array, count: int, try_: int
+    arm: Any, v: Vector, c: float, s: float, near: Array, found: Array, count: int, try_: int
 ) -> tuple[int, bool]:
     """Axes 2, 3 and 4 of an arm with parallel axes, whose sum has cosine c and sine s; `v` in body 1."""
     # Axis 4 is where the hand, turned by the three axes together, puts it.
@@ -172,7 +172,7 @@ def _elbows(
 
 @compiled()
 def _hands_and_elbows(
-    arm: Any, v: Triple, u: Triple, t: Triple, near: Array, found: Array, count: int, try_: int
+    arm: Any, v: Vector, u: Vector, t: Vector, near: Array, found: Array, count: int, try_: int
 ) -> tuple[int, bool]:
     """Axes 2 to 6 of an arm with parallel axes; all vectors in body 1."""
     wrist_u, wrist_t = seen_from_wrist(arm, u, 1.0, 0.0), seen_from_wrist(arm, t, 1.0, 0.0)

@@ -1,7 +1,5 @@
 """Vectors of three and 3x3 matrices as tuples, for compiled code: there they are registers and not memory."""
 
-from math import cos, sin
-
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
@@ -11,9 +9,21 @@ Matrix = tuple[Vector, Vector, Vector]
 
 
 @compiled()
+def vector_of(a: Array) -> Vector:
+    """An array (3,)."""
+    return a[0], a[1], a[2]
+
+
+@compiled()
 def row_of(rows: Array, i: int) -> Vector:
     """Row i of an array (m, 3)."""
     return rows[i, 0], rows[i, 1], rows[i, 2]
+
+
+@compiled()
+def matrix_of(A: Array) -> Matrix:
+    """An array (3, 3)."""
+    return row_of(A, 0), row_of(A, 1), row_of(A, 2)
 
 
 @compiled()
@@ -53,24 +63,17 @@ def times(A: Matrix, v: Vector) -> Vector:
 
 
 @compiled()
+def transposed(A: Matrix) -> Matrix:
+    """The transpose of a matrix."""
+    return (A[0][0], A[1][0], A[2][0]), (A[0][1], A[1][1], A[2][1]), (A[0][2], A[1][2], A[2][2])
+
+
+@compiled()
 def product(A: Matrix, B: Matrix) -> Matrix:
     """Matrix times matrix."""
-    x, y, z = (B[0][0], B[1][0], B[2][0]), (B[0][1], B[1][1], B[2][1]), (B[0][2], B[1][2], B[2][2])
+    x, y, z = transposed(B)
     return (
         (dot(A[0], x), dot(A[0], y), dot(A[0], z)),
         (dot(A[1], x), dot(A[1], y), dot(A[1], z)),
         (dot(A[2], x), dot(A[2], y), dot(A[2], z)),
-    )
-
-
-@compiled()
-def rotation(axis: Vector, angle: float) -> Matrix:
-    """About a unit vector, by an angle in rad: Rodrigues' formula."""
-    x, y, z = axis
-    c, s = cos(angle), sin(angle)
-    v = 1.0 - c
-    return (
-        (c + v * x * x, v * x * y - s * z, v * x * z + s * y),
-        (v * x * y + s * z, c + v * y * y, v * y * z - s * x),
-        (v * x * z - s * y, v * y * z + s * x, c + v * z * z),
     )
