@@ -128,11 +128,19 @@ def _one_by_one(
 
 
 def _columns(message: Any, robot: BaseRobotModel, topic: str) -> list[int]:
-    names = list(message.joint_names if hasattr(message, 'points') else message.name)
+    names = message.joint_names if hasattr(message, 'points') else message.name
+    return joint_columns(names, robot, f'{topic.rpartition("/")[2]} of the bag')
+
+
+def joint_columns(names: Sequence[str], robot: BaseRobotModel, what: str) -> list[int]:
+    """Where each joint of a robot stands among the names of a message.
+
+    Raises:
+        InvalidInputError: one is missing; the text begins with `what`.
+    """
     missing = [name for name in robot.axes_data.names if name not in names]
     if missing:
         raise InvalidInputError(
-            f'{topic.rpartition("/")[2]} of the bag lacks joint {missing[0]} of {robot.name}: it has '
-            f'{", ".join(names) or "none"}'
+            f'{what} lacks joint {missing[0]} of {robot.name}: it has {", ".join(names) or "none"}'
         )
-    return [names.index(name) for name in robot.axes_data.names]
+    return [list(names).index(name) for name in robot.axes_data.names]
