@@ -56,9 +56,8 @@ def joint_rows(bag: Bag, topic: str, robot: BaseRobotModel) -> JointRows:
         )
     else:
         stamp, filled = at_once
-        columns, given = _columns(first, robot, topic), iter(filled)
-        rows = [next(given) if size else np.zeros((sent.size, 0)) for size in _sizes(first)]
-        groups = [values[:, columns] if values.shape[1] > max(columns) else None for values in rows]
+        columns = _columns(first, robot, topic)
+        groups = [values[:, columns] if values.shape[1] > max(columns) else None for values in filled]
     position, velocity, third = groups
     after = first.points[0].time_from_start if hasattr(first, 'points') else None
     period = 0.0 if after is None else seconds(after)
@@ -97,18 +96,12 @@ def _fields(message: Any) -> tuple[Any, tuple[str, ...]]:
     return (message.points[0], POINT_FIELDS) if hasattr(message, 'points') else (message, STATE_FIELDS)
 
 
-def _sizes(message: Any) -> list[int]:
-    holder, fields = _fields(message)
-    return [len(getattr(holder, name)) for name in fields]
-
-
 def _template(bag: Bag, topic: str, first: Any) -> MessageRows:
     holder, fields = _fields(first)
-    groups = [marks(size, number) for number, size in enumerate(_sizes(first))]
+    groups = [marks(len(getattr(holder, name)), number) for number, name in enumerate(fields)]
     marked = replace(holder, **dict(zip(fields, groups, strict=True)))
     template = replace(first, points=[marked]) if hasattr(first, 'points') else marked
-    used = [group for group in groups if group.size]
-    return MessageRows(bag.typestore(), bag.topics[topic].type, template, used)
+    return MessageRows(bag.typestore(), bag.topics[topic].type, template, groups)
 
 
 def _one_by_one(
