@@ -9,9 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots_controller.recording.bag_file import Bag, read_bag
+from robots_controller.recording.bag_file import Bag, BagTopic, read_bag
 from robots_controller.recording.bag_replay import replay_plan
-from robots_controller.recording.bag_topic import BagTopic
 from robots_core.errors import RobotsError
 from written_bags import BAG_TYPES, write_bag
 

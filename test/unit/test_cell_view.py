@@ -11,7 +11,6 @@ from rich.console import Console
 from robots_controller.live_cell.cell_events import (
     Event,
     MotionCommanded,
-    MotionEnded,
     MotionPlanned,
     MotionProgress,
     NodeHealth,
@@ -20,6 +19,7 @@ from robots_controller.live_cell.cell_events import (
     ProgramStatus,
 )
 from robots_controller.live_cell.cell_view import CellView
+from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 
 POSE = Pose(np.array([1.2, -0.5, 0.75]), np.eye(3))
@@ -56,7 +56,7 @@ def test_a_motion_is_a_line_at_its_plan_and_one_at_its_end(
         MotionCommanded('1.0', kind, target),
         MotionPlanned('1.0', 1.25),
         MotionProgress(0.5),
-        MotionEnded('1.0', True, 'reached', {'duration': '1.3'}),
+        MotionResult('1.0', True, 'reached', {'duration': '1.3'}),
     ) == [f'{kind} to {expected} in 1.25 s', 'reached after 1.30 s']
 
 
@@ -65,8 +65,8 @@ def test_motions_that_run_through_have_a_line_each_and_end_once() -> None:
         MotionCommanded('1.0', 'PTPJOINT_CARTESIAN', POSE),
         MotionCommanded('2.0', 'PTPCARTESIAN', POSE),
         MotionPlanned('2.0', 2.5),
-        MotionEnded('2.0', True, 'reached', {'duration': '2.6'}),
-        MotionEnded('1.0', True, 'passed', {'duration': '2.6'}),
+        MotionResult('2.0', True, 'reached', {'duration': '2.6'}),
+        MotionResult('1.0', True, 'passed', {'duration': '2.6'}),
     )
     place = '(1.200, -0.500, 0.750) m'
     assert lines == [
@@ -82,8 +82,8 @@ def test_a_motion_that_is_planned_while_another_runs_follows_it() -> None:
         MotionPlanned('1.0', 1.0),
         MotionCommanded('2.0', 'PTPCARTESIAN', POSE),
         MotionPlanned('2.0', 2.0),
-        MotionEnded('1.0', True, 'reached', {'duration': '1.0'}),
-        MotionEnded('2.0', False, 'stopped by somebody', {}),
+        MotionResult('1.0', True, 'reached', {'duration': '1.0'}),
+        MotionResult('2.0', False, 'stopped by somebody', {}),
     )
     assert [line.split()[0] for line in lines] == ['PTPJOINT_JOINT', 'PTPCARTESIAN', 'reached', 'stopped:']
     assert lines[-1] == 'stopped: stopped by somebody'
@@ -92,7 +92,7 @@ def test_a_motion_that_is_planned_while_another_runs_follows_it() -> None:
 def test_a_refused_motion_and_a_streamed_reference_are_no_motions_of_the_next_chain() -> None:
     lines = shown(
         MotionCommanded('1.0', 'PTPCARTESIAN', POSE),
-        MotionEnded('1.0', False, 'out of reach', {}),
+        MotionResult('1.0', False, 'out of reach', {}),
         MotionPlanned('7.7', 0.004),
         MotionCommanded('2.0', 'PTPJOINT_JOINT', np.zeros(2)),
         MotionPlanned('2.0', 1.0),
@@ -155,9 +155,9 @@ def test_a_terminal_shows_a_bar_of_the_running_motion_and_leaves_none_behind() -
     view.show(MotionPlanned('2.0', 1.0))
     view.show(MotionProgress(0.5))
     assert [(t.description, t.completed) for t in view._bar.tasks] == [('PTPCARTESIAN circle', 0.5)]
-    view.show(MotionEnded('1.0', True, 'reached', {'duration': '1'}))
+    view.show(MotionResult('1.0', True, 'reached', {'duration': '1'}))
     assert [(t.description, t.completed) for t in view._bar.tasks] == [('PTPJOINT_JOINT', 0)]
-    view.show(MotionEnded('2.0', True, 'reached', {'duration': '1'}))
+    view.show(MotionResult('2.0', True, 'reached', {'duration': '1'}))
     assert not view._bar.tasks
     view.close()
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
 
@@ -70,16 +71,6 @@ class MotionProgress:
 
 
 @dataclass(frozen=True)
-class MotionEnded:
-    """A motion ended; `ok` means that the robot stands at the target. Details are those of the result."""
-
-    id: str
-    ok: bool
-    message: str
-    details: dict[str, str]
-
-
-@dataclass(frozen=True)
 class OutputsChanged:
     """Outputs have other values; kind is 'digital' or 'analog', changes are (index from 1, value)."""
 
@@ -94,6 +85,6 @@ Event = (
     | MotionCommanded
     | MotionPlanned
     | MotionProgress
-    | MotionEnded
+    | MotionResult
     | OutputsChanged
 )

@@ -25,7 +25,6 @@ from robots_controller.io.io_image import Kind
 from robots_controller.live_cell.cell_events import (
     Event,
     MotionCommanded,
-    MotionEnded,
     MotionPlanned,
     MotionProgress,
     NodeHealth,
@@ -81,7 +80,7 @@ class CellMonitor(Node):
             listen = partial(_command, kind.title)
             self._listen(message_class(kind.message_type), kind.topic, listen, VOLATILE)
         self._listen(JointTrajectory, 'joint_trajectory', _planned, VOLATILE)
-        self._listen(DiagnosticStatus, 'motion_result', _result, VOLATILE)
+        self._listen(DiagnosticStatus, 'motion_result', lambda m: (motion_result_from_message(m),), VOLATILE)
         # In every period of a lock-step run; the view shows the newest.
         self._progress = PolledSubscription(self, Float64, 'motion_progress', QoSProfile(depth=1))
         self._listen(UInt8MultiArray, 'digital_outputs', partial(self._changes, 'digital'), LATCHED)
@@ -192,8 +191,3 @@ def _planned(message: JointTrajectory) -> Iterable[Event]:
     if message.points:
         end = message.points[-1].time_from_start
         yield MotionPlanned(stamp_id(message.header.stamp), end.sec + 1e-9 * end.nanosec)
-
-
-def _result(message: DiagnosticStatus) -> Iterable[Event]:
-    result = motion_result_from_message(message)
-    yield MotionEnded(result.id, result.ok, result.message, dict(result.details))

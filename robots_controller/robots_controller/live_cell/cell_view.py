@@ -14,7 +14,6 @@ from robots_controller.degrees import in_degrees, joints_to_program
 from robots_controller.live_cell.cell_events import (
     Event,
     MotionCommanded,
-    MotionEnded,
     MotionPlanned,
     MotionProgress,
     NodeHealth,
@@ -22,6 +21,7 @@ from robots_controller.live_cell.cell_events import (
     ProgramPrint,
     ProgramStatus,
 )
+from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.motion_results import PASSED
@@ -64,7 +64,7 @@ class CellView:
             MotionCommanded: self._show_commanded,
             MotionPlanned: self._show_planned,
             MotionProgress: self._show_progress,
-            MotionEnded: self._show_end,
+            MotionResult: self._show_end,
             OutputsChanged: self._show_outputs,
         }
 
@@ -144,7 +144,7 @@ class CellView:
         self._planned[event.id] = chain[-1].kind
         self._show_running()
 
-    def _show_end(self, event: MotionEnded) -> None:
+    def _show_end(self, event: MotionResult) -> None:
         self._commanded.pop(event.id, None)
         self._planned.pop(event.id, None)
         self._show_running()

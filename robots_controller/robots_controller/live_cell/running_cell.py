@@ -10,7 +10,6 @@ from rich.markup import escape
 from robots_controller.cell_arguments import EXIT_FAILED, EXIT_OK
 from robots_controller.live_cell.cell_events import (
     Event,
-    MotionEnded,
     MotionPlanned,
     NodeHealth,
     ProgramStatus,
@@ -21,6 +20,7 @@ from robots_controller.live_cell.frozen_nodes import FrozenNodes
 from robots_controller.live_cell.node_processes import NodeProcesses
 from robots_controller.live_cell.node_restarts import NodeRestarts
 from robots_controller.recording.motion_record import MOTION_TOPICS
+from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import MODES, Commander, OperatingMode
 
 START_TIMEOUT = 600.0  # s, for all nodes to be ready on a slow machine
@@ -198,7 +198,7 @@ class RunningCell:
                 self._waiting.discard(node)
             case MotionPlanned(id_):
                 self._motion = id_
-            case MotionEnded(id_) if id_ == self._motion:
+            case MotionResult(id_) if id_ == self._motion:
                 self._motion = None
             case ProgramStatus(state):
                 self._restarts.program_reported(event)

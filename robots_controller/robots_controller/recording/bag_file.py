@@ -6,16 +6,34 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final
 
-from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat
+from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat, QosDurability
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from robots_controller.recording.bag_topic import BagTopic, latched
 from robots_controller.recording.mcap_recovery import recover_mcap
 from robots_core.errors import RobotsError
 
 STORAGE_SUFFIXES: Final = ('.mcap', '.db3')
+
+
+@dataclass(frozen=True)
+class BagTopic:
+    """A topic of a bag.
+
+    Attributes:
+        name: Its full name.
+        type: package/msg/Name.
+        latched: Its publishers latch: late subscribers get the last message.
+        definition: Text of the message definition, '' where the bag has none.
+        definition_format: Of the text: 'msg' or 'idl'.
+    """
+
+    name: str
+    type: str
+    latched: bool
+    definition: str = field(repr=False, default='')
+    definition_format: str = 'msg'
 
 
 @dataclass(frozen=True)
@@ -104,16 +122,28 @@ def read_bag(path: Path | str) -> Bag:
     return Bag(path, topics, messages)
 
 
-def _read(path: Path) -> tuple[dict[str, BagTopic], tuple[tuple[str, int, bytes], ...]]:
+Message = tuple[str, int, bytes]
+
+
+def _read(path: Path) -> tuple[dict[str, BagTopic], tuple[Message, ...]]:
     with Reader(path) as reader:
-        topics: dict[str, BagTopic] = {}
-        for connection in reader.connections:
-            topics.setdefault(connection.topic, _topic(connection))
-            encoding = getattr(connection.ext, 'serialization_format', '')
-            if encoding != 'cdr':
-                raise _ForeignError(f'{connection.topic} has messages in {encoding!r}; read is cdr')
-        messages = [(connection.topic, stamp, bytes(data)) for connection, stamp, data in reader.messages()]
-    return topics, tuple(sorted(messages, key=lambda message: message[1]))
+        return _topics(reader.connections), _in_order(reader.messages())
+
+
+def _topics(connections: Iterable[Connection]) -> dict[str, BagTopic]:
+    topics: dict[str, BagTopic] = {}
+    for connection in connections:
+        topics.setdefault(connection.topic, _topic(connection))
+    return topics
+
+
+def _in_order(messages: Iterable[tuple[Connection, int, Any]]) -> tuple[Message, ...]:
+    found = ((connection.topic, stamp, bytes(data)) for connection, stamp, data in messages)
+    return tuple(sorted(found, key=_stamp))
+
+
+def _stamp(message: Message) -> int:
+    return message[1]
 
 
 class _ForeignError(RobotsError):
@@ -122,12 +152,16 @@ class _ForeignError(RobotsError):
 
 def _topic(connection: Connection) -> BagTopic:
     assert isinstance(connection.ext, ConnectionExtRosbag2)
-    definition = connection.msgdef
+    if connection.ext.serialization_format != 'cdr':
+        raise _ForeignError(
+            f'{connection.topic} has messages in {connection.ext.serialization_format!r}; read is cdr'
+        )
+    definition, profiles = connection.msgdef, connection.ext.offered_qos_profiles
     known = definition.format is not MessageDefinitionFormat.NONE
     return BagTopic(
         connection.topic,
         connection.msgtype,
-        latched(connection.ext.offered_qos_profiles),
+        bool(profiles) and all(p.durability is QosDurability.TRANSIENT_LOCAL for p in profiles),
         definition.data if known else '',
         'idl' if definition.format is MessageDefinitionFormat.IDL else 'msg',
     )
@@ -144,9 +178,8 @@ def _recovered(path: Path, error: Exception) -> Bag:
         raise RobotsError(
             f'{path} is no bag: it holds {names}; needed are metadata.yaml and .mcap or .db3 files ({reason})'
         ) from error
-    some: Iterable[tuple[str, int, bytes]]
     topics: dict[str, BagTopic] = {}
-    messages: list[tuple[str, int, bytes]] = []
+    messages: list[Message] = []
     cut: list[str] = []
     for file in files:
         try:
@@ -155,21 +188,15 @@ def _recovered(path: Path, error: Exception) -> Bag:
             if file.suffix != '.mcap':
                 raise RobotsError(f'{file} cannot be read: {file_error}') from file_error
             found = recover_mcap(file)
-            some_topics = {topic.name: topic for topic in found.topics.values()}
-            some = [(found.topics[n].name, stamp, data) for n, stamp, data in found.messages]
+            some_topics, some = _topics(found.connections), _in_order(found.messages)
             if not found.complete:
                 cut.append(f'{file.name} is damaged or cut off after {found.size} bytes')
         topics = {**some_topics, **topics}
         messages += some
     if not messages:
         raise RobotsError(f'{path} cannot be read, and no message could be recovered: {reason}') from error
-    problem = '; '.join(cut) or reason
-    return Bag(
-        path,
-        topics,
-        tuple(sorted(messages, key=lambda message: message[1])),
-        f'{problem}; {len(messages)} messages could be read',
-    )
+    problem = f'{"; ".join(cut) or reason}; {len(messages)} messages could be read'
+    return Bag(path, topics, tuple(sorted(messages, key=_stamp)), problem)
 
 
 def _natural(path: Path) -> tuple[int, str]:

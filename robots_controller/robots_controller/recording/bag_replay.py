@@ -4,8 +4,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from robots_controller.recording.bag_file import Bag
-from robots_controller.recording.bag_topic import BagTopic
+from robots_controller.recording.bag_file import Bag, BagTopic
 from robots_core.errors import RobotsError
 from robots_core.validation import positive
 

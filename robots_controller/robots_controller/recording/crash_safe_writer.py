@@ -1,25 +1,26 @@
 """CrashSafeWriter: an MCAP bag that is whole at any time, so that a kill loses its last second alone."""
 
+import json
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from textwrap import indent
 from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from rosbags.interfaces import Connection
+from rosbags.interfaces import Connection, ConnectionExtRosbag2
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.rosbag2.enums import CompressionMode
+from rosbags.rosbag2.metadata import dump_qos_v9
 from rosbags.rosbag2.storage_mcap import McapWriter, PendingChunk
 
-from robots_controller.recording.bag_description import VERSION, BagDescription
 from robots_core.errors import RobotsError
 
+VERSION: Final = 9  # of rosbag2's format
 CHUNK_SIZE: Final = 1_000_000  # bytes; below the 2**20 at which the base class writes a chunk
 MESSAGE_OPCODE: Final = 0x05
 # Of MCAP's record of a message, which begins with its opcode and its length.
@@ -159,15 +160,8 @@ class CrashSafeWriter(Writer):
     def __init__(self, path: Path, *, chunks: int = 1) -> None:
         super().__init__(path, version=VERSION, storage_plugin=StoragePlugin.MCAP)
         self._chunks = chunks
-        self._description = BagDescription(f'{path.name}.mcap')
         self.ended = False
         """The bag is closed."""
-
-    def add_connection(self, *args: Any, **options: Any) -> Connection:
-        """As the base class."""
-        connection = super().add_connection(*args, **options)
-        self._description.add(connection)
-        return connection
 
     def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
         """Take a message; it stays in memory until there are many, or until `flush`."""
@@ -228,13 +222,45 @@ class CrashSafeWriter(Writer):
             storage.finish()
 
     def _save(self) -> None:
-        text = self._description.text(self.counts, self.min_timestamp, self.max_timestamp)
+        description = self._description()
         storage: Any = self.storage
-        storage.close(VERSION, text)
+        storage.close(VERSION, json.dumps(description))
         # A reader finds the old description or the new one.
         new = self.metapath.with_suffix('.yaml.tmp')
-        new.write_text('rosbag2_bagfile_information:\n' + indent(text, '  '), 'utf8')
+        new.write_text(json.dumps({'rosbag2_bagfile_information': description}, indent=2), 'utf8')
         new.replace(self.metapath)
+
+    def _description(self) -> dict[str, Any]:
+        """What `metadata.yaml` has: JSON is YAML, and written in no time every second."""
+        file = f'{self.path.name}.mcap'
+        span = {
+            'starting_time': {'nanoseconds_since_epoch': self.min_timestamp},
+            'duration': {'nanoseconds': max(0, self.max_timestamp - self.min_timestamp)},
+            'message_count': sum(self.counts.values()),
+        }
+        topics = []
+        for connection in self.connections:
+            assert isinstance(connection.ext, ConnectionExtRosbag2)
+            metadata = {
+                'name': connection.topic,
+                'type': connection.msgtype,
+                'serialization_format': connection.ext.serialization_format,
+                'offered_qos_profiles': dump_qos_v9(connection.ext.offered_qos_profiles),
+                'type_description_hash': connection.digest,
+            }
+            topics.append({'topic_metadata': metadata, 'message_count': self.counts[connection.id]})
+        return {
+            'version': VERSION,
+            'storage_identifier': 'mcap',
+            'relative_file_paths': [file],
+            **span,
+            'topics_with_message_count': topics,
+            'compression_format': '',
+            'compression_mode': '',
+            'files': [{'path': file, **span}],
+            'custom_data': None,
+            'ros_distro': 'rosbags',
+        }
 
     @contextmanager
     def _ended_by_errors(self) -> Iterator[None]:

@@ -56,9 +56,8 @@ def joint_rows(bag: Bag, topic: str, robot: BaseRobotModel) -> JointRows:
         )
     else:
         stamp, filled = at_once
-        columns, given = _columns(first, robot, topic), iter(filled)
-        rows = [next(given) if size else np.zeros((sent.size, 0)) for size in _sizes(first)]
-        groups = [values[:, columns] if values.shape[1] > max(columns) else None for values in rows]
+        columns = _columns(first, robot, topic)
+        groups = [values[:, columns] if values.shape[1] > max(columns) else None for values in filled]
     position, velocity, third = groups
     after = first.points[0].time_from_start if hasattr(first, 'points') else None
     period = 0.0 if after is None else seconds(after)
@@ -97,18 +96,12 @@ def _fields(message: Any) -> tuple[Any, tuple[str, ...]]:
     return (message.points[0], POINT_FIELDS) if hasattr(message, 'points') else (message, STATE_FIELDS)
 
 
-def _sizes(message: Any) -> list[int]:
-    holder, fields = _fields(message)
-    return [len(getattr(holder, name)) for name in fields]
-
-
 def _template(bag: Bag, topic: str, first: Any) -> MessageRows:
     holder, fields = _fields(first)
-    groups = [marks(size, number) for number, size in enumerate(_sizes(first))]
+    groups = [marks(len(getattr(holder, name)), number) for number, name in enumerate(fields)]
     marked = replace(holder, **dict(zip(fields, groups, strict=True)))
     template = replace(first, points=[marked]) if hasattr(first, 'points') else marked
-    used = [group for group in groups if group.size]
-    return MessageRows(bag.typestore(), bag.topics[topic].type, template, used)
+    return MessageRows(bag.typestore(), bag.topics[topic].type, template, groups)
 
 
 def _one_by_one(
@@ -128,11 +121,19 @@ def _one_by_one(
 
 
 def _columns(message: Any, robot: BaseRobotModel, topic: str) -> list[int]:
-    names = list(message.joint_names if hasattr(message, 'points') else message.name)
+    names = message.joint_names if hasattr(message, 'points') else message.name
+    return joint_columns(names, robot, f'{topic.rpartition("/")[2]} of the bag')
+
+
+def joint_columns(names: Sequence[str], robot: BaseRobotModel, what: str) -> list[int]:
+    """Where each joint of a robot stands among the names of a message.
+
+    Raises:
+        InvalidInputError: one is missing; the text begins with `what`.
+    """
     missing = [name for name in robot.axes_data.names if name not in names]
     if missing:
         raise InvalidInputError(
-            f'{topic.rpartition("/")[2]} of the bag lacks joint {missing[0]} of {robot.name}: it has '
-            f'{", ".join(names) or "none"}'
+            f'{what} lacks joint {missing[0]} of {robot.name}: it has {", ".join(names) or "none"}'
         )
-    return [names.index(name) for name in robot.axes_data.names]
+    return [list(names).index(name) for name in robot.axes_data.names]

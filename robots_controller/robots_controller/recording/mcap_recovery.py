@@ -4,36 +4,37 @@ Record layout: MCAP specification, https://mcap.dev/spec.
 """
 
 import struct
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Final
 
-from rosbags.rosbag2.errors import ReaderError
-from rosbags.rosbag2.storage_mcap import decompress, get_qos
+from rosbags.interfaces import Connection
+from rosbags.rosbag2.storage_mcap import McapReader
 
-from robots_controller.recording.bag_topic import BagTopic, latched
 from robots_core.errors import RobotsError
 
 MAGIC: Final = b'\x89MCAP0\r\n'
-_HEADER, _FOOTER, _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _DATA_END = 0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x0F
+PROFILE: Final = slice(21, 25)  # in the header, behind its opcode and two lengths
+_FOOTER, _DATA_END = 0x02, 0x0F
 
 
-@dataclass
+@dataclass(frozen=True)
 class Recovered:
     """Whole records of a file.
 
     Attributes:
-        topics: By their channel's number in the file.
-        messages: (channel, time of logging in ns, data), in the file's order.
-        complete: The file has its end.
+        connections: Of all channels.
+        messages: (connection, time of logging in ns, data), in the file's order.
+        complete: The file has all its messages.
         size: How many bytes were whole records.
     """
 
-    topics: dict[int, BagTopic] = field(default_factory=dict)
-    messages: list[tuple[int, int, bytes]] = field(default_factory=list)
-    complete: bool = False
-    size: int = 0
+    connections: list[Connection]
+    messages: list[tuple[Connection, int, bytes]]
+    complete: bool
+    size: int
 
 
 def recover_mcap(path: Path) -> Recovered:
@@ -47,71 +48,29 @@ def recover_mcap(path: Path) -> Recovered:
         raise RobotsError(f'{path} is empty')
     if not data.startswith(MAGIC):
         raise RobotsError(f'{path} is no MCAP file: it begins with {data[:8]!r}')
-    found = Recovered(size=len(MAGIC))
-    schemas: dict[int, tuple[str, str, str]] = {}
-    try:
-        for operation, record, end in _records(data, len(MAGIC)):
-            if operation == _CHUNK:
-                for inner, content, _ in _records(_uncompressed(record), 0):
-                    _take(inner, content, found, schemas)
-            elif operation in (_DATA_END, _FOOTER):
-                found.complete = True
-                break
-            else:
-                _take(operation, record, found, schemas)
-            found.size = end
-    except (ReaderError, struct.error, UnicodeDecodeError, ValueError, EOFError, RuntimeError):
-        pass  # the damage: what was whole before it stays
-    return found
+    size, ended = _whole_records(data)
+    if size > len(MAGIC) and data[PROFILE] != b'ros2':
+        raise RobotsError(f'the MCAP file is of profile {data[PROFILE]!r} ...; needed is ros2')
+    reader = McapReader(path)
+    reader.bio, reader.data_start, reader.data_end = BytesIO(data[:size]), len(MAGIC), size
+    messages: list[tuple[Connection, int, bytes]] = []
+    # Damaged records fail in as many ways as they have bytes: what was whole before them stays.
+    with suppress(Exception):
+        reader.meta_scan()
+    with suppress(Exception):
+        for message in reader.messages_scan(reader.connections):
+            messages.append(message)  # noqa: PERF402  # those before an error stay
+    return Recovered(reader.connections, messages, ended and reader.statistics is not None, size)
 
 
-def _records(data: bytes, start: int) -> Iterator[tuple[int, bytes, int]]:
-    while start + 9 <= len(data):
-        operation, size = struct.unpack_from('<BQ', data, start)
-        end = start + 9 + size
-        if end > len(data) or operation == 0:
-            return
-        yield operation, data[start + 9 : end], end
-        start = end
-
-
-def _uncompressed(record: bytes) -> bytes:
-    size, checksum = struct.unpack_from('<QI', record, 16)
-    compression, position = _text(record, 28)
-    (length,) = struct.unpack_from('<Q', record, position)
-    return decompress(record[position + 8 : position + 8 + length], compression, size, checksum)
-
-
-def _take(operation: int, record: bytes, found: Recovered, schemas: dict[int, tuple[str, str, str]]) -> None:
-    if operation == _HEADER:
-        profile, _ = _text(record, 0)
-        if profile != 'ros2':
-            raise RobotsError(f'the MCAP file is of profile {profile!r}; needed is ros2')
-    elif operation == _SCHEMA:
-        name, position = _text(record, 2)
-        encoding, position = _text(record, position)
-        text, _ = _text(record, position)
-        schemas[struct.unpack_from('<H', record)[0]] = name, encoding, text
-    elif operation == _CHANNEL:
-        number, schema = struct.unpack_from('<HH', record)
-        topic, position = _text(record, 4)
-        encoding, position = _text(record, position)
-        metadata_size = struct.unpack_from('<I', record, position)[0]
-        if encoding != 'cdr':
-            raise RobotsError(f'{topic} has messages in {encoding!r}; read is cdr')
-        profiles = get_qos(record[position + 4 : position + 4 + metadata_size])
-        name, definition_encoding, text = schemas.get(schema, ('', '', ''))
-        kind = 'idl' if definition_encoding.endswith('idl') else 'msg'
-        found.topics[number] = BagTopic(topic, name, latched(profiles), text, kind)
-    elif operation == _MESSAGE:
-        number, _, stamp, _ = struct.unpack_from('<HIQQ', record)
-        if number in found.topics:
-            found.messages.append((number, stamp, record[22:]))
-
-
-def _text(data: bytes, position: int) -> tuple[str, int]:
-    (size,) = struct.unpack_from('<I', data, position)
-    end = position + 4 + size
-    if end > len(data):
-        raise EOFError
-    return data[position + 4 : end].decode(), end
+def _whole_records(data: bytes) -> tuple[int, bool]:
+    """Where the whole records of a file end, and whether its data do there."""
+    position = len(MAGIC)
+    while position + 9 <= len(data):
+        operation, size = struct.unpack_from('<BQ', data, position)
+        if operation in (_DATA_END, _FOOTER):
+            return position, True
+        if operation == 0 or position + 9 + size > len(data):
+            break
+        position += 9 + size
+    return position, False

@@ -26,7 +26,8 @@ class MessageRows:
         typestore: Holds the type.
         type_name: package/msg/Name.
         template: Message whose changing numbers are those of `groups`.
-        groups: Arrays of marks, each of which stands in the template as one run of doubles.
+        groups: Arrays of marks, each of which stands in the template as one run of doubles, or nowhere if it
+            is empty.
         stamped: It begins with a header.
     """
 

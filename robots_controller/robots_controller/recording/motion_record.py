@@ -10,8 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from robots_controller.recording.joint_rows import seconds
-from robots_core.errors import RobotsError
+from robots_controller.recording.joint_rows import joint_columns, seconds
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
@@ -289,13 +288,7 @@ def _command(
 
 
 def _trajectory(message: Any, robot: BaseRobotModel) -> Trajectory:
-    missing = [name for name in robot.axes_data.names if name not in message.joint_names]
-    if missing:
-        raise RobotsError(
-            f'joint_trajectory {_stamp_id(message)} lacks joint {missing[0]} of {robot.name}: it has '
-            f'{", ".join(message.joint_names) or "none"}'
-        )
-    columns = [list(message.joint_names).index(name) for name in robot.axes_data.names]
+    columns = joint_columns(message.joint_names, robot, f'joint_trajectory {_stamp_id(message)}')
     # The first point's time says where it goes on from the running motion.
     time = np.array([seconds(point.time_from_start) for point in message.points])
     position, velocity, acceleration = (

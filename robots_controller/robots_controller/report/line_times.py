@@ -4,7 +4,7 @@ import re
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 from typing import Final, Literal
 
@@ -132,17 +132,6 @@ def _places(run: RecordedRun) -> Iterable[tuple[str, int]]:
 
 def _joined(spans: Iterable[Span]) -> Iterable[Span]:
     """Neighbours of one line and activity as one."""
-    held: Span | None = None
-    for span in spans:
-        if held is not None and (held.file, held.line, held.activity) == (
-            span.file,
-            span.line,
-            span.activity,
-        ):
-            held = Span(held.start, span.end, span.file, span.line, span.activity)
-            continue
-        if held is not None:
-            yield held
-        held = span
-    if held is not None:
-        yield held
+    for _, group in groupby(spans, key=lambda span: (span.file, span.line, span.activity)):
+        first, *others = group
+        yield replace(first, end=others[-1].end) if others else first

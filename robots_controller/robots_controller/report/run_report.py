@@ -46,6 +46,11 @@ class RunReport:
         return {activity: sum(getattr(line, activity) for line in self.lines) for activity in ACTIVITIES}
 
     @property
+    def moved(self) -> tuple[MotionFigures, ...]:
+        """Figures of the motions that began."""
+        return tuple(item for item in self.motions if item.motion.moved)
+
+    @property
     def ok(self) -> bool:
         """The program finished, every target was reached or passed in its zone, every limit kept."""
         return self.run.finished and all(motion.ok for motion in self.motions)

@@ -152,7 +152,7 @@ class InProcessPlanner:
 
     def finished(self, *, done: bool) -> None:
         """See `MotionPlannerPort`."""
-        self._log.finished(done=done)
+        self._log.value('finished', done)
 
     # -- inside ---------------------------------------------------------------------------------------
 

@@ -19,7 +19,6 @@ from robots_controller.simulation.deadlock_detection import DeadlockDetection
 from robots_controller.simulation.in_process_planner import InProcessPlanner, Mail
 from robots_controller.simulation.record.cell_log import CellLog
 from robots_controller.simulation.record.motion_records import MotionRecords
-from robots_controller.simulation.record.recorded_run import simulation_run
 from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
@@ -358,15 +357,29 @@ class SimulatedCell:
 
     def _result(self) -> SimulationRun:
         error = self._log.given_up or self._program.error
-        return simulation_run(
-            self._parts,
-            self._recording,
-            self._records,
+        parts, recording = self._parts, self._recording
+        position, velocity, torque = recording.states
+        return SimulationRun(
+            program=parts.program,
+            robot=parts.robot_name,
+            drive=parts.drive,
+            scene=parts.scene,
+            io=parts.io,
+            period=parts.period,
+            axes=parts.robot.axes_data.names,
+            time=recording.time,
+            reference=recording.references,
+            position=position,
+            velocity=velocity,
+            torque=torque,
+            motions=self._records.all,
+            events=tuple(recording.events),
             state='FAILED' if error is not None else self._program.run_state.value,
             error=error,
             interrupted=self._interrupted and error is None,
             bag=None if self._bag is None else self._bag.path,
-            cost=self.cost,
+            cost=self.cost.seconds,
+            processor_time=self.cost.processor,
         )
 
     # -- ports of the control loop ----------------------------------------------------------------
@@ -406,7 +419,7 @@ class SimulatedCell:
 
     def run_enabled(self, *, enabled: bool) -> None:
         """See `ControlPort`; in a simulation nobody needs to hold run."""
-        self._log.run_enabled(enabled=enabled)
+        self._log.value('run_enabled', enabled)
 
     def _stopped(self, reason: str) -> None:
         self._host.stop_changed(reason)
@@ -422,7 +435,7 @@ class SimulatedCell:
     def guide(self, guide: Guide) -> None:
         """See `RobotPort`."""
         self._guide.hand_over(guide, self.clock.stamp)
-        self._log.guide(guide)
+        self._log.value('guide', guide.value)
 
     def request(self, request: ControllerRequest) -> None:
         """See `ControllerPort`."""
@@ -434,7 +447,7 @@ class SimulatedCell:
             self._authority.take(Commander.PROGRAM, standing=self._control.at_rest)
         else:
             self._authority.give_back(Commander.PROGRAM)
-        self._log.commander(self._authority.commander)
+        self._log.value('commander', self._authority.commander.value)
 
     def wait_for_command(self) -> None:
         """See `ControllerPort`; it has answered."""

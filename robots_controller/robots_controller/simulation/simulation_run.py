@@ -1,5 +1,6 @@
 """SimulationRun: everything that was recorded of a simulated program."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,8 +21,8 @@ class SimulatedMotion:
         id: As on the topics.
         command: Target, line and function.
         file: The program or subprogram that commanded it.
-        settings: The modal settings that it was planned with.
         commanded: When the program asked for it, s.
+        settings: The modal settings that it was planned with.
         started: When the controller began with it, or with the chain of blended motions it is part of, s; NaN
             if it did not.
         ended: When its result was known, s; NaN if the simulation ended before.
@@ -36,16 +37,16 @@ class SimulatedMotion:
     id: str
     command: MotionCommand
     file: str
-    settings: MotionSettings
     commanded: float
-    started: float
-    ended: float
-    ok: bool
-    message: str
-    plan: PlannedMotion | None
-    chain: tuple[str, ...]
-    start_on_plan: float
-    end_on_plan: float
+    settings: MotionSettings = field(default_factory=MotionSettings)
+    started: float = math.nan
+    ended: float = math.nan
+    ok: bool = False
+    message: str = ''
+    plan: PlannedMotion | None = None
+    chain: tuple[str, ...] = ()
+    start_on_plan: float = math.nan
+    end_on_plan: float = math.nan
 
 
 @dataclass(frozen=True, eq=False)

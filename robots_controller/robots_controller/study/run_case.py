@@ -2,11 +2,11 @@
 
 import math
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
 from robots_controller.report.run_report import RunReport, run_report
-from robots_controller.report.run_signals import LIMITS
 from robots_controller.simulate import simulate
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_controller.study.study_case import StudyCase
@@ -15,23 +15,30 @@ from robots_core.errors import ProgramError, RobotsError
 Row = dict[str, Any]
 """One row of the results."""
 
-FIGURES: Final = {
-    'ok': bool,
-    'reason': str,
-    'line': int,
-    'cycle_time': float,
-    'moving': float,
-    'waiting': float,
-    'io': float,
-    'motions': int,
-    'way': float,
-    'energy': float,
-    'velocity_use': float,
-    'acceleration_use': float,
-    'torque_use': float,
-    'path_deviation': float,
-    'smallest_distance': float,
+_FIGURES: Final[dict[str, tuple[type, Callable[[SimulationRun, RunReport], Any]]]] = {
+    'ok': (bool, lambda run, _: run.ok),
+    'reason': (str, lambda run, _: '' if run.error is None else str(run.error)),
+    'line': (int, lambda run, _: 0 if run.error is None else run.error.line),
+    'cycle_time': (float, lambda run, _: run.duration),
+    'moving': (float, lambda _, report: report.times['moving']),
+    'waiting': (float, lambda _, report: report.times['waiting']),
+    'io': (float, lambda _, report: report.times['io']),
+    'motions': (int, lambda _, report: len(report.moved)),
+    'way': (float, lambda _, report: sum(motion.length for motion in report.moved)),
+    'energy': (float, lambda _, report: float(report.energy.sum())),
+    'velocity_use': (float, lambda _, report: float(report.signals.use['velocity'].max())),
+    'acceleration_use': (float, lambda _, report: float(report.signals.use['acceleration'].max())),
+    'torque_use': (float, lambda _, report: float(report.signals.use['torque'].max())),
+    'path_deviation': (
+        float,
+        lambda _, report: max((motion.path_deviation for motion in report.moved), default=math.nan),
+    ),
+    'smallest_distance': (
+        float,
+        lambda _, report: math.nan if report.clearance is None else report.clearance.smallest,
+    ),
 }
+FIGURES: Final = {name: kind for name, (kind, _) in _FIGURES.items()}
 """Columns that the simulation fills: s, m, J, parts of limits; NaN for what is not known."""
 
 
@@ -56,7 +63,8 @@ def run_case(case: StudyCase) -> Row | None:
             )
             if run.interrupted:
                 return None
-            return _row(case, run, run_report(bag, robot=case.robot, scene=scene or None))
+            report = run_report(bag, robot=case.robot, scene=scene or None)
+            return {**case.settings, **{name: value(run, report) for name, (_, value) in _FIGURES.items()}}
         except RobotsError as error:
             line = error.line if isinstance(error, ProgramError) else 0
             return failed_row(case, str(error).replace(f'{folder}/', ''), line)
@@ -69,22 +77,3 @@ def failed_row(case: StudyCase, reason: str, line: int = 0) -> Row:
     nothing = {float: math.nan, int: 0, str: '', bool: False}
     figures: Row = {name: nothing[kind] for name, kind in FIGURES.items()}
     return {**case.settings, **figures, 'reason': reason, 'line': line}
-
-
-def _row(case: StudyCase, run: SimulationRun, report: RunReport) -> Row:
-    use = {name: values for name, values in report.signals.use.items() if name in LIMITS}
-    moved = [item for item in report.motions if item.motion.moved]
-    return {
-        **case.settings,
-        'ok': run.ok,
-        'reason': '' if run.error is None else str(run.error),
-        'line': 0 if run.error is None else run.error.line,
-        'cycle_time': run.duration,
-        **report.times,
-        'motions': len(moved),
-        'way': sum(motion.length for motion in moved),
-        'energy': float(report.energy.sum()),
-        **{f'{name}_use': float(values.max()) for name, values in use.items()},
-        'path_deviation': max((motion.path_deviation for motion in moved), default=math.nan),
-        'smallest_distance': math.nan if report.clearance is None else report.clearance.smallest,
-    }

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from robots_controller.cell_arguments import EXIT_BAD_INPUT, EXIT_INTERRUPTED
+from robots_controller.cell_arguments import EXIT_INTERRUPTED, exit_code
 from robots_controller.nodes.bags.bag_player import BagPlayer
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_replay import replay_plan
@@ -18,12 +18,7 @@ from robots_core.ros.run import run
 def main() -> None:
     """Run from the command line."""
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    try:
-        code = replay_bag(sys.argv[1:])
-    except RobotsError as error:
-        print(f'error: {error}', file=sys.stderr)
-        code = EXIT_BAD_INPUT
-    sys.exit(code)
+    sys.exit(exit_code(lambda _: replay_bag(sys.argv[1:])))
 
 
 def replay_bag(arguments: Sequence[str]) -> int:

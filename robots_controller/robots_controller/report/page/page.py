@@ -94,9 +94,8 @@ def _figures(report: RunReport) -> list[dict[str, str]]:
         ),
         figure('fastest', f'{report.signals.tool_speed.max():.2f} m/s', 'of the tool'),
     ]
-    moved = [item for item in report.motions if item.motion.moved]
-    if moved:
-        worst = max(moved, key=lambda item: item.path_deviation)
+    if report.moved:
+        worst = max(report.moved, key=lambda item: item.path_deviation)
         found.append(
             figure(
                 'tool off path',
@@ -104,7 +103,7 @@ def _figures(report: RunReport) -> list[dict[str, str]]:
                 f'at most, in line {report.place(worst.motion)}',
             )
         )
-        uses = [(m.uses[quantity], quantity) for m in moved for quantity in LIMITS]
+        uses = [(m.uses[quantity], quantity) for m in report.moved for quantity in LIMITS]
         use, quantity = max(uses, key=lambda item: item[0].ratio)
         found.append(figure('highest use', f'{100.0 * use.ratio:.0f} %', f'{quantity} of {use.joint}'))
     if report.clearance is not None:

@@ -1,6 +1,6 @@
 """The plots of the page: joints against their limits, tool, torques, distances, inputs and outputs."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -45,7 +45,7 @@ def lines_panel(
     curves: Sequence[tuple[RunReport, Sequence[str], Array]],
     arrays: PageArrays,
     *,
-    show: Callable[[int], tuple[float, float, str]] | None = None,
+    show: Sequence[tuple[float, float, str]] = (),
     **more: Any,
 ) -> dict[str, Any]:
     """A plot of curves over a run's time, or over the times of several.
@@ -55,8 +55,7 @@ def lines_panel(
         unit: Of its scale.
         curves: Run, names of curves, and their values, (m,) or (m, names).
         arrays: Where the numbers go.
-        show: Scale, offset and unit of the number in the legend, by number of the curve; those of the scale
-            by default.
+        show: Scale, offset and unit of the number in the legend, by curve; those of the scale by default.
         more: Further properties of the panel.
     """
     drawn: list[dict[str, Any]] = []
@@ -64,7 +63,7 @@ def lines_panel(
         step = _step(report)
         for name, column in zip(names, values[::step].reshape(-1, len(names)).T, strict=True):
             number = len(drawn)
-            shown = show(number) if show else (1.0, 0.0, unit.partition(' ')[0])
+            shown = show[number] if show else (1.0, 0.0, unit.partition(' ')[0])
             time, colour = report.run.time[::step], COLOURS[number % len(COLOURS)]
             drawn.append(series(arrays, name, time, column, colour, show=shown))
     return {'title': title, 'unit': unit, 'kind': 'lines', 'series': drawn, **more}
@@ -124,50 +123,44 @@ def io_panels(reports: list[tuple[str, RunReport]], arrays: PageArrays) -> list[
 
 
 def _joint_panels(report: RunReport, arrays: PageArrays) -> list[dict[str, Any]]:
-    run, signals = report.run, report.signals
-    axes = run.robot.axes_data
+    run, signals, axes = report.run, report.signals, report.run.robot.axes_data
     q, q_dot = run.feedback
-    middle, half = run.robot.axes_data.middle_and_half
+    middle, half = axes.middle_and_half
     half = np.where(np.isfinite(half), half, 2.0 * np.pi)  # of an endless axis a turn is 100 %
     angle = np.where(np.array(axes.prismatic), 1e3, 180.0 / np.pi)
     units = ['mm' if prismatic else '°' for prismatic in axes.prismatic]
-    source = 'of the drives' if signals.measured else 'by inverse dynamics'
+    rates, accelerations = ([f'{unit}{per}' for unit in units] for per in ('/s', '/s²'))
     forces = [FORCES[prismatic] for prismatic in axes.prismatic]
-
-    def panel(
-        title: str, values: Array, show: Callable[[int], tuple[float, float, str]], unit: str = '% of limit'
-    ) -> dict[str, Any]:
-        # Limits that are far away would press the curves flat.
-        span = [-100.0, 100.0] if np.abs(values).max() > NEAR_LIMIT else None
-        curves = [(report, axes.names, 100.0 * values)]
-        return lines_panel(title, unit, curves, arrays, show=show, marks=[-100.0, 100.0], range=span)
-
-    def of(limit: Array, unit: list[str], factor: Array) -> Callable[[int], tuple[float, float, str]]:
-        return lambda axis: (0.01 * float(limit[axis] * factor[axis]), 0.0, unit[axis])
-
-    rates = [f'{unit}/s' for unit in units]
-    accelerations = [f'{unit}/s²' for unit in units]
-    return [
-        panel(
-            'Joint positions in their range',
-            (q - middle) / half,
-            lambda axis: (
-                0.01 * float(half[axis] * angle[axis]),
-                float(middle[axis] * angle[axis]),
-                units[axis],
-            ),
-            '% of range',
-        ),
-        panel('Joint speeds', q_dot / axes.velocity, of(axes.velocity, rates, angle)),
-        panel(
-            'Joint accelerations of the reference',
-            run.reference[2] / axes.acceleration,
-            of(axes.acceleration, accelerations, angle),
-        ),
-        panel(
-            f'Torques {source}', signals.torque / axes.effort, of(axes.effort, forces, np.ones(axes.num_axes))
-        ),
-    ]
+    none = np.zeros(axes.num_axes)
+    values = {
+        'Joint positions in their range': (q - middle) / half,
+        'Joint speeds': q_dot / axes.velocity,
+        'Joint accelerations of the reference': run.reference[2] / axes.acceleration,
+        f'Torques {"of the drives" if signals.measured else "by inverse dynamics"}': signals.torque
+        / axes.effort,
+    }
+    # What the legend shows at the limit, and at 0, and its units.
+    legends = (
+        (half * angle, middle * angle, units),
+        (axes.velocity * angle, none, rates),
+        (axes.acceleration * angle, none, accelerations),
+        (axes.effort, none, forces),
+    )
+    panels: list[dict[str, Any]] = []
+    for (title, shares), (full, offset, names) in zip(values.items(), legends, strict=True):
+        panels.append(
+            lines_panel(
+                title,
+                '% of limit' if panels else '% of range',
+                [(report, axes.names, 100.0 * shares)],
+                arrays,
+                show=list(zip((0.01 * full).tolist(), offset.tolist(), names, strict=True)),
+                marks=[-100.0, 100.0],
+                # Limits that are far away would press the curves flat.
+                range=[-100.0, 100.0] if np.abs(shares).max() > NEAR_LIMIT else None,
+            )
+        )
+    return panels
 
 
 def _step(report: RunReport) -> int:

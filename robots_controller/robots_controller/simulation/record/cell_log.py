@@ -37,14 +37,10 @@ from robots_planning.trajectory import Trajectory
 
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
 STATUS_TYPE: Final = 'diagnostic_msgs/msg/DiagnosticStatus'
-STATUS_NAMES: Final = {
-    'collision_status': 'collision',
-    'forced_inputs': 'forced inputs',
-    'motion_plan': 'motion plan',
-    'motion_result': 'motion',
-    'motion_settings': 'motion settings',
-    'program_status': 'program',
-    'stop_status': 'stop',
+VALUE_TYPES: Final[Mapping[type, str]] = {
+    bool: 'std_msgs/msg/Bool',
+    float: 'std_msgs/msg/Float64',
+    str: 'std_msgs/msg/String',
 }
 
 
@@ -110,10 +106,10 @@ class CellLog:
         for image in ('digital_outputs', 'analog_outputs'):
             self.image(image)
         self.command_state(RobotCommandState.IDLE)
-        self.guide(Guide.NONE)
-        self._plain('operating_mode', 'std_msgs/msg/String', mode.value)
-        self.commander(Commander.NOBODY)
-        self.finished(done=False)
+        self.value('guide', Guide.NONE.value)
+        self.value('operating_mode', mode.value)
+        self.value('commander', Commander.NOBODY.value)
+        self.value('finished', False)
         for image, size in inputs.items():
             self.image(image, size=size)
         for image in ('digital_inputs', 'analog_inputs'):
@@ -148,19 +144,7 @@ class CellLog:
     def command_state(self, state: RobotCommandState) -> None:
         """See `ProgramObserver`."""
         self._events.append(CommandStateChanged(self._clock.elapsed, state.value))
-        self._plain('command_state', 'std_msgs/msg/String', state.value)
-
-    def guide(self, guide: Guide) -> None:
-        """What guides the robot."""
-        self._plain('guide', 'std_msgs/msg/String', guide.value)
-
-    def commander(self, commander: Commander) -> None:
-        """Who commands the robot."""
-        self._plain('commander', 'std_msgs/msg/String', commander.value)
-
-    def run_enabled(self, *, enabled: bool) -> None:
-        """Motions of programs may go on."""
-        self._plain('run_enabled', 'std_msgs/msg/Bool', enabled)
+        self.value('command_state', state.value)
 
     def motion_sent(self, id_: str, command: MotionCommand, file: str) -> None:
         """See `ProgramObserver`."""
@@ -180,7 +164,7 @@ class CellLog:
     def override(self, value: float) -> None:
         """The program scales the speed."""
         self._events.append(OverrideChanged(self._clock.elapsed, value))
-        self._plain('override', 'std_msgs/msg/Float64', value)
+        self.value('override', value)
 
     # -- inputs and outputs -----------------------------------------------------------------------
 
@@ -267,10 +251,6 @@ class CellLog:
             self._write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', message)
         return ros.id_of(stamp)
 
-    def finished(self, *, done: bool) -> None:
-        """The planner has sent a motion, or all have reached their targets."""
-        self._plain('finished', 'std_msgs/msg/Bool', done)
-
     def progress(self, progress: float) -> None:
         """Done part of the current path."""
         if self._bag is not None:
@@ -278,19 +258,20 @@ class CellLog:
 
     def stop(self, state: StopState) -> None:
         """A fault holds the robot, or not any more."""
-        self._plain('drives_on', 'std_msgs/msg/Bool', state.drives_on)
+        self.value('drives_on', state.drives_on)
         level = ros.OK if state.fault is None else ros.ERROR
         self._status('stop_status', state.reason or 'none', state.values, level=level)
 
     def collision_status(self, seen: CollisionStatus) -> None:
         """Write how close the robot is to something."""
         level = {'ok': ros.OK, 'warning': ros.WARN, 'error': ros.ERROR}[seen.level]
-        self._plain('min_distance', 'std_msgs/msg/Float64', seen.distance)
+        self.value('min_distance', seen.distance)
         self._status('collision_status', seen.text, seen.values, level=level)
 
-    def _plain(self, topic: str, type_name: str, value: object) -> None:
-        """Write a message of one value."""
+    def value(self, topic: str, value: bool | float | str) -> None:  # noqa: FBT001
+        """Write a state of the cell that is one value."""
         if self._bag is not None:
+            type_name = next(name for kind, name in VALUE_TYPES.items() if isinstance(value, kind))
             self._write(topic, type_name, ros.message(type_name, value))
 
     def _status(
@@ -298,7 +279,7 @@ class CellLog:
     ) -> None:
         """Write a DiagnosticStatus of the robot, or of another owner."""
         if self._bag is not None:
-            name = STATUS_NAMES[topic]
+            name = topic.removesuffix('_status').removesuffix('_result').replace('_', ' ')
             status = ros.diagnostic_status(name, words, owner or self._robot, level, values)
             self._write(topic, STATUS_TYPE, status)
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 from robots_controller.program.motion_command import MotionCommand
@@ -32,10 +33,7 @@ class MotionRecords:
 
     def commanded(self, id_: str, command: MotionCommand, file: str, now: float) -> None:
         """A motion of a program or subprogram was commanded."""
-        nan = math.nan
-        self._motions[id_] = SimulatedMotion(
-            id_, command, file, MotionSettings(), now, nan, nan, False, '', None, (), nan, nan
-        )
+        self._motions[id_] = SimulatedMotion(id_, command, file, now)
         self._open.add(id_)
 
     def configured(self, id_: str, settings: MotionSettings) -> None:
@@ -53,10 +51,9 @@ class MotionRecords:
 
         Some of them may be in an earlier plan too, which this one carries on.
         """
-        start, nan = 0.0, math.nan
-        for id_, end in ends.items():
-            self._change(id_, plan=plan, chain=tuple(ends), started=nan, start_on_plan=start, end_on_plan=end)
-            start = end
+        for id_, (start, end) in zip(ends, pairwise((0.0, *ends.values())), strict=True):
+            places = {'start_on_plan': start, 'end_on_plan': end}
+            self._change(id_, plan=plan, chain=tuple(ends), started=math.nan, **places)
 
     def started(self, id_: str, now: float) -> None:
         """The controller follows the plan with the id of this command."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from rosbags.interfaces import Connection
 from scipy.spatial.transform import Rotation
 
+from robots_controller.cell.guide_recording import GUIDES
 from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.crash_safe_writer import CrashSafeWriter
 from robots_controller.recording.message_rows import MessageRows, marks
@@ -19,6 +20,7 @@ from robots_controller.simulation.simulated_clock import START
 from robots_core.errors import RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_planning.motion_kinds import KIND_OF_TOPIC
 
 TCP_RATE: Final = 50.0  # Hz
 # Samples wait for each other to be written at once, but not for longer than that a kill may cost.
@@ -26,34 +28,11 @@ MOST_WAITING: Final = 250
 # The end of a bag costs as much as seconds of a simulation; what a kill costs can be simulated again.
 CHUNKS: Final = 64
 MOST_AT_ONCE: Final = 4096  # of a robot that stood for long; bounds the memory
-LATCHED: Final = frozenset(
+NOT_LATCHED: Final = frozenset(
     (
-        '/rosout',
-        'analog_inputs',
-        'analog_outputs',
-        'collision_status',
-        'command_state',
-        'commander',
-        'digital_inputs',
-        'digital_outputs',
-        'drives_on',
-        'finished',
-        'forced_inputs',
-        'guide',
-        'joint_reference',
-        'joint_states',
-        'lua_program_node/analog_inputs',
-        'lua_program_node/digital_inputs',
-        'min_distance',
-        'motion_progress',
-        'motion_settings',
-        'operating_mode',
-        'override',
-        'program_status',
-        'robot_description',
-        'run_enabled',
-        'stop_status',
-        'tcp_pose',
+        *KIND_OF_TOPIC,
+        *(topic for topics in GUIDES.values() for topic in topics),
+        *('/parameter_events', 'joint_trajectory', 'motion_plan', 'motion_result'),
     )
 )
 
@@ -173,7 +152,7 @@ class SimulatedBag:
 
     def _connection(self, topic: str, type_name: str) -> Connection:
         if topic not in self._connections:
-            latched = topic in LATCHED
+            latched = topic not in NOT_LATCHED
             self._connections[topic] = self._writer.add_connection(
                 topic if topic.startswith('/') else f'/{topic}',
                 type_name,
