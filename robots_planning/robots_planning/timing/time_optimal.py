@@ -39,6 +39,7 @@ RESERVE = 3e-4  # of the limits, at first, so that most trajectories need no sec
 # Ramps tried with jerk limits, relative to what the largest jump of acceleration needs: a shorter one costs
 # less time everywhere, and more where the motion is slowed down for its jerk.
 JERK_RAMPS = (1.0, 0.75, 0.55)
+PASSES = 3  # the first with constant s_ddot from point to point, the others with the slopes of the one before
 ROUNDS = 6  # of lowering limits that the trajectory broke
 MOST_ROUNDS = 16  # where what is left cannot be slowed down as a whole
 DISCRETISATION = 1e-3  # of a duration, by which a profile may be slower than the fastest
@@ -237,10 +238,10 @@ class TimeOptimalTiming:
     def _limits(
         self, s: Array, q: Array, q_s: Array, q_ss: Array, tool: ToolLimits | None
     ) -> tuple[Array, Array]:
-        """Rows (m, k, 3) of a, b and c, and the highest s_dot^2 of the velocity limits, (m,)."""
+        """Rows (m, k, 4) of a, b, c and w, and the highest s_dot^2 of the velocity limits, (m,)."""
         m, n = q.shape
         rows = np.zeros(
-            (m, n * (2 if self._effort is not None else 1) + (len(tool.acceleration) if tool else 0), 3)
+            (m, n * (2 if self._effort is not None else 1) + (len(tool.acceleration) if tool else 0), 4)
         )
         rows[:, :n, 0], rows[:, :n, 1] = q_s / self._acceleration, q_ss / self._acceleration
         fraction = np.abs(q_s / self._velocity).max(axis=1)
@@ -250,7 +251,7 @@ class TimeOptimalTiming:
             rows[:, part, 0], rows[:, part, 1] = first / tool.acceleration, second / tool.acceleration
             fraction = np.maximum(fraction, (first / tool.velocity).max(axis=1))
         if self._effort is not None:
-            self._torque_rows(q, q_s, q_ss, rows[:, -n:])
+            self._torque_rows(q, q_s, q_ss, rows[:, -n:, :3])
         with np.errstate(divide='ignore'):
             return rows, 1.0 / fraction**2
 
@@ -281,7 +282,7 @@ class TimeOptimalTiming:
     ) -> SwitchedTimeLaw:
         u, difference = np.empty(len(s)), np.empty(len(s) - 1)
         u[0] = 0.0 if start is None else start.before_average()[1] ** 2
-        failed = fastest_speeds(s, limits[0], limits[1] * scale**2, scale, u, difference)
+        failed = fastest_speeds(s, limits[0], limits[1] * scale**2, scale, PASSES, u, difference)
         if failed >= 0:
             place = s[failed : failed + 1]
             raise self._too_heavy(float(path.s_of(place)[0][0]), path.evaluate(place)[0][0])
@@ -362,7 +363,7 @@ class TimeOptimalTiming:
 
     @staticmethod
     def _heavy(law: SwitchedTimeLaw, rows: Array, times: Array) -> Array:
-        """Whether the profile's torques are large close to times (k,), from the torque rows, (m, n, 3)."""
+        """Whether the profile's torques are large close to times (k,), from the torque rows, (m, n, 4)."""
         speed, begin, end = law.at_grid
         parts = [
             np.abs(part[:, :, 0] * x[:, None] + part[:, :, 1] * (v**2)[:, None] + part[:, :, 2]).max(axis=1)

@@ -14,8 +14,8 @@ from robots_planning.timing.quintic import (
     quintic_extremes,
     quintics_at,
 )
-from robots_planning.timing.time_law import TimeLaw, smooth_law_at, time_law
-from robots_planning.timing.two_pass import Grid, MotionLimits, two_pass
+from robots_planning.timing.speed_profile import fastest_speeds
+from robots_planning.timing.switched_time_law import averaged, law_pieces
 
 GRID = 240  # points of the speed profile over the path, at least
 GRID_ROUNDING = 1e-9  # of a grid interval: rounding of the samples must not add an interval
@@ -36,9 +36,20 @@ GOOD_ENOUGH = 1.002  # use of a limit at which a uniform slow-down is cheaper th
 SMOOTHING_MARGIN = 1e-3
 STRETCH_EXCESS = 1e-7  # so that rounding does not cause another round
 STRETCHES = 4
+STANDSTILL = 1e-12  # m and rad per unit of s; at rest the path has no direction
 
 Points = tuple[Array, Array, Array, Array]
 """Times (k,), positions, velocities and accelerations (k, n)."""
+
+Grid = tuple[Array, Array, Array, Array, Array]
+"""s (m,), increasing; q' and q'' of the axes, (m, n); x' and x'' of the tool, (m, 6), linear first."""
+
+MotionLimits = tuple[Array, Array, Array]
+"""Velocity and acceleration of the axes, (n,) each; of the tool, (4,): speed, acceleration, angular speed and
+angular acceleration, each on the norm of a vector."""
+
+TimeLaw = tuple[Array, Array]
+"""Times, (m,), and pieces, (m, 5), of `law_pieces`."""
 
 AllLimits = tuple[MotionLimits, Array, float]
 """Velocity and acceleration limits, jerk of the axes (n,) and of the tool; infinite where there is none."""
@@ -81,6 +92,51 @@ def grid_of(path_s: Array, coefficients: Array, tool_path: PathArrays) -> Grid:
 
 
 @compiled()
+def speed_limits(grid: Grid, limits: MotionLimits) -> tuple[Array, Array]:
+    """Limits of axes and tool as in `fastest_speeds`: rows (m, n + 2, 4), and the highest s_dot^2, (m,)."""
+    _, q_s, q_ss, x_s, x_ss = grid
+    velocity, acceleration, tool = limits
+    m, n = q_s.shape
+    rows, highest = np.zeros((m, n + 2, 4)), np.full(m, inf)
+    for i in range(m):
+        for k in range(n):
+            rows[i, k, 0], rows[i, k, 1] = q_s[i, k] / acceleration[k], q_ss[i, k] / acceleration[k]
+            if q_s[i, k] != 0.0:
+                highest[i] = min(highest[i], (velocity[k] / q_s[i, k]) ** 2)
+        for part in range(2):
+            first, second = x_s[i, 3 * part : 3 * part + 3], x_ss[i, 3 * part : 3 * part + 3]
+            row, limit = rows[i, n + part], tool[2 * part + 1]
+            rate = sqrt(np.sum(first * first))
+            if rate > STANDSTILL:
+                along = np.sum(first * second) / rate
+                row[0], row[1] = rate / limit, along / limit
+                second = second - along / rate * first
+                highest[i] = min(highest[i], (tool[2 * part] / rate) ** 2)
+            across = sqrt(np.sum(second * second))
+            if across > STANDSTILL:
+                row[3] = across / limit
+    return rows, highest
+
+
+@compiled()
+def two_pass(s: Array, rows: Array, highest: Array, scale: Array) -> TimeLaw:
+    """The fastest motion from rest to rest with s_ddot constant from point to point.
+
+    Args:
+        s: Path grid, (m,), from 0 to 1.
+        rows: See `speed_limits`.
+        highest: See `speed_limits`.
+        scale: Part of the limits to use at each point, (m,): of accelerations, and of squared speeds.
+    """
+    m = s.size
+    speeds, change = np.zeros(m), np.empty(m - 1)
+    fastest_speeds(s, rows, highest * scale, scale, 1, speeds, change)
+    law = (np.empty(m), np.empty((m, 5)))
+    law_pieces(s, speeds, change, *law)
+    return law
+
+
+@compiled()
 def timed_points(
     path_s: Array, coefficients: Array, grid: Grid, limits: AllLimits, window: float, share: float
 ) -> Points:
@@ -97,18 +153,16 @@ def timed_points(
         window: Longest smoothing of acceleration, s; the motion is longer by the window.
         share: Longest smoothing, as part of the duration.
     """
-    m = grid[0].size
-    scale, speeds = np.full(m, 1.0 - SMOOTHING_MARGIN), np.empty(m)
-    two_pass(grid, limits[0], scale, speeds)
-    law = time_law(grid[0], speeds)
+    rows, highest = speed_limits(grid, limits[0])
+    scale = np.full(grid[0].size, 1.0 - SMOOTHING_MARGIN)
+    law = two_pass(grid[0], rows, highest, scale)
     width = max(min(window, share * law[0][-1]), 2.0 * CLOSEST_POINTS)
     points, use = _sampled(path_s, coefficients, grid, limits, law, width, 1.0)
     for _ in range(ROUNDS):
         if use.max() <= GOOD_ENOUGH:
             break
         _slow_down(law[0], width, points[0], use, scale)
-        two_pass(grid, limits[0], scale, speeds)
-        law = time_law(grid[0], speeds)
+        law = two_pass(grid[0], rows, highest, scale)
         points, use = _sampled(path_s, coefficients, grid, limits, law, width, 1.0)
     stretch = 1.0
     for _ in range(STRETCHES):
@@ -124,9 +178,7 @@ def timed_points(
 def jerk_window(grid: Grid, limits: AllLimits) -> float:
     """The smoothing window with which no jump of the unsmoothed law breaks a jerk limit, s."""
     (s, q_s, _, x_s, _), (motion, jerk, tool_jerk) = grid, limits
-    speeds = np.empty(s.size)
-    two_pass(grid, motion, np.ones(s.size), speeds)
-    s_ddot = time_law(s, speeds)[4]
+    s_ddot = two_pass(s, *speed_limits(grid, motion), np.ones(s.size))[1][:-1, 3]
     window = 0.0
     for i in range(s.size):
         jump = abs((s_ddot[i] if i < s.size - 1 else 0.0) - (s_ddot[i - 1] if i > 0 else 0.0))
@@ -153,7 +205,7 @@ def _slow_down(t: Array, window: float, times: Array, use: Array, scale: Array) 
 @compiled()
 def _point_times(law: TimeLaw, grid: Grid, limits: AllLimits, window: float) -> Array:
     """Times of the points: both ends of the smoothing of every notable jump, and the grid in between."""
-    t, s_ddot, q_s = law[0], law[4], grid[1]
+    t, s_ddot, q_s = law[0], law[1][:-1, 3], grid[1]
     acceleration, jerk = limits[0][1], limits[1]
     m = t.size
     ends, count = np.empty(2 * m), 0
@@ -213,7 +265,7 @@ def _sampled(
     for row in range(k):
         # Messages hold whole nanoseconds; points planned at such times are not changed by rounding.
         times[row] = np.floor(plan[row] * stretch * 1e9 + 0.5) / 1e9
-        path[0, row], path[1, row], path[2, row] = smooth_law_at(law, window, times[row] / stretch)
+    averaged(law[0], law[1], 0.0, window, times / stretch, path)
     path[0, 0], path[0, k - 1] = 0.0, 1.0
     for row in (0, k - 1):
         path[1, row], path[2, row] = 0.0, 0.0
