@@ -17,45 +17,38 @@ class DynamicProgrammingTiming:
     The tool's tangential and normal accelerations are limited separately.
 
     Args:
+        timing: With the limits of the axes.
         robot: The robot.
-        velocity: Of the axes, (n,), rad/s (m/s).
-        acceleration: rad/s^2 (m/s^2).
-        effort: Torques, N m (N); None for no limits.
-        tool_velocity: Of the tool, (2,), m/s and rad/s; infinite for no limit.
-        tool_acceleration: (2,), m/s^2 and rad/s^2; infinite for no limit.
-        jerk: Of the axes, rad/s^3 (m/s^3); None for no limits.
+        tool: Highest speed (m/s), acceleration, angular speed (rad/s) and angular acceleration of the tool,
+            (4,); infinite for none.
         turning_tool: Position in tool0, (3,) m, of a tool that turns as the arm must, whose speeds are those
             of the axes' path; None for a tool that has the orientations of its own path.
     """
 
     def __init__(
-        self,
-        robot: BaseRobotModel,
-        velocity: Array,
-        acceleration: Array,
-        effort: Array | None,
-        *,
-        tool_velocity: Array,
-        tool_acceleration: Array,
-        jerk: Array | None = None,
-        turning_tool: Array | None = None,
+        self, timing: TimeOptimalTiming, robot: BaseRobotModel, tool: Array, *, turning_tool: Array | None
     ) -> None:
-        self._robot, self._turning_tool = robot, turning_tool
-        self._timing = TimeOptimalTiming(robot, velocity, acceleration, effort, jerk=jerk)
-        self._tool_velocity = np.concatenate([tool_velocity, [np.inf, np.inf]])
-        self._tool_acceleration = np.concatenate([tool_acceleration, tool_acceleration])
+        self._timing, self._robot, self._turning_tool = timing, robot, turning_tool
+        self._limited = bool(np.isfinite(tool).any())
+        self._tool_velocity = np.concatenate([tool[::2], [np.inf, np.inf]])
+        self._tool_acceleration = np.concatenate([tool[1::2], tool[1::2]])
 
     def trajectory(
         self, joint_path: JointPath, tool_path: CartesianPath, longest: float = np.inf
     ) -> Trajectory:
-        """The timed motion along a path; see `PathTiming`.
+        """The timed motion from rest to rest along a path.
+
+        Args:
+            joint_path: Joint positions over s.
+            tool_path: Poses of the tool over the same s.
+            longest: Longest duration that the caller accepts, s; planning stops once it is exceeded.
 
         Raises:
             PlanningError: the robot cannot hold itself against gravity somewhere on the path.
             TooSlowError: it takes longer than `longest`, s.
         """
         limits = None
-        if not np.isinf([self._tool_velocity, self._tool_acceleration]).all():
+        if self._limited:
             limits = ToolLimits(
                 lambda s: self._travel(joint_path, tool_path, s), self._tool_velocity, self._tool_acceleration
             )

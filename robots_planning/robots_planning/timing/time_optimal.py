@@ -20,11 +20,10 @@ from robots_planning.paths.path_grid import finer_grid
 from robots_planning.paths.reparametrised_path import ReparametrisedPath
 from robots_planning.timing.path_dynamics import memory_for, torque_rows, torque_use
 from robots_planning.timing.path_start import PathStart
-from robots_planning.timing.path_timing import TooSlowError
 from robots_planning.timing.quintic import quintic_coefficients, quintic_uses, quintics_at
 from robots_planning.timing.speed_profile import fastest_speeds
 from robots_planning.timing.switched_time_law import SwitchedTimeLaw
-from robots_planning.timing.timed_path import TimedPath, slower, with_times
+from robots_planning.timing.timed_path import TimedPath, TooSlowError, slower, with_times
 from robots_planning.trajectory import Trajectory
 
 # Length of the ramps of acceleration, of the duration; all of them together lengthen the motion by one ramp.
@@ -115,7 +114,7 @@ class TimeOptimalTiming:
         Args:
             path: The joint path.
             tool: Limits of the tool besides those of the axes.
-            longest: Longest duration that the caller accepts, s; see `PathTiming`.
+            longest: Longest duration that the caller accepts, s; planning stops once it is exceeded.
 
         Raises:
             PlanningError: the robot cannot hold itself against gravity somewhere on the path; names axis,

@@ -16,7 +16,9 @@ from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseK
 from robots_planning.path_kinematics.route import Route, RoutePiece
 from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.paths.joint_path import JointPath
-from robots_planning.timing.path_timing import PathTiming, TooSlowError
+from robots_planning.timing.dynamic_programming_timing import DynamicProgrammingTiming
+from robots_planning.timing.timed_path import TooSlowError
+from robots_planning.timing.two_pass_timing import TwoPassTiming
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import (
     Target,
@@ -25,14 +27,8 @@ from robots_planning.trajectory_generators.base import (
     rest_trajectory,
 )
 
-LIMITS: Final = (
-    'cartesian_speed',
-    'cartesian_acceleration',
-    'rotation_speed',
-    'rotation_acceleration',
-    'jerk_limited',
-)
-"""Settings of Cartesian motions, which are arguments of these planners."""
+TOOL_LIMITS: Final = ('cartesian_speed', 'cartesian_acceleration', 'rotation_speed', 'rotation_acceleration')
+"""Settings of Cartesian motions, which are arguments of these planners, as `jerk_limited` is."""
 
 STILL: Final = 1e-9  # rad (m)
 
@@ -48,7 +44,7 @@ class PathGenerator(TrajectoryGenerator):
     """
 
     accepts_joints: ClassVar[bool] = False
-    timing: PathTiming
+    timing: TwoPassTiming | DynamicProgrammingTiming
     configuration_graph: ConfigurationGraph | None = None
 
     def __init__(self, robot: BaseRobotModel, **options: Any) -> None:
@@ -63,7 +59,7 @@ class PathGenerator(TrajectoryGenerator):
     @classmethod
     def from_settings(cls, robot: BaseRobotModel, settings: MotionSettings, **options: Any) -> Self:
         """See `TrajectoryGenerator.from_settings`."""
-        limits = {name: getattr(settings, name) for name in LIMITS}
+        limits = {name: getattr(settings, name) for name in (*TOOL_LIMITS, 'jerk_limited')}
         return super().from_settings(robot, settings, **limits, **options)
 
     @abstractmethod
