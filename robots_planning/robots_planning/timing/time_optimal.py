@@ -20,7 +20,7 @@ from robots_planning.paths.path_grid import finer_grid
 from robots_planning.paths.reparametrised_path import ReparametrisedPath
 from robots_planning.timing.path_dynamics import memory_for, torque_rows, torque_use
 from robots_planning.timing.path_start import PathStart
-from robots_planning.timing.quintic import quintic_coefficients, quintic_uses, quintics_at
+from robots_planning.timing.quintic import quintic_uses, quintics_at
 from robots_planning.timing.speed_profile import fastest_speeds
 from robots_planning.timing.switched_time_law import SwitchedTimeLaw
 from robots_planning.timing.timed_path import TimedPath, TooSlowError, slower, with_times
@@ -333,10 +333,7 @@ class TimeOptimalTiming:
         points = trajectory.time
         parts = np.arange(CHECKS_PER_STEP) / CHECKS_PER_STEP
         times = (points[:-1, None] + np.diff(points)[:, None] * parts).ravel()
-        coefficients = np.empty((len(points) - 1, 6, trajectory.num_axes))
-        quintic_coefficients(
-            points, trajectory.position, trajectory.velocity, trajectory.acceleration, coefficients
-        )
+        coefficients = np.array(trajectory.coefficients)  # read-only arrays would be compiled for once more
         uses = np.empty((len(points) - 1, 3))
         quintic_uses(points, coefficients, self._axis_limits, uses)
         use, jerk = (np.repeat(values, CHECKS_PER_STEP) for values in (uses[:, :2].max(axis=1), uses[:, 2]))
