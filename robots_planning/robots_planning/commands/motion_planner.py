@@ -10,8 +10,9 @@ from robots_core.errors import PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanner, PlannedCommands
+from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanner
 from robots_planning.commands.command_queue import CommandChain, CommandQueue, QueuedCommand, RunningMotion
+from robots_planning.commands.motion_chain import ChainPlan
 from robots_planning.commands.standing_robot import check_standing
 from robots_planning.motion_kinds import LINE, MotionKind
 from robots_planning.motion_results import PASSED
@@ -273,7 +274,7 @@ class MotionPlanner:
             self._planning_time = self._port.time() - begin
             self._unplanned.popleft()
 
-    def _send(self, planned: PlannedCommands) -> None:
+    def _send(self, planned: ChainPlan) -> None:
         title = ' + '.join(command.kind.title for command in planned.commands)
         if planned.stop:
             title += f' after a stop of its chain ({planned.stop})'

@@ -1,42 +1,23 @@
 """Limits along a blended path whose motions have different limits."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_planning.motion_settings import MotionSettings
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.time_optimal import ToolLimits
 from robots_planning.timing.tool_travel import tool_derivatives, travel
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 
 
-@dataclass(frozen=True, eq=False)
-class SectionLimits:
-    """Limits of one motion of a chain.
-
-    Attributes:
-        speed_fraction: Of the axes' velocity limits.
-        acceleration_fraction: Of the axes' acceleration limits.
-        tool_velocity: Of the tool, (2,), m/s and rad/s; infinite for a joint motion.
-        tool_acceleration: (2,), m/s^2 and rad/s^2, along and across its path each.
-        tool: Position of the tool centre point in tool0, (3,) m, whose limits these are.
-    """
-
-    speed_fraction: float
-    acceleration_fraction: float
-    tool_velocity: Array
-    tool_acceleration: Array
-    tool: Array
-
-
 def chain_limits(
     robot: BaseRobotModel,
     path: JointPath,
     corners: Array,
-    sections: Sequence[SectionLimits],
+    sections: Sequence[tuple[MotionSettings, bool]],
 ) -> ToolLimits:
     """Limits along a chain's path, for quantities that are divided by the local limit: all bounds are 1.
 
@@ -44,20 +25,20 @@ def chain_limits(
         robot: The robot.
         path: The blended path.
         corners: Values of s at which one motion ends and the next begins, (k - 1,) for k sections.
-        sections: Limits of each motion.
+        sections: The settings of each motion, and whether the limits of the tool hold in it.
     """
     axes = robot.axes_data
     n = robot.num_axes
-    velocity, acceleration = (
-        np.array([factor * limit * (1.0 - LIMIT_MARGIN) for factor in factors])
-        for factors, limit in (
-            ([section.speed_fraction for section in sections], axes.velocity),
-            ([section.acceleration_fraction for section in sections], axes.acceleration),
-        )
-    )
-    tool_velocity = np.array([section.tool_velocity for section in sections])
-    tool_acceleration = np.array([section.tool_acceleration for section in sections])
-    tools = np.array([section.tool for section in sections])
+    settings, inside = [setting for setting, _ in sections], 1.0 - LIMIT_MARGIN
+    velocity = np.array([setting.speed_fraction for setting in settings])[:, None] * axes.velocity * inside
+    acceleration = np.array([setting.acceleration_fraction for setting in settings])[:, None]
+    acceleration = acceleration * axes.acceleration * inside
+    tool_velocity, tool_acceleration = np.full((2, len(settings), 2), np.inf)
+    for row, (setting, limited) in enumerate(sections):
+        if limited:
+            tool_velocity[row] = setting.cartesian_speed, setting.rotation_speed
+            tool_acceleration[row] = setting.cartesian_acceleration, setting.rotation_acceleration
+    tools = np.array([setting.tool_pose.r for setting in settings])
 
     def derivatives(s: Array) -> tuple[Array, Array]:
         section = np.searchsorted(corners, s, side='right')

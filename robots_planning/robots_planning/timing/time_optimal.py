@@ -146,12 +146,9 @@ class TimeOptimalTiming:
         Planning stops once they are sure to take more than `longest`, s: lowering limits only makes them
         slower.
         """
-        even = ReparametrisedPath(path, self._velocity, self._acceleration)
-        if tool is not None:
-            tool = replace(tool, derivatives=partial(even.derivatives, tool.derivatives))
+        even, tool = self._even(path, tool)
         s = even.grid
-        limits = self._limits(s, *even.evaluate(s), tool)
-        scale = np.full(len(s), 1.0 - RESERVE)
+        limits, scale = self._limits(s, even, tool)
         plans: list[TimedPath] = []
         for number in range(ROUNDS):
             law = self._law(s, limits, scale, even, shortest)
@@ -162,8 +159,7 @@ class TimeOptimalTiming:
             worst = float(use.max())
             if number == 0 and worst > COARSE:
                 s = finer_grid(s, law.s_of(times[use > TOO_LONG])[0])
-                limits = self._limits(s, *even.evaluate(s), tool)
-                scale = np.full(len(s), 1.0 - RESERVE)
+                limits, scale = self._limits(s, even, tool)
                 continue
             if self._jerk is not None:
                 plans.append(TimedPath.of(self._slowed(trajectory, law, worst), places, law))
@@ -191,14 +187,11 @@ class TimeOptimalTiming:
         Raises:
             PlanningError: as `timed`, or the start is too fast for what is ahead.
         """
-        even, smoothing = ReparametrisedPath(path, self._velocity, self._acceleration), start.smoothing
-        if tool is not None:
-            tool = replace(tool, derivatives=partial(even.derivatives, tool.derivatives))
+        (even, tool), smoothing = self._even(path, tool), start.smoothing
         start, s = start.over(even), even.grid
         first = start.before_average()[0]
         s = np.append(first, s[s > first + CLOSEST_START])
-        limits = self._limits(s, *even.evaluate(s), tool)
-        scale = np.full(len(s), 1.0 - RESERVE)
+        limits, scale = self._limits(s, even, tool)
         for number in range(MOST_ROUNDS):
             law = self._law(s, limits, scale, even, smoothing.window, start=start)
             trajectory, places = self._sampled(even, law, limits, start)
@@ -210,8 +203,7 @@ class TimeOptimalTiming:
                 return TimedPath.of(trajectory, places, law)
             if number == 0 and float(use.max()) > COARSE:
                 s = finer_grid(s, law.s_of(times[use > TOO_LONG] / smoothing.stretch)[0])
-                limits = self._limits(s, *even.evaluate(s), tool)
-                scale = np.full(len(s), 1.0 - RESERVE)
+                limits, scale = self._limits(s, even, tool)
                 continue
             # More from round to round: what is left gets smaller slowly.
             use = np.where(use > 1.0 + MARGIN_EXCESS, use + MARGIN_EXCESS * 1.5**number, use)
@@ -234,10 +226,18 @@ class TimeOptimalTiming:
             trajectory = slower(trajectory, jerk ** (1.0 / 3.0) * (1.0 + EXCESS))
         return trajectory
 
+    def _even(self, path: JointPath, tool: ToolLimits | None) -> tuple[ReparametrisedPath, ToolLimits | None]:
+        """The path and the tool's limits over a coordinate along which the axes move evenly."""
+        even = ReparametrisedPath(path, self._velocity, self._acceleration)
+        if tool is not None:
+            tool = replace(tool, derivatives=partial(even.derivatives, tool.derivatives))
+        return even, tool
+
     def _limits(
-        self, s: Array, q: Array, q_s: Array, q_ss: Array, tool: ToolLimits | None
-    ) -> tuple[Array, Array]:
-        """Rows (m, k, 4) of a, b, c and w, and the highest s_dot^2 of the velocity limits, (m,)."""
+        self, s: Array, path: ReparametrisedPath, tool: ToolLimits | None
+    ) -> tuple[tuple[Array, Array], Array]:
+        """Rows (m, k, 4), the highest s_dot^2 of the velocity limits, and the part to use."""
+        q, q_s, q_ss = path.evaluate(s)
         m, n = q.shape
         rows = np.zeros(
             (m, n * (2 if self._effort is not None else 1) + (len(tool.acceleration) if tool else 0), 4)
@@ -252,7 +252,7 @@ class TimeOptimalTiming:
         if self._effort is not None:
             self._torque_rows(q, q_s, q_ss, rows[:, -n:, :3])
         with np.errstate(divide='ignore'):
-            return rows, 1.0 / fraction**2
+            return (rows, 1.0 / fraction**2), np.full(m, 1.0 - RESERVE)
 
     def _torque_rows(self, q: Array, q_s: Array, q_ss: Array, rows: Array) -> None:
         effort = self._effort

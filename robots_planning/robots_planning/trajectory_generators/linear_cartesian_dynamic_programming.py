@@ -28,4 +28,5 @@ class LinearCartesianDynamicProgramming(LineGenerator, CartesianGenerator):
     keeps_torque = True
 
     def __init__(self, robot: BaseRobotModel, **options: Any) -> None:
-        super().__init__(robot, planner='dynamic_programming', **dict.fromkeys(TOOL_LIMITS) | options)
+        unlimited: dict[str, Any] = dict.fromkeys(TOOL_LIMITS)
+        super().__init__(robot, planner='dynamic_programming', **unlimited | options)
