@@ -20,10 +20,10 @@ from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base, t
 from robots_planning.paths.blending import Measure, blend_with_corners, joint_distance
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.planner_choice import planner_for
-from robots_planning.timing.chain_limits import chain_limits
 from robots_planning.timing.path_start import PathStart, Smoothing
 from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits
 from robots_planning.timing.timed_path import TimedPath
+from robots_planning.timing.tool_limits import chain_limits
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 

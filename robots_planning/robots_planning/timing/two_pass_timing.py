@@ -63,7 +63,7 @@ class TwoPassTiming:
     def trajectory(
         self, joint_path: JointPath, tool_path: CartesianPath, longest: float = np.inf
     ) -> Trajectory:
-        """The timed motion along a path; see `DynamicProgrammingTiming.trajectory`."""
+        """The timed motion along a path; see `TimeOptimalTiming.timed`."""
         trajectory = self._trajectory(joint_path, tool_path)
         if trajectory.duration > longest:
             raise TooSlowError

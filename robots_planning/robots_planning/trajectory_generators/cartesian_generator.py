@@ -1,25 +1,44 @@
 """CartesianGenerator: motions along a path of the tool, timed by two passes or by dynamic programming."""
 
-from typing import Any, Literal
+from abc import abstractmethod
+from typing import Any, ClassVar, Final, Literal, Self
 
 import numpy as np
 
 from robots_core.blocks.inverse_kinematics.hold import POSE
-from robots_core.errors import InvalidInputError
+from robots_core.errors import InvalidInputError, PlanningError
+from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import positive
+from robots_core.validation import Array, positive
+from robots_planning.motion_settings import MotionSettings
 from robots_planning.path_kinematics.configuration_graph import ConfigurationGraph
-from robots_planning.timing.dynamic_programming_timing import DynamicProgrammingTiming
+from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
+from robots_planning.path_kinematics.route import Route, RoutePiece
+from robots_planning.paths.cartesian_path import CartesianPath
+from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.time_optimal import TimeOptimalTiming
+from robots_planning.timing.timed_path import TooSlowError
+from robots_planning.timing.tool_limits import path_limits
 from robots_planning.timing.two_pass_timing import TwoPassTiming
-from robots_planning.trajectory_generators.base import LIMIT_MARGIN
-from robots_planning.trajectory_generators.path_generator import PathGenerator
+from robots_planning.trajectory import Trajectory, one_after_another
+from robots_planning.trajectory_generators.base import (
+    LIMIT_MARGIN,
+    Target,
+    ToolGeometry,
+    TrajectoryGenerator,
+    rest_trajectory,
+)
 
 Planner = Literal['limited', 'dynamic_programming']
 PLANNERS = ('limited', 'dynamic_programming')
 
+TOOL_LIMITS: Final = ('cartesian_speed', 'cartesian_acceleration', 'rotation_speed', 'rotation_acceleration')
+"""Settings of Cartesian motions, which are arguments of these planners, as `jerk_limited` is."""
 
-class CartesianGenerator(PathGenerator):
+STILL: Final = 1e-9  # rad (m)
+
+
+class CartesianGenerator(TrajectoryGenerator):
     """The tool centre point follows a path of poses, as fast as the limits of axes and tool allow.
 
     By default, a forward and a backward pass over the path speed hold the limits on a grid; the time law is
@@ -48,6 +67,9 @@ class CartesianGenerator(PathGenerator):
         InvalidInputError: an option that is not valid.
     """
 
+    accepts_joints: ClassVar[bool] = False
+    configuration_graph: ConfigurationGraph | None = None
+
     def __init__(
         self,
         robot: BaseRobotModel,
@@ -64,6 +86,7 @@ class CartesianGenerator(PathGenerator):
         **options: Any,
     ) -> None:
         super().__init__(robot, **options)
+        self.path_kinematics = PathInverseKinematics(robot, self.tool, hold=self.hold)
         *motion, tool_jerk = (
             np.inf if value is None else positive(value, name, unit)
             for name, value, unit in (
@@ -74,7 +97,7 @@ class CartesianGenerator(PathGenerator):
                 ('cartesian_jerk', cartesian_jerk, 'm/s^3'),
             )
         )
-        tool = np.array(motion)
+        self._tool_limits = np.array(motion)
         if planner not in PLANNERS:
             raise InvalidInputError(f'planner = {planner!r} must be one of {", ".join(map(repr, PLANNERS))}')
         fastest = planner == 'dynamic_programming'
@@ -84,19 +107,137 @@ class CartesianGenerator(PathGenerator):
                 'no jerk limits but those of the axes'
             )
         self.keeps_torque = fastest and torque
-        oriented = self.hold == POSE
         jerk = self.jerk if jerk_limited else None
-        if oriented and not fastest:
-            self.timing = TwoPassTiming(
-                self.velocity, self.acceleration, jerk, tool, tool_jerk=tool_jerk, smoothing=smoothing
+        self._timing: TwoPassTiming | TimeOptimalTiming
+        if self.hold == POSE and not fastest:
+            self._timing = TwoPassTiming(
+                self.velocity,
+                self.acceleration,
+                jerk,
+                self._tool_limits,
+                tool_jerk=tool_jerk,
+                smoothing=smoothing,
             )
             return
-        if oriented:
+        if self.hold == POSE:
             self.configuration_graph = ConfigurationGraph(robot, self.path_kinematics, self.tool)
         effort = robot.axes_data.effort * (1.0 - LIMIT_MARGIN) if self.keeps_torque else None
-        self.timing = DynamicProgrammingTiming(
-            TimeOptimalTiming(robot, self.velocity, self.acceleration, effort, jerk=jerk),
-            robot,
-            tool,
-            turning_tool=None if oriented else self.tool_position,
-        )
+        self._timing = TimeOptimalTiming(robot, self.velocity, self.acceleration, effort, jerk=jerk)
+
+    @classmethod
+    def from_settings(cls, robot: BaseRobotModel, settings: MotionSettings, **options: Any) -> Self:
+        """See `TrajectoryGenerator.from_settings`."""
+        limits = {name: getattr(settings, name) for name in (*TOOL_LIMITS, 'jerk_limited')}
+        return super().from_settings(robot, settings, **limits, **options)
+
+    @abstractmethod
+    def path(self, start: Pose, target: Any) -> CartesianPath:
+        """The path of the tool from pose `start` to a target.
+
+        Raises:
+            InvalidInputError: the target determines no path; says why.
+        """
+
+    def joint_path(self, start: Array, target: Target) -> JointPath | None:
+        """See `TrajectoryGenerator.joint_path`."""
+        return self.follow(self.path(self.path_kinematics.pose(start), target), start)
+
+    def geometry(self, start: Pose, target: Target) -> ToolGeometry:
+        """See `TrajectoryGenerator.geometry`."""
+        return {'path': self.path(start, target), 'oriented': self.hold == POSE}
+
+    def plan_path(self, path: CartesianPath, start: Array) -> Trajectory:
+        """The motion along a path that begins at joint positions `start`, (n,).
+
+        Raises:
+            PlanningError: the path leaves the axis limits or the reach, or crosses a singularity; says where.
+            UnreachablePoseError: the end of the path cannot be reached at all.
+        """
+        routes = self._routes(path, start)
+        if stands_still(routes[0]):
+            return rest_trajectory(start, start)
+        return self._fastest(routes, path)[0]
+
+    def follow(self, path: CartesianPath, start: Array) -> JointPath | None:
+        """The joint path that `plan_path` would take along a path; raises as `plan_path`.
+
+        Returns:
+            The joint path; None if the tool stands still in a singularity on it, or the axes stand still.
+        """
+        routes = self._routes(path, start)
+        if stands_still(routes[0]):
+            return None
+        route = routes[0] if len(routes) == 1 else self._fastest(routes, path)[1]
+        return route[0].joints if len(route) == 1 else None
+
+    def _routes(self, path: CartesianPath, start: Array) -> list[Route]:
+        # An unreachable end of the path is reported as such, rather than where following fails.
+        try:
+            if self.configuration_graph is not None:
+                return self.configuration_graph.routes(path, start)
+            return [(RoutePiece(self.path_kinematics.follow(path, start), 0.0, 1.0),)]
+        except PlanningError:
+            self.reach(path.end, start)
+            raise
+
+    def _fastest(self, routes: list[Route], path: CartesianPath) -> tuple[Trajectory, Route]:
+        """The route that takes least time; timing of the others stops once they are slower."""
+        best: tuple[Trajectory, Route] | None = None
+        longest = np.inf
+        timed: dict[RoutePiece, Trajectory] = {}
+        for _, route in sorted(enumerate(routes), key=lambda item: (self._least_time(item[1]), item[0])):
+            try:
+                trajectory = self._timed(route, path, timed, longest)
+            except TooSlowError:
+                continue
+            if trajectory.duration < longest:
+                best, longest = (trajectory, route), trajectory.duration
+        assert best is not None
+        return best
+
+    def _least_time(self, route: Route) -> float:
+        """Lower bound on the duration: the axes' displacements, from rest to rest in every piece, s."""
+        return sum(self._least_time_of(piece) for piece in route)
+
+    def _least_time_of(self, piece: RoutePiece) -> float:
+        distance = np.abs(np.diff(piece.joints.q, axis=0)).sum(axis=0)
+        ramp = self.velocity**2 / self.acceleration  # distance of accelerating to full speed and stopping
+        fast = (distance + ramp) / self.velocity
+        slow = 2.0 * np.sqrt(distance / self.acceleration)
+        return float(np.where(distance > ramp, fast, slow).max())
+
+    def _timed(
+        self, route: Route, path: CartesianPath, timed: dict[RoutePiece, Trajectory], longest: float
+    ) -> Trajectory:
+        """The trajectory of a route; pieces that `timed` holds from another route are not timed again.
+
+        Raises:
+            TooSlowError: the route takes longer than `longest`, s.
+        """
+        times = {
+            piece: timed[piece].duration if piece in timed else self._least_time_of(piece) for piece in route
+        }
+        # For turns with the tool at rest the lower bound is tight, so they are timed last.
+        for piece in sorted(route, key=lambda piece: piece.begin == piece.end):
+            left = longest - sum(times.values()) + times[piece]
+            if times[piece] > left:
+                raise TooSlowError
+            if piece not in timed:
+                timed[piece] = self.along(piece.joints, piece.tool(path), left)
+                times[piece] = timed[piece].duration
+        return one_after_another([timed[piece] for piece in route])
+
+    def along(self, joint_path: JointPath, tool_path: CartesianPath, longest: float = np.inf) -> Trajectory:
+        """The timed motion from rest to rest along both over the same s; see `TimeOptimalTiming.timed`."""
+        if isinstance(self._timing, TwoPassTiming):
+            return self._timing.trajectory(joint_path, tool_path, longest)
+        turning_tool = None
+        if self.hold != POSE:
+            turning_tool = np.zeros(3) if self.tool is None else self.tool.r
+        limits = path_limits(self.robot, joint_path, tool_path, self._tool_limits, turning_tool)
+        return self._timing.trajectory(joint_path, limits, longest)
+
+
+def stands_still(route: Route) -> bool:
+    """An arm that holds less than a pose may have nothing to do for a path that only turns."""
+    return all(float(np.ptp(piece.joints.q, axis=0).max()) < STILL for piece in route)

@@ -1,4 +1,4 @@
-"""Limits along a blended path whose motions have different limits."""
+"""Limits of the tool along a path, and along a blended path whose motions have different limits."""
 
 from collections.abc import Sequence
 
@@ -7,10 +7,46 @@ import numpy as np
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
+from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.time_optimal import ToolLimits
 from robots_planning.timing.tool_travel import tool_derivatives, travel
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
+
+
+def path_limits(
+    robot: BaseRobotModel,
+    joint_path: JointPath,
+    tool_path: CartesianPath,
+    tool: Array,
+    turning_tool: Array | None,
+) -> ToolLimits | None:
+    """Limits along a path; the tool's tangential and normal accelerations are limited separately.
+
+    Args:
+        robot: The robot.
+        joint_path: Joint positions over s.
+        tool_path: Poses of the tool over the same s.
+        tool: Highest speed (m/s), acceleration, angular speed (rad/s) and angular acceleration of the tool,
+            (4,); infinite for none.
+        turning_tool: Position in tool0, (3,) m, of a tool that turns as the arm must, whose speeds are those
+            of the axes' path; None for a tool that has the orientations of its own path.
+    """
+    if np.isinf(tool).all():
+        return None
+
+    def derivatives(s: Array) -> tuple[Array, Array]:
+        if turning_tool is None:
+            samples = tool_path.sample(s)
+            x_s, x_ss = samples.x_s, samples.x_ss
+        else:
+            tools = np.tile(turning_tool, (len(s), 1))
+            x_s, x_ss = tool_derivatives(robot, tools, *joint_path.evaluate(s))
+        rate, along, across = travel(x_s, x_ss)
+        return np.hstack([rate, np.zeros_like(rate)]), np.hstack([along, across])
+
+    speed, acceleration = tool[::2], tool[1::2]
+    return ToolLimits(derivatives, np.append(speed, [np.inf, np.inf]), np.append(acceleration, acceleration))
 
 
 def chain_limits(
