@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from math import inf, sqrt
 
-import numpy as np
-
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
@@ -31,7 +29,7 @@ Scales = tuple[float, float]
 """Parts of them to use."""
 
 
-@compiled()
+@compiled(nrt=False)
 def fastest_speeds(
     s: Array, rows: Array, highest: Array, scale: Array, rounds: int, u: Array, change: Array
 ) -> int:
@@ -56,21 +54,6 @@ def fastest_speeds(
     Returns:
         -1, or the first grid point at which the robot cannot even hold still.
     """
-    return _fastest_speeds(s, rows, highest, scale, rounds, u, change, np.empty(s.size))
-
-
-@compiled(nrt=False)
-def _fastest_speeds(
-    s: Array,
-    rows: Array,
-    highest: Array,
-    scale: Array,
-    rounds: int,
-    u: Array,
-    change: Array,
-    top: Array,
-) -> int:
-    """`fastest_speeds` with memory for the highest speeds from which the end can be reached, (m,)."""
     m = s.size
     for i in range(m):
         for k in range(rows.shape[1]):
@@ -78,18 +61,20 @@ def _fastest_speeds(
             if abs(rows[i, k, 2]) > 1.0:
                 return i
     change[:] = 0.0
-    top[m - 1] = 0.0
+    begin = u[0]
     for number in range(rounds):
         if number > 0:
             _slopes(s, rows, scale, u, change)
+        u[m - 1] = 0.0
         for i in range(m - 2, -1, -1):
             ends, scales = (rows[i], rows[i + 1]), (scale[i], scale[i + 1])
             step = s[i + 1] - s[i]
-            top[i] = _reachable(step, ends, scales, change[i], min(highest[i], FASTEST), top[i + 1])
+            u[i] = _reachable(step, ends, scales, change[i], min(highest[i], FASTEST), u[i + 1])
+        u[0] = begin
         for i in range(m - 1):
             ends, scales = (rows[i], rows[i + 1]), (scale[i], scale[i + 1])
             high = _following(s[i + 1] - s[i], ends, scales, change[i], u[i])[1]
-            u[i + 1] = max(min(high, top[i + 1]), 0.0)
+            u[i + 1] = max(min(high, u[i + 1]), 0.0)
     return -1
 
 
