@@ -5,15 +5,16 @@ import pytest
 from scipy.optimize import linprog
 
 from robots_planning.timing.speed_profile import fastest_speeds
-from robots_planning.timing.two_pass_kernel import Grid, MotionLimits, speed_limits
+from robots_planning.timing.two_pass_kernel import Grid, speed_limits
 
+MotionLimits = tuple[np.ndarray, np.ndarray, np.ndarray]
 FREE = np.full(4, np.inf)
 
 
 def speeds_of(grid: Grid, limits: MotionLimits) -> np.ndarray:
     m = len(grid[0])
-    u = np.zeros(m)
-    assert fastest_speeds(grid[0], *speed_limits(grid, limits), np.ones(m), 1, u, np.empty(m - 1)) == -1
+    u, rows = np.zeros(m), speed_limits(grid, np.array(limits[:2]), limits[2])
+    assert fastest_speeds(grid[0], *rows, np.ones(m), 1, u, np.empty(m - 1)) == -1
     return u
 
 

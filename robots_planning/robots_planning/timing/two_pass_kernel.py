@@ -11,7 +11,7 @@ from robots_planning.paths.cartesian_path_kernel import PathArrays, pose_on_path
 from robots_planning.timing.quintic import (
     interval_at,
     quintic_coefficients,
-    quintic_extremes,
+    quintic_uses,
     quintics_at,
 )
 from robots_planning.timing.speed_profile import fastest_speeds
@@ -44,15 +44,12 @@ Points = tuple[Array, Array, Array, Array]
 Grid = tuple[Array, Array, Array, Array, Array]
 """s (m,), increasing; q' and q'' of the axes, (m, n); x' and x'' of the tool, (m, 6), linear first."""
 
-MotionLimits = tuple[Array, Array, Array]
-"""Velocity and acceleration of the axes, (n,) each; of the tool, (4,): speed, acceleration, angular speed and
-angular acceleration, each on the norm of a vector."""
-
 TimeLaw = tuple[Array, Array]
 """Times, (m,), and pieces, (m, 5), of `law_pieces`."""
 
-AllLimits = tuple[MotionLimits, Array, float]
-"""Velocity and acceleration limits, jerk of the axes (n,) and of the tool; infinite where there is none."""
+PathLimits = tuple[Array, Array, float]
+"""Velocity, acceleration and jerk of the axes, (3, n); speed, acceleration, angular speed and angular
+acceleration of the tool, (4,), each on the norm of a vector; its jerk. Infinite where there is none."""
 
 
 @compiled()
@@ -92,17 +89,16 @@ def grid_of(path_s: Array, coefficients: Array, tool_path: PathArrays) -> Grid:
 
 
 @compiled()
-def speed_limits(grid: Grid, limits: MotionLimits) -> tuple[Array, Array]:
+def speed_limits(grid: Grid, axes: Array, tool: Array) -> tuple[Array, Array]:
     """Limits of axes and tool as in `fastest_speeds`: rows (m, n + 2, 4), and the highest s_dot^2, (m,)."""
     _, q_s, q_ss, x_s, x_ss = grid
-    velocity, acceleration, tool = limits
     m, n = q_s.shape
     rows, highest = np.zeros((m, n + 2, 4)), np.full(m, inf)
     for i in range(m):
         for k in range(n):
-            rows[i, k, 0], rows[i, k, 1] = q_s[i, k] / acceleration[k], q_ss[i, k] / acceleration[k]
+            rows[i, k, 0], rows[i, k, 1] = q_s[i, k] / axes[1, k], q_ss[i, k] / axes[1, k]
             if q_s[i, k] != 0.0:
-                highest[i] = min(highest[i], (velocity[k] / q_s[i, k]) ** 2)
+                highest[i] = min(highest[i], (axes[0, k] / q_s[i, k]) ** 2)
         for part in range(2):
             first, second = x_s[i, 3 * part : 3 * part + 3], x_ss[i, 3 * part : 3 * part + 3]
             row, limit = rows[i, n + part], tool[2 * part + 1]
@@ -138,7 +134,7 @@ def two_pass(s: Array, rows: Array, highest: Array, scale: Array) -> TimeLaw:
 
 @compiled()
 def timed_points(
-    path_s: Array, coefficients: Array, grid: Grid, limits: AllLimits, window: float, share: float
+    path_s: Array, coefficients: Array, grid: Grid, limits: PathLimits, window: float, share: float
 ) -> Points:
     """Points of the fastest smooth motion along a joint path that keeps all limits, between points too.
 
@@ -149,11 +145,11 @@ def timed_points(
         path_s: s of the joint path, (k,).
         coefficients: Of its quintics, (k - 1, 6, n).
         grid: From `grid_of`.
-        limits: See `AllLimits`.
+        limits: See `PathLimits`.
         window: Longest smoothing of acceleration, s; the motion is longer by the window.
         share: Longest smoothing, as part of the duration.
     """
-    rows, highest = speed_limits(grid, limits[0])
+    rows, highest = speed_limits(grid, limits[0], limits[1])
     scale = np.full(grid[0].size, 1.0 - SMOOTHING_MARGIN)
     law = two_pass(grid[0], rows, highest, scale)
     width = max(min(window, share * law[0][-1]), 2.0 * CLOSEST_POINTS)
@@ -175,15 +171,15 @@ def timed_points(
 
 
 @compiled()
-def jerk_window(grid: Grid, limits: AllLimits) -> float:
+def jerk_window(grid: Grid, limits: PathLimits) -> float:
     """The smoothing window with which no jump of the unsmoothed law breaks a jerk limit, s."""
-    (s, q_s, _, x_s, _), (motion, jerk, tool_jerk) = grid, limits
-    s_ddot = two_pass(s, *speed_limits(grid, motion), np.ones(s.size))[1][:-1, 3]
+    (s, q_s, _, x_s, _), (axes, tool, tool_jerk) = grid, limits
+    s_ddot = two_pass(s, *speed_limits(grid, axes, tool), np.ones(s.size))[1][:-1, 3]
     window = 0.0
     for i in range(s.size):
         jump = abs((s_ddot[i] if i < s.size - 1 else 0.0) - (s_ddot[i - 1] if i > 0 else 0.0))
-        for k in range(jerk.size):
-            window = max(window, abs(q_s[i, k]) * jump / jerk[k])
+        for k in range(axes.shape[1]):
+            window = max(window, abs(q_s[i, k]) * jump / axes[2, k])
         window = max(window, sqrt(x_s[i, 0] ** 2 + x_s[i, 1] ** 2 + x_s[i, 2] ** 2) * jump / tool_jerk)
     return window
 
@@ -203,10 +199,10 @@ def _slow_down(t: Array, window: float, times: Array, use: Array, scale: Array) 
 
 
 @compiled()
-def _point_times(law: TimeLaw, grid: Grid, limits: AllLimits, window: float) -> Array:
+def _point_times(law: TimeLaw, grid: Grid, limits: PathLimits, window: float) -> Array:
     """Times of the points: both ends of the smoothing of every notable jump, and the grid in between."""
     t, s_ddot, q_s = law[0], law[1][:-1, 3], grid[1]
-    acceleration, jerk = limits[0][1], limits[1]
+    acceleration, jerk = limits[0][1], limits[0][2]
     m = t.size
     ends, count = np.empty(2 * m), 0
     for i in range(m):
@@ -248,7 +244,7 @@ def _sampled(
     path_s: Array,
     coefficients: Array,
     grid: Grid,
-    limits: AllLimits,
+    limits: PathLimits,
     law: TimeLaw,
     window: float,
     stretch: float,
@@ -258,9 +254,9 @@ def _sampled(
     The use is the ratio to the limit of acceleration or jerk, or the squared ratio of speed.
     """
     s, _, _, x_s, x_ss = grid
-    (velocity, acceleration, tool), jerk, tool_jerk = limits
+    axes, tool, tool_jerk = limits
     plan = _point_times(law, grid, limits, window)
-    k, n = plan.size, velocity.size
+    k, n = plan.size, axes.shape[1]
     times, path = np.empty(k), np.empty((3, k))
     for row in range(k):
         # Messages hold whole nanoseconds; points planned at such times are not changed by rounding.
@@ -285,14 +281,11 @@ def _sampled(
         last_linear[:] = linear
     curve = np.empty((k - 1, 6, n))
     quintic_coefficients(times, q, q_dot, q_ddot, curve)
-    use = np.empty(k - 1)
+    uses = np.empty((k - 1, 3))
+    quintic_uses(times, curve, axes, uses)
+    use = np.maximum(tool_use[:-1], tool_use[1:])
     for row in range(k - 1):
-        worst = max(tool_use[row], tool_use[row + 1])
-        for axis in range(n):
-            first, second, third = quintic_extremes(curve[row, :, axis], times[row + 1] - times[row])
-            worst = max(worst, (first / velocity[axis]) ** 2, second / acceleration[axis])
-            worst = max(worst, third / jerk[axis])
-        use[row] = worst
+        use[row] = max(use[row], uses[row, 0] ** 2, uses[row, 1], uses[row, 2])
     return (times, q, q_dot, q_ddot), use
 
 

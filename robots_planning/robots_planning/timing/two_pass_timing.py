@@ -7,7 +7,7 @@ from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.timed_path import TooSlowError
 from robots_planning.timing.two_pass_kernel import (
-    AllLimits,
+    PathLimits,
     Points,
     grid_of,
     jerk_window,
@@ -53,10 +53,10 @@ class TwoPassTiming:
     ) -> None:
         self._smoothing = positive(smoothing, 'smoothing', 's')
         self._jerk_limited = jerk is not None
-        no_limit = np.full(len(velocity), np.inf)
-        self._limits: AllLimits = (
-            (np.array(velocity), np.array(acceleration), tool),
-            no_limit if jerk is None else np.array(jerk),
+        jerks = np.full(len(velocity), np.inf) if jerk is None else jerk
+        self._limits: PathLimits = (
+            np.array([velocity, acceleration, jerks]),
+            np.array(tool),
             np.inf if jerk is None else tool_jerk,
         )
 
