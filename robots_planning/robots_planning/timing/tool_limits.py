@@ -10,8 +10,9 @@ from robots_planning.motion_settings import MotionSettings
 from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.time_optimal import ToolLimits
-from robots_planning.timing.tool_travel import tool_derivatives, travel
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
+
+STANDSTILL = 1e-12  # m and rad per unit of s; at rest the path has no direction
 
 
 def path_limits(
@@ -41,8 +42,8 @@ def path_limits(
             x_s, x_ss = samples.x_s, samples.x_ss
         else:
             tools = np.tile(turning_tool, (len(s), 1))
-            x_s, x_ss = tool_derivatives(robot, tools, *joint_path.evaluate(s))
-        rate, along, across = travel(x_s, x_ss)
+            x_s, x_ss = _tool_derivatives(robot, tools, *joint_path.evaluate(s))
+        rate, along, across = _travel(x_s, x_ss)
         return np.hstack([rate, np.zeros_like(rate)]), np.hstack([along, across])
 
     speed, acceleration = tool[::2], tool[1::2]
@@ -79,9 +80,9 @@ def chain_limits(
     def derivatives(s: Array) -> tuple[Array, Array]:
         section = np.searchsorted(corners, s, side='right')
         q, q_s, q_ss = path.evaluate(s)
-        x_s, x_ss = tool_derivatives(robot, tools[section], q, q_s, q_ss)
+        x_s, x_ss = _tool_derivatives(robot, tools[section], q, q_s, q_ss)
         still = np.zeros((len(s), n + 2))
-        rate, along, across = travel(x_s, x_ss)
+        rate, along, across = _travel(x_s, x_ss)
         first = [np.abs(q_s) / velocity[section], rate / tool_velocity[section]]
         second = [still]
         first += [q_s / acceleration[section], rate / tool_acceleration[section], np.zeros((len(s), 2))]
@@ -96,3 +97,44 @@ def chain_limits(
         np.concatenate([bound, np.full(n + 4, np.inf)]),
         np.concatenate([free, np.ones(n + 4)]),
     )
+
+
+def _tool_derivatives(
+    robot: BaseRobotModel, tools: Array, q: Array, q_s: Array, q_ss: Array
+) -> tuple[Array, Array]:
+    """First and second derivative of the tool's pose over s, (m, 6) each: linear, angular; base frame.
+
+    The tool centre point has a position in tool0 of its own at each s, `tools` (m, 3).
+    """
+    first, second = np.empty((len(q), 6)), np.empty((len(q), 6))
+    for row, (position, rate, change) in enumerate(zip(q, q_s, q_ss, strict=True)):
+        J = robot.jacobian(position)
+        first[row] = J @ rate
+        second[row] = J @ change + robot.jacobian_der(position, rate) @ rate
+    if tools.any():
+        frames = (robot.direct_kinematics(position)[1] for position in q)
+        arm = np.array([T @ tool for T, tool in zip(frames, tools, strict=True)])
+        turning, rising = first[:, 3:], second[:, 3:]
+        swing = np.cross(turning, arm)
+        first[:, :3] += swing
+        second[:, :3] += np.cross(rising, arm) + np.cross(turning, swing)
+    return first, second
+
+
+def _travel(x_s: Array, x_ss: Array) -> tuple[Array, Array, Array]:
+    """Rates of arc length and angle over s, their derivatives, and the normal parts of x'', (m, 2) each.
+
+    With x' = |x'| t: |x'|' = t x'', and across the path x'' - (t x'') t.
+
+    Args:
+        x_s: First derivative of the tool's pose, (m, 6): linear, then angular.
+        x_ss: Second derivative, (m, 6).
+    """
+    rate, along, across = (np.empty((len(x_s), 2)) for _ in range(3))
+    for column, part in enumerate((slice(0, 3), slice(3, 6))):
+        first, second = x_s[:, part], x_ss[:, part]
+        rate[:, column] = np.linalg.norm(first, axis=1)
+        direction = first / np.maximum(rate[:, column], STANDSTILL)[:, None]
+        along[:, column] = np.einsum('mi,mi->m', direction, second)
+        across[:, column] = np.linalg.norm(second - along[:, column, None] * direction, axis=1)
+    return rate, along, across
