@@ -15,7 +15,6 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
 from robots_planning.limit_use import LimitUse
 from robots_planning.paths.path_deviation import (
-    PositionsOfPath,
     SampledPath,
     line_deviation,
     path_deviation,
@@ -338,8 +337,7 @@ def _deviation(
     if not oriented:
         T = unturned(len(r))
         line = None if line is None else (Pose(line[0].r, T[0]), Pose(line[1].r, T[0]))
-        path = None if path is None else PositionsOfPath(path)
     found = [] if line is None else [line_deviation(r, T, *line)]
-    found += [] if path is None else [path_deviation(r, T, path)]
+    found += [] if path is None else [path_deviation(r, T, path, oriented=oriented)]
     turned = max(item[1] for item in found) if oriented else None
     return max(item[0] for item in found), turned
