@@ -11,18 +11,7 @@ from numpy.typing import ArrayLike
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import FLOAT64, Array, read_only
-
-# Row i, column j: weight of (p0, v0 h, a0 h^2, p1, v1 h, a1 h^2)[j] in the coefficient of (t / h)^i.
-_QUINTIC = np.array(
-    [
-        [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-        [0.0, 0.0, 0.5, 0.0, 0.0, 0.0],
-        [-10.0, -6.0, -1.5, 10.0, -4.0, 0.5],
-        [15.0, 8.0, 1.5, -15.0, 7.0, -1.0],
-        [-6.0, -3.0, -0.5, 6.0, -3.0, 0.5],
-    ]
-)
+from robots_planning.timing.quintic import quintic_coefficients
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,28 +67,9 @@ class Trajectory:
     @cached_property
     def coefficients(self) -> Array:
         """(m - 1, 6, n): polynomial per interval, in powers of the time since the interval's start, s."""
-        return self._coefficients()
-
-    def _coefficients(self) -> Array:
-        h = np.diff(self.time)[:, None]
-        ends = np.stack(
-            [
-                self.position[:-1],
-                self.velocity[:-1] * h,
-                self.acceleration[:-1] * h**2,
-                self.position[1:],
-                self.velocity[1:] * h,
-                self.acceleration[1:] * h**2,
-            ],
-            axis=1,
-        )
-        # Relative to the start position, so that large joint values cost no digits.
-        ends[:, 3] -= ends[:, 0]
-        start = ends[:, 0].copy()
-        ends[:, 0] = 0.0
-        scaled = np.einsum('ij,mjn->min', _QUINTIC, ends)
-        scaled[:, 0] = start
-        return read_only(scaled / h[:, :, None] ** np.arange(6)[None, :, None])
+        coefficients = np.empty((len(self.time) - 1, 6, self.num_axes))
+        quintic_coefficients(self.time, self.position, self.velocity, self.acceleration, coefficients)
+        return read_only(coefficients)
 
     @staticmethod
     def message_times(time: Array) -> Array:

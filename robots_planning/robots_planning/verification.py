@@ -15,7 +15,6 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
 from robots_planning.limit_use import LimitUse
 from robots_planning.paths.path_deviation import (
-    PositionsOfPath,
     SampledPath,
     line_deviation,
     path_deviation,
@@ -136,7 +135,7 @@ class VerificationReport:
 
 
 class _Samples(NamedTuple):
-    """Times (m,) or (m, n), use of the limits (m, n), values (m, n), and limits, of one quantity."""
+    """Times, use of the limits, and values, (m, n) each, and limits, of one quantity."""
 
     t: Array
     ratio: Array
@@ -192,8 +191,9 @@ def verify(
     t = np.union1d(np.linspace(0.0, trajectory.duration, max(count, 16)), trajectory.time)
     q, q_dot, q_ddot = trajectory.sample(t)
     before, after = (trajectory.sample(t + sign * SAMPLE_PERIOD)[0] for sign in (-1.0, 1.0))
-    moving = start_motion is not None
-    if moving:  # what was before the start is unknown: as if it had moved at constant acceleration
+    if (
+        start_motion is not None
+    ):  # what was before the start is unknown: as if it had moved at constant acceleration
         early = (t < SAMPLE_PERIOD)[:, None]
         past = q - SAMPLE_PERIOD * q_dot + 0.5 * SAMPLE_PERIOD**2 * q_ddot
         before, after = np.where(early, past, before), np.where(early, 2.0 * q - past, after)
@@ -205,30 +205,19 @@ def verify(
 
     turning_times, turning_q = _turning(trajectory, t, q_dot, 0)
     peak_times, peaks = _turning(trajectory, t, q_ddot, 1)
-    all_q = np.concatenate([q, turning_q])
-    q_times = np.concatenate([np.broadcast_to(t[:, None], q.shape), turning_times])
-
+    instants = np.broadcast_to(t[:, None], q.shape)
     middle, half = axes.middle_and_half
+    position = _samples(axes.velocity, (instants, q), (turning_times, turning_q))
     ratios = {
         'position': _Samples(
-            q_times,
-            np.abs(all_q - middle) / half,
-            all_q,
-            np.where(all_q < middle, axes.lower, axes.upper),
+            position.t,
+            np.abs(position.value - middle) / half,
+            position.value,
+            np.where(position.value < middle, axes.lower, axes.upper),
         ),
-        'velocity': _Samples(
-            np.concatenate([np.broadcast_to(t[:, None], q.shape), peak_times]),
-            np.concatenate([velocity, np.abs(peaks)]) / axes.velocity,
-            np.concatenate([velocity, np.abs(peaks)]),
-            axes.velocity,
-        ),
-        'acceleration': _Samples(
-            np.concatenate([np.broadcast_to(t[:, None], q.shape), extreme_times]),
-            np.concatenate([acceleration, extremes]) / axes.acceleration,
-            np.concatenate([acceleration, extremes]),
-            axes.acceleration,
-        ),
-        'jerk': _Samples(extreme_times, jerks / axes.jerk, jerks, axes.jerk),
+        'velocity': _samples(axes.velocity, (instants, velocity), (peak_times, np.abs(peaks))),
+        'acceleration': _samples(axes.acceleration, (instants, acceleration), (extreme_times, extremes)),
+        'jerk': _samples(axes.jerk, (extreme_times, jerks)),
     }
     if torque:
         ratios['torque'] = _torques(trajectory, robot)
@@ -239,14 +228,20 @@ def verify(
         duration=trajectory.duration,
         uses=uses | tool_speeds(trajectory, robot, tools),
         axis_use={quantity: read_only(values.ratio.max(axis=0)) for quantity, values in ratios.items()},
-        outside=float(np.maximum(axes.lower - all_q, all_q - axes.upper).max()),
-        start_motion=0.0 if moving and start_motion is None else _motion(trajectory, robot, 0, start_motion),
+        outside=float(np.maximum(axes.lower - position.value, position.value - axes.upper).max()),
+        start_motion=_motion(trajectory, robot, 0, start_motion),
         end_motion=_motion(trajectory, robot, -1),
         jumps=jumps,
         jump_time=jump_time,
         line_deviation=deviation,
         orientation_deviation=turned,
     )
+
+
+def _samples(limit: Array, *parts: tuple[Array, Array]) -> _Samples:
+    """The samples of a quantity from parts, each times and values, (k, n)."""
+    t, value = (np.concatenate(rows) for rows in zip(*parts, strict=True))
+    return _Samples(t, value / limit, value, limit)
 
 
 def _worst(quantity: str, robot: BaseRobotModel, samples: _Samples) -> LimitUse:
@@ -256,7 +251,7 @@ def _worst(quantity: str, robot: BaseRobotModel, samples: _Samples) -> LimitUse:
         quantity=quantity,
         ratio=float(ratio[row, axis]),
         joint=robot.axes_data.names[axis],
-        time=float(t[row] if t.ndim == 1 else t[row, axis]),
+        time=float(t[row, axis]),
         value=float(value[row, axis]),
         limit=float(np.broadcast_to(limit, ratio.shape)[row, axis]),
         unit=robot.axes_data.unit(int(axis), quantity),
@@ -268,7 +263,7 @@ def _torques(trajectory: Trajectory, robot: BaseRobotModel) -> _Samples:
     t = np.linspace(0.0, trajectory.duration, max(count, 5))
     model = robot.rigid_dynamics_model
     tau = np.abs([model.torques(*state) for state in zip(*trajectory.sample(t), strict=True)])
-    return _Samples(t, tau / robot.axes_data.effort, tau, robot.axes_data.effort)
+    return _samples(robot.axes_data.effort, (np.broadcast_to(t[:, None], tau.shape), tau))
 
 
 def _turning(trajectory: Trajectory, t: Array, rate: Array, derivative: int) -> tuple[Array, Array]:
@@ -342,8 +337,7 @@ def _deviation(
     if not oriented:
         T = unturned(len(r))
         line = None if line is None else (Pose(line[0].r, T[0]), Pose(line[1].r, T[0]))
-        path = None if path is None else PositionsOfPath(path)
     found = [] if line is None else [line_deviation(r, T, *line)]
-    found += [] if path is None else [path_deviation(r, T, path)]
+    found += [] if path is None else [path_deviation(r, T, path, oriented=oriented)]
     turned = max(item[1] for item in found) if oriented else None
     return max(item[0] for item in found), turned

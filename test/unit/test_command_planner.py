@@ -10,8 +10,9 @@ import pytest
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import PlanningError, RobotsError
 from robots_planning import MotionSettings, PathPlanning
-from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanner, PlannedCommands
+from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanner
 from robots_planning.commands.command_queue import CommandQueue, QueuedCommand
+from robots_planning.commands.motion_chain import ChainPlan
 from robots_planning.motion_kinds import JOINT, LINE, MotionKind
 from robots_planning.trajectory_generators.base import Target
 
@@ -33,7 +34,7 @@ class Desk:
         self.robot = planning.robot
         self.start = np.array([0.2, -1.2, 1.6, -1.9, -1.4, 0.3])
         self.queue = CommandQueue()
-        self.sent: list[PlannedCommands] = []
+        self.sent: list[ChainPlan] = []
         self.refused: dict[str, RobotsError] = {}
         self.path_time = 0.0
         self.planner = CommandPlanner(

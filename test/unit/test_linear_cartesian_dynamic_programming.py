@@ -241,8 +241,7 @@ def test_the_fastest_route_is_taken(kuka: BaseRobotModel, offset: list[float]) -
     # Turned by the wrist's other half, and by whole turns.
     assert len(routes) > 2
     durations = [
-        sum(planner.timing.trajectory(piece.joints, piece.tool(line)).duration for piece in route)
-        for route in routes
+        sum(planner.along(piece.joints, piece.tool(line)).duration for piece in route) for route in routes
     ]
     # Times of messages are whole nanoseconds.
     assert planner.generate(kuka.home, target).duration == pytest.approx(min(durations), abs=1e-8)

@@ -14,9 +14,9 @@ from robots_planning import verify
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.paths.cartesian_line import CartesianLine
 from robots_planning.paths.joint_path import JointPath
-from robots_planning.timing.path_timing import TooSlowError
 from robots_planning.timing.switched_time_law import SwitchedTimeLaw
 from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits, local_excess
+from robots_planning.timing.timed_path import TooSlowError
 
 ROBOTS = ('kuka_kr210_r2700', 'ur5e', 'manutec_r3', 'bello_bot')
 FINE = 1e-4  # s

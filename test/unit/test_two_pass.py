@@ -4,14 +4,17 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from robots_planning.timing.two_pass import Grid, MotionLimits, two_pass
+from robots_planning.timing.speed_profile import fastest_speeds
+from robots_planning.timing.two_pass_kernel import Grid, speed_limits
 
+MotionLimits = tuple[np.ndarray, np.ndarray, np.ndarray]
 FREE = np.full(4, np.inf)
 
 
 def speeds_of(grid: Grid, limits: MotionLimits) -> np.ndarray:
-    u = np.empty(len(grid[0]))
-    two_pass(grid, limits, np.ones(len(u)), u)
+    m = len(grid[0])
+    u, rows = np.zeros(m), speed_limits(grid, np.array(limits[:2]), limits[2])
+    assert fastest_speeds(grid[0], *rows, np.ones(m), 1, u, np.empty(m - 1)) == -1
     return u
 
 

@@ -3,42 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
 
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.validation import Array
 from robots_planning.commands.command_queue import CommandChain, CommandQueue, QueuedCommand, RunningMotion
 from robots_planning.commands.motion_chain import ChainPlan, MotionChain, OpenEnd
-from robots_planning.pathplanning import PathPlanning, PlannedMotion
+from robots_planning.pathplanning import PathPlanning
 
 # A motion that goes on from the running one does so this much later, which planning and messages take.
 REPLACE_LEAD = 0.15  # s
-
-
-@dataclass(frozen=True, eq=False)
-class PlannedCommands:
-    """A motion that is ready to be sent.
-
-    Attributes:
-        id: Its id.
-        commands: Its commands.
-        motion: The plan.
-        ends: When each of the commands ends, s of the plan.
-        join_time: Where it goes on from another, s; see `MotionPlannerPort.send`.
-        stop: Why its chain stops before it, for a person; '' if it does not.
-    """
-
-    id: str
-    commands: tuple[QueuedCommand, ...]
-    motion: PlannedMotion
-    ends: tuple[float, ...]
-    join_time: float = 0.0
-    stop: str = ''
-
-    @property
-    def ends_by_id(self) -> dict[str, float]:
-        """When each command ends, s of the plan, by id and in order."""
-        return dict(zip((command.id for command in self.commands), self.ends, strict=True))
 
 
 class CommandPlanner:
@@ -60,7 +34,7 @@ class CommandPlanner:
         *,
         standing: Callable[[], Array],
         path_time: Callable[[], float],
-        send: Callable[[PlannedCommands], None],
+        send: Callable[[ChainPlan], None],
         refuse: Callable[[QueuedCommand, RobotsError], None],
     ) -> None:
         self.replace = False
@@ -97,37 +71,29 @@ class CommandPlanner:
             if reason := self._queue.given_up(chain.commands):
                 raise PlanningError(reason)
             running = self._queue.running
-            planned, open_end = self._planned(chain, running)
-            ends = planned.ends_by_id
-            duration = planned.motion.duration
-            join_time = duration if open_end is None else open_end.time
-            motion = RunningMotion(planned.id, planned.motion.trajectory, ends, join_time)
+            planned = self._planned(chain, running)
+            join_time = planned.motion.duration if planned.open_end is None else planned.open_end.time
+            motion = RunningMotion(planned.id, planned.motion.trajectory, planned.ends_by_id, join_time)
             if self._queue.planned(motion, failures):
                 break
-        self._open = open_end
+        self._open = planned.open_end
         if planned.join_time > 0.0:
             self._queue.replaced(running[-1])
         self._send(planned)
 
-    def _planned(
-        self, chain: CommandChain, running: tuple[RunningMotion, ...]
-    ) -> tuple[PlannedCommands, OpenEnd | None]:
+    def _planned(self, chain: CommandChain, running: tuple[RunningMotion, ...]) -> ChainPlan:
         commands = chain.commands
         join_time = self._replace_time(running, commands)
         if join_time > 0.0:
             state, only = running[-1].trajectory.sample(join_time), commands[0]
             motion = self._planning.plan_moving(only.kind, state, only.target, only.settings)
-            return PlannedCommands(only.id, commands, motion, (motion.duration,), join_time), None
+            return ChainPlan(commands, motion, (motion.duration,), join_time=join_time)
         plan, stop = self._carried_on(chain, running)
         if plan is not None:
             join_time = round(running[-1].join_time - running[-1].trajectory.duration, 9)
-        else:
-            q = running[-1].trajectory.position[-1] if running else self._standing()
-            plan = self._chain.plan(chain, q)
-        id_, open_end = plan.commands[-1].id, plan.open_end
-        if open_end is not None:
-            id_ = plan.commands[-len(open_end.commands) - 1].id
-        return PlannedCommands(id_, plan.commands, plan.motion, plan.ends, join_time, stop), open_end
+            return replace(plan, join_time=join_time)
+        q = running[-1].trajectory.position[-1] if running else self._standing()
+        return replace(self._chain.plan(chain, q), stop=stop)
 
     def _carried_on(
         self, chain: CommandChain, running: tuple[RunningMotion, ...]

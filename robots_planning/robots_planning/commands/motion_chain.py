@@ -20,10 +20,10 @@ from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base, t
 from robots_planning.paths.blending import Measure, blend_with_corners, joint_distance
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.planner_choice import planner_for
-from robots_planning.timing.chain_limits import SectionLimits, chain_limits
 from robots_planning.timing.path_start import PathStart, Smoothing
 from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits
 from robots_planning.timing.timed_path import TimedPath
+from robots_planning.timing.tool_limits import chain_limits
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 
@@ -51,19 +51,33 @@ class OpenEnd:
 
 @dataclass(frozen=True, eq=False)
 class ChainPlan:
-    """The plan of a chain.
+    """The plan of a chain, or of a single command.
 
     Attributes:
         commands: Those in it, in order.
         motion: Their motion.
         ends: When each is done with, s of it.
         open_end: Where another plan may go on; None if none does.
+        join_time: Where it goes on from another plan, s; see `MotionPlannerPort.send`.
+        stop: Why the chain stops before it, for a person; '' if it does not.
     """
 
     commands: tuple[QueuedCommand, ...]
     motion: PlannedMotion
     ends: tuple[float, ...]
     open_end: OpenEnd | None = None
+    join_time: float = 0.0
+    stop: str = ''
+
+    @property
+    def id(self) -> str:
+        """The motion's own: that of the last command before another plan may go on."""
+        return self.commands[-1 if self.open_end is None else -1 - len(self.open_end.commands)].id
+
+    @property
+    def ends_by_id(self) -> dict[str, float]:
+        """When each command ends, s of the plan, by id and in order."""
+        return dict(zip((command.id for command in self.commands), self.ends, strict=True))
 
 
 class MotionChain:
@@ -176,7 +190,8 @@ class MotionChain:
         return blend_with_corners(paths, zones, measures=measures)
 
     def _limits(self, commands: tuple[QueuedCommand, ...], path: JointPath, corners: Array) -> ToolLimits:
-        return chain_limits(self._robot, path, corners, [_section(command) for command in commands])
+        sections = [(command.settings, command.kind.cartesian) for command in commands]
+        return chain_limits(self._robot, path, corners, sections)
 
     def _with_stops(
         self, commands: tuple[QueuedCommand, ...], q_start: Array
@@ -260,14 +275,3 @@ def _from_state(trajectory: Trajectory, state: tuple[Array, Array, Array]) -> Tr
 
 def _jerk_limited(commands: tuple[QueuedCommand, ...]) -> bool:
     return any(command.settings.jerk_limited for command in commands)
-
-
-def _section(command: QueuedCommand) -> SectionLimits:
-    settings = command.settings
-    velocity = acceleration = np.full(2, np.inf)
-    if command.kind.cartesian:
-        velocity = np.array([settings.cartesian_speed, settings.rotation_speed])
-        acceleration = np.array([settings.cartesian_acceleration, settings.rotation_acceleration])
-    return SectionLimits(
-        settings.speed_fraction, settings.acceleration_fraction, velocity, acceleration, settings.tool_pose.r
-    )

@@ -6,13 +6,15 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Final, Protocol
 
+import numpy as np
+
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanner, PlannedCommands
+from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanner
 from robots_planning.commands.command_queue import CommandChain, CommandQueue, QueuedCommand, RunningMotion
-from robots_planning.commands.standing_robot import check_standing
+from robots_planning.commands.motion_chain import ChainPlan
 from robots_planning.motion_kinds import LINE, MotionKind
 from robots_planning.motion_results import PASSED
 from robots_planning.motion_settings import MotionSettings
@@ -23,6 +25,7 @@ from robots_planning.trajectory_generators.base import Target
 # A blended motion waits so long for the one that it runs through to; then it stops at its end. A program that
 # changes settings in between needs two questions and answers of busy processes for it.
 BLEND_PATIENCE: Final = 0.3  # s
+REST_SPEED: Final = 1e-5  # rad/s (m/s); a reference this slow is rounding of one that stands
 
 
 class MotionPlannerPort(Protocol):
@@ -246,7 +249,7 @@ class MotionPlanner:
         """Where the controller's reference stands, (n,).
 
         Raises:
-            PlanningError: no reference came yet, or the robot moves.
+            PlanningError: no reference came yet, or the robot moves; names the fastest axis.
         """
         reference = self._port.reference()
         if reference is None:
@@ -254,8 +257,13 @@ class MotionPlanner:
                 'no joint_reference received: is controller_node running and does the robot publish '
                 'joint_states?'
             )
-        q, q_dot = reference
-        check_standing(q_dot, self.planning.robot.axes_data)
+        (q, q_dot), axes = reference, self.planning.robot.axes_data
+        fastest = int(np.argmax(np.abs(q_dot)))
+        if abs(q_dot[fastest]) > REST_SPEED:
+            raise PlanningError(
+                f'the robot is still moving: the reference of {axes.names[fastest]} has '
+                f'{q_dot[fastest]:.4g} {axes.unit(fastest)}/s; wait until it stands'
+            )
         return q
 
     # -- inside ---------------------------------------------------------------------------------------
@@ -273,7 +281,7 @@ class MotionPlanner:
             self._planning_time = self._port.time() - begin
             self._unplanned.popleft()
 
-    def _send(self, planned: PlannedCommands) -> None:
+    def _send(self, planned: ChainPlan) -> None:
         title = ' + '.join(command.kind.title for command in planned.commands)
         if planned.stop:
             title += f' after a stop of its chain ({planned.stop})'

@@ -10,8 +10,6 @@ from robots_core.errors import NoAnalyticInverseKinematicsError, PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.path_kinematics.guided_following_kernel import follow_guide
-from robots_planning.path_kinematics.path_following_kernel import FOLLOWED, MAX_SAMPLES
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.path_kinematics.route import Route, RoutePiece, joined
 from robots_planning.path_kinematics.self_motion_kernel import (
@@ -28,6 +26,7 @@ LAYER_LENGTH = 0.03  # m and rad between the poses at which self-motion is sampl
 LAYERS = (12, 120)  # fewest and most
 RELAXATIONS = (60, 15, 0)  # tried in turn: smoothing may move configurations closer to the limits
 LIMIT_ROOM = 0.03  # rad (m) between smoothed configurations and the limits
+PULL = 12.0  # towards the guide, per path
 OTHER_STARTS = 16  # random start configurations, for robots without a closed form
 
 
@@ -93,16 +92,13 @@ class ConfigurationGraph:
         reached, counts = follow_layers(self._chain, self._limits, path.arrays, s, begin, layers)
         if reached <= count or fastest_sequence(layers, counts, self._axes.velocity, chosen) <= count:
             return None
-        size = MAX_SAMPLES + 1
-        samples = (np.empty(size), np.empty((size, n)), np.empty((size, n)), np.empty((size, n)))
         for rounds in RELAXATIONS:
             smooth = chosen.copy()
             relax(self._chain, self._limits, path.arrays, s, LIMIT_ROOM, rounds, smooth)
             spline = CubicSpline(s, smooth, axis=0, bc_type='natural')
-            guide = (s, np.ascontiguousarray(spline.c))
-            result, last = follow_guide(self._chain, self._limits, path.arrays, begin, guide, samples)
-            if result == FOLLOWED:
-                return JointPath(*(values[:last].copy() for values in samples))
+            followed = self._kinematics.follow_guided(path, start, s, np.ascontiguousarray(spline.c), PULL)
+            if followed is not None:
+                return followed
         return None
 
     # Explanation of a failure

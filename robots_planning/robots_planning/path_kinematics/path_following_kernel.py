@@ -1,12 +1,15 @@
 # ruff: noqa: PLR0917  # compiled functions take arrays, not objects
 """Inverse kinematics along a Cartesian path, compiled."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays
 from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
+from robots_planning.path_kinematics.held_following_kernel import correct_held, derivatives_held, step_held
 from robots_planning.path_kinematics.pose_residual_kernel import (
     LARGEST_JOINT_STEP,
     PoseResidual,
@@ -18,7 +21,7 @@ from robots_planning.path_kinematics.pose_residual_kernel import (
 )
 from robots_planning.path_kinematics.pseudo_inverse import apply_pseudo_inverse
 from robots_planning.paths.cartesian_path_kernel import PathArrays
-from robots_planning.timing.quintic import quintic_coefficients, quintics_at
+from robots_planning.timing.quintic import interval_at, quintic_coefficients, quintics_at
 
 FIRST_STEP = 1.0 / 16.0
 LONGEST_STEP = 1.0 / 8.0
@@ -28,6 +31,8 @@ MAX_SAMPLES = 4000
 PATH_TOLERANCE = 2e-7
 # Largest deviation of the axes, rad (m): close to a singularity the tool hardly moves with them.
 JOINT_TOLERANCE = 1e-5
+# Largest deviation, rad (m), of a sample from the fourth-order integration of a guided path.
+LARGEST_BEND = 1e-6
 POSITION_TOLERANCE = 1e-9  # rad (m), of the axis limits
 # Largest motion of the tool, m and rad, while the configuration changes in a singularity.
 STANDSTILL = 1e-6
@@ -47,16 +52,40 @@ JointSamples = tuple[Array, Array, Array, Array]
 """s (k,), q, q' and q'' (k, n)."""
 
 
+class FollowingTask(NamedTuple):
+    """What is held of a path's poses, and how axes move that this leaves free.
+
+    Attributes:
+        rows: 0 for whole poses; else as in `held_following_kernel`.
+        pull: Towards the guide g(s), per path; 0 without one: then the axes have the smallest velocities.
+        breaks: Of the guide, a cubic spline, (m + 1,); (0, 1) without one.
+        guide: Its coefficients, (4, m, n), highest power first.
+    """
+
+    rows: int
+    pull: float
+    breaks: Array
+    guide: Array
+
+
 @compiled()
 def follow(
-    chain: ChainArrays, limits: Array, path: PathArrays, start: Array, samples: JointSamples
+    chain: ChainArrays,
+    limits: Array,
+    path: PathArrays,
+    task: FollowingTask,
+    start: Array,
+    samples: JointSamples,
 ) -> tuple[int, int]:
     """Follow a path with q' = J^+ x' and q'' = d/ds (J^+ x'), corrected by Newton's method at each sample.
+
+    With a guide g(s), self-motion goes towards it: q' = h + J^+ (x' - J h) with h = g' + pull (g - q).
 
     Args:
         chain: Arrays of a `SerialChain`.
         limits: (2, n): lower, upper.
         path: Arrays of a `CartesianPath`.
+        task: What is held, and the guide.
         start: Joint positions at s = 0, (n,).
         samples: Filled; room for `MAX_SAMPLES` + 1.
 
@@ -65,7 +94,7 @@ def follow(
         possible from the last sample; OUTSIDE: one more sample is filled, at which an axis is outside its
         limits; FULL: `MAX_SAMPLES` do not reach the end.
     """
-    return _follow(chain, limits, path, start, samples, np.empty(start.size), residual_for(start.size))
+    return _follow(chain, limits, path, task, start, samples, np.empty(start.size), residual_for(start.size))
 
 
 @compiled(nrt=False)
@@ -73,33 +102,35 @@ def _follow(
     chain: ChainArrays,
     limits: Array,
     path: PathArrays,
+    task: FollowingTask,
     start: Array,
     samples: JointSamples,
     guess: Array,
     residual: PoseResidual,
 ) -> tuple[int, int]:
     """`follow` with memory for a guess (n,) and a residual."""
-    s, q, q_s, q_ss = samples
-    breaks = path[0]
+    s, q = samples[0], samples[1]
     s[0] = 0.0
     for k in range(start.size):
         q[0, k] = start[k]
     set_target(path, 0.0, residual)
     evaluate_residual(chain, start, residual)
-    if not derivatives(residual, q_s[0], q_ss[0]):
+    if not _derivatives(chain, path, task, samples, 0, residual):
         return SINGULAR_START, 1
-    count, step, piece = 1, FIRST_STEP, 1
+    # Towards a guide the axes turn faster at first.
+    step = 0.5 * FIRST_STEP if task.pull > 0.0 else FIRST_STEP
+    count, piece, guide_piece = 1, 1, 1
     while s[count - 1] < 1.0:
         here = count - 1
         # The third derivative jumps between pieces, so a sample is placed there.
-        piece = next_break(breaks, s[here], piece)
-        end = min(s[here] + step, breaks[piece])
-        if breaks[piece] - end < SHORTEST_STEP:
-            end = breaks[piece]
-        s[count] = end
-        deviation = _advance(chain, path, samples, here, guess, residual)
-        step = next_step(end - s[here], deviation)
-        outcome = judge(limits, samples, here, step, deviation)
+        piece = _next_break(path[0], s[here], piece)
+        guide_piece = _next_break(task.breaks, s[here], guide_piece)
+        border = min(path[0][piece], task.breaks[guide_piece])
+        end = min(s[here] + step, border)
+        s[count] = border if border - end < SHORTEST_STEP else end
+        deviation = _advance(chain, path, task, samples, here, guess, residual)
+        step = _next_step(s[count] - s[here], deviation)
+        outcome = _judge(limits, samples, here, step, deviation)
         if outcome == FOLLOWED:
             count += 1
         elif outcome != TOO_FAR:
@@ -108,7 +139,7 @@ def _follow(
 
 
 @compiled(nrt=False)
-def judge(limits: Array, samples: JointSamples, i: int, step: float, deviation: float) -> int:
+def _judge(limits: Array, samples: JointSamples, i: int, step: float, deviation: float) -> int:
     """FOLLOWED to accept sample i + 1, TOO_FAR if the step must be shorter, or why the path ends there."""
     if deviation < 0.0:
         return BLOCKED if step < SHORTEST_STEP else TOO_FAR
@@ -118,7 +149,7 @@ def judge(limits: Array, samples: JointSamples, i: int, step: float, deviation: 
 
 
 @compiled(nrt=False)
-def next_break(breaks: Array, s: float, piece: int) -> int:
+def _next_break(breaks: Array, s: float, piece: int) -> int:
     """Index of the first break, from `piece` on, that is at least a step ahead of s; else of the last one."""
     while piece < breaks.size - 1 and breaks[piece] - s < SHORTEST_STEP:
         piece += 1
@@ -126,7 +157,7 @@ def next_break(breaks: Array, s: float, piece: int) -> int:
 
 
 @compiled(nrt=False)
-def next_step(step: float, deviation: float) -> float:
+def _next_step(step: float, deviation: float) -> float:
     """Length of the next step, after one with a `deviation` from the path; -1 means that it was too long."""
     if deviation < 0.0:
         return 0.5 * step
@@ -137,34 +168,74 @@ def next_step(step: float, deviation: float) -> float:
 
 @compiled(nrt=False)
 def _advance(
-    chain: ChainArrays, path: PathArrays, samples: JointSamples, i: int, guess: Array, residual: PoseResidual
+    chain: ChainArrays,
+    path: PathArrays,
+    task: FollowingTask,
+    samples: JointSamples,
+    i: int,
+    guess: Array,
+    residual: PoseResidual,
 ) -> float:
     """Fill sample i + 1 at its s; return the deviation in between, or -1 if the step is too long."""
-    s, q, q_s, q_ss = samples
+    s, q = samples[0], samples[1]
     n, j = guess.size, i + 1
-    extrapolate(samples, i, guess)
+    _extrapolate(samples, i, guess)
     set_target(path, s[j], residual)
-    # With redundant axes the pose does not determine q: the integration is repeated.
-    for again in range(2 if n > 6 else 1):
+    # Where the target leaves axes free, it does not determine q: the integration is repeated.
+    free = n > (6 if task.rows == 0 else task.rows)
+    for again in range(3 if task.pull > 0.0 else 2 if free else 1):
         if again:
-            integrate(samples, i, guess)
-        if not correct(chain, guess, residual):
+            _integrate(samples, i, guess)
+        fine = (
+            correct(chain, guess, residual)
+            if task.rows == 0
+            else correct_held(chain, guess, residual, task.rows)
+        )
+        if not fine:
             return -1.0
         for k in range(n):
             q[j, k] = guess[k]
-        if not derivatives(residual, q_s[j], q_ss[j]):
+        if not _derivatives(chain, path, task, samples, j, residual):
             return -1.0
+    if task.pull > 0.0:
+        _integrate(samples, i, guess)
     for k in range(n):
-        if not abs(q[j, k] - q[i, k]) <= LARGEST_JOINT_STEP:
+        # The difference of the sample from the fourth-order integration measures the bend of the quintic.
+        bend = guess[k] - q[j, k] if task.pull > 0.0 else 0.0
+        if not abs(q[j, k] - q[i, k]) <= LARGEST_JOINT_STEP or not abs(bend) <= LARGEST_BEND:
             return -1.0
-    interpolate(samples, i, guess)
+    _interpolate(samples, i, guess)
     set_target(path, 0.5 * (s[i] + s[j]), residual)
-    deviation = _deviation(chain, guess, residual)
+    deviation = _deviation(chain, task, guess, residual)
     return deviation if deviation <= PATH_TOLERANCE else -1.0
 
 
 @compiled(nrt=False)
-def extrapolate(samples: JointSamples, i: int, guess: Array) -> None:
+def _derivatives(
+    chain: ChainArrays,
+    path: PathArrays,
+    task: FollowingTask,
+    samples: JointSamples,
+    i: int,
+    residual: PoseResidual,
+) -> bool:
+    """Fill q' and q'' of sample i, at which the residual was evaluated; False where there are none."""
+    s, q, q_s, q_ss = samples
+    if task.rows > 0:
+        return derivatives_held(chain, path, s[i], q[i], residual, task.rows, q_s[i], q_ss[i])
+    if task.pull > 0.0:
+        piece, c = interval_at(task.breaks, s[i]), task.guide
+        x = s[i] - task.breaks[piece]
+        for k in range(q.shape[1]):
+            g = ((c[0, piece, k] * x + c[1, piece, k]) * x + c[2, piece, k]) * x + c[3, piece, k]
+            g_s = (3.0 * c[0, piece, k] * x + 2.0 * c[1, piece, k]) * x + c[2, piece, k]
+            residual.desired[k] = g_s + task.pull * (g - q[i, k])
+            residual.desired_s[k] = 6.0 * c[0, piece, k] * x + 2.0 * c[1, piece, k] + task.pull * g_s
+    return derivatives(residual, task.pull, q_s[i], q_ss[i])
+
+
+@compiled(nrt=False)
+def _extrapolate(samples: JointSamples, i: int, guess: Array) -> None:
     """Fill a guess (n,) at the s of sample i + 1, from sample i alone."""
     s, q, q_s, q_ss = samples
     h = s[i + 1] - s[i]
@@ -173,7 +244,7 @@ def extrapolate(samples: JointSamples, i: int, guess: Array) -> None:
 
 
 @compiled(nrt=False)
-def integrate(samples: JointSamples, i: int, guess: Array) -> None:
+def _integrate(samples: JointSamples, i: int, guess: Array) -> None:
     """Fill a guess (n,) at the s of sample i + 1 by fourth-order (Hermite) integration from sample i."""
     s, q, q_s, q_ss = samples
     j, h = i + 1, s[i + 1] - s[i]
@@ -182,7 +253,7 @@ def integrate(samples: JointSamples, i: int, guess: Array) -> None:
 
 
 @compiled(nrt=False)
-def interpolate(samples: JointSamples, i: int, middle: Array) -> None:
+def _interpolate(samples: JointSamples, i: int, middle: Array) -> None:
     """Fill the middle (n,) of the quintic from sample i to the next."""
     s, q, q_s, q_ss = samples
     j, h = i + 1, s[i + 1] - s[i]
@@ -195,12 +266,17 @@ def interpolate(samples: JointSamples, i: int, middle: Array) -> None:
 
 
 @compiled(nrt=False)
-def _deviation(chain: ChainArrays, q: Array, residual: PoseResidual) -> float:
+def _deviation(chain: ChainArrays, task: FollowingTask, q: Array, residual: PoseResidual) -> float:
     """Deviation at joint positions `q`: of the tool, or of the axes, scaled to the same tolerance."""
     deviation = evaluate_residual(chain, q, residual)
-    if deviation > PATH_TOLERANCE:
+    if task.rows > 0:
+        deviation = max(abs(residual.error[0]), abs(residual.error[1]), abs(residual.error[2]))
+    if deviation > PATH_TOLERANCE or task.rows == 3:
         return deviation
-    apply_pseudo_inverse(residual.J, residual.error, residual.step, residual.solver)
+    if task.rows == 0:
+        apply_pseudo_inverse(residual.J, residual.error, residual.step, residual.solver)
+    elif not step_held(chain, q, residual, task.rows):
+        return np.inf
     for k in range(q.size):
         deviation = max(deviation, abs(residual.step[k]) * PATH_TOLERANCE / JOINT_TOLERANCE)
     return deviation

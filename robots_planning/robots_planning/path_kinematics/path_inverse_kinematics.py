@@ -23,7 +23,6 @@ from robots_core.errors import PlanningError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
-from robots_planning.path_kinematics.held_following_kernel import follow_held
 from robots_planning.path_kinematics.path_following_kernel import (
     BLOCKED,
     FOLLOWED,
@@ -31,6 +30,7 @@ from robots_planning.path_kinematics.path_following_kernel import (
     MAX_SAMPLES,
     OUTSIDE,
     SINGULAR_START,
+    FollowingTask,
     JointSamples,
     follow,
 )
@@ -66,6 +66,8 @@ class PathInverseKinematics:
         self._limits = np.array([self._axes.lower, self._axes.upper])
         self._endless = np.array([[-np.inf], [np.inf]]) * np.ones(robot.num_axes)
         n = robot.num_axes
+        rows = 0 if self.hold == POSE else condition_rows(self.hold, n)
+        self._task = FollowingTask(rows, 0.0, np.array([0.0, 1.0]), np.zeros((4, 1, n)))
         self._samples = (
             np.empty(MAX_SAMPLES + 1),
             np.empty((MAX_SAMPLES + 1, n)),
@@ -114,13 +116,20 @@ class PathInverseKinematics:
             return FollowedPart(None, 0.0, 0.0, blocked)
         return FollowedPart(self._filled(count), 0.0, float(self._samples[0][count - 1]), blocked)
 
-    def _fill(self, path: CartesianPath, start: Array, limits: Array) -> tuple[int, int]:
+    def follow_guided(
+        self, path: CartesianPath, start: Array, breaks: Array, guide: Array, pull: float
+    ) -> JointPath | None:
+        """Follow with self-motion towards a guide, see `FollowingTask`; None if that fails."""
+        task = FollowingTask(0, pull, breaks, guide)
+        result, count = self._fill(path, start, self._limits, task)
+        return JointPath(*self._filled(count)) if result == FOLLOWED else None
+
+    def _fill(
+        self, path: CartesianPath, start: Array, limits: Array, task: FollowingTask | None = None
+    ) -> tuple[int, int]:
         """Fill the samples; return what the kernel's `follow` returns."""
         begin = np.array(start, dtype=np.float64)
-        if self.hold == POSE:
-            return follow(self._chain.arrays, limits, path.arrays, begin, self._samples)
-        rows = condition_rows(self.hold, begin.size)
-        return follow_held(self._chain.arrays, limits, path.arrays, begin, rows, self._samples)
+        return follow(self._chain.arrays, limits, path.arrays, task or self._task, begin, self._samples)
 
     def _filled(self, count: int) -> JointSamples:
         """Copy of the first samples, with s scaled to [0, 1]."""

@@ -1,3 +1,4 @@
+# ruff: noqa: PLR0917  # compiled functions take arrays, not objects
 """The pose residual on a path, Newton's method on it, and derivatives of the solution, compiled."""
 
 from math import sqrt
@@ -39,6 +40,8 @@ class PoseResidual(NamedTuple):
         error: The residual: translation and rotation vector from the tool to the target, (6,).
         J_s: Scratch, (6, n).
         P: Scratch, (n, 6).
+        desired: Rates of the axes that self-motion comes as close to as it can, (n,); 0 by default.
+        desired_s: Their derivative over s at a fixed q, (n,); 0 by default.
         step: Scratch, (n,).
         rest: Scratch, (6,).
         twist: Scratch, (6,).
@@ -55,6 +58,8 @@ class PoseResidual(NamedTuple):
     error: Array
     J_s: Array
     P: Array
+    desired: Array
+    desired_s: Array
     step: Array
     rest: Array
     twist: Array
@@ -66,8 +71,8 @@ def residual_for(n: int) -> PoseResidual:
     """Memory for a robot of n axes, made once per path."""
     return PoseResidual(
         np.empty(3), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(3), np.empty((3, 3)),
-        np.empty((6, n)), np.empty(6), np.empty((6, n)), np.empty((n, 6)), np.empty(n), np.empty(6),
-        np.empty(6), scratch_for(n),
+        np.empty((6, n)), np.empty(6), np.empty((6, n)), np.empty((n, 6)), np.zeros(n), np.zeros(n),
+        np.empty(n), np.empty(6), np.empty(6), scratch_for(n),
     )  # fmt: skip
 
 
@@ -109,13 +114,17 @@ def correct(chain: ChainArrays, q: Array, residual: PoseResidual) -> bool:
 
 
 @compiled(nrt=False)
-def derivatives(residual: PoseResidual, q_s: Array, q_ss: Array) -> bool:
-    """Fill q' = J^+ x' and q'' = d/ds (J^+ x'), (n,), where the residual is 0; False if J q' misses x'."""
+def derivatives(residual: PoseResidual, pull: float, q_s: Array, q_ss: Array) -> bool:
+    """Fill q' and q'', (n,), where the residual is 0; False if J q' misses x'.
+
+    q' = J^+ x', or with redundant axes h + J^+ (x' - J h), where h are the desired rates, which fall with q
+    by `pull`. q'' is the derivative of that (Golub and Pereyra 1973).
+    """
     n = q_s.size
     x_s, J, P, J_s, rest = residual.x_s, residual.J, residual.P, residual.J_s, residual.rest
-    if n > 6:  # q'' below needs the pseudo-inverse itself
+    if n > 6:
         pseudo_inverse(J, P, residual.solver)
-        multiply(P, x_s, q_s)
+        _nearest_solution(J, P, x_s, residual.desired, q_s, rest)
     else:
         apply_pseudo_inverse(J, x_s, q_s, residual.solver)
     multiply(J, q_s, rest)
@@ -129,18 +138,27 @@ def derivatives(residual: PoseResidual, q_s: Array, q_ss: Array) -> bool:
     multiply(J_s, q_s, rest)
     for k in range(6):
         rest[k] = residual.x_ss[k] - rest[k]
-    # Golub and Pereyra 1973: derivative of the pseudo-inverse, applied to x'.
     if n <= 6:
         apply_pseudo_inverse(J, rest, q_ss, residual.solver)
         return True
-    multiply(P, rest, q_ss)
-    inner, twist = residual.step, residual.twist
-    multiply_transposed(P, q_s, twist)
-    multiply_transposed(J_s, twist, inner)
+    # J^+ (x'' - J' q' - J z) + z with z = h' + J'^T J^+T (q' - h)
+    free, twist = residual.step, residual.twist
     for k in range(n):
-        q_ss[k] += inner[k]
-    multiply(J, inner, twist)
-    multiply(P, twist, inner)
+        free[k] = q_s[k] - residual.desired[k]
+    multiply_transposed(P, free, twist)
+    multiply_transposed(J_s, twist, free)
     for k in range(n):
-        q_ss[k] -= inner[k]
+        free[k] += residual.desired_s[k] - pull * q_s[k]
+    _nearest_solution(J, P, rest, free, q_ss, twist)
     return True
+
+
+@compiled(nrt=False)
+def _nearest_solution(J: Array, P: Array, b: Array, z: Array, y: Array, rest: Array) -> None:
+    """Fill y (n,) with the solution of J y = b that is nearest to z (n,); `rest` (6,) is scratch."""
+    multiply(J, z, rest)
+    for k in range(6):
+        rest[k] = b[k] - rest[k]
+    multiply(P, rest, y)
+    for k in range(y.size):
+        y[k] += z[k]

@@ -43,30 +43,31 @@ def scratch_for(n: int) -> Scratch:
 def pseudo_inverse(J: Array, P: Array, scratch: Scratch) -> None:
     """Fill the pseudo-inverse P (n, 6) of a Jacobian J (6, n).
 
-    Computed by QR decomposition, with Gram-Schmidt done twice (Giraud et al. 2005); close to a singularity by
-    singular value decomposition, without the directions whose singular value is below `SINGULAR` times the
-    largest.
+    Computed by QR decomposition of the transpose, with Gram-Schmidt done twice (Giraud et al. 2005); close to
+    a singularity by singular value decomposition, without the directions whose singular value is below
+    `SINGULAR` times the largest.
     """
     n = J.shape[1]
-    wide = n >= 6
-    rows, columns = (n, 6) if wide else (6, n)
+    if n < 6:  # `apply_pseudo_inverse` needs it close to singularities alone
+        _by_singular_values(J, P)
+        return
     Q, R = scratch.Q, scratch.R
     largest, smallest = 0.0, np.inf
-    for j in range(columns):
-        for k in range(rows):
-            Q[k, j] = J[j, k] if wide else J[k, j]
+    for j in range(6):
+        for k in range(n):
+            Q[k, j] = J[j, k]
         for i in range(j):
             R[i, j] = 0.0
         length = 0.0
         for _ in range(2):
             for i in range(j):
                 part = 0.0
-                for k in range(rows):
+                for k in range(n):
                     part += Q[k, i] * Q[k, j]
                 R[i, j] += part
-                for k in range(rows):
+                for k in range(n):
                     Q[k, j] -= part * Q[k, i]
-        for k in range(rows):
+        for k in range(n):
             length += Q[k, j] * Q[k, j]
         length = sqrt(length)
         largest, smallest = max(largest, length), min(smallest, length)
@@ -74,21 +75,15 @@ def pseudo_inverse(J: Array, P: Array, scratch: Scratch) -> None:
             _by_singular_values(J, P)
             return
         R[j, j] = length
-        for k in range(rows):
+        for k in range(n):
             Q[k, j] /= length
-    # A = Q R, A^+ = R^-1 Q^T; of the transpose, transposed.
-    y = R[columns]
-    for k in range(rows):
-        for j in range(columns - 1, -1, -1):
+    # J^T = Q R, J^+ = Q R^-T
+    for k in range(n):
+        for j in range(5, -1, -1):
             value = Q[k, j]
-            for i in range(j + 1, columns):
-                value -= R[j, i] * y[i]
-            y[j] = value / R[j, j]
-        for j in range(columns):
-            if wide:
-                P[k, j] = y[j]
-            else:
-                P[j, k] = y[j]
+            for i in range(j + 1, 6):
+                value -= R[j, i] * P[k, i]
+            P[k, j] = value / R[j, j]
     # The product of both norms is at least the ratio of the singular values.
     if smallest <= SUSPICIOUS * largest and SINGULAR**2 * _square(J) * _square(P) >= 1.0:
         _by_singular_values(J, P)

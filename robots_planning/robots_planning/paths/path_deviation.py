@@ -1,6 +1,5 @@
 """Deviation of sampled tool poses from a straight line or from any path."""
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -37,28 +36,6 @@ class SampledPath(Protocol):
         """Poses at `s` (m,)."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Poses:
-    r: Array
-    T: Array
-
-
-@dataclass(frozen=True, eq=False)
-class PositionsOfPath:
-    """A path without its orientations: they are those of the base frame.
-
-    Attributes:
-        path: Whose positions it has.
-    """
-
-    path: SampledPath
-
-    def sample(self, s: Array, /) -> PosesOnPath:
-        """See `SampledPath`."""
-        r = self.path.sample(s).r
-        return _Poses(r, unturned(len(r)))
-
-
 def unturned(count: int) -> Array:
     """Orientations of the base frame, (count, 3, 3)."""
     return np.tile(np.eye(3), (count, 1, 1))
@@ -87,11 +64,14 @@ def line_deviation(r: Array, T: Array, start: Pose, end: Pose) -> tuple[float, f
     return _with_ends(r, T, (start, end), distance, away)
 
 
-def path_deviation(r: Array, T: Array, path: SampledPath) -> tuple[float, float]:
-    """Largest distance (m) and angle (rad) from a path, its ends included; r and T as in `line_deviation`."""
+def path_deviation(r: Array, T: Array, path: SampledPath, *, oriented: bool = True) -> tuple[float, float]:
+    """Largest distance (m) and angle (rad) from a path, its ends included; r and T as in `line_deviation`.
+
+    Unless `oriented`, the orientations of the path do not count: they are those of the base frame.
+    """
     coarse = np.linspace(0.0, 1.0, PATH_POINTS)
-    poses = path.sample(coarse)
-    features, targets = _features(poses.r, poses.T), _features(r, T)
+    path_r, path_T = _sampled(path, coarse, oriented=oriented)
+    features, targets = _features(path_r, path_T), _features(r, T)
     squares = (features**2).sum(axis=1) - 2.0 * targets @ features.T
     best, turned = np.full(len(r), np.inf), np.full(len(r), np.inf)
     for _ in range(BRANCHES):
@@ -99,12 +79,12 @@ def path_deviation(r: Array, T: Array, path: SampledPath) -> tuple[float, float]
         if not rows.size:
             break
         nearest = squares[rows].argmin(axis=1)
-        distance, away = _around(path, coarse[nearest], r[rows], T[rows])
+        distance, away = _around(path, coarse[nearest], r[rows], T[rows], oriented=oriented)
         closer = distance + TURNING_RADIUS * away < best[rows] + TURNING_RADIUS * turned[rows]
         best[rows[closer]], turned[rows[closer]] = distance[closer], away[closer]
         for step in (-1, 0, 1):
             squares[rows, np.clip(nearest + step, 0, PATH_POINTS - 1)] = np.inf
-    ends = Pose(poses.r[0], poses.T[0]), Pose(poses.r[-1], poses.T[-1])
+    ends = Pose(path_r[0], path_T[0]), Pose(path_r[-1], path_T[-1])
     return _with_ends(r, T, ends, best, turned)
 
 
@@ -118,14 +98,20 @@ def _with_ends(
     )
 
 
-def _around(path: SampledPath, near: Array, r: Array, T: Array) -> tuple[Array, Array]:
+def _sampled(path: SampledPath, s: Array, *, oriented: bool) -> tuple[Array, Array]:
+    poses = path.sample(s)
+    return poses.r, poses.T if oriented else unturned(len(s))
+
+
+def _around(path: SampledPath, near: Array, r: Array, T: Array, *, oriented: bool) -> tuple[Array, Array]:
     """Distances (m,) and angles (m,) from the path around s = `near` (m,), by chords between finer points."""
     step = 1.0 / (PATH_POINTS - 1) / FINER
     count = 2 * FINER + 1
     middle = np.clip(near, FINER * step, 1.0 - FINER * step)
-    fine = path.sample((middle[:, None] + step * np.arange(-FINER, FINER + 1)).ravel())
-    points, orientations = fine.r.reshape(-1, count, 3), fine.T.reshape(-1, count, 3, 3)
-    features, targets = _features(fine.r, fine.T).reshape(-1, count, 12), _features(r, T)
+    s = (middle[:, None] + step * np.arange(-FINER, FINER + 1)).ravel()
+    fine_r, fine_T = _sampled(path, s, oriented=oriented)
+    points, orientations = fine_r.reshape(-1, count, 3), fine_T.reshape(-1, count, 3, 3)
+    features, targets = _features(fine_r, fine_T).reshape(-1, count, 12), _features(r, T)
     rows = np.arange(len(r))
     first = np.clip(((features - targets[:, None]) ** 2).sum(axis=2).argmin(axis=1), 1, count - 2)
     best, turned = np.full(len(r), np.inf), np.full(len(r), np.inf)

@@ -93,14 +93,6 @@ def spaced(x: int, y: int, z: int, fewest: int) -> tuple[int, int, int]:
 
 
 @compiled()
-def fill_switches(x: int, y: int, z: int, times: Instants) -> None:
-    """Fill the eight instants, ns, at which jerk changes."""
-    times[0], times[1], times[2], times[3] = 0, x, y, x + y
-    end = x + y + z
-    times[4], times[5], times[6], times[7] = end - x - y, end - y, end - x, end
-
-
-@compiled()
 def state(distance: float, x: int, y: int, z: int, t: int) -> tuple[float, float, float]:
     """Position, velocity and acceleration at an instant, ns, after the start; at rest after the end."""
     end = x + y + z
@@ -150,34 +142,20 @@ def line(
     Returns:
         Times (m,), s, of the switches of jerk; positions, velocities and accelerations there, (m, n) each.
     """
-    n = start.size
     # The path coordinate is the longest displacement, so that short moves keep their precision.
-    longest = 0.0
-    for i in range(n):
-        longest = max(longest, abs(target[i] - start[i]))
-    velocity = acceleration = jerk = inf
-    for i in range(n):
-        share = abs(target[i] - start[i]) / longest
-        if share > 0.0:
-            velocity = min(velocity, limits[0, i] / share)
-            acceleration = min(acceleration, limits[1, i] / share)
-            jerk = min(jerk, limits[2, i] / share)
-    x, y, z = whole_windows(longest, velocity, acceleration, jerk, tick, shortest)
-    instants = np.empty(8, dtype=np.int64)
-    fill_switches(x, y, z, instants)
-    instants = distinct(instants)
-    m = instants.size
-    time, q, q_dot, q_ddot = np.empty(m), np.empty((m, n)), np.empty((m, n)), np.empty((m, n))
-    for row in range(m):
-        time[row] = instants[row] / 1e9
-        s, s_dot, s_ddot = state(longest, x, y, z, instants[row])
-        for i in range(n):
-            direction = (target[i] - start[i]) / longest
-            q[row, i] = start[i] + s * direction
-            q_dot[row, i] = s_dot * direction
-            q_ddot[row, i] = s_ddot * direction
-    q[m - 1] = target
-    return time, q, q_dot, q_ddot
+    way = target - start
+    longest = np.abs(way).max()
+    narrowest = np.full((3, 1), inf)
+    for i in range(start.size):
+        share = abs(way[i]) / longest
+        for order in range(3):
+            if share > 0.0:
+                narrowest[order, 0] = min(narrowest[order, 0], limits[order, i] / share)
+    time, s, s_dot, s_ddot = _profiles(np.array([longest]), narrowest, tick, shortest)
+    direction = way / longest
+    q = start + s * direction
+    q[-1] = target
+    return time, q, s_dot * direction, s_ddot * direction
 
 
 @compiled()
@@ -185,33 +163,39 @@ def each_axis(
     start: Array, target: Array, limits: Array, tick: int, shortest: int
 ) -> tuple[Array, Array, Array, Array]:
     """Independent motion of every coordinate, as `line`; empty if switches are closer than `shortest`."""
-    n = start.size
-    chosen = np.zeros((n, 3), dtype=np.int64)
-    instants = np.zeros((n, 8), dtype=np.int64)
+    way = target - start
+    time, s, s_dot, s_ddot = _profiles(np.abs(way), limits, tick, shortest)
+    for row in range(time.size - 1):
+        if time[row + 1] - time[row] < (shortest - 0.5) * NANOSECOND:
+            return np.empty(0), s[:0], s_dot[:0], s_ddot[:0]
+    sign = np.sign(way)
+    q = start + s * sign
+    for i in range(start.size):
+        for row in range(time.size):
+            if s[row, i] == abs(way[i]):
+                q[row, i] = target[i]
+    return time, q, s_dot * sign, s_ddot * sign
+
+
+@compiled()
+def _profiles(distances: Array, limits: Array, tick: int, shortest: int) -> tuple[Array, Array, Array, Array]:
+    """Independent motions over distances (n,) >= 0: times of all switches of jerk, and `state` there."""
+    n = distances.size
+    chosen, instants = np.zeros((n, 3), dtype=np.int64), np.zeros((n, 8), dtype=np.int64)
     for i in range(n):
-        distance = abs(target[i] - start[i])
-        if distance > 0.0:
-            x, y, z = whole_windows(distance, limits[0, i], limits[1, i], limits[2, i], tick, shortest)
-            chosen[i, 0], chosen[i, 1], chosen[i, 2] = x, y, z
-            fill_switches(x, y, z, instants[i])
+        if distances[i] > 0.0:
+            x, y, z = whole_windows(distances[i], limits[0, i], limits[1, i], limits[2, i], tick, shortest)
+            end = x + y + z
+            chosen[i] = x, y, z
+            instants[i] = 0, x, y, x + y, end - x - y, end - y, end - x, end
     together = distinct(instants.ravel())
     m = together.size
-    for row in range(m - 1):
-        if together[row + 1] - together[row] < shortest:
-            m = 0
-    time, q, q_dot, q_ddot = np.empty(m), np.empty((m, n)), np.empty((m, n)), np.empty((m, n))
+    s, s_dot, s_ddot = np.empty((m, n)), np.empty((m, n)), np.empty((m, n))
     for row in range(m):
-        time[row] = together[row] / 1e9
         for i in range(n):
-            if target[i] == start[i]:
-                q[row, i], q_dot[row, i], q_ddot[row, i] = target[i], 0.0, 0.0
-                continue
-            x, y, z = chosen[i, 0], chosen[i, 1], chosen[i, 2]
-            sign = 1.0 if target[i] > start[i] else -1.0
-            s, s_dot, s_ddot = state(abs(target[i] - start[i]), x, y, z, together[row])
-            q[row, i] = start[i] + sign * s if together[row] < x + y + z else target[i]
-            q_dot[row, i], q_ddot[row, i] = sign * s_dot, sign * s_ddot
-    return time, q, q_dot, q_ddot
+            x, y, z = chosen[i]
+            s[row, i], s_dot[row, i], s_ddot[row, i] = state(distances[i], x, y, z, together[row])
+    return together / 1e9, s, s_dot, s_ddot
 
 
 @compiled()

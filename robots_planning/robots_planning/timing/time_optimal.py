@@ -20,11 +20,10 @@ from robots_planning.paths.path_grid import finer_grid
 from robots_planning.paths.reparametrised_path import ReparametrisedPath
 from robots_planning.timing.path_dynamics import memory_for, torque_rows, torque_use
 from robots_planning.timing.path_start import PathStart
-from robots_planning.timing.path_timing import TooSlowError
-from robots_planning.timing.quintic import quintic_coefficients, quintic_uses, quintics_at
+from robots_planning.timing.quintic import quintic_uses, quintics_at
 from robots_planning.timing.speed_profile import fastest_speeds
 from robots_planning.timing.switched_time_law import SwitchedTimeLaw
-from robots_planning.timing.timed_path import TimedPath, slower, with_times
+from robots_planning.timing.timed_path import TimedPath, TooSlowError, slower, with_times
 from robots_planning.trajectory import Trajectory
 
 # Length of the ramps of acceleration, of the duration; all of them together lengthen the motion by one ramp.
@@ -39,6 +38,7 @@ RESERVE = 3e-4  # of the limits, at first, so that most trajectories need no sec
 # Ramps tried with jerk limits, relative to what the largest jump of acceleration needs: a shorter one costs
 # less time everywhere, and more where the motion is slowed down for its jerk.
 JERK_RAMPS = (1.0, 0.75, 0.55)
+PASSES = 3  # the first with constant s_ddot from point to point, the others with the slopes of the one before
 ROUNDS = 6  # of lowering limits that the trajectory broke
 MOST_ROUNDS = 16  # where what is left cannot be slowed down as a whole
 DISCRETISATION = 1e-3  # of a duration, by which a profile may be slower than the fastest
@@ -114,7 +114,7 @@ class TimeOptimalTiming:
         Args:
             path: The joint path.
             tool: Limits of the tool besides those of the axes.
-            longest: Longest duration that the caller accepts, s; see `PathTiming`.
+            longest: Longest duration that the caller accepts, s; planning stops once it is exceeded.
 
         Raises:
             PlanningError: the robot cannot hold itself against gravity somewhere on the path; names axis,
@@ -146,12 +146,9 @@ class TimeOptimalTiming:
         Planning stops once they are sure to take more than `longest`, s: lowering limits only makes them
         slower.
         """
-        even = ReparametrisedPath(path, self._velocity, self._acceleration)
-        if tool is not None:
-            tool = replace(tool, derivatives=partial(even.derivatives, tool.derivatives))
+        even, tool = self._even(path, tool)
         s = even.grid
-        limits = self._limits(s, *even.evaluate(s), tool)
-        scale = np.full(len(s), 1.0 - RESERVE)
+        limits, scale = self._limits(s, even, tool)
         plans: list[TimedPath] = []
         for number in range(ROUNDS):
             law = self._law(s, limits, scale, even, shortest)
@@ -162,8 +159,7 @@ class TimeOptimalTiming:
             worst = float(use.max())
             if number == 0 and worst > COARSE:
                 s = finer_grid(s, law.s_of(times[use > TOO_LONG])[0])
-                limits = self._limits(s, *even.evaluate(s), tool)
-                scale = np.full(len(s), 1.0 - RESERVE)
+                limits, scale = self._limits(s, even, tool)
                 continue
             if self._jerk is not None:
                 plans.append(TimedPath.of(self._slowed(trajectory, law, worst), places, law))
@@ -191,14 +187,11 @@ class TimeOptimalTiming:
         Raises:
             PlanningError: as `timed`, or the start is too fast for what is ahead.
         """
-        even, smoothing = ReparametrisedPath(path, self._velocity, self._acceleration), start.smoothing
-        if tool is not None:
-            tool = replace(tool, derivatives=partial(even.derivatives, tool.derivatives))
+        (even, tool), smoothing = self._even(path, tool), start.smoothing
         start, s = start.over(even), even.grid
         first = start.before_average()[0]
         s = np.append(first, s[s > first + CLOSEST_START])
-        limits = self._limits(s, *even.evaluate(s), tool)
-        scale = np.full(len(s), 1.0 - RESERVE)
+        limits, scale = self._limits(s, even, tool)
         for number in range(MOST_ROUNDS):
             law = self._law(s, limits, scale, even, smoothing.window, start=start)
             trajectory, places = self._sampled(even, law, limits, start)
@@ -210,8 +203,7 @@ class TimeOptimalTiming:
                 return TimedPath.of(trajectory, places, law)
             if number == 0 and float(use.max()) > COARSE:
                 s = finer_grid(s, law.s_of(times[use > TOO_LONG] / smoothing.stretch)[0])
-                limits = self._limits(s, *even.evaluate(s), tool)
-                scale = np.full(len(s), 1.0 - RESERVE)
+                limits, scale = self._limits(s, even, tool)
                 continue
             # More from round to round: what is left gets smaller slowly.
             use = np.where(use > 1.0 + MARGIN_EXCESS, use + MARGIN_EXCESS * 1.5**number, use)
@@ -234,13 +226,21 @@ class TimeOptimalTiming:
             trajectory = slower(trajectory, jerk ** (1.0 / 3.0) * (1.0 + EXCESS))
         return trajectory
 
+    def _even(self, path: JointPath, tool: ToolLimits | None) -> tuple[ReparametrisedPath, ToolLimits | None]:
+        """The path and the tool's limits over a coordinate along which the axes move evenly."""
+        even = ReparametrisedPath(path, self._velocity, self._acceleration)
+        if tool is not None:
+            tool = replace(tool, derivatives=partial(even.derivatives, tool.derivatives))
+        return even, tool
+
     def _limits(
-        self, s: Array, q: Array, q_s: Array, q_ss: Array, tool: ToolLimits | None
-    ) -> tuple[Array, Array]:
-        """Rows (m, k, 3) of a, b and c, and the highest s_dot^2 of the velocity limits, (m,)."""
+        self, s: Array, path: ReparametrisedPath, tool: ToolLimits | None
+    ) -> tuple[tuple[Array, Array], Array]:
+        """Rows (m, k, 4), the highest s_dot^2 of the velocity limits, and the part to use."""
+        q, q_s, q_ss = path.evaluate(s)
         m, n = q.shape
         rows = np.zeros(
-            (m, n * (2 if self._effort is not None else 1) + (len(tool.acceleration) if tool else 0), 3)
+            (m, n * (2 if self._effort is not None else 1) + (len(tool.acceleration) if tool else 0), 4)
         )
         rows[:, :n, 0], rows[:, :n, 1] = q_s / self._acceleration, q_ss / self._acceleration
         fraction = np.abs(q_s / self._velocity).max(axis=1)
@@ -250,9 +250,9 @@ class TimeOptimalTiming:
             rows[:, part, 0], rows[:, part, 1] = first / tool.acceleration, second / tool.acceleration
             fraction = np.maximum(fraction, (first / tool.velocity).max(axis=1))
         if self._effort is not None:
-            self._torque_rows(q, q_s, q_ss, rows[:, -n:])
+            self._torque_rows(q, q_s, q_ss, rows[:, -n:, :3])
         with np.errstate(divide='ignore'):
-            return rows, 1.0 / fraction**2
+            return (rows, 1.0 / fraction**2), np.full(m, 1.0 - RESERVE)
 
     def _torque_rows(self, q: Array, q_s: Array, q_ss: Array, rows: Array) -> None:
         effort = self._effort
@@ -281,7 +281,7 @@ class TimeOptimalTiming:
     ) -> SwitchedTimeLaw:
         u, difference = np.empty(len(s)), np.empty(len(s) - 1)
         u[0] = 0.0 if start is None else start.before_average()[1] ** 2
-        failed = fastest_speeds(s, limits[0], limits[1] * scale**2, scale, u, difference)
+        failed = fastest_speeds(s, limits[0], limits[1] * scale**2, scale, PASSES, u, difference)
         if failed >= 0:
             place = s[failed : failed + 1]
             raise self._too_heavy(float(path.s_of(place)[0][0]), path.evaluate(place)[0][0])
@@ -333,10 +333,7 @@ class TimeOptimalTiming:
         points = trajectory.time
         parts = np.arange(CHECKS_PER_STEP) / CHECKS_PER_STEP
         times = (points[:-1, None] + np.diff(points)[:, None] * parts).ravel()
-        coefficients = np.empty((len(points) - 1, 6, trajectory.num_axes))
-        quintic_coefficients(
-            points, trajectory.position, trajectory.velocity, trajectory.acceleration, coefficients
-        )
+        coefficients = np.array(trajectory.coefficients)  # read-only arrays would be compiled for once more
         uses = np.empty((len(points) - 1, 3))
         quintic_uses(points, coefficients, self._axis_limits, uses)
         use, jerk = (np.repeat(values, CHECKS_PER_STEP) for values in (uses[:, :2].max(axis=1), uses[:, 2]))
@@ -362,7 +359,7 @@ class TimeOptimalTiming:
 
     @staticmethod
     def _heavy(law: SwitchedTimeLaw, rows: Array, times: Array) -> Array:
-        """Whether the profile's torques are large close to times (k,), from the torque rows, (m, n, 3)."""
+        """Whether the profile's torques are large close to times (k,), from the torque rows, (m, n, 4)."""
         speed, begin, end = law.at_grid
         parts = [
             np.abs(part[:, :, 0] * x[:, None] + part[:, :, 1] * (v**2)[:, None] + part[:, :, 2]).max(axis=1)

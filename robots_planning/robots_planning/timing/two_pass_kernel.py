@@ -11,11 +11,11 @@ from robots_planning.paths.cartesian_path_kernel import PathArrays, pose_on_path
 from robots_planning.timing.quintic import (
     interval_at,
     quintic_coefficients,
-    quintic_extremes,
+    quintic_uses,
     quintics_at,
 )
-from robots_planning.timing.time_law import TimeLaw, smooth_law_at, time_law
-from robots_planning.timing.two_pass import Grid, MotionLimits, two_pass
+from robots_planning.timing.speed_profile import fastest_speeds
+from robots_planning.timing.switched_time_law import averaged, law_pieces
 
 GRID = 240  # points of the speed profile over the path, at least
 GRID_ROUNDING = 1e-9  # of a grid interval: rounding of the samples must not add an interval
@@ -36,12 +36,20 @@ GOOD_ENOUGH = 1.002  # use of a limit at which a uniform slow-down is cheaper th
 SMOOTHING_MARGIN = 1e-3
 STRETCH_EXCESS = 1e-7  # so that rounding does not cause another round
 STRETCHES = 4
+STANDSTILL = 1e-12  # m and rad per unit of s; at rest the path has no direction
 
 Points = tuple[Array, Array, Array, Array]
 """Times (k,), positions, velocities and accelerations (k, n)."""
 
-AllLimits = tuple[MotionLimits, Array, float]
-"""Velocity and acceleration limits, jerk of the axes (n,) and of the tool; infinite where there is none."""
+Grid = tuple[Array, Array, Array, Array, Array]
+"""s (m,), increasing; q' and q'' of the axes, (m, n); x' and x'' of the tool, (m, 6), linear first."""
+
+TimeLaw = tuple[Array, Array]
+"""Times, (m,), and pieces, (m, 5), of `law_pieces`."""
+
+PathLimits = tuple[Array, Array, float]
+"""Velocity, acceleration and jerk of the axes, (3, n); speed, acceleration, angular speed and angular
+acceleration of the tool, (4,), each on the norm of a vector; its jerk. Infinite where there is none."""
 
 
 @compiled()
@@ -81,8 +89,52 @@ def grid_of(path_s: Array, coefficients: Array, tool_path: PathArrays) -> Grid:
 
 
 @compiled()
+def speed_limits(grid: Grid, axes: Array, tool: Array) -> tuple[Array, Array]:
+    """Limits of axes and tool as in `fastest_speeds`: rows (m, n + 2, 4), and the highest s_dot^2, (m,)."""
+    _, q_s, q_ss, x_s, x_ss = grid
+    m, n = q_s.shape
+    rows, highest = np.zeros((m, n + 2, 4)), np.full(m, inf)
+    for i in range(m):
+        for k in range(n):
+            rows[i, k, 0], rows[i, k, 1] = q_s[i, k] / axes[1, k], q_ss[i, k] / axes[1, k]
+            if q_s[i, k] != 0.0:
+                highest[i] = min(highest[i], (axes[0, k] / q_s[i, k]) ** 2)
+        for part in range(2):
+            first, second = x_s[i, 3 * part : 3 * part + 3], x_ss[i, 3 * part : 3 * part + 3]
+            row, limit = rows[i, n + part], tool[2 * part + 1]
+            rate = sqrt(np.sum(first * first))
+            if rate > STANDSTILL:
+                along = np.sum(first * second) / rate
+                row[0], row[1] = rate / limit, along / limit
+                second = second - along / rate * first
+                highest[i] = min(highest[i], (tool[2 * part] / rate) ** 2)
+            across = sqrt(np.sum(second * second))
+            if across > STANDSTILL:
+                row[3] = across / limit
+    return rows, highest
+
+
+@compiled()
+def two_pass(s: Array, rows: Array, highest: Array, scale: Array) -> TimeLaw:
+    """The fastest motion from rest to rest with s_ddot constant from point to point.
+
+    Args:
+        s: Path grid, (m,), from 0 to 1.
+        rows: See `speed_limits`.
+        highest: See `speed_limits`.
+        scale: Part of the limits to use at each point, (m,): of accelerations, and of squared speeds.
+    """
+    m = s.size
+    speeds, change = np.zeros(m), np.empty(m - 1)
+    fastest_speeds(s, rows, highest * scale, scale, 1, speeds, change)
+    law = (np.empty(m), np.empty((m, 5)))
+    law_pieces(s, speeds, change, *law)
+    return law
+
+
+@compiled()
 def timed_points(
-    path_s: Array, coefficients: Array, grid: Grid, limits: AllLimits, window: float, share: float
+    path_s: Array, coefficients: Array, grid: Grid, limits: PathLimits, window: float, share: float
 ) -> Points:
     """Points of the fastest smooth motion along a joint path that keeps all limits, between points too.
 
@@ -93,22 +145,20 @@ def timed_points(
         path_s: s of the joint path, (k,).
         coefficients: Of its quintics, (k - 1, 6, n).
         grid: From `grid_of`.
-        limits: See `AllLimits`.
+        limits: See `PathLimits`.
         window: Longest smoothing of acceleration, s; the motion is longer by the window.
         share: Longest smoothing, as part of the duration.
     """
-    m = grid[0].size
-    scale, speeds = np.full(m, 1.0 - SMOOTHING_MARGIN), np.empty(m)
-    two_pass(grid, limits[0], scale, speeds)
-    law = time_law(grid[0], speeds)
+    rows, highest = speed_limits(grid, limits[0], limits[1])
+    scale = np.full(grid[0].size, 1.0 - SMOOTHING_MARGIN)
+    law = two_pass(grid[0], rows, highest, scale)
     width = max(min(window, share * law[0][-1]), 2.0 * CLOSEST_POINTS)
     points, use = _sampled(path_s, coefficients, grid, limits, law, width, 1.0)
     for _ in range(ROUNDS):
         if use.max() <= GOOD_ENOUGH:
             break
         _slow_down(law[0], width, points[0], use, scale)
-        two_pass(grid, limits[0], scale, speeds)
-        law = time_law(grid[0], speeds)
+        law = two_pass(grid[0], rows, highest, scale)
         points, use = _sampled(path_s, coefficients, grid, limits, law, width, 1.0)
     stretch = 1.0
     for _ in range(STRETCHES):
@@ -121,17 +171,15 @@ def timed_points(
 
 
 @compiled()
-def jerk_window(grid: Grid, limits: AllLimits) -> float:
+def jerk_window(grid: Grid, limits: PathLimits) -> float:
     """The smoothing window with which no jump of the unsmoothed law breaks a jerk limit, s."""
-    (s, q_s, _, x_s, _), (motion, jerk, tool_jerk) = grid, limits
-    speeds = np.empty(s.size)
-    two_pass(grid, motion, np.ones(s.size), speeds)
-    s_ddot = time_law(s, speeds)[4]
+    (s, q_s, _, x_s, _), (axes, tool, tool_jerk) = grid, limits
+    s_ddot = two_pass(s, *speed_limits(grid, axes, tool), np.ones(s.size))[1][:-1, 3]
     window = 0.0
     for i in range(s.size):
         jump = abs((s_ddot[i] if i < s.size - 1 else 0.0) - (s_ddot[i - 1] if i > 0 else 0.0))
-        for k in range(jerk.size):
-            window = max(window, abs(q_s[i, k]) * jump / jerk[k])
+        for k in range(axes.shape[1]):
+            window = max(window, abs(q_s[i, k]) * jump / axes[2, k])
         window = max(window, sqrt(x_s[i, 0] ** 2 + x_s[i, 1] ** 2 + x_s[i, 2] ** 2) * jump / tool_jerk)
     return window
 
@@ -151,10 +199,10 @@ def _slow_down(t: Array, window: float, times: Array, use: Array, scale: Array) 
 
 
 @compiled()
-def _point_times(law: TimeLaw, grid: Grid, limits: AllLimits, window: float) -> Array:
+def _point_times(law: TimeLaw, grid: Grid, limits: PathLimits, window: float) -> Array:
     """Times of the points: both ends of the smoothing of every notable jump, and the grid in between."""
-    t, s_ddot, q_s = law[0], law[4], grid[1]
-    acceleration, jerk = limits[0][1], limits[1]
+    t, s_ddot, q_s = law[0], law[1][:-1, 3], grid[1]
+    acceleration, jerk = limits[0][1], limits[0][2]
     m = t.size
     ends, count = np.empty(2 * m), 0
     for i in range(m):
@@ -196,7 +244,7 @@ def _sampled(
     path_s: Array,
     coefficients: Array,
     grid: Grid,
-    limits: AllLimits,
+    limits: PathLimits,
     law: TimeLaw,
     window: float,
     stretch: float,
@@ -206,14 +254,14 @@ def _sampled(
     The use is the ratio to the limit of acceleration or jerk, or the squared ratio of speed.
     """
     s, _, _, x_s, x_ss = grid
-    (velocity, acceleration, tool), jerk, tool_jerk = limits
+    axes, tool, tool_jerk = limits
     plan = _point_times(law, grid, limits, window)
-    k, n = plan.size, velocity.size
+    k, n = plan.size, axes.shape[1]
     times, path = np.empty(k), np.empty((3, k))
     for row in range(k):
         # Messages hold whole nanoseconds; points planned at such times are not changed by rounding.
         times[row] = np.floor(plan[row] * stretch * 1e9 + 0.5) / 1e9
-        path[0, row], path[1, row], path[2, row] = smooth_law_at(law, window, times[row] / stretch)
+    averaged(law[0], law[1], 0.0, window, times / stretch, path)
     path[0, 0], path[0, k - 1] = 0.0, 1.0
     for row in (0, k - 1):
         path[1, row], path[2, row] = 0.0, 0.0
@@ -233,14 +281,11 @@ def _sampled(
         last_linear[:] = linear
     curve = np.empty((k - 1, 6, n))
     quintic_coefficients(times, q, q_dot, q_ddot, curve)
-    use = np.empty(k - 1)
+    uses = np.empty((k - 1, 3))
+    quintic_uses(times, curve, axes, uses)
+    use = np.maximum(tool_use[:-1], tool_use[1:])
     for row in range(k - 1):
-        worst = max(tool_use[row], tool_use[row + 1])
-        for axis in range(n):
-            first, second, third = quintic_extremes(curve[row, :, axis], times[row + 1] - times[row])
-            worst = max(worst, (first / velocity[axis]) ** 2, second / acceleration[axis])
-            worst = max(worst, third / jerk[axis])
-        use[row] = worst
+        use[row] = max(use[row], uses[row, 0] ** 2, uses[row, 1], uses[row, 2])
     return (times, q, q_dot, q_ddot), use
 
 

@@ -5,9 +5,9 @@ import numpy as np
 from robots_core.validation import Array, positive
 from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.paths.joint_path import JointPath
-from robots_planning.timing.path_timing import ToolLimits, TooSlowError
+from robots_planning.timing.timed_path import TooSlowError
 from robots_planning.timing.two_pass_kernel import (
-    AllLimits,
+    PathLimits,
     Points,
     grid_of,
     jerk_window,
@@ -32,7 +32,9 @@ class TwoPassTiming:
         velocity: Of the axes, (n,), rad/s (m/s).
         acceleration: rad/s^2 (m/s^2).
         jerk: rad/s^3 (m/s^3); None: acceleration is continuous, and jerk not limited.
-        tool: Limits of the tool.
+        tool: Highest speed (m/s), acceleration, angular speed (rad/s) and angular acceleration of the tool,
+            (4,), each on the norm of a vector; infinite for none.
+        tool_jerk: Highest jerk of the tool, m/s^3, kept where jerk is limited; infinite for none.
         smoothing: Longest smoothing of acceleration without jerk limits, s.
 
     Raises:
@@ -40,25 +42,28 @@ class TwoPassTiming:
     """
 
     def __init__(
-        self, velocity: Array, acceleration: Array, jerk: Array | None, tool: ToolLimits, *, smoothing: float
+        self,
+        velocity: Array,
+        acceleration: Array,
+        jerk: Array | None,
+        tool: Array,
+        *,
+        tool_jerk: float,
+        smoothing: float,
     ) -> None:
         self._smoothing = positive(smoothing, 'smoothing', 's')
         self._jerk_limited = jerk is not None
-        no_limit = np.full(len(velocity), np.inf)
-        self._limits: AllLimits = (
-            (
-                np.array(velocity),
-                np.array(acceleration),
-                np.array([tool.speed, tool.acceleration, tool.rotation_speed, tool.rotation_acceleration]),
-            ),
-            no_limit if jerk is None else np.array(jerk),
-            np.inf if tool.jerk is None or jerk is None else float(tool.jerk),
+        jerks = np.full(len(velocity), np.inf) if jerk is None else jerk
+        self._limits: PathLimits = (
+            np.array([velocity, acceleration, jerks]),
+            np.array(tool),
+            np.inf if jerk is None else tool_jerk,
         )
 
     def trajectory(
         self, joint_path: JointPath, tool_path: CartesianPath, longest: float = np.inf
     ) -> Trajectory:
-        """The timed motion along a path; see `PathTiming`."""
+        """The timed motion along a path; see `TimeOptimalTiming.timed`."""
         trajectory = self._trajectory(joint_path, tool_path)
         if trajectory.duration > longest:
             raise TooSlowError

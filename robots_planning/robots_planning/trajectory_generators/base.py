@@ -115,27 +115,31 @@ class TrajectoryGenerator(ABC):
 
         Args:
             q_start: Joint positions to start from, (n,), rad (m).
-            target: Pose of the tool in the base frame, or joint positions (n,), rad (m).
+            target: Pose of the tool in the base frame, or joint positions (n,), rad (m); of motions through
+                several poses these in the order of the motion, without the start.
 
         Raises:
             JointLimitError: start or target outside the axis limits.
-            UnreachablePoseError: no joint positions inside the limits reach the pose.
+            UnreachablePoseError: no joint positions inside the limits reach the (last) pose.
             PlanningError: the motion between start and target is impossible; says where and why.
             InvalidInputError: wrong shapes, NaN or infinity, or a kind of target not meant for this motion.
         """
         start = self.robot.axes_data.check_position(q_start, 'q_start')
-        if isinstance(target, Pose):
-            trajectory = self.plan_to_pose(start, target)
-        elif self.accepts_joints:
-            goal = self.robot.axes_data.check_position(cast('ArrayLike', target), 'target')
-            trajectory = self.plan_to_joints(start, goal)
-        else:
-            raise InvalidInputError(
-                f'{type(self).__name__} needs a Pose as target, got {type(target).__name__}; '
-                'joint targets are for motions in joint space'
-            )
+        trajectory = self._plan(start, target)
         self._check(trajectory, start)
         return trajectory
+
+    def _plan(self, start: Array, target: Target) -> Trajectory:
+        """Plan to a target that is not checked yet; the start is valid."""
+        if isinstance(target, Pose):
+            return self.plan_to_pose(start, target)
+        if self.accepts_joints:
+            goal = self.robot.axes_data.check_position(cast('ArrayLike', target), 'target')
+            return self.plan_to_joints(start, goal)
+        raise InvalidInputError(
+            f'{type(self).__name__} needs a Pose as target, got {type(target).__name__}; '
+            'joint targets are for motions in joint space'
+        )
 
     @abstractmethod
     def plan_to_pose(self, start: Array, target: Pose) -> Trajectory:

@@ -9,10 +9,10 @@ from robots_planning.paths.cartesian_line import CartesianLine
 from robots_planning.paths.cartesian_path import COINCIDENT_ANGLE, COINCIDENT_DISTANCE
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import Target, ToolGeometry, rest_trajectory
-from robots_planning.trajectory_generators.path_generator import PathGenerator
+from robots_planning.trajectory_generators.cartesian_generator import CartesianGenerator
 
 
-class LineGenerator(PathGenerator):
+class LineGenerator(CartesianGenerator):
     """The tool centre point moves on a straight line and turns about one axis."""
 
     kinds: ClassVar[tuple[str, ...]] = ('line',)

@@ -1,8 +1,7 @@
 """LinearCartesianLimited: point-to-point on a straight line of the tool, by the two-pass algorithm."""
 
-from robots_planning.trajectory_generators.cartesian_generator import CartesianGenerator
 from robots_planning.trajectory_generators.line_generator import LineGenerator
 
 
-class LinearCartesianLimited(LineGenerator, CartesianGenerator):
+class LinearCartesianLimited(LineGenerator):
     """The tool moves on a straight line and turns about one axis. Options: see `CartesianGenerator`."""
