@@ -30,7 +30,6 @@ def authority_by_parameters(node: RobotNode) -> CommandAuthority:
         HOLD_TIMEOUT,
         'in T1 and T2, run counts as held for this long after hold_to_run was true, s; 0: nobody needs to',
         bounds=(0.0, 2.0),
-        read_only=True,
     )
     return CommandAuthority(OperatingMode(mode), hold_timeout=timeout)
 

@@ -80,10 +80,7 @@ class ControllerNode(RobotNode):
         settings = settings_by_parameters(self)
         rate = 1.0 / settings.period
         priority = self.parameter(
-            'realtime_priority',
-            50,
-            'FIFO priority of the loop where the system permits it; 0: none',
-            read_only=True,
+            'realtime_priority', 50, 'FIFO priority of the loop where the system permits it; 0: none'
         )
         latency = self.parameter(
             'idle_latency',
@@ -92,7 +89,6 @@ class ControllerNode(RobotNode):
             'at 0 (the default from 500 Hz on) none sleeps, which takes power and keeps time best; '
             'negative: not asked',
             bounds=(-1.0, 1.0),
-            read_only=True,
         )
         watchdog = watchdog_parameter(self)
         share = {} if self.simulated_time else {'processor_share': processor_share}
@@ -172,7 +168,7 @@ class ControllerNode(RobotNode):
     def _take_over(self) -> None:
         """A controller that has taken the place of one that died lets nothing move before a reset."""
         text = 'what ended an earlier process of this node: the robot stays stopped until ~/reset'
-        interrupted = self.parameter('interrupted', '', text, read_only=True)
+        interrupted = self.parameter('interrupted', '', text)
         if interrupted:
             self._control.trip(CONTROLLER_LOST, interrupted)
 
@@ -185,7 +181,6 @@ class ControllerNode(RobotNode):
             [''],
             "digital inputs that stop the robot, as 'digital_input.3=off'",
             check=parse_emergency_stop,
-            read_only=True,
         )
         self._emergency_inputs = parse_emergency_stop(texts)
         if any(texts):

@@ -26,7 +26,7 @@ class GuidePlayerNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('guide_player_node', **options)
-        path = self.parameter('references', '', 'bag of what guides or jogs the robot', read_only=True)
+        path = self.parameter('references', '', 'bag of what guides or jogs the robot')
         if path:
             self._open(read_guide_recording(path, self.robot.axes_data.names))
         else:

@@ -35,14 +35,13 @@ class IoBridgeNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('io_bridge_node', **options)
-        path = self.parameter('io_map', '', 'YAML file that maps channels to topics', read_only=True)
+        path = self.parameter('io_map', '', 'YAML file that maps channels to topics')
         self._map = read_io_map(path) if path else IoMap()
         declared = self.parameter(
             'fail_safe',
             [''],
             "fail-safe values of outputs that the map does not declare, as 'digital_output.3=hold'",
             check=parse_fail_safe,
-            read_only=True,
         )
         safe = {**parse_fail_safe(declared), **self._map.fail_safe}
         kinds = {id(row): _checked(row) for row in (*self._map.inputs, *self._map.outputs)}

@@ -94,10 +94,9 @@ class LuaProgramNode(RobotNode):
             'orientation_convention',
             self.robot.orientation_convention,
             'order of the angles phi: zyx, xyz, zyz or XYZ',
-            read_only=True,
         )
         sizes = {
-            name: self.parameter(name, size, text, read_only=True)
+            name: self.parameter(name, size, text)
             for name, size, text in (
                 ('digital_size', DIGITAL_SIZE, 'number of digital inputs, and of digital outputs'),
                 ('analog_size', ANALOG_SIZE, 'number of analog inputs, and of analog outputs'),
@@ -105,25 +104,19 @@ class LuaProgramNode(RobotNode):
         }
         labels = {image: self._names(image.removesuffix('s')) for image in IMAGES}
         timeout = self.parameter(
-            'planner_timeout',
-            5.0,
-            'longest wait of a motion for planning_node, s',
-            bounds=(0.1, 600.0),
-            read_only=True,
+            'planner_timeout', 5.0, 'longest wait of a motion for planning_node, s', bounds=(0.1, 600.0)
         )
         payload = self.parameter(
             'payload',
             list(NOTHING),
             'what hangs on tool0 until a program sets it: kg, centre x y z (m), maybe inertia',
             check=payload_of,
-            read_only=True,
         )
         fail_safe = self.parameter(
             'fail_safe',
             [''],
             "values of outputs when no running program answers for them, as 'digital_output.3=hold'",
             check=parse_fail_safe,
-            read_only=True,
         )
         axes = self.robot.axes_data
         self._command_state_publisher = self.create_publisher(String, 'command_state', STATE)
@@ -161,12 +154,8 @@ class LuaProgramNode(RobotNode):
         self.add_post_set_parameters_callback(lambda _: self._set_breakpoints())
         self._set_breakpoints()
         self.parameter('step_mode', 'over', f'how far ~/step goes: {", ".join(STEPS)}', check=_known_step)
-        port = self.parameter(
-            'debug_port', 0, 'port on this machine where editors connect; 0 for none', read_only=True
-        )
-        token = self.parameter(
-            'debug_token', '', 'what editors must give; empty for a new one', read_only=True
-        )
+        port = self.parameter('debug_port', 0, 'port on this machine where editors connect; 0 for none')
+        token = self.parameter('debug_token', '', 'what editors must give; empty for a new one')
         PathSwitchingMessages(self, self.host.switching, axes.names)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
         self._controller.report_to(self.host, self._changed)
@@ -199,7 +188,7 @@ class LuaProgramNode(RobotNode):
     def _names(self, channel: str) -> tuple[str, ...]:
         text = f'names of the {channel.replace("_", " ")}s, from the first on; an empty one names none'
         # An empty list would have no type; one empty name says the same.
-        return tuple(self.parameter(f'{channel}_names', [''], text, read_only=True))
+        return tuple(self.parameter(f'{channel}_names', [''], text))
 
     # -- services -------------------------------------------------------------------------------------
 
@@ -247,10 +236,9 @@ class LuaProgramNode(RobotNode):
             [''],
             "values that outputs have at the start, as 'digital_output.3=1'",
             check=parse_fail_safe,
-            read_only=True,
         )
         interrupted = self.parameter(
-            'interrupted', '', 'what ended the program in an earlier process of this node', read_only=True
+            'interrupted', '', 'what ended the program in an earlier process of this node'
         )
         for name, value in parse_fail_safe(outputs).items():
             self._program.io.set_value(self._program.io.find(name), value or 0.0)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any, Final
+from typing import Any
 
 from rcl_interfaces.msg import ParameterType
 from rcl_interfaces.srv import GetParameters, SetParametersAtomically
@@ -12,7 +12,6 @@ from robots_core.errors import PlanningError
 from robots_core.ros.presence import is_served
 from robots_core.ros.timed_node import TimedNode
 
-BLEND_ZONES: Final = ('blend_zone', 'joint_blend_zone')
 Done = Callable[[PlanningError | None], None]
 
 

@@ -47,7 +47,6 @@ class WatchedZones:
             [''],
             "digital inputs that close the borders of zones, as 'digital_input.3=off press'",
             check=parse_closing,
-            read_only=True,
         )
         self._inputs = parse_closing(texts)
         self.guard = self._make_guard() if self._scene.zones else None

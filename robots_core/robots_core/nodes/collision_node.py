@@ -48,21 +48,13 @@ class CollisionNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('collision_node', **options)
-        margin = self.parameter(
-            'collision_margin', GUARD_MARGIN, 'distance to keep, m', check=usable_margin, read_only=True
-        )
+        margin = self.parameter('collision_margin', GUARD_MARGIN, 'distance to keep, m', check=usable_margin)
         engine = self.parameter(
-            'collision_engine', 'fcl', f'one of {", ".join(ENGINES)}', check=_known_engine, read_only=True
+            'collision_engine', 'fcl', f'one of {", ".join(ENGINES)}', check=_known_engine
         )
-        lookahead = self.parameter(
-            'lookahead', LOOKAHEAD, 'stop this long before, s', bounds=(0.0, 60.0), read_only=True
-        )
-        rate = self.parameter(
-            'rate', LOOK_RATE, 'looks per second, Hz', bounds=(0.1, MAX_RATE), read_only=True
-        )
-        controller = self.parameter(
-            'controller', 'controller_node', 'node whose ~/stop is called', read_only=True
-        )
+        lookahead = self.parameter('lookahead', LOOKAHEAD, 'stop this long before, s', bounds=(0.0, 60.0))
+        rate = self.parameter('rate', LOOK_RATE, 'looks per second, Hz', bounds=(0.1, MAX_RATE))
+        controller = self.parameter('controller', 'controller_node', 'node whose ~/stop is called')
         self.guard = CollisionGuard(
             CollisionDetection(self.robot, engine=engine), self._stop, margin=margin, lookahead=lookahead
         )

@@ -29,9 +29,7 @@ class DirectKinematicsNode(RobotNode):
         tool = self.parameter(
             'tool', NO_TOOL, 'tool in tool0: x y z (m), quaternion x y z w', check=pose_from_parameter
         )
-        rate = self.parameter(
-            'rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE), read_only=True
-        )
+        rate = self.parameter('rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE))
         self._kinematics = DirectKinematics(self.robot, tool=pose_from_parameter(tool))
         self._kinematics.forward(self.robot.home)  # a ready node has loaded what it needs
         self._publisher = self.create_publisher(PoseStamped, 'tcp_pose', STATE)

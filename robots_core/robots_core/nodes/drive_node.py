@@ -42,37 +42,25 @@ class DriveNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('drive_node', **options)
-        rate = self.parameter('rate', 250.0, 'steps per second, Hz', bounds=(10.0, 2000.0), read_only=True)
+        rate = self.parameter('rate', 250.0, 'steps per second, Hz', bounds=(10.0, 2000.0))
         priority = self.parameter(
-            'realtime_priority',
-            50,
-            'FIFO priority of the loop where the system permits it; 0: none',
-            read_only=True,
+            'realtime_priority', 50, 'FIFO priority of the loop where the system permits it; 0: none'
         )
         level = self.parameter(
-            'level', 'second_order', 'ideal, second_order or rigid_body', check=check_level, read_only=True
+            'level', 'second_order', 'ideal, second_order or rigid_body', check=check_level
         )
         bandwidth = self.parameter(
             'bandwidth',
             [15.0],
             'second_order: natural frequency of the drives, Hz; one number or one per axis',
-            read_only=True,
         )
-        damping = self.parameter(
-            'damping', [1.0], 'second_order: damping ratio; one number or one per axis', read_only=True
-        )
-        payload: Payload = payload_from_parameters(self, read_only=True)
+        damping = self.parameter('damping', [1.0], 'second_order: damping ratio; one number or one per axis')
+        payload: Payload = payload_from_parameters(self)
         feed_forward = self.parameter(
-            'feed_forward',
-            True,
-            'rigid_body: torques for robot, payload and reference are fed forward',
-            read_only=True,
+            'feed_forward', True, 'rigid_body: torques for robot, payload and reference are fed forward'
         )
         start = self.parameter(
-            'initial_position',
-            [float('nan')],
-            "joint positions at start, rad; the robot's home by default",
-            read_only=True,
+            'initial_position', [float('nan')], "joint positions at start, rad; the robot's home by default"
         )
         axes = self.robot.axes_data
         q = self.robot.home if np.isnan(start).all() else axes.check_position(start, 'initial_position')

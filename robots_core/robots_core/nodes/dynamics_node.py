@@ -54,11 +54,9 @@ class DynamicsNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('dynamics_node', **options)
         self._source: str = self.parameter(
-            'source', 'joint_states', f'{" or ".join(SOURCES)}', check=_check_source, read_only=True
+            'source', 'joint_states', f'{" or ".join(SOURCES)}', check=_check_source
         )
-        rate = self.parameter(
-            'rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE), read_only=True
-        )
+        rate = self.parameter('rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE))
         self._filter_time: float = self.parameter(
             'filter_time',
             0.02,
@@ -69,10 +67,7 @@ class DynamicsNode(RobotNode):
             'base_orientation', UPRIGHT, 'of the base in the world, quaternion x y z w', check=_orientation
         )
         self._floats: bool = self.parameter(
-            'free_floating',
-            False,
-            'nothing holds the base, as of a satellite: it moves as the arm pushes it',
-            read_only=True,
+            'free_floating', False, 'nothing holds the base, as of a satellite: it moves as the arm pushes it'
         )
         self._base = BaseMotion(_orientation(orientation))
         self._load(payload_from_parameters(self))

@@ -34,16 +34,10 @@ class VisualizerNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('visualizer_node', **options)
         host = self.parameter(
-            'host', '127.0.0.1', "the page's network address; 0.0.0.0 for the whole network", read_only=True
+            'host', '127.0.0.1', "the page's network address; 0.0.0.0 for the whole network"
         )
-        port = self.parameter('port', 8080, 'first port to try; 0 lets the system choose', read_only=True)
-        rate = self.parameter(
-            'rate',
-            30.0,
-            "highest rate of the page's updates, Hz",
-            bounds=(0.1, MAX_RATE),
-            read_only=True,
-        )
+        port = self.parameter('port', 8080, 'first port to try; 0 lets the system choose')
+        rate = self.parameter('rate', 30.0, "highest rate of the page's updates, Hz", bounds=(0.1, MAX_RATE))
         self._visualizer = Visualizer(self.robot, host=host, port=port)
         self._scene = WatchedScene(self, self._visualizer.show_scene)
         self._transforms = self._make_transforms()

@@ -120,6 +120,5 @@ def watchdog_parameter(node: RobotNode) -> float:
         WATCHDOG,
         'without a sign of life for this long another node is lost, s; 0: none is watched',
         check=checked_watchdog,
-        read_only=True,
     )
     return value

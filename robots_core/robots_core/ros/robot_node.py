@@ -50,7 +50,7 @@ class RobotNode(TimedNode):
         self._changes = CHANGES.get(name, {})
         self.add_on_set_parameters_callback(self._check_parameters)
         self.robot_name: str = self.parameter(
-            'robot_model', robot, "the robot's name, or urdf:/path/to/robot.urdf", read_only=True
+            'robot_model', robot, "the robot's name, or urdf:/path/to/robot.urdf"
         )
         self.robot = load_robot_model(self.robot_name)
         self._health = (DiagnosticStatus.STALE, 'starting')
@@ -70,9 +70,8 @@ class RobotNode(TimedNode):
         *,
         bounds: tuple[float, float] | None = None,
         check: Callable[[Any], object] | None = None,
-        read_only: bool = False,
     ) -> Any:
-        """Declare a parameter and return its value.
+        """Declare a parameter and return its value; only those of `CHANGES` can change after the start.
 
         Args:
             name: The parameter's name.
@@ -80,12 +79,11 @@ class RobotNode(TimedNode):
             description: One line with the unit, shown by `ros2 param describe`.
             bounds: Lowest and highest valid number.
             check: Raises a RobotsError for a value that is not valid, now and at every change.
-            read_only: The value cannot change after start.
 
         Raises:
             InvalidInputError: the value given at start is of another type or not valid.
         """
-        descriptor = ParameterDescriptor(description=description, read_only=read_only)
+        descriptor = ParameterDescriptor(description=description, read_only=name not in self._changes)
         if bounds is not None:
             low, high = bounds
             descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]

@@ -69,7 +69,7 @@ class PlanningNode(RobotNode):
         self._declare_settings()
         self._names = list(self.robot.axes_data.names)
         collision = CollisionDetection(
-            self.robot, engine=self.parameter('collision_engine', 'fcl', 'fcl or coal', read_only=True)
+            self.robot, engine=self.parameter('collision_engine', 'fcl', 'fcl or coal')
         )
         margin = self.parameter(
             'collision_margin', COLLISION_MARGIN, 'distance that motions keep, m', check=usable_margin
