@@ -12,7 +12,6 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, UInt8MultiArray
-from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
@@ -146,7 +145,7 @@ class ControllerNode(RobotNode):
             'stop': 'stopping on the path, the motion is given up',
         }
         for request, answer in answers.items():
-            self.create_service(Trigger, f'~/{request}', partial(self._serve, request, answer))
+            self.serve(request, partial(self._request, request, answer))
         self._offer_emergency_stops()
         self._take_over()
         self._foreign_writers: set[str] = set()
@@ -173,8 +172,8 @@ class ControllerNode(RobotNode):
             self._control.trip(CONTROLLER_LOST, interrupted)
 
     def _offer_emergency_stops(self) -> None:
-        self.create_service(Trigger, '~/emergency_stop', self._serve_emergency_stop)
-        self.create_service(Trigger, '~/reset', self._serve_reset)
+        self.serve('emergency_stop', self._stop_at_once)
+        self.serve('reset', self._reset)
         subscribe_state(self, Bool, 'emergency_stop', self._on_emergency_stop)
         texts = self.parameter(
             'emergency_stop_inputs',
@@ -350,25 +349,17 @@ class ControllerNode(RobotNode):
     def _on_digital_inputs(self, message: UInt8MultiArray) -> None:
         self._control.watch(EMERGENCY_INPUT, self._emergency_inputs.reason(message.data))
 
-    def _serve_emergency_stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def _stop_at_once(self) -> str:
         self._control.trip(EMERGENCY_STOP, 'emergency stop by ~/emergency_stop')
-        response.success, response.message = True, 'stopping, then switching the drives off, until ~/reset'
-        return response
+        return 'stopping, then switching the drives off, until ~/reset'
 
-    def _serve_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        try:
-            self._control.reset()
-            response.success, response.message = True, 'the robot may move again'
-        except RobotsError as error:
-            response.success, response.message = False, str(error)
-        return response
+    def _reset(self) -> str:
+        self._control.reset()
+        return 'the robot may move again'
 
-    def _serve(
-        self, request: ControllerRequest, answer: str, _: Trigger.Request, response: Trigger.Response
-    ) -> Trigger.Response:
+    def _request(self, request: ControllerRequest, answer: str) -> str:
         self._control.request(request)
-        response.success, response.message = True, answer
-        return response
+        return answer
 
     def look_after_health(self) -> None:
         """Report it, with the loop's figures."""

@@ -9,7 +9,6 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.msg import ParameterDescriptor, ParameterType, ParameterValue, SetParametersResult
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
 from rclpy.duration import Duration
-from rclpy.node import Node
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension, MultiArrayLayout, UInt8MultiArray
 from std_srvs.srv import SetBool
 
@@ -17,6 +16,7 @@ from robots_controller.io.io_image import IMAGES, Channel, IoImage, Kind
 from robots_core.errors import InvalidInputError
 from robots_core.ros.messages import diagnostic_status, doubles
 from robots_core.ros.qos import STATE, subscribe_state
+from robots_core.ros.robot_node import RobotNode
 
 OUTPUT_PERIOD: Final = 0.1  # s between repetitions of the output images
 FINISH_TIMEOUT: Final = Duration(seconds=0.25)  # of each image
@@ -53,7 +53,7 @@ class IoServices:
     """
 
     def __init__(
-        self, node: Node, image: IoImage, on_inputs: Callable[[str, InvalidInputError | None], None]
+        self, node: RobotNode, image: IoImage, on_inputs: Callable[[str, InvalidInputError | None], None]
     ) -> None:
         self._image = image
         self._on_inputs = on_inputs
@@ -80,8 +80,8 @@ class IoServices:
             node.create_service(kind, f'~/{name}', serve)
         for channel in image.channels:
             if channel.kind == 'digital':
-                name = f'~/{channel.kind}_{channel.direction}_{channel.index}/set'
-                node.create_service(SetBool, name, partial(self._set_bool, channel))
+                name = f'{channel.kind}_{channel.direction}_{channel.index}/set'
+                node.serve(name, partial(self._set_digital, channel), SetBool)
         self.publish()
         node.create_timer(OUTPUT_PERIOD, self._repeat_outputs)
 
@@ -176,11 +176,11 @@ class IoServices:
             )
         return ''
 
-    def _set_bool(self, channel: Channel, request: SetBool.Request, response: SetBool.Response) -> Any:
-        value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=request.data)
-        response.success, response.message = True, self._set_one(channel.name, value)
+    def _set_digital(self, channel: Channel, on: bool) -> str:  # noqa: FBT001  # the value of a SetBool
+        value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=on)
+        answer = self._set_one(channel.name, value)
         self.publish()
-        return response
+        return answer
 
     def _list(self, request: ListParameters.Request, response: ListParameters.Response) -> Any:
         names = [channel.name for channel in self._image.channels]

@@ -12,7 +12,6 @@ from typing import Any, Final
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
-from std_srvs.srv import Trigger
 
 from robots_controller.cell.program_host import ProgramHost
 from robots_controller.editor.debug_adapter_server import DebugAdapterServer
@@ -50,9 +49,6 @@ from robots_planning.robot_command_state import RobotCommandState
 JOIN_TIMEOUT: Final = 5.0  # s
 WATCH_PERIOD: Final = 0.1  # s
 STATUS_PERIOD: Final = 0.02  # s, after which a change that could not be reported at once is reported
-
-Handler = Callable[[], str]
-"""Does what a service is asked for and says so; raises a RobotsError."""
 
 
 class LuaProgramNode(RobotNode):
@@ -165,7 +161,7 @@ class LuaProgramNode(RobotNode):
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
         self._io = IoServices(self, self._program.io, self._on_inputs)
         host = self.host
-        handlers: dict[str, Handler] = {
+        handlers: dict[str, Callable[[], str]] = {
             'open': self._open,
             'run': host.run,
             'pause': host.pause,
@@ -177,7 +173,7 @@ class LuaProgramNode(RobotNode):
             'get_command_state': lambda: self._program.command_state.value,
         }
         for name, handler in handlers.items():
-            self.create_service(Trigger, f'~/{name}', partial(self._serve, name, handler))
+            self.serve(name, partial(self._answer, name, handler))
         self.command_state(self._program.command_state)
         self.guide(Guide.NONE)
         host.reporter.report()
@@ -192,17 +188,15 @@ class LuaProgramNode(RobotNode):
 
     # -- services -------------------------------------------------------------------------------------
 
-    def _serve(
-        self, name: str, handler: Handler, _: Trigger.Request, response: Trigger.Response
-    ) -> Trigger.Response:
+    def _answer(self, name: str, handler: Callable[[], str]) -> str:
         try:
-            response.success, response.message = True, handler()
-            if self._turns is not None:
-                self._turns.begun() if name == 'run' else self._turns.changed()
+            answer = handler()
         except RobotsError as error:
-            response.success, response.message = False, str(error)
             self.journal.error(f'~/{name}: {error}')
-        return response
+            raise
+        if self._turns is not None:
+            self._turns.begun() if name == 'run' else self._turns.changed()
+        return answer
 
     def _open(self) -> str:
         return self.host.open(self.get_parameter('program').value, self.get_parameter('points_file').value)

@@ -10,6 +10,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.parameter import Parameter
+from std_srvs.srv import SetBool, Trigger
 
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.parameter_changes import CHANGES, Change
@@ -161,6 +162,25 @@ class RobotNode(TimedNode):
         if self.context.ok():
             self.report_health(DiagnosticStatus.ERROR, f'internal error: {error!r}')
         super().thread_failed(error)
+
+    def serve(self, name: str, answer: Callable[..., str], srv_type: Any = Trigger) -> None:
+        """Serve `~/name`; a RobotsError of the answer refuses the request.
+
+        Args:
+            name: Below the node's.
+            answer: Does what is asked for and says so; gets the value of a SetBool.
+            srv_type: Trigger or SetBool.
+        """
+
+        def serve(request: Any, response: Any) -> Any:
+            try:
+                response.message = answer(request.data) if srv_type is SetBool else answer()
+                response.success = True
+            except RobotsError as error:
+                response.success, response.message = False, str(error)
+            return response
+
+        self.create_service(srv_type, f'~/{name}', serve)
 
     def create_subscription(
         self,
