@@ -204,13 +204,10 @@ class ControllerNode(RobotNode):
 
     def _take_feedback(self) -> Array | None:
         raw = self._feedback.take()
-        if raw is None:
-            return None
-        try:
-            return self._joint_states.position(raw)
-        except InvalidInputError as error:
-            self.refuse('joint_states', error, stream=True)
-            return None
+        if raw is not None:
+            with self.refusing('joint_states'):
+                return self._joint_states.position(raw)
+        return None
 
     def result(self, result: MotionResult) -> None:
         """See `ControlPort`."""

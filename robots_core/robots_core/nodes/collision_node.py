@@ -19,12 +19,12 @@ from robots_core.blocks.collision.collision_guard import (
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import ENGINES, CollisionDetection, usable_margin
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import InvalidInputError
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.joint_trajectories import complete_points
 from robots_core.ros.messages import (
     diagnostic_status,
-    joint_values,
+    joint_motion,
     motion_result_from_message,
     stamp_id,
 )
@@ -97,18 +97,12 @@ class CollisionNode(RobotNode):
         if message is None:
             return
         stopping = self.guard.stopping
-        try:
-            q = joint_values(message.name, message.position, self._names, 'joint_states')
-            q_dot = None
-            if message.velocity:
-                q_dot = joint_values(message.name, message.velocity, self._names, 'joint_states velocities')
+        with self.refusing('joint_states'):
+            q, q_dot, _ = joint_motion(message, self._names)
             status = self.guard.look(q, q_dot)
-        except RobotsError as error:
-            self.refuse('joint_states', error, stream=True)
-            return
-        if stopping and not self.guard.stopping:
-            self._clear()
-        self._publish(status)
+            if stopping and not self.guard.stopping:
+                self._clear()
+            self._publish(status)
 
     def _publish(self, status: CollisionStatus) -> None:
         self._distance.publish(Float64(data=status.distance))

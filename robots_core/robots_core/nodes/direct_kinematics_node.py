@@ -8,7 +8,6 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
 from robots_core.blocks.direct_kinematics import DirectKinematics
-from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_core.ros.messages import joint_values, pose_stamped_message
 from robots_core.ros.polled_subscription import PolledSubscription
@@ -42,14 +41,11 @@ class DirectKinematicsNode(RobotNode):
         message = self._joint_states.take()
         if message is None:
             return
-        try:
+        with self.refusing('joint_states'):
             q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
             pose = self._kinematics.forward(q)
-        except RobotsError as error:
-            self.refuse('joint_states', error, stream=True)
-            return
-        self._publisher.publish(pose_stamped_message(message.header.stamp, pose))
-        self.ready()
+            self._publisher.publish(pose_stamped_message(message.header.stamp, pose))
+            self.ready()
 
     def _use_parameters(self, parameters: list[Parameter]) -> None:
         for parameter in parameters:

@@ -15,13 +15,12 @@ from robots_core.blocks.drives.drive_level import check_level, drive_train
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload
-from robots_core.errors import RobotsError
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import watchdog_parameter
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import NANOSECONDS, doubles, nanoseconds
+from robots_core.ros.messages import doubles, seconds
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, STATE
 from robots_core.ros.robot_node import RobotNode
@@ -135,12 +134,9 @@ class DriveNode(RobotNode):
     def _carry(self) -> None:
         """Take over the payload that programs set, between two steps."""
         message = self._settings.take()
-        if message is None:
-            return
-        try:
-            carry_payload(self._carried, message)
-        except RobotsError as error:
-            self.refuse('motion_settings', error, stream=True)
+        if message is not None:
+            with self.refusing('motion_settings'):
+                carry_payload(self._carried, message)
 
     def _step(self, now: float) -> None:
         self._carry()
@@ -148,11 +144,10 @@ class DriveNode(RobotNode):
         if power is not None:
             self._supervised.power(on=power.data)
         message = self._references.take()
-        try:
-            reference = self._read(message)
-        except RobotsError as error:
-            self.refuse('joint_reference', error, stream=True)
-            reference = None, None, None
+        reference: tuple[Array | None, Array | None, float | None] = None, None, None
+        if message is not None:
+            with self.refusing('joint_reference'):
+                reference = self._read(message)
         self._report(*self._supervised.step(now, *reference))
         self._report_problem()
 
@@ -182,14 +177,12 @@ class DriveNode(RobotNode):
             state.effort = doubles(torque)
         self._publisher.publish(state)
 
-    def _read(self, message: JointTrajectory | None) -> tuple[Array | None, Array | None, float | None]:
+    def _read(self, message: JointTrajectory) -> tuple[Array, Array, float]:
         """Position and velocity (n,) of a reference, as they reach the drives, and its stamp, s."""
-        if message is None:
-            return None, None, None
-        axes, stamp = self.robot.axes_data, nanoseconds(message.header.stamp)
+        axes = self.robot.axes_data
         q, q_dot, _ = single_point(message, axes.names, 'joint_reference')
         reference = self._injection.reference(axes.check_position(q, 'joint_reference'), q_dot)
-        return *reference, stamp / NANOSECONDS
+        return *reference, seconds(message.header.stamp)
 
 
 main: Final = partial(run, DriveNode)

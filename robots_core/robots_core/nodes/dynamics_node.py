@@ -19,12 +19,12 @@ from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDynamics
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.multibody.payload import Payload, payload_of
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import InvalidInputError
 from robots_core.nodes.base_motion_message import base_motion_from_message
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.pose import Pose
 from robots_core.ros.joint_trajectories import single_point
-from robots_core.ros.messages import doubles, joint_indices, seconds
+from robots_core.ros.messages import doubles, joint_motion, seconds
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, SENSOR, STATE, subscribe_state
 from robots_core.ros.robot_node import RobotNode
@@ -107,40 +107,22 @@ class DynamicsNode(RobotNode):
 
     def _publish(self) -> None:
         newest = None
-        try:
+        with self.refusing(self._source):
             for message, _ in self._motions.take_all():
                 newest = (message, *self._motion(message))
-            if newest is None:
-                return
-            self._publish_for(*newest)
-        except RobotsError as error:
-            self.refuse(self._source, error, stream=True)
+            if newest is not None:
+                self._publish_for(*newest)
 
     def _motion(self, message: Any) -> tuple[Array, Array, Array, Array | None]:
         """Positions, velocities, accelerations and, if there are any, efforts of a message, (n,) each."""
         if self._source == 'joint_states':
-            q, q_dot, tau = self._ordered(message.name, message.position, message.velocity, message.effort)
-            stamp = message.header.stamp
-            return q, q_dot, self._accelerate(seconds(stamp), q_dot), tau
+            q, q_dot, tau = joint_motion(message, self._names)
+            q = finite_vector(q, q.size, 'positions')
+            q_dot = np.zeros_like(q) if q_dot is None else finite_vector(q_dot, q.size, 'velocities')
+            tau = None if tau is None else finite_vector(tau, q.size, 'efforts')
+            return q, q_dot, self._accelerate(seconds(message.header.stamp), q_dot), tau
         q, q_dot, q_ddot = single_point(message, self._names, self._source)
         return q, q_dot, q_ddot, None
-
-    def _ordered(self, names: Any, *values: Any) -> tuple[Array, Array, Array | None]:
-        """Three fields in the order of the axes; without the first it is refused, the second is then 0."""
-        indices = joint_indices(names, self._names, self._source)
-        found: list[Array | None] = []
-        for field, what in zip(values, ('positions', 'velocities', 'efforts'), strict=True):
-            if len(field) not in {0, len(names)}:
-                raise InvalidInputError(f'{self._source} has {len(field)} {what} for {len(names)} joints')
-            found.append(
-                finite_vector(np.asarray(field, dtype=np.float64)[indices], len(indices), what)
-                if len(field)
-                else None
-            )
-        q, q_dot, third = found
-        if q is None:
-            raise InvalidInputError(f'{self._source} has no positions')
-        return q, np.zeros_like(q) if q_dot is None else q_dot, third
 
     def _accelerate(self, now: float, q_dot: Array) -> Array:
         last, self._last = self._last, (now, q_dot)

@@ -10,7 +10,6 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from robots_core.blocks.visualizer import Visualizer
-from robots_core.errors import RobotsError
 from robots_core.nodes.transforms import LinkTransforms
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import joint_values
@@ -67,15 +66,13 @@ class VisualizerNode(RobotNode):
         message = self._joint_states.take()
         if message is None:
             return
-        try:
+        with self.refusing('joint_states'):
             q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
             self._visualizer.update(q)
-        except RobotsError as error:
-            self.refuse('joint_states', error, stream=True)
-            return
-        if self._transforms is not None:
-            self._tf.publish(self._tf_message(transforms=self._transforms.messages(message.header.stamp, q)))
-        self.ready(url=self.url)
+            if self._transforms is not None:
+                transforms = self._transforms.messages(message.header.stamp, q)
+                self._tf.publish(self._tf_message(transforms=transforms))
+            self.ready(url=self.url)
 
     def destroy_node(self) -> None:
         """End the page with the node."""

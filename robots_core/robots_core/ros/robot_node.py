@@ -2,7 +2,8 @@
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
@@ -288,6 +289,14 @@ class RobotNode(TimedNode):
         if text != before or now - since > STRANGER_SHOWN:
             self.journal.error(text)
             self._publish_health()
+
+    @contextmanager
+    def refusing(self, topic: str) -> Iterator[None]:
+        """Refuse, see `refuse`, what a stream has brought if reading or using it raises a RobotsError."""
+        try:
+            yield
+        except RobotsError as error:
+            self.refuse(topic, error, stream=True)
 
     def refuse(self, topic: str, error: RobotsError, *, stream: bool = False) -> None:
         """Log and report bad input on a topic; the node goes on.

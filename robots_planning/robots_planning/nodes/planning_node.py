@@ -312,14 +312,10 @@ class PlanningNode(RobotNode):
 
     def _look_for_reference(self) -> None:
         """Ready as soon as there is a place to plan from."""
-        try:
-            if self.reference() is None:
-                return
-        except RobotsError as error:
-            self.refuse('joint_reference', error, stream=True)
-            return
-        self.destroy_timer(self._look)
-        self.ready()
+        with self.refusing('joint_reference'):
+            if self.reference() is not None:
+                self.destroy_timer(self._look)
+                self.ready()
 
     def _reference_publishers(self) -> set[bytes]:
         # By identity: a controller that was started anew has none of the motions.
