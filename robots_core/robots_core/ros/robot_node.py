@@ -205,10 +205,8 @@ class RobotNode(TimedNode):
         """
 
         def take(message: Any) -> None:
-            try:
+            with self.refusing(topic, stream=qos_profile is not COMMAND):
                 callback(message)
-            except RobotsError as error:
-                self.refuse(topic, error, stream=qos_profile is not COMMAND)
 
         def take_of_writers(message: Any, identity: bytes) -> None:
             assert watch is not None
@@ -229,10 +227,8 @@ class RobotNode(TimedNode):
         """
 
         def take(message: Any, sender: str) -> None:
-            try:
+            with self.refusing(topic, stream=False):
                 callback(message, sender)
-            except RobotsError as error:
-                self.refuse(topic, error)
 
         if self.participant is not None or not publishers_are_identified():
             return super().create_subscription(
@@ -291,12 +287,12 @@ class RobotNode(TimedNode):
             self._publish_health()
 
     @contextmanager
-    def refusing(self, topic: str) -> Iterator[None]:
-        """Refuse, see `refuse`, what a stream has brought if reading or using it raises a RobotsError."""
+    def refusing(self, topic: str, *, stream: bool = True) -> Iterator[None]:
+        """Refuse, see `refuse`, what a topic has brought if reading or using it raises a RobotsError."""
         try:
             yield
         except RobotsError as error:
-            self.refuse(topic, error, stream=True)
+            self.refuse(topic, error, stream=stream)
 
     def refuse(self, topic: str, error: RobotsError, *, stream: bool = False) -> None:
         """Log and report bad input on a topic; the node goes on.

@@ -14,7 +14,8 @@ from robots_core.errors import InvalidInputError
 from robots_core.periodic_thread import PeriodicThread
 from robots_core.ros.lockstep.participant import Participant
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
-from robots_core.ros.loop import ClockLoop, ClockLoops, Loop
+from robots_core.ros.lockstep.timed_work import ScheduledLoop
+from robots_core.ros.loop import ClockLoops, Loop
 
 
 class TimedNode(Node):
@@ -121,22 +122,19 @@ class TimedNode(Node):
             phase = self.phase if phase is None else phase
             loop = self.participant.start_loop(work, period=period, phase=phase)
         elif self._clock_loops is not None:
-            loop = self._clock_loops.add(ClockLoop(work, period=round(period * NANOSECONDS)))
+            loop = self._clock_loops.add(ScheduledLoop(work, period=round(period * NANOSECONDS)))
         else:
-            loop = self._start_thread(
+            loop = thread = PeriodicThread(
                 work,
                 period=period,
                 name=name,
                 realtime_priority=realtime_priority,
                 idle_latency=idle_latency,
+                on_error=self.thread_failed,
             )
+            thread.start()
         self._running = [one for one in self._running if one.alive] + [loop]
         return loop
-
-    def _start_thread(self, work: Callable[[float], None], **options: Any) -> PeriodicThread:
-        thread = PeriodicThread(work, on_error=self.thread_failed, **options)
-        thread.start()
-        return thread
 
     def destroy_node(self) -> None:
         """End the loops before what they use."""
@@ -174,29 +172,29 @@ class TimedNode(Node):
 
     def create_publisher(self, msg_type: Any, topic: str, qos_profile: Any, **options: Any) -> Any:
         """As `Node.create_publisher`."""
-        if self.participant is None:
-            return super().create_publisher(msg_type, topic, qos_profile, **options)
-        return self.participant.create_publisher(msg_type, topic, qos_profile, **options)
+        create: Any = (
+            super().create_publisher if self.participant is None else self.participant.create_publisher
+        )
+        return create(msg_type, topic, qos_profile, **options)
 
     def create_subscription(
         self, msg_type: Any, topic: str, callback: Any, qos_profile: Any, **options: Any
     ) -> Any:
         """As `Node.create_subscription`."""
-        if self.participant is None:
-            return super().create_subscription(msg_type, topic, callback, qos_profile, **options)
-        return self.participant.create_subscription(msg_type, topic, callback, qos_profile, **options)
+        create: Any = (
+            super().create_subscription if self.participant is None else self.participant.create_subscription
+        )
+        return create(msg_type, topic, callback, qos_profile, **options)
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Any, **options: Any) -> Any:
         """As `Node.create_service`."""
-        if self.participant is None:
-            return super().create_service(srv_type, srv_name, callback, **options)
-        return self.participant.create_service(srv_type, srv_name, callback, **options)
+        create: Any = super().create_service if self.participant is None else self.participant.create_service
+        return create(srv_type, srv_name, callback, **options)
 
     def create_client(self, srv_type: Any, srv_name: str, **options: Any) -> Any:
         """As `Node.create_client`."""
-        if self.participant is None:
-            return super().create_client(srv_type, srv_name, **options)
-        return self.participant.create_client(srv_type, srv_name, **options)
+        create: Any = super().create_client if self.participant is None else self.participant.create_client
+        return create(srv_type, srv_name, **options)
 
     def destroy_timer(self, timer: Any) -> bool:
         """As `Node.destroy_timer`."""
