@@ -13,8 +13,9 @@ from std_msgs.msg import Float64MultiArray, MultiArrayDimension, MultiArrayLayou
 from std_srvs.srv import SetBool
 
 from robots_controller.io.io_image import IMAGES, Channel, IoImage, Kind
+from robots_controller.nodes.io_images import ImagePublisher, image_message
 from robots_core.errors import InvalidInputError
-from robots_core.ros.messages import diagnostic_status, doubles
+from robots_core.ros.messages import diagnostic_status
 from robots_core.ros.qos import STATE, subscribe_state
 from robots_core.ros.robot_node import RobotNode
 
@@ -23,7 +24,6 @@ FINISH_TIMEOUT: Final = Duration(seconds=0.25)  # of each image
 OUTPUTS: Final = tuple(name for name in IMAGES if name.endswith('outputs'))
 FORCE: Final = 'force'
 _GROUPS: Final = tuple(name.removesuffix('s') for name in IMAGES)
-_MESSAGES: Final[dict[str, Any]] = {'digital': UInt8MultiArray, 'analog': Float64MultiArray}
 _TYPE_NAMES: Final = {
     ParameterType.PARAMETER_NOT_SET: 'no value',
     ParameterType.PARAMETER_STRING: 'a string',
@@ -59,18 +59,16 @@ class IoServices:
         self._on_inputs = on_inputs
         self._hardware = node.get_fully_qualified_name()
         self._lock = threading.Lock()
-        self._published: dict[str, bytes] = {}
         self._forced: dict[Channel, float] | None = None
-        self._publishers: dict[str, Any] = {
-            name: node.create_publisher(
-                _MESSAGES[_kind(name)], name if name in OUTPUTS else f'~/{name}', STATE
+        self._publishers = {
+            name: ImagePublisher(
+                node, name, name if name in OUTPUTS else f'~/{name}', _layout(name, image.size(name))
             )
             for name in IMAGES
         }
-        self._layouts = {name: _layout(name, image.size(name)) for name in IMAGES}
         self._forced_publisher = node.create_publisher(DiagnosticStatus, 'forced_inputs', STATE)
         for name in ('digital_inputs', 'analog_inputs'):
-            subscribe_state(node, _MESSAGES[_kind(name)], name, partial(self._on_message, name))
+            subscribe_state(node, image_message(name), name, partial(self._on_message, name))
         for kind, name, serve in (
             (GetParameters, 'get_io', self._get),
             (SetParameters, 'set_io', self._set),
@@ -88,20 +86,14 @@ class IoServices:
     def _repeat_outputs(self) -> None:
         with self._lock:
             for name in OUTPUTS:
-                del self._published[name]
+                self._publishers[name].repeat()
         self.publish()
 
     def publish(self) -> None:
         """Publish what changed since the last time; safe from any thread."""
         with self._lock:  # held while publishing: an older image must not overtake a newer one
             for name in IMAGES:
-                values = self._image.numbers(name)
-                if self._published.get(name) == values.tobytes():
-                    continue
-                self._published[name] = values.tobytes()
-                data = values.astype('u1').tobytes() if _kind(name) == 'digital' else doubles(values)
-                message = _MESSAGES[_kind(name)](layout=self._layouts[name], data=data)
-                self._publishers[name].publish(message)
+                self._publishers[name].publish(self._image.numbers(name))
             if (forced := self._image.forced()) != self._forced:
                 self._forced = forced
                 self._forced_publisher.publish(self._forced_status(forced))
@@ -109,7 +101,7 @@ class IoServices:
     def finish(self) -> None:
         """Wait until the outputs have arrived where they are needed, but not for long."""
         for name in OUTPUTS:
-            self._publishers[name].wait_for_all_acked(FINISH_TIMEOUT)
+            self._publishers[name].publisher.wait_for_all_acked(FINISH_TIMEOUT)
 
     def _forced_status(self, forced: dict[Channel, float]) -> DiagnosticStatus:
         shown = {_shown_name(channel): _shown(channel, value) for channel, value in forced.items()}

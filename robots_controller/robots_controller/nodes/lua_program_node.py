@@ -43,6 +43,7 @@ from robots_core.ros.messages import (
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
+from robots_core.validation import one_of
 from robots_planning.motion_settings import NOTHING
 from robots_planning.robot_command_state import RobotCommandState
 
@@ -149,7 +150,9 @@ class LuaProgramNode(RobotNode):
         )
         self.add_post_set_parameters_callback(lambda _: self._set_breakpoints())
         self._set_breakpoints()
-        self.parameter('step_mode', 'over', f'how far ~/step goes: {", ".join(STEPS)}', check=_known_step)
+        self.parameter(
+            'step_mode', 'over', f'how far ~/step goes: {", ".join(STEPS)}', check=one_of('step', STEPS)
+        )
         port = self.parameter('debug_port', 0, 'port on this machine where editors connect; 0 for none')
         token = self.parameter('debug_token', '', 'what editors must give; empty for a new one')
         PathSwitchingMessages(self, self.host.switching, axes.names)
@@ -363,11 +366,6 @@ class LuaProgramNode(RobotNode):
         # With a logger ROS forgets its name, which a later node in this process may have.
         self._print_logger = self.journal
         super().destroy_node()
-
-
-def _known_step(step: str) -> None:
-    if step not in STEPS:
-        raise InvalidInputError(f'{step!r} is no step; steps are {", ".join(STEPS)}')
 
 
 main: Final = partial(run, LuaProgramNode)

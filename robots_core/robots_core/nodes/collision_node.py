@@ -19,7 +19,6 @@ from robots_core.blocks.collision.collision_guard import (
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import ENGINES, CollisionDetection, usable_margin
-from robots_core.errors import InvalidInputError
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.joint_trajectories import complete_points
 from robots_core.ros.messages import (
@@ -33,7 +32,7 @@ from robots_core.ros.presence import is_served
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
-from robots_core.validation import fraction
+from robots_core.validation import fraction, one_of
 
 MAX_RATE = 250.0  # Hz
 SERVICE_PERIOD = 5.0  # s between reports that nothing can stop the robot
@@ -50,7 +49,7 @@ class CollisionNode(RobotNode):
         super().__init__('collision_node', **options)
         margin = self.parameter('collision_margin', GUARD_MARGIN, 'distance to keep, m', check=usable_margin)
         engine = self.parameter(
-            'collision_engine', 'fcl', f'one of {", ".join(ENGINES)}', check=_known_engine
+            'collision_engine', 'fcl', f'one of {", ".join(ENGINES)}', check=one_of('engine', ENGINES)
         )
         lookahead = self.parameter('lookahead', LOOKAHEAD, 'stop this long before, s', bounds=(0.0, 60.0))
         rate = self.parameter('rate', LOOK_RATE, 'looks per second, Hz', bounds=(0.1, MAX_RATE))
@@ -129,11 +128,6 @@ class CollisionNode(RobotNode):
         if served:
             client.call_async(Trigger.Request())
         return served
-
-
-def _known_engine(name: Any) -> None:
-    if name not in ENGINES:
-        raise InvalidInputError(f'unknown engine {name!r}; engines are {", ".join(ENGINES)}')
 
 
 main: Final = partial(run, CollisionNode)

@@ -19,7 +19,6 @@ from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDynamics
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.multibody.payload import Payload, payload_of
-from robots_core.errors import InvalidInputError
 from robots_core.nodes.base_motion_message import base_motion_from_message
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.pose import Pose
@@ -29,7 +28,7 @@ from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, SENSOR, STATE, subscribe_state
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
-from robots_core.validation import Array, finite_vector
+from robots_core.validation import Array, finite_vector, one_of
 
 MAX_RATE = 1000.0  # Hz
 SOURCES = ('joint_states', 'joint_reference')
@@ -54,7 +53,7 @@ class DynamicsNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('dynamics_node', **options)
         self._source: str = self.parameter(
-            'source', 'joint_states', f'{" or ".join(SOURCES)}', check=_check_source
+            'source', 'joint_states', f'{" or ".join(SOURCES)}', check=one_of('source', SOURCES)
         )
         rate = self.parameter('rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE))
         self._filter_time: float = self.parameter(
@@ -198,11 +197,6 @@ def wrench_message(stamp: Time, wrench: Array, frame_id: str = 'base') -> Wrench
     force, moment = message.wrench.force, message.wrench.torque
     force.x, force.y, force.z, moment.x, moment.y, moment.z = wrench.tolist()
     return message
-
-
-def _check_source(source: Any) -> None:
-    if source not in SOURCES:
-        raise InvalidInputError(f'source {source!r} is unknown; it is {" or ".join(SOURCES)}')
 
 
 def _orientation(quaternion: Any) -> Array:
