@@ -19,7 +19,6 @@ from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.faults import (
     CONTROLLER_LOST,
-    EMERGENCY_INPUT,
     EMERGENCY_STOP,
     FOREIGN_WRITER,
     LOST_NODES,
@@ -27,6 +26,7 @@ from robots_controller.control.faults import (
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
 from robots_controller.control.speed_control import SpeedControl
 from robots_controller.control.stop_latch import StopState
+from robots_controller.control.watched_inputs import WatchedInputs
 from robots_controller.io.emergency_inputs import parse_emergency_stop
 from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
 from robots_controller.nodes.controller_parameters import settings_by_parameters
@@ -181,9 +181,9 @@ class ControllerNode(RobotNode):
             "digital inputs that stop the robot, as 'digital_input.3=off'",
             check=parse_emergency_stop,
         )
-        self._emergency_inputs = parse_emergency_stop(texts)
-        if any(texts):
-            subscribe_state(self, UInt8MultiArray, 'digital_inputs', self._on_digital_inputs)
+        if any(texts) or self._zones.inputs:
+            self._inputs = WatchedInputs(self._control, parse_emergency_stop(texts), self._zones.inputs)
+            subscribe_state(self, UInt8MultiArray, 'digital_inputs', lambda one: self._inputs.look(one.data))
 
     # -- the loop ------------------------------------------------------------------------------------
 
@@ -304,9 +304,7 @@ class ControllerNode(RobotNode):
         self._control.set_override(fraction(message.data, 'override'))
 
     def _on_settings(self, message: DiagnosticStatus) -> None:
-        tool = settings_from_text(diagnostic_values(message)).tool_pose.r
-        self._frame_limit.set_tool(tool)
-        self._zones.set_tool(tool)
+        self._controller.speed.set_tool(settings_from_text(diagnostic_values(message)).tool_pose.r)
 
     @property
     def moving(self) -> bool:
@@ -342,9 +340,6 @@ class ControllerNode(RobotNode):
 
     def _on_emergency_stop(self, message: Bool) -> None:
         self._control.watch(EMERGENCY_STOP, 'emergency stop by topic emergency_stop' if message.data else '')
-
-    def _on_digital_inputs(self, message: UInt8MultiArray) -> None:
-        self._control.watch(EMERGENCY_INPUT, self._emergency_inputs.reason(message.data))
 
     def _stop_at_once(self) -> str:
         self._control.trip(EMERGENCY_STOP, 'emergency stop by ~/emergency_stop')

@@ -5,7 +5,6 @@ from typing import Any, Final
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory
@@ -27,7 +26,11 @@ from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
 
-FAULTS = ('fault_stopped', 'fault_frozen', 'fault_lost', 'fault_noise')
+FAULTS = {
+    'fault_stopped': 'axes whose drives do not follow any more',
+    'fault_frozen': 'axes whose encoders report one position from now on',
+    'fault_lost': 'axes that are missing in joint_states',
+}
 
 
 class DriveNode(RobotNode):
@@ -101,34 +104,24 @@ class DriveNode(RobotNode):
         self.ready(**self._figures)
 
     def _declare_faults(self) -> None:
-        def exist(values: Any) -> None:
-            known_axes(self.robot.axes_data.names, values)
-
-        for name, what in (
-            ('fault_stopped', 'axes whose drives do not follow any more'),
-            ('fault_frozen', 'axes whose encoders report one position from now on'),
-            ('fault_lost', 'axes that are missing in joint_states'),
-        ):
+        check = partial(known_axes, self.robot.axes_data.names)
+        for name, what in FAULTS.items():
             # An empty list has no type in ROS; an empty name is no axis.
-            self.parameter(name, [''], f'for tests: {what}', check=exist)
+            self.parameter(name, [''], f'for tests: {what}', check=check)
         self.parameter(
             'fault_noise',
             0.0,
             'for tests: standard deviation of the reported positions, rad',
             bounds=(0.0, np.pi),
         )
-        self._use_faults([])
-        self.add_post_set_parameters_callback(self._use_faults)
+        self._use_faults()
+        self.add_post_set_parameters_callback(lambda _: self._use_faults())
 
-    def _use_faults(self, parameters: list[Parameter]) -> None:
-        values = {name: self.get_parameter(name).value for name in FAULTS}
-        values |= {parameter.name: parameter.value for parameter in parameters if parameter.name in FAULTS}
+    def _use_faults(self) -> None:
+        stopped, frozen, lost = (self.get_parameter(name).value for name in FAULTS)
+        noise = self.get_parameter('fault_noise').value
         self._injection.faults = DriveFaults.of(
-            self.robot.axes_data.names,
-            stopped=values['fault_stopped'],
-            frozen=values['fault_frozen'],
-            lost=values['fault_lost'],
-            noise=values['fault_noise'],
+            self.robot.axes_data.names, stopped=stopped, frozen=frozen, lost=lost, noise=noise
         )
 
     def _carry(self) -> None:
