@@ -14,6 +14,7 @@ from uuid import uuid4
 from rich.console import Console
 
 from robots_controller.cell_arguments import (
+    CELL_OPTIONS,
     EXIT_FAILED,
     EXIT_INTERRUPTED,
     EXIT_OK,
@@ -43,11 +44,7 @@ from robots_core.ros.middleware import choose_transports
 from robots_core.watchdog import WATCHDOG
 
 FILES = ('program', 'io', 'io_map', 'scene', 'references')  # options
-GRAPH_OPTIONS = (
-    *FILES,
-    *('robot', 'drive', 'rate', 'goal_tolerance', 'tool_speed_limit', 'watchdog', 'payload', 'guided'),
-    *('port', 'debug_port', 'operating_mode', 'lockstep', 'composed'),
-)
+GRAPH_OPTIONS = (*CELL_OPTIONS, 'program', 'watchdog', 'port', 'debug_port', 'lockstep', 'composed')
 
 
 def main() -> None:
@@ -76,12 +73,6 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('--once', action='store_true', help='end when the program has ended')
     parser.add_argument('--view', action='store_true', help='with --once: stay, so that the page stays open')
     parser.add_argument('--port', type=int, default=8080, help='first port to try for the browser page')
-    parser.add_argument(
-        '--guided', default='', choices=METHODS, help='follow reference_pose by this inverse kinematics'
-    )
-    parser.add_argument(
-        '--references', default='', metavar='BAG', help='recording of what guides or jogs the robot'
-    )
     parser.add_argument(
         '--watchdog',
         type=float,

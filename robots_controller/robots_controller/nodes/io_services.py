@@ -26,6 +26,7 @@ FORCE: Final = 'force'
 _GROUPS: Final = tuple(name.removesuffix('s') for name in IMAGES)
 _TYPE_NAMES: Final = {
     ParameterType.PARAMETER_NOT_SET: 'no value',
+    ParameterType.PARAMETER_BOOL: 'a bool',
     ParameterType.PARAMETER_STRING: 'a string',
     ParameterType.PARAMETER_DOUBLE: 'a double',
 }
@@ -243,9 +244,7 @@ def _number(channel: Channel, value: ParameterValue) -> float:
         return channel.checked(value.integer_value)
     if value.type == ParameterType.PARAMETER_DOUBLE and channel.kind == 'analog':
         return channel.checked(value.double_value)
-    given = _TYPE_NAMES.get(
-        value.type, 'a bool' if value.type == ParameterType.PARAMETER_BOOL else 'an array'
-    )
+    given = _TYPE_NAMES.get(value.type, 'an array')
     raise InvalidInputError(f'{channel.name} got {given}; valid is {_WANTED[channel.kind]}')
 
 

@@ -17,6 +17,7 @@ from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
 from robots_core.ros.lockstep.profiles import ALL, LATCHED, LATCHED_BY_MANY, NEWEST
 from robots_core.ros.lockstep.protocol import (
     GO,
+    LITTLE_ENDIAN,
     PARTICIPANTS,
     RELEASE,
     REPORT,
@@ -34,7 +35,6 @@ PATIENCE: Final = 30.0  # s of the wall clock
 WATCH_PERIOD: Final = 0.1  # s of the wall clock
 
 _CLOCK = struct.Struct('<4siI')  # CDR of a Clock
-_LITTLE_ENDIAN: Final = b'\x00\x01\x00\x00'
 
 
 class Coordinator:
@@ -184,7 +184,7 @@ class Coordinator:
         if advanced:  # before whatever is sent at this instant
             self._time_told = now
             self.instants += 1
-            self._clock.publish(_CLOCK.pack(_LITTLE_ENDIAN, *divmod(now, NANOSECONDS)))
+            self._clock.publish(_CLOCK.pack(LITTLE_ENDIAN, *divmod(now, NANOSECONDS)))
         if advanced or phase > Phase.DRIVES:
             self._times.publish(encode([self._sequence, now, *sent]))
         go = encode([self._sequence, now, phase, *sent])

@@ -282,8 +282,9 @@ class Participant:
         self._set_time(sequence, now, counts)
         if phase == RELEASE:
             self._started = True
-            for publisher in self._publishers():
-                publisher.release()
+            for entity in self._entities:
+                if isinstance(entity, CountedPublisher):
+                    entity.release()
         else:
             self._do_what_is_due(phase)
         self._answered = sequence
@@ -387,6 +388,3 @@ class Participant:
                 entity.release()
                 self._change_busy(-1)
         return ''
-
-    def _publishers(self) -> list[CountedPublisher]:
-        return [one for one in self._entities if isinstance(one, CountedPublisher)]
