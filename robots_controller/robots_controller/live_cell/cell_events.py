@@ -7,7 +7,12 @@ from robots_core.validation import Array
 
 
 @dataclass(frozen=True)
-class NodeHealth:
+class Event:
+    """Something that has happened."""
+
+
+@dataclass(frozen=True)
+class NodeHealth(Event):
     """A node's own report.
 
     Attributes:
@@ -28,7 +33,7 @@ class NodeHealth:
 
 
 @dataclass(frozen=True)
-class ProgramStatus:
+class ProgramStatus(Event):
     """Where the program is: state, line, that line's text, error."""
 
     state: str
@@ -39,14 +44,14 @@ class ProgramStatus:
 
 
 @dataclass(frozen=True)
-class ProgramPrint:
+class ProgramPrint(Event):
     """The program printed a text."""
 
     text: str
 
 
 @dataclass(frozen=True)
-class MotionCommanded:
+class MotionCommanded(Event):
     """A motion was commanded; the target is joint positions or a pose."""
 
     id: str
@@ -55,7 +60,7 @@ class MotionCommanded:
 
 
 @dataclass(frozen=True)
-class MotionPlanned:
+class MotionPlanned(Event):
     """A motion was planned; duration in s."""
 
     id: str
@@ -63,14 +68,14 @@ class MotionPlanned:
 
 
 @dataclass(frozen=True)
-class MotionProgress:
+class MotionProgress(Event):
     """Done part of the running motion, 0..1."""
 
     progress: float
 
 
 @dataclass(frozen=True)
-class MotionEnded:
+class MotionEnded(Event):
     """A motion ended; `ok` means that the robot stands at the target. Details are those of the result."""
 
     id: str
@@ -80,20 +85,8 @@ class MotionEnded:
 
 
 @dataclass(frozen=True)
-class OutputsChanged:
+class OutputsChanged(Event):
     """Outputs have other values; kind is 'digital' or 'analog', changes are (index from 1, value)."""
 
     kind: str
     changes: tuple[tuple[int, float], ...]
-
-
-Event = (
-    NodeHealth
-    | ProgramStatus
-    | ProgramPrint
-    | MotionCommanded
-    | MotionPlanned
-    | MotionProgress
-    | MotionEnded
-    | OutputsChanged
-)

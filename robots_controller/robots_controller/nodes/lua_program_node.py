@@ -32,8 +32,8 @@ from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
-from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
+from robots_core.nodes.payload_parameter import payload_from_parameters
 from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.messages import (
@@ -44,7 +44,6 @@ from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import one_of
-from robots_planning.motion_settings import NOTHING
 from robots_planning.robot_command_state import RobotCommandState
 
 JOIN_TIMEOUT: Final = 5.0  # s
@@ -56,30 +55,6 @@ class LuaProgramNode(RobotNode):
     """Opens, runs, pauses and stops a program; publishes what it commands, switches and prints.
 
     The program's text output goes to the log, from the child logger `print`.
-
-    Parameters:
-        program: The robot program's path, read at `~/open`.
-        orientation_convention: Order of the angles phi; the robot's own by default.
-        digital_size: Number of digital inputs, and of digital outputs.
-        analog_size: Number of analog inputs, and of analog outputs.
-        digital_input_names, digital_output_names, analog_input_names, analog_output_names: Names of the
-            channels, from the first on; '' names none.
-        planner_timeout: Longest wait of a motion for planning_node, s.
-        watchdog: How long planning_node may give no sign of life while the robot moves, and this node itself
-            while a program runs, s; 0: any time.
-        payload: What hangs on tool0 until a program sets it: kg, centre x y z (m), maybe inertia.
-        fail_safe: Values of outputs when no running program answers for them, as 'digital_output.3=hold' or
-            'analog_output.1=2.5'; '' for none. Outputs that are not named are switched off.
-        outputs: Values that outputs have at the start, as `fail_safe`.
-        interrupted: What ended the program in an earlier process of this node: it is opened, and not run.
-        autostart: Open and run the program as soon as a planner and a controller work.
-        launch: Names the start of the cell: autostart runs the program once within it, and not again when
-            this node is started anew; '' for no name.
-        points_file: Where taught points stand; '' for the program's name with .points.yaml.
-        breakpoints: Lines to hold at, as 'file.lua:12'.
-        step_mode: How far `~/step` goes: over, in, out (lines) or motion.
-        debug_port: Port on this machine where editors connect (Debug Adapter Protocol); 0 for none.
-        debug_token: What editors must give there; a new one, shown in the log, if it is empty.
     """
 
     def __init__(self, **options: Any) -> None:
@@ -103,12 +78,7 @@ class LuaProgramNode(RobotNode):
         timeout = self.parameter(
             'planner_timeout', 5.0, 'longest wait of a motion for planning_node, s', bounds=(0.1, 600.0)
         )
-        payload = self.parameter(
-            'payload',
-            list(NOTHING),
-            'what hangs on tool0 until a program sets it: kg, centre x y z (m), maybe inertia',
-            check=payload_of,
-        )
+        payload_from_parameters(self)
         fail_safe = self.parameter(
             'fail_safe',
             [''],
@@ -135,7 +105,7 @@ class LuaProgramNode(RobotNode):
             io_labels=labels,
             orientation_convention=convention,
             planner_timeout=timeout,
-            payload=tuple(payload),
+            payload=tuple(self.get_parameter('payload').value),
             fail_safe=parse_fail_safe(fail_safe),
             simulated=self._turns is not None,
         )

@@ -15,7 +15,7 @@ from robots_core.periodic_thread import PeriodicThread
 from robots_core.ros.lockstep.participant import Participant
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
 from robots_core.ros.lockstep.timed_work import ScheduledLoop
-from robots_core.ros.loop import ClockLoops, Loop
+from robots_core.ros.loop import Loop, on_clock_set
 
 
 class TimedNode(Node):
@@ -61,8 +61,10 @@ class TimedNode(Node):
             self.participant = Participant(self)
         if parameter_services:
             self._parameter_service = ParameterService(self)  # its services are counted
-        self._clock_loops = ClockLoops(self) if follows_clock else None
         self._running: list[Loop] = []
+        if follows_clock:
+            self._clock_advanced = self.create_guard_condition(self._run_loops)
+            self._jumps = on_clock_set(self.get_clock(), self._clock_advanced.trigger)
         self.add_on_set_parameters_callback(self._keep_clock)
 
     def _keep_clock(self, parameters: list[Parameter]) -> SetParametersResult:
@@ -121,8 +123,8 @@ class TimedNode(Node):
         if self.participant is not None:
             phase = self.phase if phase is None else phase
             loop = self.participant.start_loop(work, period=period, phase=phase)
-        elif self._clock_loops is not None:
-            loop = self._clock_loops.add(ScheduledLoop(work, period=round(period * NANOSECONDS)))
+        elif self.simulated_time:
+            loop = ScheduledLoop(work, period=round(period * NANOSECONDS))
         else:
             loop = thread = PeriodicThread(
                 work,
@@ -135,6 +137,12 @@ class TimedNode(Node):
             thread.start()
         self._running = [one for one in self._running if one.alive] + [loop]
         return loop
+
+    def _run_loops(self) -> None:
+        now = self.get_clock().now().nanoseconds
+        for loop in self._running:
+            if isinstance(loop, ScheduledLoop):
+                loop.run(now)
 
     def destroy_node(self) -> None:
         """End the loops before what they use."""

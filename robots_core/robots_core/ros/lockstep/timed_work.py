@@ -1,23 +1,9 @@
 """What a participant of a lock-step run does at given times."""
 
 from collections.abc import Callable
-from typing import Protocol
 
 from robots_core.periodic_schedule import PeriodicSchedule
 from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
-
-
-class TimedWork(Protocol):
-    """Something that is due at a time."""
-
-    phase: Phase
-
-    @property
-    def due(self) -> int:
-        """ns; `NEVER` for not at all."""
-
-    def run(self, now: int) -> None:
-        """Do it at `now` (ns), and set the next due time."""
 
 
 class ScheduledLoop:
@@ -71,7 +57,7 @@ class LockstepLoop(ScheduledLoop):
 
     @property
     def due(self) -> int:
-        """See `TimedWork`."""
+        """When it has its next turn, ns; `NEVER` for not at all, as of all work."""
         assert self._schedule.next_time is not None
         return self._schedule.next_time if self.alive else NEVER
 
@@ -152,6 +138,10 @@ class LockstepTurn:
         """Do the work; it may ask for the next turn."""
         self.due = NEVER
         self._work(now / NANOSECONDS)
+
+
+TimedWork = LockstepLoop | LockstepTimer | LockstepTurn
+"""Something that is due at a time, in a phase."""
 
 
 def instant(time: float) -> int:
