@@ -134,13 +134,14 @@ def rotation_matrix(T: ArrayLike, name: str = 'T') -> Array:
     return array
 
 
-def one_of(name: str, choices: Collection[str]) -> Callable[[str], None]:
-    """A check of a name, which raises an InvalidInputError if it is none of the choices."""
+def one_of(name: str, choices: Collection[str]) -> Callable[[str], str]:
+    """Passes a name on, and raises an InvalidInputError if it is none of the choices."""
 
-    def check(value: str) -> None:
+    def check(value: str) -> str:
         if value not in choices:
             *first, last = choices
             raise InvalidInputError(f'{name} {value!r} is unknown; valid are {", ".join(first)} and {last}')
+        return value
 
     return check
 

@@ -22,7 +22,7 @@ def authority_by_parameters(node: RobotNode) -> CommandAuthority:
         'operating_mode',
         OperatingMode.AUTOMATIC.value,
         f'one of {", ".join(OperatingMode)}',
-        check=OperatingMode,
+        read=OperatingMode,
     )
     timeout = node.parameter(
         'hold_timeout',
@@ -30,7 +30,7 @@ def authority_by_parameters(node: RobotNode) -> CommandAuthority:
         'in T1 and T2, run counts as held for this long after hold_to_run was true, s; 0: nobody needs to',
         bounds=(0.0, 2.0),
     )
-    return CommandAuthority(OperatingMode(mode), hold_timeout=timeout)
+    return CommandAuthority(mode, hold_timeout=timeout)
 
 
 class CommanderServices:

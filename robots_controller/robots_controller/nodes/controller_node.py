@@ -27,7 +27,7 @@ from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked
 from robots_controller.control.speed_control import SpeedControl
 from robots_controller.control.stop_latch import StopState
 from robots_controller.control.watched_inputs import WatchedInputs
-from robots_controller.io.emergency_inputs import parse_emergency_stop
+from robots_controller.io.emergency_inputs import EmergencyInputs, parse_emergency_stop
 from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
 from robots_controller.nodes.controller_parameters import settings_by_parameters
 from robots_controller.nodes.stream_messages import stream_point_from_message
@@ -95,7 +95,7 @@ class ControllerNode(RobotNode):
             'tool_speed_limit',
             0.0,
             'highest speed of the tool and of the frames of all axes, on every motion, m/s; 0 for none',
-            check=checked_speed_limit,
+            read=checked_speed_limit,
         )
         authority = authority_by_parameters(self)
         self._frame_limit = FrameSpeedLimit(self.robot, authority.speed_limit(limit))
@@ -175,14 +175,14 @@ class ControllerNode(RobotNode):
         self.serve('emergency_stop', self._stop_at_once)
         self.serve('reset', self._reset)
         subscribe_state(self, Bool, 'emergency_stop', self._on_emergency_stop)
-        texts = self.parameter(
+        stopping: EmergencyInputs = self.parameter(
             'emergency_stop_inputs',
             [''],
             "digital inputs that stop the robot, as 'digital_input.3=off'",
-            check=parse_emergency_stop,
+            read=parse_emergency_stop,
         )
-        if any(texts) or self._zones.inputs:
-            self._inputs = WatchedInputs(self._control, parse_emergency_stop(texts), self._zones.inputs)
+        if stopping or self._zones.inputs:
+            self._inputs = WatchedInputs(self._control, stopping, self._zones.inputs)
             subscribe_state(self, UInt8MultiArray, 'digital_inputs', lambda one: self._inputs.look(one.data))
 
     # -- the loop ------------------------------------------------------------------------------------

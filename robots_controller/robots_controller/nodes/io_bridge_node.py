@@ -41,9 +41,9 @@ class IoBridgeNode(RobotNode):
             'fail_safe',
             [''],
             "fail-safe values of outputs that the map does not declare, as 'digital_output.3=hold'",
-            check=parse_fail_safe,
+            read=parse_fail_safe,
         )
-        safe = {**parse_fail_safe(declared), **self._map.fail_safe}
+        safe = {**declared, **self._map.fail_safe}
         for row in self._map.inputs:
             _field_type(row)
         self._problems: dict[str, str] = {}

@@ -83,7 +83,7 @@ class LuaProgramNode(RobotNode):
             'fail_safe',
             [''],
             "values of outputs when no running program answers for them, as 'digital_output.3=hold'",
-            check=parse_fail_safe,
+            read=parse_fail_safe,
         )
         axes = self.robot.axes_data
         self._command_state_publisher = self.create_publisher(String, 'command_state', STATE)
@@ -106,7 +106,7 @@ class LuaProgramNode(RobotNode):
             orientation_convention=convention,
             planner_timeout=timeout,
             payload=tuple(self.get_parameter('payload').value),
-            fail_safe=parse_fail_safe(fail_safe),
+            fail_safe=fail_safe,
             simulated=self._turns is not None,
         )
         self._program = self.host.program
@@ -116,12 +116,12 @@ class LuaProgramNode(RobotNode):
             'breakpoints',
             [''],
             "lines to hold at, as 'file.lua:12'; '' is none",
-            check=breakpoints_by_file,
+            read=breakpoints_by_file,
         )
         self.add_post_set_parameters_callback(lambda _: self._set_breakpoints())
         self._set_breakpoints()
         self.parameter(
-            'step_mode', 'over', f'how far ~/step goes: {", ".join(STEPS)}', check=one_of('step', STEPS)
+            'step_mode', 'over', f'how far ~/step goes: {", ".join(STEPS)}', read=one_of('step', STEPS)
         )
         port = self.parameter('debug_port', 0, 'port on this machine where editors connect; 0 for none')
         token = self.parameter('debug_token', '', 'what editors must give; empty for a new one')
@@ -202,12 +202,12 @@ class LuaProgramNode(RobotNode):
             'outputs',
             [''],
             "values that outputs have at the start, as 'digital_output.3=1'",
-            check=parse_fail_safe,
+            read=parse_fail_safe,
         )
         interrupted = self.parameter(
             'interrupted', '', 'what ended the program in an earlier process of this node'
         )
-        for name, value in parse_fail_safe(outputs).items():
+        for name, value in outputs.items():
             self._program.io.set_value(self._program.io.find(name), value or 0.0)
         if interrupted:
             program, points = (self.get_parameter(name).value for name in ('program', 'points_file'))

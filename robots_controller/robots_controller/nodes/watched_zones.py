@@ -11,7 +11,7 @@ from rclpy.publisher import Publisher
 
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.shared_zone import LARGEST, ZoneState, parse_zone_state
-from robots_controller.io.zone_inputs import parse_closing
+from robots_controller.io.zone_inputs import ZoneInputs, parse_closing
 from robots_core.blocks.collision.scene import Scene
 from robots_core.nodes.scene_parameter import scene_by_parameter
 from robots_core.ros.messages import diagnostic_status, diagnostic_values
@@ -40,13 +40,12 @@ class WatchedZones:
         self._publisher: Publisher | None = None
         self._states: dict[str, ZoneState] = {}
         self._scene = scene_by_parameter(node)
-        texts = node.parameter(
+        self.inputs: ZoneInputs = node.parameter(
             'zone_inputs',
             [''],
             "digital inputs that close the borders of zones, as 'digital_input.3=off press'",
-            check=parse_closing,
+            read=parse_closing,
         )
-        self.inputs = parse_closing(texts)
         """Those that close zones."""
         self.guard = self._make_guard() if self._scene.zones else None
         """For the controller; None without zones."""

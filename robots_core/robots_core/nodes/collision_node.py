@@ -47,9 +47,9 @@ class CollisionNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('collision_node', **options)
-        margin = self.parameter('collision_margin', GUARD_MARGIN, 'distance to keep, m', check=usable_margin)
+        margin = self.parameter('collision_margin', GUARD_MARGIN, 'distance to keep, m', read=usable_margin)
         engine = self.parameter(
-            'collision_engine', 'fcl', f'one of {", ".join(ENGINES)}', check=one_of('engine', ENGINES)
+            'collision_engine', 'fcl', f'one of {", ".join(ENGINES)}', read=one_of('engine', ENGINES)
         )
         lookahead = self.parameter('lookahead', LOOKAHEAD, 'stop this long before, s', bounds=(0.0, 60.0))
         rate = self.parameter('rate', LOOK_RATE, 'looks per second, Hz', bounds=(0.1, MAX_RATE))

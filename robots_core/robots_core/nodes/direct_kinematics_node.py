@@ -26,10 +26,10 @@ class DirectKinematicsNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('direct_kinematics_node', **options)
         tool = self.parameter(
-            'tool', NO_TOOL, 'tool in tool0: x y z (m), quaternion x y z w', check=pose_from_parameter
+            'tool', NO_TOOL, 'tool in tool0: x y z (m), quaternion x y z w', read=pose_from_parameter
         )
         rate = self.parameter('rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE))
-        self._kinematics = DirectKinematics(self.robot, tool=pose_from_parameter(tool))
+        self._kinematics = DirectKinematics(self.robot, tool=tool)
         self._kinematics.forward(self.robot.home)  # a ready node has loaded what it needs
         self._publisher = self.create_publisher(PoseStamped, 'tcp_pose', STATE)
         self._joint_states = PolledSubscription(self, JointState, 'joint_states', SENSOR)

@@ -48,9 +48,7 @@ class DriveNode(RobotNode):
         priority = self.parameter(
             'realtime_priority', 50, 'FIFO priority of the loop where the system permits it; 0: none'
         )
-        level = self.parameter(
-            'level', 'second_order', 'ideal, second_order or rigid_body', check=check_level
-        )
+        level = self.parameter('level', 'second_order', 'ideal, second_order or rigid_body', read=check_level)
         bandwidth = self.parameter(
             'bandwidth',
             [15.0],
@@ -107,7 +105,7 @@ class DriveNode(RobotNode):
         check = partial(known_axes, self.robot.axes_data.names)
         for name, what in FAULTS.items():
             # An empty list has no type in ROS; an empty name is no axis.
-            self.parameter(name, [''], f'for tests: {what}', check=check)
+            self.parameter(name, [''], f'for tests: {what}', read=check)
         self.parameter(
             'fault_noise',
             0.0,

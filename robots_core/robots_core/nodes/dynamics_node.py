@@ -53,7 +53,7 @@ class DynamicsNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('dynamics_node', **options)
         self._source: str = self.parameter(
-            'source', 'joint_states', f'{" or ".join(SOURCES)}', check=one_of('source', SOURCES)
+            'source', 'joint_states', f'{" or ".join(SOURCES)}', read=one_of('source', SOURCES)
         )
         rate = self.parameter('rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE))
         self._filter_time: float = self.parameter(
@@ -63,12 +63,12 @@ class DynamicsNode(RobotNode):
             bounds=(0.0, 10.0),
         )
         orientation = self.parameter(
-            'base_orientation', UPRIGHT, 'of the base in the world, quaternion x y z w', check=_orientation
+            'base_orientation', UPRIGHT, 'of the base in the world, quaternion x y z w', read=_orientation
         )
         self._floats: bool = self.parameter(
             'free_floating', False, 'nothing holds the base, as of a satellite: it moves as the arm pushes it'
         )
-        self._base = BaseMotion(_orientation(orientation))
+        self._base = BaseMotion(orientation)
         self._load(payload_from_parameters(self))
         carried = CarriedPayload(self._load)
         subscribe_state(self, DiagnosticStatus, 'motion_settings', partial(carry_payload, carried))

@@ -119,6 +119,6 @@ def watchdog_parameter(node: RobotNode) -> float:
         'watchdog',
         WATCHDOG,
         'without a sign of life for this long another node is lost, s; 0: none is watched',
-        check=checked_watchdog,
+        read=checked_watchdog,
     )
     return value

@@ -71,16 +71,17 @@ class RobotNode(TimedNode):
         description: str,
         *,
         bounds: tuple[float, float] | None = None,
-        check: Callable[[Any], object] | None = None,
+        read: Callable[[Any], object] | None = None,
     ) -> Any:
-        """Declare a parameter and return its value; only those of `CHANGES` can change after the start.
+        """Declare a parameter and return what its value means; only those of `CHANGES` can change later.
 
         Args:
             name: The parameter's name.
             default: Its default; it also fixes the type.
             description: One line with the unit, shown by `ros2 param describe`.
             bounds: Lowest and highest valid number.
-            check: Raises a RobotsError for a value that is not valid, now and at every change.
+            read: What a value means; raises a RobotsError for one that is not valid, now and at every change.
+                By default the value itself.
 
         Raises:
             InvalidInputError: the value given at start is of another type or not valid.
@@ -91,13 +92,12 @@ class RobotNode(TimedNode):
             descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
         try:
             value = self.declare_parameter(name, default, descriptor).value
-            if check is not None:
-                check(value)
+            meaning = value if read is None else read(value)
         except (InvalidParameterTypeException, InvalidParameterValueException, RobotsError) as error:
             raise InvalidInputError(f'parameter {name}: {error}') from error
-        if check is not None:
-            self._checks[name] = check
-        return value
+        if read is not None:
+            self._checks[name] = read
+        return meaning
 
     @property
     def moving(self) -> bool:

@@ -71,7 +71,7 @@ class PlanningNode(RobotNode):
             self.robot, engine=self.parameter('collision_engine', 'fcl', 'fcl or coal')
         )
         margin = self.parameter(
-            'collision_margin', COLLISION_MARGIN, 'distance that motions keep, m', check=usable_margin
+            'collision_margin', COLLISION_MARGIN, 'distance that motions keep, m', read=usable_margin
         )
         self._scene = WatchedScene(self, collision.set_scene)
         planning = PathPlanning(self.robot, collision=collision, collision_margin=margin)
@@ -84,7 +84,7 @@ class PlanningNode(RobotNode):
                 'new_command',
                 NEW_COMMAND[0],
                 'a joint motion commanded while the robot moves: queue it, or replace the running one',
-                check=one_of('new_command', NEW_COMMAND),
+                read=one_of('new_command', NEW_COMMAND),
             )
         )
         self._commanders = CommanderWatch(self)
@@ -128,7 +128,7 @@ class PlanningNode(RobotNode):
                 name,
                 list(value) if isinstance(value, tuple) else value,
                 text,
-                check=checked(name),
+                read=checked(name),
             )
 
     def _subscribe(self) -> None:
