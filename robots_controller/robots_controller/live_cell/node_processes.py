@@ -118,17 +118,16 @@ class NodeProcesses:
         fork_server.start()
         self._log_folder.mkdir(parents=True, exist_ok=True)
         for name in dict.fromkeys(node.process for node in self._graph):
-            self._start(name)
-
-    def restart(self, name: str, parameters: Mapping[str, Mapping[str, Any]]) -> None:
-        """Start a process again that has died, with some parameters in the place of its nodes' own."""
-        self._start(name, parameters)
+            self.start_process(name)
 
     def nodes_of(self, process: str) -> tuple[str, ...]:
         """Names of the nodes in a process."""
         return tuple(node.name for node in self._graph if node.process == process)
 
-    def _start(self, name: str, parameters: Mapping[str, Mapping[str, Any]] = MappingProxyType({})) -> None:
+    def start_process(
+        self, name: str, parameters: Mapping[str, Mapping[str, Any]] = MappingProxyType({})
+    ) -> None:
+        """Start a process, maybe again, with some parameters in the place of its nodes' own."""
         nodes = [
             replace(node, parameters={**node.parameters, **parameters.get(node.name, {})})
             for node in self._graph

@@ -66,7 +66,7 @@ class NodeRestarts:
         started: list[str] = []
         for name in due:
             nodes = self._processes.nodes_of(name)
-            self._processes.restart(name, {node: self._parameters(node) for node in nodes})
+            self._processes.start_process(name, {node: self._parameters(node) for node in nodes})
             started += nodes
         return started
 

@@ -3,6 +3,7 @@
 import argparse
 import math
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from rich.markup import escape
@@ -134,9 +135,8 @@ class RunningCell:
     def _late(self) -> str:
         return ', '.join(sorted(self._waiting)) or 'the recorder'
 
-    def _until(self, condition: object, timeout: float) -> bool:
+    def _until(self, condition: Callable[[], bool], timeout: float) -> bool:
         deadline = time.monotonic() + timeout
-        assert callable(condition)
         while not condition():
             if not self._healthy() or time.monotonic() > deadline:
                 return False

@@ -14,7 +14,6 @@ from robots_core.blocks.collision.collision_guard import (
     LOOK_RATE,
     LOOKAHEAD,
     CollisionGuard,
-    CollisionStatus,
 )
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
@@ -27,7 +26,6 @@ from robots_core.ros.messages import (
     motion_result_from_message,
     stamp_id,
 )
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import is_served
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode
@@ -63,11 +61,10 @@ class CollisionNode(RobotNode):
         self._distance = self.create_publisher(Float64, 'min_distance', STATE)
         self._stop_client = self.create_client(Trigger, f'{controller}/stop')
         self._scene = WatchedScene(self, self._on_scene)
-        self._joint_states = PolledSubscription(self, JointState, 'joint_states', SENSOR)
         self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND)
         self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_result, COMMAND)
-        self.create_timer(1.0 / rate, self._look)
+        self.poll(JointState, 'joint_states', self._look, SENSOR, rate=rate)
 
     # -- what comes in -------------------------------------------------------------------------------
 
@@ -91,19 +88,12 @@ class CollisionNode(RobotNode):
 
     # -- what goes out -------------------------------------------------------------------------------
 
-    def _look(self) -> None:
-        message = self._joint_states.take()
-        if message is None:
-            return
+    def _look(self, message: JointState) -> None:
         stopping = self.guard.stopping
-        with self.refusing('joint_states'):
-            q, q_dot, _ = joint_motion(message, self._names)
-            status = self.guard.look(q, q_dot)
-            if stopping and not self.guard.stopping:
-                self._clear()
-            self._publish(status)
-
-    def _publish(self, status: CollisionStatus) -> None:
+        q, q_dot, _ = joint_motion(message, self._names)
+        status = self.guard.look(q, q_dot)
+        if stopping and not self.guard.stopping:
+            self._clear()
         self._distance.publish(Float64(data=status.distance))
         self._status.publish(
             diagnostic_status(

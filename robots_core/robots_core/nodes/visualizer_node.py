@@ -13,7 +13,6 @@ from robots_core.blocks.visualizer import Visualizer
 from robots_core.nodes.transforms import LinkTransforms
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import joint_values
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, SENSOR, STATE
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
@@ -42,9 +41,9 @@ class VisualizerNode(RobotNode):
         self._transforms = self._make_transforms()
         self._description = self.create_publisher(String, 'robot_description', STATE)
         self._description.publish(String(data=self.robot.description))
-        self._joint_states = PolledSubscription(self, JointState, 'joint_states', SENSOR)
         # The page is for people: it keeps wall-clock time even where the suite runs on simulated time.
-        self.create_timer(1.0 / rate, self._update, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self.poll(JointState, 'joint_states', self._update, SENSOR, rate=rate, clock=clock)
         self.journal.info(f'the robot is at {self.url}')
         self.ready(url=self.url)
 
@@ -62,17 +61,13 @@ class VisualizerNode(RobotNode):
         namespace = self.get_namespace().strip('/')
         return LinkTransforms(self.robot, prefix=f'{namespace}/' if namespace else '')
 
-    def _update(self) -> None:
-        message = self._joint_states.take()
-        if message is None:
-            return
-        with self.refusing('joint_states'):
-            q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
-            self._visualizer.update(q)
-            if self._transforms is not None:
-                transforms = self._transforms.messages(message.header.stamp, q)
-                self._tf.publish(self._tf_message(transforms=transforms))
-            self.ready(url=self.url)
+    def _update(self, message: JointState) -> None:
+        q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
+        self._visualizer.update(q)
+        if self._transforms is not None:
+            transforms = self._transforms.messages(message.header.stamp, q)
+            self._tf.publish(self._tf_message(transforms=transforms))
+        self.ready(url=self.url)
 
     def destroy_node(self) -> None:
         """End the page with the node."""

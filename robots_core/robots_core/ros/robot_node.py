@@ -9,6 +9,7 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.clock import Clock
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
@@ -20,6 +21,7 @@ from robots_core.ros.identified_messages import IdentifiedSubscription, publishe
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
+from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import publishers_of
 from robots_core.ros.publisher_names import PublisherNames
 from robots_core.ros.qos import COMMAND
@@ -217,6 +219,27 @@ class RobotNode(TimedNode):
         if watch is None or isinstance(options.get('callback_group'), NeverExecuted):
             return super().create_subscription(msg_type, topic, take, qos_profile, **options)
         return self._create_identified(msg_type, topic, take_of_writers, qos_profile, **options)
+
+    def poll(
+        self,
+        msg_type: Any,
+        topic: str,
+        callback: Callable[[Any], None],
+        qos_profile: Any,
+        *,
+        rate: float,
+        clock: Clock | None = None,
+    ) -> None:
+        """Look for the newest message of a stream at a rate (Hz); a RobotsError refuses it."""
+        subscription = PolledSubscription(self, msg_type, topic, qos_profile)
+
+        def look() -> None:
+            message = subscription.take()
+            if message is not None:
+                with self.refusing(topic):
+                    callback(message)
+
+        self.create_timer(1.0 / rate, look, clock=clock)
 
     def create_subscription_with_sender(
         self, msg_type: Any, topic: str, callback: Callable[[Any, str], None], qos_profile: Any
