@@ -24,15 +24,10 @@ from robots_controller.cell_arguments import (
 )
 from robots_controller.editor.debug_token import new_token
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.io.cell_io import read_cell_io
 from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, NodeDescription, cell_graph
 from robots_controller.live_cell.cell_listener import listen
 from robots_controller.live_cell.cell_view import CellView
-from robots_controller.live_cell.frozen_nodes import FrozenNodes
-from robots_controller.live_cell.left_outputs import LeftOutputs
 from robots_controller.live_cell.node_processes import NodeProcesses
-from robots_controller.live_cell.node_restarts import NodeRestarts
-from robots_controller.live_cell.restart_policy import RestartPolicy
 from robots_controller.live_cell.running_cell import RunningCell, occupied
 from robots_controller.nodes.bags.bag_recorder import BagRecorder
 from robots_controller.runtime_folder import alone
@@ -167,14 +162,7 @@ def _run_alone(
     with listen(options.namespace, bag, lockstep=options.lockstep) as listener:
         recorder = listener.recorder
         view = CellView(console, processes.names, robot.axes_data.prismatic)
-        outputs = LeftOutputs(listener.monitor, read_cell_io(options.io, options.io_map).fail_safe)
-        # A lock-step run ends with a participant that is lost.
-        restarting = not (options.once or options.no_restart or options.lockstep)
-        policy = RestartPolicy() if restarting else None
-        restarts = NodeRestarts(processes, listener.monitor, outputs, console, policy)
-        watchdog = 0.0 if options.lockstep else options.watchdog
-        frozen = FrozenNodes(listener.monitor, processes.names, watchdog)
-        cell = RunningCell(options, processes, listener, view, restarts=restarts, frozen=frozen)
+        cell = RunningCell(options, processes, listener, view)
         try:
             if not options.lockstep and (found := cell.others()):
                 console.print(occupied(found, options.namespace))

@@ -68,11 +68,8 @@ class LuaProgramNode(RobotNode):
             'order of the angles phi: zyx, xyz, zyz or XYZ',
         )
         sizes = {
-            name: self.parameter(name, size, text)
-            for name, size, text in (
-                ('digital_size', DIGITAL_SIZE, 'number of digital inputs, and of digital outputs'),
-                ('analog_size', ANALOG_SIZE, 'number of analog inputs, and of analog outputs'),
-            )
+            f'{kind}_size': self.parameter(f'{kind}_size', size, f'number of {kind} inputs, and of outputs')
+            for kind, size in (('digital', DIGITAL_SIZE), ('analog', ANALOG_SIZE))
         }
         labels = {image: self._names(image.removesuffix('s')) for image in IMAGES}
         timeout = self.parameter(
@@ -187,8 +184,7 @@ class LuaProgramNode(RobotNode):
         server = DebugAdapterServer(self._program, token=shown, folder=folder, port=port)
         server.start()
         secret = '' if token else f' with token {shown}'
-        text = f'editors debug programs below {folder} at port {server.port}{secret}'
-        self.journal.info(text)
+        self.journal.info(f'editors debug programs below {folder} at port {server.port}{secret}')
         return server
 
     def _set_breakpoints(self) -> None:

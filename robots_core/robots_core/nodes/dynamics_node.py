@@ -154,18 +154,11 @@ class DynamicsNode(RobotNode):
         axes = self.robot.axes_data
         part = np.abs(tau) / axes.effort
         worst = int(part.argmax())
-        name, unit = axes.names[worst], axes.unit(worst, 'torque')
-        values: dict[str, Any] = {
-            'joint': name,
-            'torque': float(tau[worst]),
-            'limit': float(axes.effort[worst]),
-        }
+        name, limit = axes.names[worst], float(axes.effort[worst])
+        values: dict[str, Any] = {'joint': name, 'torque': float(tau[worst]), 'limit': limit}
         if part[worst] > 1.0:
-            self.report_health(
-                DiagnosticStatus.WARN,
-                f'torque of {name} is past its limit of {axes.effort[worst]:g} {unit}',
-                **values,
-            )
+            text = f'torque of {name} is past its limit of {limit:g} {axes.unit(worst, "torque")}'
+            self.report_health(DiagnosticStatus.WARN, text, **values)
         else:
             self.ready(**values)
 
