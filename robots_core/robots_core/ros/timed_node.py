@@ -178,31 +178,28 @@ class TimedNode(Node):
             timer_period_sec, callback, phase=self.phase if phase is None else phase, autostart=autostart
         )
 
+    @property
+    def _maker(self) -> Any:
+        """Makes endpoints: the participant, which counts their messages, or rclpy's node alone."""
+        return super() if self.participant is None else self.participant
+
     def create_publisher(self, msg_type: Any, topic: str, qos_profile: Any, **options: Any) -> Any:
         """As `Node.create_publisher`."""
-        create: Any = (
-            super().create_publisher if self.participant is None else self.participant.create_publisher
-        )
-        return create(msg_type, topic, qos_profile, **options)
+        return self._maker.create_publisher(msg_type, topic, qos_profile, **options)
 
     def create_subscription(
         self, msg_type: Any, topic: str, callback: Any, qos_profile: Any, **options: Any
     ) -> Any:
         """As `Node.create_subscription`."""
-        create: Any = (
-            super().create_subscription if self.participant is None else self.participant.create_subscription
-        )
-        return create(msg_type, topic, callback, qos_profile, **options)
+        return self._maker.create_subscription(msg_type, topic, callback, qos_profile, **options)
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Any, **options: Any) -> Any:
         """As `Node.create_service`."""
-        create: Any = super().create_service if self.participant is None else self.participant.create_service
-        return create(srv_type, srv_name, callback, **options)
+        return self._maker.create_service(srv_type, srv_name, callback, **options)
 
     def create_client(self, srv_type: Any, srv_name: str, **options: Any) -> Any:
         """As `Node.create_client`."""
-        create: Any = super().create_client if self.participant is None else self.participant.create_client
-        return create(srv_type, srv_name, **options)
+        return self._maker.create_client(srv_type, srv_name, **options)
 
     def destroy_timer(self, timer: Any) -> bool:
         """As `Node.destroy_timer`."""
