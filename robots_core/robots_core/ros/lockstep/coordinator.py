@@ -14,7 +14,7 @@ from std_msgs.msg import Int64MultiArray, String
 from robots_core.errors import RobotsError
 from robots_core.ros.lockstep.agenda import Agenda, LockstepError
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
-from robots_core.ros.lockstep.profiles import ALL, LATCHED, LATCHED_BY_MANY, NEWEST
+from robots_core.ros.lockstep.profiles import ALL, LATCHED_BY_MANY
 from robots_core.ros.lockstep.protocol import (
     GO,
     LITTLE_ENDIAN,
@@ -29,6 +29,7 @@ from robots_core.ros.lockstep.protocol import (
     encode,
 )
 from robots_core.ros.lockstep.traffic import Traffic
+from robots_core.ros.qos import STATE, STREAM
 
 JOINING_PATIENCE: Final = 120.0  # s of the wall clock: models and compiled code take long to load
 PATIENCE: Final = 30.0  # s of the wall clock
@@ -85,9 +86,9 @@ class Coordinator:
         self._progress = time.monotonic()
         self._time_told = -1
 
-        self._rosters = node.create_publisher(String, ROSTER, LATCHED)
-        self._times = node.create_publisher(Int64MultiArray, TIME, NEWEST)
-        self._clock = node.create_publisher(ClockMessage, '/clock', NEWEST)
+        self._rosters = node.create_publisher(String, ROSTER, STATE)
+        self._times = node.create_publisher(Int64MultiArray, TIME, STREAM)
+        self._clock = node.create_publisher(ClockMessage, '/clock', STREAM)
         node.create_subscription(String, PARTICIPANTS, self._on_announcement, LATCHED_BY_MANY)
         self._reports = node.create_subscription(Int64MultiArray, REPORT, self._on_report, ALL, raw=True)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
