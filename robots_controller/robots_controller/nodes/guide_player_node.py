@@ -53,9 +53,8 @@ class GuidePlayerNode(RobotNode):
 
     def _play(self) -> None:
         now = self._nanoseconds()
-        for _, message in self._replay.due(now):
-            assert self._replay.start is not None
-            self._message_publishers[message.topic].publish(message.stamped(self._replay.start).data)
+        for message in self._replay.due(now):
+            self._message_publishers[message.topic].publish(message.data)
         following = self._replay.next_time
         if following == math.inf:
             self._timer.cancel()
