@@ -12,12 +12,18 @@ from rich.console import Console
 
 from robots_controller.program.program_header import ProgramHeader, read_program_header
 from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
+from robots_core.blocks.following.following_methods import METHODS
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import RobotsError
 from robots_core.operating_modes import OperatingMode
 from robots_planning.motion_settings import NOTHING
 
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
+CELL_OPTIONS: Final = (
+    *('robot', 'drive', 'scene', 'io', 'io_map', 'rate', 'goal_tolerance', 'tool_speed_limit'),
+    *('operating_mode', 'payload', 'references', 'guided'),
+)
+"""Names of the options that say what a cell is made of."""
 LOG_WIDTH: Final = 130  # characters; a log file has no width of its own, and tables need this much
 
 
@@ -53,6 +59,12 @@ def add_cell_arguments(parser: argparse.ArgumentParser) -> None:
         default=OperatingMode.AUTOMATIC.value,
         choices=tuple(OperatingMode),
         help='who may command the robot, and how fast it moves; %(default)s by default',
+    )
+    parser.add_argument(
+        '--references', default='', metavar='BAG', help='recording of what guides or jogs the robot'
+    )
+    parser.add_argument(
+        '--guided', default='', choices=METHODS, help='follow reference_pose by this inverse kinematics'
     )
 
 

@@ -1,5 +1,6 @@
 """Checks at the boundary: every block validates what comes in once, with these."""
 
+from collections.abc import Callable, Collection
 from math import isfinite
 
 import numpy as np
@@ -131,6 +132,18 @@ def rotation_matrix(T: ArrayLike) -> Array:
     if a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g) < 0.0:
         raise InvalidInputError('T is left-handed (determinant -1); a rotation has determinant +1')
     return array
+
+
+def one_of(name: str, choices: Collection[str]) -> Callable[[str], str]:
+    """Passes a name on, and raises an InvalidInputError if it is none of the choices."""
+
+    def check(value: str) -> str:
+        if value not in choices:
+            *first, last = choices
+            raise InvalidInputError(f'{name} {value!r} is unknown; valid are {", ".join(first)} and {last}')
+        return value
+
+    return check
 
 
 def positive(value: float, name: str, unit: str = '') -> float:

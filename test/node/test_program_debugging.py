@@ -52,7 +52,10 @@ def test_step_begins_a_program(ros_nodes: Any, tmp_path: Path):
 
 @pytest.mark.parametrize(
     ('name', 'value', 'message'),
-    [('breakpoints', ['a.lua'], "a breakpoint is 'file.lua:12'"), ('step_mode', 'far', 'steps are over, in')],
+    [
+        ('breakpoints', ['a.lua'], "a breakpoint is 'file.lua:12'"),
+        ('step_mode', 'far', 'valid are over, in, out and motion'),
+    ],
 )
 def test_wrong_debugging_parameters_are_refused(
     ros_nodes: Any, tmp_path: Path, name: str, value: Any, message: str

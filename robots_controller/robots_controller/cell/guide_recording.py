@@ -32,7 +32,7 @@ SAME_CLOCK: Final = 1.0  # s
 
 @dataclass(frozen=True, eq=False)
 class GuidingMessage:
-    """A message that guides the robot. Times are in ns since the robot was handed over.
+    """A message that guides the robot. Times are in ns, in a recording since the robot was handed over.
 
     Attributes:
         topic: One of `GUIDES`.
@@ -50,12 +50,12 @@ class GuidingMessage:
     value: Pose | Array
     frame: JogAxes = 'base'
 
-    def stamped(self, start: int) -> GuidingMessage:
-        """The message with the stamp of a replay that begins at `start`, ns."""
-        data = bytearray(self.data)
+    def replayed(self, start: int) -> GuidingMessage:
+        """The message with the times and the stamp of a replay that begins at `start`, ns."""
+        data, valid = bytearray(self.data), start + self.valid
         words = struct.Struct('<iI' if data[1] & 1 else '>iI')
-        words.pack_into(data, STAMP_OFFSET, *divmod(start + self.valid, NANOSECONDS))
-        return replace(self, data=bytes(data))
+        words.pack_into(data, STAMP_OFFSET, *divmod(valid, NANOSECONDS))
+        return replace(self, time=start + self.time, valid=valid, data=bytes(data))
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ class GuideReplay:
     """
 
     def __init__(self, recording: GuideRecording) -> None:
-        self._recording = recording
+        self.recording = recording
         self._messages = deque(recording.messages)
         self._guide = Guide.NONE
         self.start: int | None = None
@@ -42,14 +42,15 @@ class GuideReplay:
             RobotsError: nothing of it is recorded.
         """
         if guide is not Guide.NONE:
-            self._recording.check(guide)
+            self.recording.check(guide)
             if self.start is None:
                 self.start = now
         self._guide = guide
 
-    def due(self, now: int) -> Iterator[tuple[int, GuidingMessage]]:
-        """The messages that have come until `now` (ns), each with the time at which it came, ns."""
-        while (time := self.next_time) <= now:
+    def due(self, now: int) -> Iterator[GuidingMessage]:
+        """The messages that have come until `now` (ns), with the times and stamps of this replay."""
+        while self.next_time <= now:
+            assert self.start is not None
             message = self._messages.popleft()
             if message.topic not in GUIDES[Guide.PERSON] or self._guide is Guide.PERSON:
-                yield int(time), message
+                yield message.replayed(self.start)

@@ -57,6 +57,12 @@ class SpeedControl:
         """
         self.override = fraction(override, 'override')
 
+    def set_tool(self, position: Array) -> None:
+        """Watch another tool centre point, by its position in tool0, (3,) m."""
+        for part in (self._frame_limit, self.zones):
+            if part is not None:
+                part.set_tool(position)
+
     def cap(self, trajectory: Trajectory) -> PathSpeedCap | None:
         """How fast the frames may follow a trajectory; takes milliseconds; from any thread."""
         cap = None

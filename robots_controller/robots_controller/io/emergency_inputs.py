@@ -23,6 +23,9 @@ class EmergencyInputs:
     def __init__(self, stopping: Mapping[int, int]) -> None:
         self._stopping = dict(stopping)
 
+    def __bool__(self) -> bool:
+        return bool(self._stopping)
+
     def reason(self, image: Sequence[int]) -> str:
         """Which inputs stop the robot, for a person; '' if none does.
 

@@ -14,6 +14,7 @@ from uuid import uuid4
 from rich.console import Console
 
 from robots_controller.cell_arguments import (
+    CELL_OPTIONS,
     EXIT_FAILED,
     EXIT_INTERRUPTED,
     EXIT_OK,
@@ -23,15 +24,10 @@ from robots_controller.cell_arguments import (
 )
 from robots_controller.editor.debug_token import new_token
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_controller.io.cell_io import read_cell_io
 from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, NodeDescription, cell_graph
 from robots_controller.live_cell.cell_listener import CellListener, listen
 from robots_controller.live_cell.cell_view import CellView
-from robots_controller.live_cell.frozen_nodes import FrozenNodes
-from robots_controller.live_cell.left_outputs import LeftOutputs
 from robots_controller.live_cell.node_processes import NodeProcesses
-from robots_controller.live_cell.node_restarts import NodeRestarts
-from robots_controller.live_cell.restart_policy import RestartPolicy
 from robots_controller.live_cell.running_cell import RunningCell, occupied
 from robots_controller.runtime_folder import alone
 from robots_core.blocks.following.following_methods import METHODS
@@ -42,11 +38,7 @@ from robots_core.ros.middleware import choose_transports
 from robots_core.watchdog import WATCHDOG
 
 FILES = ('program', 'io', 'io_map', 'scene', 'references')  # options
-GRAPH_OPTIONS = (
-    *FILES,
-    *('robot', 'drive', 'rate', 'goal_tolerance', 'tool_speed_limit', 'watchdog', 'payload', 'guided'),
-    *('port', 'debug_port', 'operating_mode', 'lockstep', 'composed'),
-)
+GRAPH_OPTIONS = (*CELL_OPTIONS, 'program', 'watchdog', 'port', 'debug_port', 'lockstep', 'composed')
 
 
 def main() -> None:
@@ -75,12 +67,6 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('--once', action='store_true', help='end when the program has ended')
     parser.add_argument('--view', action='store_true', help='with --once: stay, so that the page stays open')
     parser.add_argument('--port', type=int, default=8080, help='first port to try for the browser page')
-    parser.add_argument(
-        '--guided', default='', choices=METHODS, help='follow reference_pose by this inverse kinematics'
-    )
-    parser.add_argument(
-        '--references', default='', metavar='BAG', help='recording of what guides or jogs the robot'
-    )
     parser.add_argument(
         '--watchdog',
         type=float,
@@ -174,14 +160,7 @@ def _run_alone(
     bag = folder / 'bag' if options.record else None
     with listen(options.namespace, bag, lockstep=options.lockstep) as listener:
         view = CellView(console, processes.names, robot.axes_data.prismatic)
-        outputs = LeftOutputs(listener.monitor, read_cell_io(options.io, options.io_map).fail_safe)
-        # A lock-step run ends with a participant that is lost.
-        restarting = not (options.once or options.no_restart or options.lockstep)
-        policy = RestartPolicy() if restarting else None
-        restarts = NodeRestarts(processes, listener.monitor, outputs, console, policy)
-        watchdog = 0.0 if options.lockstep else options.watchdog
-        frozen = FrozenNodes(listener.monitor, processes.names, watchdog)
-        cell = RunningCell(options, processes, listener, view, restarts=restarts, frozen=frozen)
+        cell = RunningCell(options, processes, listener, view)
         try:
             if not options.lockstep and (found := cell.others()):
                 console.print(occupied(found, options.namespace))

@@ -1,9 +1,8 @@
 """The graph of a robot cell: which nodes it has, in one place, for `cell` and for ros2 launch."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Final
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
@@ -47,7 +46,6 @@ class NodeDescription:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, 'process', self.process or self.executable)
-        object.__setattr__(self, 'parameters', MappingProxyType(dict(self.parameters)))
 
     @property
     def name(self) -> str:
@@ -56,12 +54,7 @@ class NodeDescription:
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON: package, executable, process and parameters."""
-        return {
-            'package': self.package,
-            'executable': self.executable,
-            'process': self.process,
-            'parameters': dict(self.parameters),
-        }
+        return asdict(self)
 
     def executable_path(self) -> Path:
         """The executable as `ros2 run` finds it: prefix/lib/package/executable by the ament index.

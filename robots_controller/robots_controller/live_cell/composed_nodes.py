@@ -2,27 +2,22 @@
 
 import argparse
 import sys
-from collections.abc import Sequence
+
+from rclpy.utilities import remove_ros_args
 
 from robots_controller.live_cell.node_types import node_type
 from robots_core.errors import RobotsError
 from robots_core.ros.run import EXIT_BAD_INPUT, run_nodes
-
-ROS_ARGUMENTS = '--ros-args'
 
 
 def main() -> int:
     """Run from the command line; returns the exit code, see `run_nodes`."""
     parser = argparse.ArgumentParser(prog='composed_nodes', description=__doc__)
     parser.add_argument('nodes', nargs='+', metavar='NODE', help='executable of a node, as planning_node')
-    options = parser.parse_args(_before_ros_arguments(sys.argv[1:]))
+    options = parser.parse_args(remove_ros_args(sys.argv)[1:])
     try:
         nodes = [node_type(name) for name in options.nodes]
     except RobotsError as error:
         print(f'error: {error}', file=sys.stderr)
         return EXIT_BAD_INPUT
     return run_nodes(nodes)
-
-
-def _before_ros_arguments(arguments: Sequence[str]) -> Sequence[str]:
-    return arguments[: arguments.index(ROS_ARGUMENTS)] if ROS_ARGUMENTS in arguments else arguments

@@ -10,7 +10,6 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from importlib.metadata import EntryPoint, distribution
 from multiprocessing import parent_process
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
@@ -49,7 +48,7 @@ class NodeProcess:
         self.name: Final = name
         self.nodes: Final = tuple(node.name for node in nodes)
         self._log = log
-        parts = [(_entry_point(node), node_arguments(node, namespace=namespace)) for node in nodes]
+        parts = {node.name: node_arguments(node, namespace=namespace) for node in nodes}
         self._process: ForkServerProcess = fork_server.CONTEXT.Process(
             target=_run, args=(name, parts, log, dict(os.environ)), name=name
         )
@@ -119,17 +118,16 @@ class NodeProcesses:
         fork_server.start()
         self._log_folder.mkdir(parents=True, exist_ok=True)
         for name in dict.fromkeys(node.process for node in self._graph):
-            self._start(name)
-
-    def restart(self, name: str, parameters: Mapping[str, Mapping[str, Any]]) -> None:
-        """Start a process again that has died, with some parameters in the place of its nodes' own."""
-        self._start(name, parameters)
+            self.start_process(name)
 
     def nodes_of(self, process: str) -> tuple[str, ...]:
         """Names of the nodes in a process."""
         return tuple(node.name for node in self._graph if node.process == process)
 
-    def _start(self, name: str, parameters: Mapping[str, Mapping[str, Any]] = MappingProxyType({})) -> None:
+    def start_process(
+        self, name: str, parameters: Mapping[str, Mapping[str, Any]] = MappingProxyType({})
+    ) -> None:
+        """Start a process, maybe again, with some parameters in the place of its nodes' own."""
         nodes = [
             replace(node, parameters={**node.parameters, **parameters.get(node.name, {})})
             for node in self._graph
@@ -184,17 +182,10 @@ def _stop(processes: Sequence[NodeProcess]) -> None:
             process.wait(max(0.0, deadline - time.monotonic()))
 
 
-def _entry_point(node: NodeDescription) -> EntryPoint:
-    scripts = distribution(node.package).entry_points.select(group='console_scripts')
-    return scripts[node.executable]
-
-
-def _run(
-    name: str, parts: Sequence[tuple[EntryPoint, list[str]]], log: Path, environment: Mapping[str, str]
-) -> None:
-    """Run nodes in the process that was forked for them: one as its executable does, or several together."""
+def _run(name: str, parts: Mapping[str, Sequence[str]], log: Path, environment: Mapping[str, str]) -> None:
+    """Run nodes, command lines by executable, in the process that was forked for them."""
     os.setsid()
-    title = parts[0][1][0] if len(parts) == 1 else name
+    title = next(iter(parts.values()))[0] if len(parts) == 1 else name
     # While the environment is where the process began with it; ROS names its log file by the title.
     setproctitle(title)
     with log.open('ab') as output:  # after what an earlier process left
@@ -203,16 +194,14 @@ def _run(
     sys.stdout = os.fdopen(sys.stdout.fileno(), 'w', buffering=1)
     os.environ.clear()
     os.environ.update(environment)
-    sys.argv = parts[0][1] if len(parts) == 1 else [title]
+    sys.argv = [title]
     threading.Thread(target=_end_with_cell, name='cell', daemon=True).start()
     end_at_once_while_loading()
-    if len(parts) == 1:
-        sys.exit(parts[0][0].load()())
     sys.exit(
         run_nodes(
             [
-                partial(node_type(entry_point.name), cli_args=arguments[1:], use_global_arguments=False)
-                for entry_point, arguments in parts
+                partial(node_type(executable), cli_args=arguments[1:], use_global_arguments=False)
+                for executable, arguments in parts.items()
             ]
         )
     )

@@ -6,6 +6,7 @@ from typing import Any, Final
 from rich.console import Console
 from rich.markup import escape
 
+from robots_controller.io.fail_safe import FailSafe
 from robots_controller.live_cell.cell_events import ProgramStatus
 from robots_controller.live_cell.cell_monitor import CellMonitor
 from robots_controller.live_cell.left_outputs import LeftOutputs
@@ -22,22 +23,23 @@ class NodeRestarts:
     Args:
         processes: The nodes.
         monitor: Listens to them.
-        outputs: Written while the program's node is dead.
         console: Where to say it.
-        policy: When nodes are started again; None for never.
+        fail_safe: Values of outputs that are written while the program's node is dead.
+        restarting: Nodes are started again.
     """
 
     def __init__(
         self,
         processes: NodeProcesses,
         monitor: CellMonitor,
-        outputs: LeftOutputs,
         console: Console,
-        policy: RestartPolicy | None,
+        *,
+        fail_safe: FailSafe,
+        restarting: bool,
     ) -> None:
-        self._processes, self._monitor = processes, monitor
-        self._outputs, self._console = outputs, console
-        self._policy = policy
+        self._processes, self._monitor, self._console = processes, monitor, console
+        self._outputs = LeftOutputs(monitor, fail_safe)
+        self._policy = RestartPolicy() if restarting else None
         self._program = ProgramStatus('', '', 0, '', '')
         self._reasons: dict[str, str] = {}  # by node
 
@@ -66,7 +68,7 @@ class NodeRestarts:
         started: list[str] = []
         for name in due:
             nodes = self._processes.nodes_of(name)
-            self._processes.restart(name, {node: self._parameters(node) for node in nodes})
+            self._processes.start_process(name, {node: self._parameters(node) for node in nodes})
             started += nodes
         return started
 

@@ -3,11 +3,13 @@
 import argparse
 import math
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from rich.markup import escape
 
 from robots_controller.cell_arguments import EXIT_FAILED, EXIT_OK
+from robots_controller.io.cell_io import read_cell_io
 from robots_controller.live_cell.cell_events import (
     Event,
     MotionPlanned,
@@ -44,15 +46,20 @@ class RunningCell:
         processes: NodeProcesses,
         listener: CellListener,
         view: CellView,
-        *,
-        restarts: NodeRestarts,
-        frozen: FrozenNodes,
     ) -> None:
-        self._options, self._restarts, self._frozen = options, restarts, frozen
-        self._processes = processes
-        self._listener = listener
+        self._options, self._processes, self._listener = options, processes, listener
         self._monitor, self._recorder = listener.monitor, listener.recorder
-        self._console = view.console
+        self._view, self._console = view, view.console
+        self._restarts = NodeRestarts(
+            processes,
+            self._monitor,
+            self._console,
+            fail_safe=read_cell_io(options.io, options.io_map).fail_safe,
+            # A lock-step run ends with a participant that is lost.
+            restarting=not (options.once or options.no_restart or options.lockstep),
+        )
+        watchdog = 0.0 if options.lockstep else options.watchdog
+        self._frozen = FrozenNodes(self._monitor, processes.names, watchdog)
         self._waiting = set(processes.names)
         self._failed = False
         self._motion: str | None = None
@@ -64,7 +71,6 @@ class RunningCell:
         self._foreign = ''
         """A node of this cell's that lives in another process too."""
         self.program_ended = False
-        self._view = view
 
     def others(self) -> str:
         """A node of this cell's names that is there before any is started; '' for none."""
@@ -134,9 +140,8 @@ class RunningCell:
     def _late(self) -> str:
         return ', '.join(sorted(self._waiting)) or 'the recorder'
 
-    def _until(self, condition: object, timeout: float) -> bool:
+    def _until(self, condition: Callable[[], bool], timeout: float) -> bool:
         deadline = time.monotonic() + timeout
-        assert callable(condition)
         while not condition():
             if not self._healthy() or time.monotonic() > deadline:
                 return False

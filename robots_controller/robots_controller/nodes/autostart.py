@@ -46,12 +46,8 @@ class Autostart:
         self._controller_works = False
         self._troubles: dict[str, str] = {}
         self._said, self._said_at = '', 0.0
-        wanted = node.parameter(
-            'autostart', False, 'open and run the program as soon as the robot can move', read_only=True
-        )
-        launch = node.parameter(
-            'launch', '', 'autostart runs the program once for each of these names', read_only=True
-        )
+        wanted = node.parameter('autostart', False, 'open and run the program as soon as the robot can move')
+        launch = node.parameter('launch', '', 'autostart runs the program once for each of these names')
         if not wanted:
             return
         try:

@@ -5,11 +5,10 @@ from functools import partial
 
 from rclpy.parameter import Parameter
 from std_msgs.msg import Bool, String
-from std_srvs.srv import SetBool, Trigger
+from std_srvs.srv import SetBool
 
 from robots_controller.control.command_authority import HOLD_TIMEOUT, CommandAuthority
 from robots_controller.control.control_loop import ControlLoop
-from robots_core.errors import CommandRefusedError
 from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.robot_node import RobotNode
@@ -23,16 +22,15 @@ def authority_by_parameters(node: RobotNode) -> CommandAuthority:
         'operating_mode',
         OperatingMode.AUTOMATIC.value,
         f'one of {", ".join(OperatingMode)}',
-        check=OperatingMode,
+        read=OperatingMode,
     )
     timeout = node.parameter(
         'hold_timeout',
         HOLD_TIMEOUT,
         'in T1 and T2, run counts as held for this long after hold_to_run was true, s; 0: nobody needs to',
         bounds=(0.0, 2.0),
-        read_only=True,
     )
-    return CommandAuthority(OperatingMode(mode), hold_timeout=timeout)
+    return CommandAuthority(mode, hold_timeout=timeout)
 
 
 class CommanderServices:
@@ -55,8 +53,8 @@ class CommanderServices:
         self._enabled_publisher = node.create_publisher(Bool, 'run_enabled', STATE)
         for commander in COMMANDERS:
             name = commander.lower()
-            node.create_service(SetBool, f'~/commander/{name}', partial(self._serve, commander))
-            node.create_service(Trigger, f'~/take_over/{name}', partial(self._serve_take_over, commander))
+            node.serve(f'commander/{name}', partial(self._take, commander), SetBool)
+            node.serve(f'take_over/{name}', partial(self._take_over, commander))
         node.create_subscription(Bool, 'hold_to_run', self._on_hold, COMMAND)
         node.add_post_set_parameters_callback(self._on_parameters)
         self._publish()
@@ -71,36 +69,23 @@ class CommanderServices:
             self._authority.give_back(commander)
             self._publish()
 
-    def _serve(
-        self, commander: Commander, request: SetBool.Request, response: SetBool.Response
-    ) -> SetBool.Response:
+    def _take(self, commander: Commander, taken: bool) -> str:  # noqa: FBT001  # the value of a SetBool
         try:
-            if request.data:
+            if taken:
                 self._authority.take(commander, standing=self._control.at_rest)
-                response.message = f'{commander} commands the robot'
-            else:
-                self._authority.give_back(commander)
-                response.message = 'nobody commands the robot'
-            response.success = True
-        except CommandRefusedError as error:
-            response.success, response.message = False, str(error)
-        self._publish()
-        return response
+                return f'{commander} commands the robot'
+            self._authority.give_back(commander)
+            return 'nobody commands the robot'
+        finally:
+            self._publish()
 
-    def _serve_take_over(
-        self, commander: Commander, _: Trigger.Request, response: Trigger.Response
-    ) -> Trigger.Response:
-        try:
-            before = self._authority.commander
-            self._authority.take_over(commander)
-        except CommandRefusedError as error:
-            response.success, response.message = False, str(error)
-            return response
+    def _take_over(self, commander: Commander) -> str:
+        before = self._authority.commander
+        self._authority.take_over(commander)
         if before is not commander:
             self._control.stop(f'{commander} took the robot over')
-        response.success, response.message = True, f'{commander} commands the robot'
         self._publish()
-        return response
+        return f'{commander} commands the robot'
 
     def _on_hold(self, message: Bool) -> None:
         self._authority.hold(self._node.now(), held=message.data)

@@ -54,13 +54,22 @@ class ControllerClient:
             changed: Called after each report.
         """
         self._host, self._changed = host, changed
-        for message_type, topic, callback in (
-            (DiagnosticStatus, 'stop_status', self._on_stop_status),
-            (String, 'commander', self._on_commander),
-            (String, 'operating_mode', self._on_mode),
-            (Bool, 'run_enabled', self._on_enabled),
-        ):
-            self._node.create_subscription(message_type, topic, callback, STATE)
+
+        def stopped(message: DiagnosticStatus) -> None:
+            host.stop_changed('' if message.level == DiagnosticStatus.OK else message.message)
+
+        takers: dict[str, tuple[Any, Callable[[Any], object]]] = {
+            'stop_status': (DiagnosticStatus, stopped),
+            'commander': (String, self._on_commander),
+            'operating_mode': (String, lambda one: host.permission.mode_changed(OperatingMode(one.data))),
+            'run_enabled': (Bool, lambda one: host.run_enabled(enabled=one.data)),
+        }
+        for topic, (message_type, take) in takers.items():
+            self._node.create_subscription(message_type, topic, partial(self._report, take), STATE)
+
+    def _report(self, take: Callable[[Any], object], message: Any) -> None:
+        take(message)
+        self._changed()
 
     def request(self, request: ControllerRequest) -> None:
         """See `ControllerPort`."""
@@ -105,21 +114,8 @@ class ControllerClient:
             self._changed()
         answered.set()
 
-    def _on_stop_status(self, message: DiagnosticStatus) -> None:
-        self._host.stop_changed('' if message.level == DiagnosticStatus.OK else message.message)
-        self._changed()
-
     def _on_commander(self, message: String) -> None:
         commander = Commander(message.data)
         if commander is Commander.NOBODY and self._taken:  # of a controller that was started anew
             self.command(taken=True)
         self._host.permission.commander_changed(commander)
-        self._changed()
-
-    def _on_mode(self, message: String) -> None:
-        self._host.permission.mode_changed(OperatingMode(message.data))
-        self._changed()
-
-    def _on_enabled(self, message: Bool) -> None:
-        self._host.run_enabled(enabled=message.data)
-        self._changed()

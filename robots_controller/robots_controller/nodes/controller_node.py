@@ -12,7 +12,6 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, UInt8MultiArray
-from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
@@ -20,7 +19,6 @@ from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
 from robots_controller.control.faults import (
     CONTROLLER_LOST,
-    EMERGENCY_INPUT,
     EMERGENCY_STOP,
     FOREIGN_WRITER,
     LOST_NODES,
@@ -28,7 +26,8 @@ from robots_controller.control.faults import (
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
 from robots_controller.control.speed_control import SpeedControl
 from robots_controller.control.stop_latch import StopState
-from robots_controller.io.emergency_inputs import parse_emergency_stop
+from robots_controller.control.watched_inputs import WatchedInputs
+from robots_controller.io.emergency_inputs import EmergencyInputs, parse_emergency_stop
 from robots_controller.nodes.commander_services import CommanderServices, authority_by_parameters
 from robots_controller.nodes.controller_parameters import settings_by_parameters
 from robots_controller.nodes.stream_messages import stream_point_from_message
@@ -80,10 +79,7 @@ class ControllerNode(RobotNode):
         settings = settings_by_parameters(self)
         rate = 1.0 / settings.period
         priority = self.parameter(
-            'realtime_priority',
-            50,
-            'FIFO priority of the loop where the system permits it; 0: none',
-            read_only=True,
+            'realtime_priority', 50, 'FIFO priority of the loop where the system permits it; 0: none'
         )
         latency = self.parameter(
             'idle_latency',
@@ -92,7 +88,6 @@ class ControllerNode(RobotNode):
             'at 0 (the default from 500 Hz on) none sleeps, which takes power and keeps time best; '
             'negative: not asked',
             bounds=(-1.0, 1.0),
-            read_only=True,
         )
         watchdog = watchdog_parameter(self)
         share = {} if self.simulated_time else {'processor_share': processor_share}
@@ -100,7 +95,7 @@ class ControllerNode(RobotNode):
             'tool_speed_limit',
             0.0,
             'highest speed of the tool and of the frames of all axes, on every motion, m/s; 0 for none',
-            check=checked_speed_limit,
+            read=checked_speed_limit,
         )
         authority = authority_by_parameters(self)
         self._frame_limit = FrameSpeedLimit(self.robot, authority.speed_limit(limit))
@@ -150,7 +145,7 @@ class ControllerNode(RobotNode):
             'stop': 'stopping on the path, the motion is given up',
         }
         for request, answer in answers.items():
-            self.create_service(Trigger, f'~/{request}', partial(self._serve, request, answer))
+            self.serve(request, partial(self._request, request, answer))
         self._offer_emergency_stops()
         self._take_over()
         self._foreign_writers: set[str] = set()
@@ -172,24 +167,23 @@ class ControllerNode(RobotNode):
     def _take_over(self) -> None:
         """A controller that has taken the place of one that died lets nothing move before a reset."""
         text = 'what ended an earlier process of this node: the robot stays stopped until ~/reset'
-        interrupted = self.parameter('interrupted', '', text, read_only=True)
+        interrupted = self.parameter('interrupted', '', text)
         if interrupted:
             self._control.trip(CONTROLLER_LOST, interrupted)
 
     def _offer_emergency_stops(self) -> None:
-        self.create_service(Trigger, '~/emergency_stop', self._serve_emergency_stop)
-        self.create_service(Trigger, '~/reset', self._serve_reset)
+        self.serve('emergency_stop', self._stop_at_once)
+        self.serve('reset', self._reset)
         subscribe_state(self, Bool, 'emergency_stop', self._on_emergency_stop)
-        texts = self.parameter(
+        stopping: EmergencyInputs = self.parameter(
             'emergency_stop_inputs',
             [''],
             "digital inputs that stop the robot, as 'digital_input.3=off'",
-            check=parse_emergency_stop,
-            read_only=True,
+            read=parse_emergency_stop,
         )
-        self._emergency_inputs = parse_emergency_stop(texts)
-        if any(texts):
-            subscribe_state(self, UInt8MultiArray, 'digital_inputs', self._on_digital_inputs)
+        if stopping or self._zones.inputs:
+            self._inputs = WatchedInputs(self._control, stopping, self._zones.inputs)
+            subscribe_state(self, UInt8MultiArray, 'digital_inputs', lambda one: self._inputs.look(one.data))
 
     # -- the loop ------------------------------------------------------------------------------------
 
@@ -210,13 +204,10 @@ class ControllerNode(RobotNode):
 
     def _take_feedback(self) -> Array | None:
         raw = self._feedback.take()
-        if raw is None:
-            return None
-        try:
-            return self._joint_states.position(raw)
-        except InvalidInputError as error:
-            self.refuse('joint_states', error, stream=True)
-            return None
+        if raw is not None:
+            with self.refusing('joint_states'):
+                return self._joint_states.position(raw)
+        return None
 
     def result(self, result: MotionResult) -> None:
         """See `ControlPort`."""
@@ -313,9 +304,7 @@ class ControllerNode(RobotNode):
         self._control.set_override(fraction(message.data, 'override'))
 
     def _on_settings(self, message: DiagnosticStatus) -> None:
-        tool = settings_from_text(diagnostic_values(message)).tool_pose.r
-        self._frame_limit.set_tool(tool)
-        self._zones.set_tool(tool)
+        self._controller.speed.set_tool(settings_from_text(diagnostic_values(message)).tool_pose.r)
 
     @property
     def moving(self) -> bool:
@@ -352,28 +341,17 @@ class ControllerNode(RobotNode):
     def _on_emergency_stop(self, message: Bool) -> None:
         self._control.watch(EMERGENCY_STOP, 'emergency stop by topic emergency_stop' if message.data else '')
 
-    def _on_digital_inputs(self, message: UInt8MultiArray) -> None:
-        self._control.watch(EMERGENCY_INPUT, self._emergency_inputs.reason(message.data))
-
-    def _serve_emergency_stop(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    def _stop_at_once(self) -> str:
         self._control.trip(EMERGENCY_STOP, 'emergency stop by ~/emergency_stop')
-        response.success, response.message = True, 'stopping, then switching the drives off, until ~/reset'
-        return response
+        return 'stopping, then switching the drives off, until ~/reset'
 
-    def _serve_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        try:
-            self._control.reset()
-            response.success, response.message = True, 'the robot may move again'
-        except RobotsError as error:
-            response.success, response.message = False, str(error)
-        return response
+    def _reset(self) -> str:
+        self._control.reset()
+        return 'the robot may move again'
 
-    def _serve(
-        self, request: ControllerRequest, answer: str, _: Trigger.Request, response: Trigger.Response
-    ) -> Trigger.Response:
+    def _request(self, request: ControllerRequest, answer: str) -> str:
         self._control.request(request)
-        response.success, response.message = True, answer
-        return response
+        return answer
 
     def look_after_health(self) -> None:
         """Report it, with the loop's figures."""

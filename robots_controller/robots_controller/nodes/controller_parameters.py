@@ -22,10 +22,7 @@ def settings_by_parameters(node: RobotNode) -> ControllerSettings:
     Raises:
         InvalidInputError: one is out of its range.
     """
-    rate = node.parameter('rate', 250.0, 'references per second, Hz', bounds=(10.0, 2000.0), read_only=True)
+    rate = node.parameter('rate', 250.0, 'references per second, Hz', bounds=(10.0, 2000.0))
     default = ControllerSettings()
-    values = {
-        name: node.parameter(name, getattr(default, name), text, read_only=True)
-        for name, text in TEXTS.items()
-    }
+    values = {name: node.parameter(name, getattr(default, name), text) for name, text in TEXTS.items()}
     return ControllerSettings(period=1.0 / rate, **values)

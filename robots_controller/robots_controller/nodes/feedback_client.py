@@ -9,7 +9,7 @@ from sensor_msgs.msg import JointState
 from robots_controller.program.clock import Clock
 from robots_controller.program.joint_feedback import JointFeedback
 from robots_core.errors import ProgramError
-from robots_core.ros.messages import joint_values
+from robots_core.ros.messages import joint_motion
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import SENSOR
 from robots_core.ros.timed_node import TimedNode
@@ -43,19 +43,10 @@ class FeedbackClient:
         while True:
             message = self._feedback.take()
             if message is not None:
-                self._measured = self._as_feedback(message)
+                self._measured = JointFeedback(*joint_motion(message, self._joint_names))
             if self._measured is not None:
                 return self._measured
             if clock.now() > end or stopping():
                 raise ProgramError('no joint_states received: is drive_node running?')
             with self._waiting:
                 clock.wait(self._waiting, clock.now() + FEEDBACK_PERIOD)
-
-    def _as_feedback(self, message: JointState) -> JointFeedback:
-        position, velocity, torque = (
-            joint_values(message.name, values, self._joint_names, 'joint_states') if values else None
-            for values in (message.position, message.velocity, message.effort)
-        )
-        if position is None:
-            raise ProgramError('joint_states have no position')
-        return JointFeedback(position, velocity, torque)

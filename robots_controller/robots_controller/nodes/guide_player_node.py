@@ -26,7 +26,7 @@ class GuidePlayerNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('guide_player_node', **options)
-        path = self.parameter('references', '', 'bag of what guides or jogs the robot', read_only=True)
+        path = self.parameter('references', '', 'bag of what guides or jogs the robot')
         if path:
             self._open(read_guide_recording(path, self.robot.axes_data.names))
         else:
@@ -53,9 +53,8 @@ class GuidePlayerNode(RobotNode):
 
     def _play(self) -> None:
         now = self._nanoseconds()
-        for _, message in self._replay.due(now):
-            assert self._replay.start is not None
-            self._message_publishers[message.topic].publish(message.stamped(self._replay.start).data)
+        for message in self._replay.due(now):
+            self._message_publishers[message.topic].publish(message.data)
         following = self._replay.next_time
         if following == math.inf:
             self._timer.cancel()

@@ -36,35 +36,32 @@ class IoBridgeNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('io_bridge_node', **options)
-        path = self.parameter('io_map', '', 'YAML file that maps channels to topics', read_only=True)
+        path = self.parameter('io_map', '', 'YAML file that maps channels to topics')
         self._map = read_io_map(path) if path else IoMap()
         declared = self.parameter(
             'fail_safe',
             [''],
             "fail-safe values of outputs that the map does not declare, as 'digital_output.3=hold'",
-            check=parse_fail_safe,
-            read_only=True,
+            read=parse_fail_safe,
         )
-        safe = {**parse_fail_safe(declared), **self._map.fail_safe}
-        kinds = {id(row): _checked(row) for row in (*self._map.inputs, *self._map.outputs)}
+        safe = {**declared, **self._map.fail_safe}
+        for row in self._map.inputs:
+            _field_type(row)
         self._problems: dict[str, str] = {}
         now = self.now()
         self._inputs = [InputValue(row, now) for row in self._map.inputs]
         self._images = InputImages(self, [row.channel for row in self._map.inputs])
-        self._timer = self.create_timer(WATCH_PERIOD, self._on_time)
+        self._timer = self.create_timer(WATCH_PERIOD, self._update_inputs)
         for topic, rows in _by_topic(self._map.inputs).items():
             members = [value for value in self._inputs if value.row.topic == topic]
             self.create_subscription(
                 message_class(rows[0].type), topic, partial(self._on_message, members), _qos(rows[0].qos)
             )
-        self._topics = [
-            _OutputTopic(self, rows, [kinds[id(row)] for row in rows], safe)
-            for rows in _by_topic(self._map.outputs).values()
-        ]
+        self._topics = [_OutputTopic(self, rows, safe) for rows in _by_topic(self._map.outputs).values()]
         self._outputs = OutputImages(self, [row.channel for row in self._map.outputs], self._on_outputs)
         self.ready()  # also without a PLC
         self._update_inputs()
-        self._watch = HeartbeatWatch(self, [WRITER], watchdog_parameter(self), self._on_lost)
+        self._watch = HeartbeatWatch(self, [WRITER], watchdog_parameter(self), lambda *_: self._on_outputs())
         if self._map.outputs:
             self.create_timer(WATCH_PERIOD, self._on_outputs)
         self._report()
@@ -79,12 +76,12 @@ class IoBridgeNode(RobotNode):
             self.ready(inputs=len(self._map.inputs), outputs=len(self._map.outputs))
 
     def _set_problem(self, key: str, problem: str) -> None:
-        if problem and key not in self._problems:
-            self.journal.warning(problem)
-        if problem:
-            self._problems[key] = problem
-        else:
+        if not problem:
             self._problems.pop(key, None)
+            return
+        if key not in self._problems:
+            self.journal.warning(problem)
+        self._problems[key] = problem
 
     # -- inputs ---------------------------------------------------------------------------------------
 
@@ -92,15 +89,12 @@ class IoBridgeNode(RobotNode):
         now = self.now()
         for value in members:
             name = value.row.channel.name
+            problem = ''
             try:
                 value.receive(message, now)
             except InvalidInputError as error:
-                self._set_problem(f'value {name}', f'{value.row.topic}: {error}; {name} keeps its value')
-            else:
-                self._set_problem(f'value {name}', '')
-        self._update_inputs()
-
-    def _on_time(self) -> None:
+                problem = f'{value.row.topic}: {error}; {name} keeps its value'
+            self._set_problem(f'value {name}', problem)
         self._update_inputs()
 
     def _update_inputs(self) -> None:
@@ -127,9 +121,6 @@ class IoBridgeNode(RobotNode):
 
     # -- outputs --------------------------------------------------------------------------------------
 
-    def _on_lost(self, _name: str, _reason: str) -> None:
-        self._on_outputs()
-
     def _on_outputs(self) -> None:
         now = self.now()
         for topic in self._topics:
@@ -151,9 +142,9 @@ class IoBridgeNode(RobotNode):
 class _OutputTopic:
     """The message of one topic, made of all its rows."""
 
-    def __init__(self, node: RobotNode, rows: list[IoRow], kinds: list[str], safe: FailSafe) -> None:
+    def __init__(self, node: RobotNode, rows: list[IoRow], safe: FailSafe) -> None:
         self._safe = safe
-        self._rows = list(zip(rows, kinds, strict=True))
+        self._rows = [(row, _field_type(row)) for row in rows]
         self._message = message_class(rows[0].type)()
         for row in rows:
             make_room(self._message, row.path)
@@ -234,7 +225,7 @@ class _OutputTopic:
             self._publisher.publish(self._message)
 
 
-def _checked(row: IoRow) -> str:
+def _field_type(row: IoRow) -> str:
     """Type of the row's field.
 
     Raises:

@@ -5,13 +5,44 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from std_msgs.msg import Float64MultiArray, UInt8MultiArray
+from rclpy.node import Node
+from std_msgs.msg import Float64MultiArray, MultiArrayLayout, UInt8MultiArray
 
 from robots_controller.io.io_image import Channel, image_sizes
 from robots_core.ros.messages import doubles
 from robots_core.ros.qos import STATE, subscribe_state
 from robots_core.ros.timed_node import TimedNode
 from robots_core.validation import Array, finite_vector
+
+
+class ImagePublisher:
+    """Publishes an image at every change.
+
+    Args:
+        node: Owner of the publisher.
+        image: One of `IMAGES`.
+        topic: The topic; that of the image by default.
+        layout: Of the messages.
+    """
+
+    def __init__(
+        self, node: Node, image: str, topic: str = '', layout: MultiArrayLayout | None = None
+    ) -> None:
+        self._message, self._layout = image_message(image), layout or MultiArrayLayout()
+        self.publisher: Any = node.create_publisher(self._message, topic or image, STATE)
+        self._published: bytes | None = None
+
+    def publish(self, values: Array) -> None:
+        """Publish the values if they are others than before."""
+        if self._published != values.tobytes():
+            self._published = values.tobytes()
+            digital = self._message is UInt8MultiArray
+            data = values.astype('u1').tobytes() if digital else doubles(values)
+            self.publisher.publish(self._message(layout=self._layout, data=data))
+
+    def repeat(self) -> None:
+        """Publish the next values, whatever they are."""
+        self._published = None
 
 
 class InputImages:
@@ -23,12 +54,9 @@ class InputImages:
     """
 
     def __init__(self, node: TimedNode, channels: Iterable[Channel]) -> None:
-        self._values: dict[str, Array] = {}
-        self._publishers: dict[str, Any] = {}
-        self._published: dict[str, bytes] = {}
-        for image, size in image_sizes(channels).items():
-            self._values[image] = np.zeros(size)
-            self._publishers[image] = node.create_publisher(_message(image), image, STATE)
+        sizes = image_sizes(channels)
+        self._values: dict[str, Array] = {image: np.zeros(size) for image, size in sizes.items()}
+        self._publishers = {image: ImagePublisher(node, image) for image in sizes}
 
     def set(self, channel: Channel, value: float) -> None:
         """Set a value; it is sent with the next `publish`."""
@@ -37,11 +65,7 @@ class InputImages:
     def publish(self) -> None:
         """Publish the images that changed since the last time."""
         for image, values in self._values.items():
-            if self._published.get(image) != values.tobytes():
-                self._published[image] = values.tobytes()
-                message = _message(image)
-                data = values.astype('u1').tobytes() if message is UInt8MultiArray else doubles(values)
-                self._publishers[image].publish(message(data=data))
+            self._publishers[image].publish(values)
 
 
 class OutputImages:
@@ -60,7 +84,7 @@ class OutputImages:
         self._seen: dict[str, float] = {}
         for image in image_sizes(channels):
             self._seen[image] = node.now()
-            subscribe_state(node, _message(image), image, partial(self._on_message, image))
+            subscribe_state(node, image_message(image), image, partial(self._on_message, image))
 
     def value(self, channel: Channel) -> float | None:
         """Value of an output; None before the first image, and 0 if the image is too short for it."""
@@ -79,5 +103,6 @@ class OutputImages:
         self._on_change()
 
 
-def _message(image: str) -> Any:
+def image_message(image: str) -> Any:
+    """The type of an image's messages."""
     return UInt8MultiArray if image.startswith('digital') else Float64MultiArray

@@ -9,23 +9,24 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rcl_interfaces.msg import ParameterDescriptor, ParameterType, ParameterValue, SetParametersResult
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
 from rclpy.duration import Duration
-from rclpy.node import Node
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension, MultiArrayLayout, UInt8MultiArray
 from std_srvs.srv import SetBool
 
 from robots_controller.io.io_image import IMAGES, Channel, IoImage, Kind
+from robots_controller.nodes.io_images import ImagePublisher, image_message
 from robots_core.errors import InvalidInputError
-from robots_core.ros.messages import diagnostic_status, doubles
+from robots_core.ros.messages import diagnostic_status
 from robots_core.ros.qos import STATE, subscribe_state
+from robots_core.ros.robot_node import RobotNode
 
 OUTPUT_PERIOD: Final = 0.1  # s between repetitions of the output images
 FINISH_TIMEOUT: Final = Duration(seconds=0.25)  # of each image
 OUTPUTS: Final = tuple(name for name in IMAGES if name.endswith('outputs'))
 FORCE: Final = 'force'
 _GROUPS: Final = tuple(name.removesuffix('s') for name in IMAGES)
-_MESSAGES: Final[dict[str, Any]] = {'digital': UInt8MultiArray, 'analog': Float64MultiArray}
 _TYPE_NAMES: Final = {
     ParameterType.PARAMETER_NOT_SET: 'no value',
+    ParameterType.PARAMETER_BOOL: 'a bool',
     ParameterType.PARAMETER_STRING: 'a string',
     ParameterType.PARAMETER_DOUBLE: 'a double',
 }
@@ -53,24 +54,22 @@ class IoServices:
     """
 
     def __init__(
-        self, node: Node, image: IoImage, on_inputs: Callable[[str, InvalidInputError | None], None]
+        self, node: RobotNode, image: IoImage, on_inputs: Callable[[str, InvalidInputError | None], None]
     ) -> None:
         self._image = image
         self._on_inputs = on_inputs
         self._hardware = node.get_fully_qualified_name()
         self._lock = threading.Lock()
-        self._published: dict[str, bytes] = {}
         self._forced: dict[Channel, float] | None = None
-        self._publishers: dict[str, Any] = {
-            name: node.create_publisher(
-                _MESSAGES[_kind(name)], name if name in OUTPUTS else f'~/{name}', STATE
+        self._publishers = {
+            name: ImagePublisher(
+                node, name, name if name in OUTPUTS else f'~/{name}', _layout(name, image.size(name))
             )
             for name in IMAGES
         }
-        self._layouts = {name: _layout(name, image.size(name)) for name in IMAGES}
         self._forced_publisher = node.create_publisher(DiagnosticStatus, 'forced_inputs', STATE)
         for name in ('digital_inputs', 'analog_inputs'):
-            subscribe_state(node, _MESSAGES[_kind(name)], name, partial(self._on_message, name))
+            subscribe_state(node, image_message(name), name, partial(self._on_message, name))
         for kind, name, serve in (
             (GetParameters, 'get_io', self._get),
             (SetParameters, 'set_io', self._set),
@@ -80,28 +79,22 @@ class IoServices:
             node.create_service(kind, f'~/{name}', serve)
         for channel in image.channels:
             if channel.kind == 'digital':
-                name = f'~/{channel.kind}_{channel.direction}_{channel.index}/set'
-                node.create_service(SetBool, name, partial(self._set_bool, channel))
+                name = f'{channel.kind}_{channel.direction}_{channel.index}/set'
+                node.serve(name, partial(self._set_digital, channel), SetBool)
         self.publish()
         node.create_timer(OUTPUT_PERIOD, self._repeat_outputs)
 
     def _repeat_outputs(self) -> None:
         with self._lock:
             for name in OUTPUTS:
-                del self._published[name]
+                self._publishers[name].repeat()
         self.publish()
 
     def publish(self) -> None:
         """Publish what changed since the last time; safe from any thread."""
         with self._lock:  # held while publishing: an older image must not overtake a newer one
             for name in IMAGES:
-                values = self._image.numbers(name)
-                if self._published.get(name) == values.tobytes():
-                    continue
-                self._published[name] = values.tobytes()
-                data = values.astype('u1').tobytes() if _kind(name) == 'digital' else doubles(values)
-                message = _MESSAGES[_kind(name)](layout=self._layouts[name], data=data)
-                self._publishers[name].publish(message)
+                self._publishers[name].publish(self._image.numbers(name))
             if (forced := self._image.forced()) != self._forced:
                 self._forced = forced
                 self._forced_publisher.publish(self._forced_status(forced))
@@ -109,7 +102,7 @@ class IoServices:
     def finish(self) -> None:
         """Wait until the outputs have arrived where they are needed, but not for long."""
         for name in OUTPUTS:
-            self._publishers[name].wait_for_all_acked(FINISH_TIMEOUT)
+            self._publishers[name].publisher.wait_for_all_acked(FINISH_TIMEOUT)
 
     def _forced_status(self, forced: dict[Channel, float]) -> DiagnosticStatus:
         shown = {_shown_name(channel): _shown(channel, value) for channel, value in forced.items()}
@@ -176,11 +169,11 @@ class IoServices:
             )
         return ''
 
-    def _set_bool(self, channel: Channel, request: SetBool.Request, response: SetBool.Response) -> Any:
-        value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=request.data)
-        response.success, response.message = True, self._set_one(channel.name, value)
+    def _set_digital(self, channel: Channel, on: bool) -> str:  # noqa: FBT001  # the value of a SetBool
+        value = ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=on)
+        answer = self._set_one(channel.name, value)
         self.publish()
-        return response
+        return answer
 
     def _list(self, request: ListParameters.Request, response: ListParameters.Response) -> Any:
         names = [channel.name for channel in self._image.channels]
@@ -251,9 +244,7 @@ def _number(channel: Channel, value: ParameterValue) -> float:
         return channel.checked(value.integer_value)
     if value.type == ParameterType.PARAMETER_DOUBLE and channel.kind == 'analog':
         return channel.checked(value.double_value)
-    given = _TYPE_NAMES.get(
-        value.type, 'a bool' if value.type == ParameterType.PARAMETER_BOOL else 'an array'
-    )
+    given = _TYPE_NAMES.get(value.type, 'an array')
     raise InvalidInputError(f'{channel.name} got {given}; valid is {_WANTED[channel.kind]}')
 
 

@@ -12,7 +12,6 @@ from typing import Any, Final
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
-from std_srvs.srv import Trigger
 
 from robots_controller.cell.program_host import ProgramHost
 from robots_controller.editor.debug_adapter_server import DebugAdapterServer
@@ -33,8 +32,8 @@ from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.program.motion_command import MotionCommand, OutputChange
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
-from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
+from robots_core.nodes.payload_parameter import payload_from_parameters
 from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.messages import (
@@ -44,45 +43,18 @@ from robots_core.ros.messages import (
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
-from robots_planning.motion_settings import NOTHING
+from robots_core.validation import one_of
 from robots_planning.robot_command_state import RobotCommandState
 
 JOIN_TIMEOUT: Final = 5.0  # s
 WATCH_PERIOD: Final = 0.1  # s
 STATUS_PERIOD: Final = 0.02  # s, after which a change that could not be reported at once is reported
 
-Handler = Callable[[], str]
-"""Does what a service is asked for and says so; raises a RobotsError."""
-
 
 class LuaProgramNode(RobotNode):
     """Opens, runs, pauses and stops a program; publishes what it commands, switches and prints.
 
     The program's text output goes to the log, from the child logger `print`.
-
-    Parameters:
-        program: The robot program's path, read at `~/open`.
-        orientation_convention: Order of the angles phi; the robot's own by default.
-        digital_size: Number of digital inputs, and of digital outputs.
-        analog_size: Number of analog inputs, and of analog outputs.
-        digital_input_names, digital_output_names, analog_input_names, analog_output_names: Names of the
-            channels, from the first on; '' names none.
-        planner_timeout: Longest wait of a motion for planning_node, s.
-        watchdog: How long planning_node may give no sign of life while the robot moves, and this node itself
-            while a program runs, s; 0: any time.
-        payload: What hangs on tool0 until a program sets it: kg, centre x y z (m), maybe inertia.
-        fail_safe: Values of outputs when no running program answers for them, as 'digital_output.3=hold' or
-            'analog_output.1=2.5'; '' for none. Outputs that are not named are switched off.
-        outputs: Values that outputs have at the start, as `fail_safe`.
-        interrupted: What ended the program in an earlier process of this node: it is opened, and not run.
-        autostart: Open and run the program as soon as a planner and a controller work.
-        launch: Names the start of the cell: autostart runs the program once within it, and not again when
-            this node is started anew; '' for no name.
-        points_file: Where taught points stand; '' for the program's name with .points.yaml.
-        breakpoints: Lines to hold at, as 'file.lua:12'.
-        step_mode: How far `~/step` goes: over, in, out (lines) or motion.
-        debug_port: Port on this machine where editors connect (Debug Adapter Protocol); 0 for none.
-        debug_token: What editors must give there; a new one, shown in the log, if it is empty.
     """
 
     def __init__(self, **options: Any) -> None:
@@ -94,36 +66,21 @@ class LuaProgramNode(RobotNode):
             'orientation_convention',
             self.robot.orientation_convention,
             'order of the angles phi: zyx, xyz, zyz or XYZ',
-            read_only=True,
         )
         sizes = {
-            name: self.parameter(name, size, text, read_only=True)
-            for name, size, text in (
-                ('digital_size', DIGITAL_SIZE, 'number of digital inputs, and of digital outputs'),
-                ('analog_size', ANALOG_SIZE, 'number of analog inputs, and of analog outputs'),
-            )
+            f'{kind}_size': self.parameter(f'{kind}_size', size, f'number of {kind} inputs, and of outputs')
+            for kind, size in (('digital', DIGITAL_SIZE), ('analog', ANALOG_SIZE))
         }
         labels = {image: self._names(image.removesuffix('s')) for image in IMAGES}
         timeout = self.parameter(
-            'planner_timeout',
-            5.0,
-            'longest wait of a motion for planning_node, s',
-            bounds=(0.1, 600.0),
-            read_only=True,
+            'planner_timeout', 5.0, 'longest wait of a motion for planning_node, s', bounds=(0.1, 600.0)
         )
-        payload = self.parameter(
-            'payload',
-            list(NOTHING),
-            'what hangs on tool0 until a program sets it: kg, centre x y z (m), maybe inertia',
-            check=payload_of,
-            read_only=True,
-        )
+        payload_from_parameters(self)
         fail_safe = self.parameter(
             'fail_safe',
             [''],
             "values of outputs when no running program answers for them, as 'digital_output.3=hold'",
-            check=parse_fail_safe,
-            read_only=True,
+            read=parse_fail_safe,
         )
         axes = self.robot.axes_data
         self._command_state_publisher = self.create_publisher(String, 'command_state', STATE)
@@ -145,8 +102,8 @@ class LuaProgramNode(RobotNode):
             io_labels=labels,
             orientation_convention=convention,
             planner_timeout=timeout,
-            payload=tuple(payload),
-            fail_safe=parse_fail_safe(fail_safe),
+            payload=tuple(self.get_parameter('payload').value),
+            fail_safe=fail_safe,
             simulated=self._turns is not None,
         )
         self._program = self.host.program
@@ -156,17 +113,15 @@ class LuaProgramNode(RobotNode):
             'breakpoints',
             [''],
             "lines to hold at, as 'file.lua:12'; '' is none",
-            check=breakpoints_by_file,
+            read=breakpoints_by_file,
         )
         self.add_post_set_parameters_callback(lambda _: self._set_breakpoints())
         self._set_breakpoints()
-        self.parameter('step_mode', 'over', f'how far ~/step goes: {", ".join(STEPS)}', check=_known_step)
-        port = self.parameter(
-            'debug_port', 0, 'port on this machine where editors connect; 0 for none', read_only=True
+        self.parameter(
+            'step_mode', 'over', f'how far ~/step goes: {", ".join(STEPS)}', read=one_of('step', STEPS)
         )
-        token = self.parameter(
-            'debug_token', '', 'what editors must give; empty for a new one', read_only=True
-        )
+        port = self.parameter('debug_port', 0, 'port on this machine where editors connect; 0 for none')
+        token = self.parameter('debug_token', '', 'what editors must give; empty for a new one')
         PathSwitchingMessages(self, self.host.switching, axes.names)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
         self._controller.report_to(self.host, self._changed)
@@ -176,7 +131,7 @@ class LuaProgramNode(RobotNode):
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
         self._io = IoServices(self, self._program.io, self._on_inputs)
         host = self.host
-        handlers: dict[str, Handler] = {
+        handlers: dict[str, Callable[[], str]] = {
             'open': self._open,
             'run': host.run,
             'pause': host.pause,
@@ -188,7 +143,7 @@ class LuaProgramNode(RobotNode):
             'get_command_state': lambda: self._program.command_state.value,
         }
         for name, handler in handlers.items():
-            self.create_service(Trigger, f'~/{name}', partial(self._serve, name, handler))
+            self.serve(name, partial(self._answer, name, handler))
         self.command_state(self._program.command_state)
         self.guide(Guide.NONE)
         host.reporter.report()
@@ -199,21 +154,19 @@ class LuaProgramNode(RobotNode):
     def _names(self, channel: str) -> tuple[str, ...]:
         text = f'names of the {channel.replace("_", " ")}s, from the first on; an empty one names none'
         # An empty list would have no type; one empty name says the same.
-        return tuple(self.parameter(f'{channel}_names', [''], text, read_only=True))
+        return tuple(self.parameter(f'{channel}_names', [''], text))
 
     # -- services -------------------------------------------------------------------------------------
 
-    def _serve(
-        self, name: str, handler: Handler, _: Trigger.Request, response: Trigger.Response
-    ) -> Trigger.Response:
+    def _answer(self, name: str, handler: Callable[[], str]) -> str:
         try:
-            response.success, response.message = True, handler()
-            if self._turns is not None:
-                self._turns.begun() if name == 'run' else self._turns.changed()
+            answer = handler()
         except RobotsError as error:
-            response.success, response.message = False, str(error)
             self.journal.error(f'~/{name}: {error}')
-        return response
+            raise
+        if self._turns is not None:
+            self._turns.begun() if name == 'run' else self._turns.changed()
+        return answer
 
     def _open(self) -> str:
         return self.host.open(self.get_parameter('program').value, self.get_parameter('points_file').value)
@@ -231,8 +184,7 @@ class LuaProgramNode(RobotNode):
         server = DebugAdapterServer(self._program, token=shown, folder=folder, port=port)
         server.start()
         secret = '' if token else f' with token {shown}'
-        text = f'editors debug programs below {folder} at port {server.port}{secret}'
-        self.journal.info(text)
+        self.journal.info(f'editors debug programs below {folder} at port {server.port}{secret}')
         return server
 
     def _set_breakpoints(self) -> None:
@@ -246,13 +198,12 @@ class LuaProgramNode(RobotNode):
             'outputs',
             [''],
             "values that outputs have at the start, as 'digital_output.3=1'",
-            check=parse_fail_safe,
-            read_only=True,
+            read=parse_fail_safe,
         )
         interrupted = self.parameter(
-            'interrupted', '', 'what ended the program in an earlier process of this node', read_only=True
+            'interrupted', '', 'what ended the program in an earlier process of this node'
         )
-        for name, value in parse_fail_safe(outputs).items():
+        for name, value in outputs.items():
             self._program.io.set_value(self._program.io.find(name), value or 0.0)
         if interrupted:
             program, points = (self.get_parameter(name).value for name in ('program', 'points_file'))
@@ -381,11 +332,6 @@ class LuaProgramNode(RobotNode):
         # With a logger ROS forgets its name, which a later node in this process may have.
         self._print_logger = self.journal
         super().destroy_node()
-
-
-def _known_step(step: str) -> None:
-    if step not in STEPS:
-        raise InvalidInputError(f'{step!r} is no step; steps are {", ".join(STEPS)}')
 
 
 main: Final = partial(run, LuaProgramNode)

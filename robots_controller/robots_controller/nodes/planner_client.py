@@ -20,7 +20,7 @@ from robots_core.ros.timed_node import TimedNode
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
 
 
-class PlannerClient:
+class PlannerClient(PlannerSettings):
     """See `PlannerPort`; safe from any thread.
 
     Args:
@@ -29,13 +29,13 @@ class PlannerClient:
     """
 
     def __init__(self, node: TimedNode, joint_names: tuple[str, ...]) -> None:
-        self._node, self._joint_names = node, joint_names
+        super().__init__(node)
+        self._joint_names = joint_names
         self._last_stamp = 0
-        self._settings = PlannerSettings(node)
-        self._changes: deque[Callable[[], None]] = deque()
+        self._waiting: deque[Callable[[], None]] = deque()
         self._turn = None
         if node.participant is not None:
-            self._turn = node.participant.create_turn(self._apply, phase=Phase.PLANNING)
+            self._turn = node.participant.create_turn(self._apply_waiting, phase=Phase.PLANNING)
         self._planners: set[bytes] = set()  # identities of planners' publishers
         self._publishers = {
             kind: node.create_publisher(message_class(kind.message_type), kind.topic, COMMAND)
@@ -53,31 +53,22 @@ class PlannerClient:
         """
         publishers = publishers_of(self._node, 'joint_trajectory')
         if publishers.keys() - self._planners:  # one that was started anew has its own settings
-            self._settings.forget()
+            self.forget()
         self._planners = {*publishers}
         return not subscribers_of(self._node, kind.topic).isdisjoint(publishers.values())
 
-    def differs(self, settings: Mapping[str, object]) -> bool:
-        """See `PlannerPort`."""
-        return self._settings.differ(settings)
-
-    @property
-    def configurable(self) -> bool:
-        """See `PlannerPort`."""
-        return self._settings.ready
-
     def configure(self, settings: Mapping[str, object], done: Configured, *, moving: bool) -> None:
         """See `PlannerPort`; in lock-step when the planner has all commands that were sent before."""
-        apply = partial(self._settings.apply, settings, done, moving=moving and self._turn is None)
+        apply = partial(self.apply, settings, done, moving=moving and self._turn is None)
         if self._turn is None:
             apply()
         else:
-            self._changes.append(apply)
+            self._waiting.append(apply)
             self._turn.ask(self._node.now())
 
-    def _apply(self, _now: float) -> None:
-        while self._changes:
-            self._changes.popleft()()
+    def _apply_waiting(self, _now: float) -> None:
+        while self._waiting:
+            self._waiting.popleft()()
 
     def next_id(self) -> str:
         """The stamp of the next command: unique even while a simulated clock stands still."""

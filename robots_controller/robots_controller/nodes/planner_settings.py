@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any, Final
+from typing import Any
 
 from rcl_interfaces.msg import ParameterType
 from rcl_interfaces.srv import GetParameters, SetParametersAtomically
@@ -12,7 +12,6 @@ from robots_core.errors import PlanningError
 from robots_core.ros.presence import is_served
 from robots_core.ros.timed_node import TimedNode
 
-BLEND_ZONES: Final = ('blend_zone', 'joint_blend_zone')
 Done = Callable[[PlanningError | None], None]
 
 
@@ -35,13 +34,13 @@ class PlannerSettings:
         self._sent.clear()
         self._original.clear()
 
-    def differ(self, wanted: Mapping[str, object]) -> bool:
-        """planning_node has other settings than these."""
-        return dict(wanted) != self._sent
+    def differs(self, settings: Mapping[str, object]) -> bool:
+        """See `PlannerPort`."""
+        return dict(settings) != self._sent
 
     @property
-    def ready(self) -> bool:
-        """planning_node answers."""
+    def configurable(self) -> bool:
+        """See `PlannerPort`: planning_node answers."""
         return is_served(self._node, self._get) and is_served(self._node, self._set)
 
     def apply(self, wanted: Mapping[str, object], done: Done, *, moving: bool = False) -> None:
@@ -97,8 +96,5 @@ class PlannerSettings:
             self._sent = wanted
             done(None)
         else:
-            done(
-                PlanningError(
-                    f'planning_node refuses the settings: {result.reason if result else "no answer"}'
-                )
-            )
+            reason = result.reason if result else 'no answer'
+            done(PlanningError(f'planning_node refuses the settings: {reason}'))

@@ -28,10 +28,8 @@ class PlcNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('plc_node', **options)
-        path = self.parameter('script', '', 'YAML file with the rules of the PLC', read_only=True)
-        cycle = self.parameter(
-            'cycle', 0.004, 'of the PLC in simulated time, s', bounds=(1e-4, 10.0), read_only=True
-        )
+        path = self.parameter('script', '', 'YAML file with the rules of the PLC')
+        cycle = self.parameter('cycle', 0.004, 'of the PLC in simulated time, s', bounds=(1e-4, 10.0))
         script = read_plc_script(path) if path else PlcScript(())
         self._plc = ScriptedPlc(script, self.now())
         self._inputs = InputImages(self, script.inputs)

@@ -2,10 +2,8 @@
 
 import threading
 
-from rclpy.clock import JumpThreshold
-from rclpy.duration import Duration
-
 from robots_controller.program.clock import LONGEST_WAIT, WallClock
+from robots_core.ros.loop import on_clock_set
 from robots_core.ros.timed_node import TimedNode
 
 
@@ -20,10 +18,7 @@ class ProgramClock(WallClock):
         self._node = node
         self._waits_in: threading.Condition | None = None
         if node.simulated_time:
-            self._jumps = node.get_clock().create_jump_callback(
-                JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=Duration(nanoseconds=-1)),
-                post_callback=lambda _: self._wake(),
-            )
+            self._jumps = on_clock_set(node.get_clock(), self._wake)
 
     def now(self) -> float:
         """See `Clock`."""

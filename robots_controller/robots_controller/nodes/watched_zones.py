@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import secrets
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.publisher import Publisher
-from std_msgs.msg import UInt8MultiArray
 
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.shared_zone import LARGEST, ZoneState, parse_zone_state
-from robots_controller.io.zone_inputs import parse_closing
+from robots_controller.io.zone_inputs import ZoneInputs, parse_closing
 from robots_core.blocks.collision.scene import Scene
 from robots_core.nodes.scene_parameter import scene_by_parameter
-from robots_core.ros.messages import diagnostic_values
-from robots_core.ros.qos import STATE, subscribe_state
+from robots_core.ros.messages import diagnostic_status, diagnostic_values
+from robots_core.ros.qos import STATE
 from robots_core.ros.robot_node import RobotNode
-from robots_core.validation import Array
 
 if TYPE_CHECKING:
     from robots_controller.control.zone_guard import ZoneGuard
@@ -42,14 +40,13 @@ class WatchedZones:
         self._publisher: Publisher | None = None
         self._states: dict[str, ZoneState] = {}
         self._scene = scene_by_parameter(node)
-        texts = node.parameter(
+        self.inputs: ZoneInputs = node.parameter(
             'zone_inputs',
             [''],
             "digital inputs that close the borders of zones, as 'digital_input.3=off press'",
-            check=parse_closing,
-            read_only=True,
+            read=parse_closing,
         )
-        self._inputs = parse_closing(texts)
+        """Those that close zones."""
         self.guard = self._make_guard() if self._scene.zones else None
         """For the controller; None without zones."""
 
@@ -65,10 +62,8 @@ class WatchedZones:
         return guard
 
     def watch(self, control: ControlLoop) -> None:
-        """Report closed zones and the claims of other robots to a control loop from now on."""
+        """Report the claims of other robots to a control loop from now on."""
         self._control = control
-        if self._inputs:
-            subscribe_state(self._node, UInt8MultiArray, 'digital_inputs', self._on_digital_inputs)
         if self.guard is None or not self.guard.states:
             return
         self._publisher = self._node.create_publisher(DiagnosticStatus, TOPIC, STATE)
@@ -84,19 +79,9 @@ class WatchedZones:
         states = self.guard.states
         if states != self._states:
             self._states = states
-            values = [KeyValue(key=name, value=state.text()) for name, state in states.items()]
-            self._publisher.publish(
-                DiagnosticStatus(name='shared zones', hardware_id=self._node.robot_name, values=values)
-            )
-
-    def set_tool(self, position: Array) -> None:
-        """Watch another tool centre point, by its position in tool0, (3,) m."""
-        if self.guard is not None:
-            self.guard.set_tool(position)
-
-    def _on_digital_inputs(self, message: UInt8MultiArray) -> None:
-        assert self._control is not None
-        self._control.close_zones(self._inputs.closed(message.data))
+            texts: dict[str, Any] = {name: state.text() for name, state in states.items()}
+            robot = self._node.robot_name
+            self._publisher.publish(diagnostic_status('shared zones', '', hardware_id=robot, **texts))
 
     def _on_claims(self, other: str, message: DiagnosticStatus) -> None:
         assert self._control is not None

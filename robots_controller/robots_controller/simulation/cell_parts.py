@@ -49,7 +49,6 @@ class CellParts:
         drives: The drives.
         payload: What the robot carries until its program sets another payload.
         controller: The controller.
-        frame_limit: How fast tool and frames may move.
         planning: The planner, with the check for collisions.
         plc_script: What the PLC does; without rules if there is none.
         io_labels: Names of inputs and outputs.
@@ -71,7 +70,6 @@ class CellParts:
     drives: DriveTrain
     payload: tuple[float, ...]
     controller: Controller
-    frame_limit: FrameSpeedLimit
     planning: PathPlanning
     plc_script: PlcScript
     io_labels: Mapping[str, Sequence[str]]
@@ -115,12 +113,12 @@ def cell_parts(
     zones = collision.scene.zones
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
     authority = CommandAuthority(OperatingMode(operating_mode), hold_timeout=0.0)
-    frame_limit = FrameSpeedLimit(model, authority.speed_limit(checked_speed_limit(tool_speed_limit)))
+    limit = authority.speed_limit(checked_speed_limit(tool_speed_limit))
     settings = ControllerSettings(period=period, **tolerance)
     speed = SpeedControl(
         model.axes_data,
         settings,
-        frame_limit=frame_limit,
+        frame_limit=FrameSpeedLimit(model, limit),
         authority=authority,
         zones=ZoneGuard(model, collision.scene) if zones else None,
     )
@@ -133,7 +131,6 @@ def cell_parts(
         drives=drive_train(drive, model, model.home, period=period, payload=payload_of(payload)),
         payload=payload,
         controller=Controller(model.axes_data, settings, speed=speed),
-        frame_limit=frame_limit,
         planning=PathPlanning(model, collision=collision, collision_margin=collision_margin),
         plc_script=cell_io.offline,
         io_labels=cell_io.labels,

@@ -15,6 +15,7 @@ from rich.markup import escape
 from rich.progress import Progress, SpinnerColumn, TextColumn
 
 from robots_controller.cell_arguments import (
+    CELL_OPTIONS,
     EXIT_FAILED,
     EXIT_INTERRUPTED,
     EXIT_OK,
@@ -30,10 +31,6 @@ from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
 
-SIMULATED = (  # options
-    *('robot', 'drive', 'scene', 'io', 'io_map', 'rate', 'goal_tolerance', 'tool_speed_limit'),
-    *('operating_mode', 'payload', 'references', 'guided', 'longest'),
-)
 DRAW_PERIOD = 0.1  # s of the machine's time between two drawings of the bar
 
 
@@ -63,16 +60,11 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('--report', type=Path, metavar='FILE', help='write a report, one HTML page')
     parser.add_argument('--points', default='', metavar='FILE', help='taught points, in the place of the own')
     parser.add_argument(
-        '--references', default='', metavar='BAG', help='recording of what guides or jogs the robot'
-    )
-    parser.add_argument(
-        '--guided', default=METHODS[0], choices=METHODS, help='follow its reference_pose by this kinematics'
-    )
-    parser.add_argument(
         '--longest', type=float, default=LONGEST_TIME, help='longest simulated time of the program, s'
     )
     options = parser.parse_args(arguments)
     take_from_program(options)
+    options.guided = options.guided or METHODS[0]
     if not options.robot:
         raise RobotsError(f'{options.program} does not say which robot it is for; --robot does')
     return options
@@ -98,7 +90,8 @@ def run(options: argparse.Namespace, console: Console) -> int:
                 bag=bag,
                 points_file=options.points,
                 on_progress=on_progress,
-                **{name: getattr(options, name) for name in SIMULATED},
+                longest=options.longest,
+                **{name: getattr(options, name) for name in CELL_OPTIONS},
             )
         return _show(result, options, console)
 

@@ -100,9 +100,8 @@ class InProcessPlanner:
         settings = self.planner.settings
         self._log.command(self._last_id, command, settings)
         self._records.configured(id_, settings)
-        self._mail.append(
-            lambda: self._do('planning', lambda: self._command(id_, command, _target(command), settings))
-        )
+        plan = partial(self.planner.command, id_, command.kind, _target(command), settings)
+        self._mail.append(partial(self._plan, plan))
 
     def followers(self) -> Mapping[bytes, str]:
         """This process: see `PlannerPort`."""
@@ -164,15 +163,12 @@ class InProcessPlanner:
             return
         self._configured = settings
         self._log.settings(wanted)
-        self._do('planning', lambda: self.planner.configure(wanted))
+        self._plan(partial(self.planner.configure, wanted))
         self.on_settings(wanted)
         done(None)
 
-    def _command(self, id_: str, command: MotionCommand, target: Target, settings: MotionSettings) -> None:
-        self.planner.command(id_, command.kind, target, settings)
-
-    def _do(self, part: Any, work: Callable[[], object]) -> None:
-        before = self._cost.switch(part)
+    def _plan(self, work: Callable[[], object]) -> None:
+        before = self._cost.switch('planning')
         work()
         self._cost.switch(before)
 

@@ -326,9 +326,7 @@ class SimulatedCell:
 
     def _settings_changed(self, settings: MotionSettings) -> None:
         self._carried.carry(settings.payload)
-        self._parts.frame_limit.set_tool(settings.tool_pose.r)
-        if self._controller.speed.zones is not None:
-            self._controller.speed.zones.set_tool(settings.tool_pose.r)
+        self._controller.speed.set_tool(settings.tool_pose.r)
 
     def _motion_planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory) -> None:
         self._host.switching.planned(id_, ends, lambda: trajectory)

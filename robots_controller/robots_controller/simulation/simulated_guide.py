@@ -62,7 +62,7 @@ class SimulatedGuide:
         on_message: Callable[[GuidingMessage, str], None],
         on_point: Callable[[StreamPoint, float], str],
     ) -> None:
-        self._recording, self._control, self._planner = recording, control, planner
+        self._control, self._planner = control, planner
         self._on_message, self._on_point = on_message, on_point
         self._replay = None if recording is None else GuideReplay(recording)
         self._sensor_times, self._jog_times = PeriodicSchedule(SENSOR_PERIOD), PeriodicSchedule(JOG_PERIOD)
@@ -127,32 +127,31 @@ class SimulatedGuide:
         return self._control.controller.reference
 
     def _take_messages(self, replay: GuideReplay, nanoseconds: int) -> None:
-        for time, message in replay.due(nanoseconds):
-            assert self._recording is not None
-            assert replay.start is not None
-            self._take(message, replay.start + message.valid, time)
-            self._on_message(message.stamped(replay.start), self._recording.types[message.topic])
+        for message in replay.due(nanoseconds):
+            if message.topic in GUIDES[Guide.PERSON]:
+                self._jog(message)
+            else:
+                self._follow(message)
+            self._on_message(message, replay.recording.types[message.topic])
 
-    def _take(self, message: GuidingMessage, valid: int, now: int) -> None:
-        if message.topic in GUIDES[Guide.PERSON]:
-            self._jog(message, (now - valid) / NANOSECONDS, now)
-            return
+    def _follow(self, message: GuidingMessage) -> None:
         self._heard = True
         if isinstance(message.value, Pose):
-            self._sensor.put(message.value, valid / NANOSECONDS)
+            self._sensor.put(message.value, message.valid / NANOSECONDS)
         else:
-            self._sensor.put_twist(message.value, valid / NANOSECONDS)
+            self._sensor.put_twist(message.value, message.valid / NANOSECONDS)
 
-    def _jog(self, message: GuidingMessage, age: float, now: int) -> None:
+    def _jog(self, message: GuidingMessage) -> None:
         active, command = self._jogging.active, message.value
         assert isinstance(command, np.ndarray)
+        age, now = (message.time - message.valid) / NANOSECONDS, message.time / NANOSECONDS
         with contextlib.suppress(RobotsError):  # jogging goes on, as in a live cell
             if message.topic == 'teach_joints':
-                self._jogging.jog_axes(command, age, now / NANOSECONDS)
+                self._jogging.jog_axes(command, age, now)
             else:
-                self._jogging.jog_tool(command, message.frame, age, now / NANOSECONDS)
+                self._jogging.jog_tool(command, message.frame, age, now)
         if self._jogging.active and not active:
-            self._jog_times.begin(now + 1)
+            self._jog_times.begin(message.time + 1)
 
     def _send(self, step: RealtimeStep | TeachStep | None, time: int, period: int) -> None:
         if step is not None:

@@ -1,7 +1,7 @@
 """SimulatedPlc: the scripted PLC of a simulated cell, and what the controller does for its inputs."""
 
 from robots_controller.control.control_loop import ControlLoop
-from robots_controller.control.faults import EMERGENCY_INPUT
+from robots_controller.control.watched_inputs import WatchedInputs
 from robots_controller.io.io_image import IoImage, image_sizes
 from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.simulation.cell_parts import CellParts
@@ -22,13 +22,12 @@ class SimulatedPlc:
     def __init__(
         self, parts: CellParts, io: IoImage, control: ControlLoop, log: CellLog, start: float
     ) -> None:
-        self._parts, self._io, self._control, self._log = parts, io, control, log
+        self._io, self._log = io, log
+        self._watched = WatchedInputs(control, parts.emergency_stop, parts.zone_inputs)
         self._plc = ScriptedPlc(parts.plc_script, start)
         self.images = image_sizes(self._plc.inputs)
         """Images of its inputs, and the number of inputs in each."""
         log.on_output = self._plc.output
-        self._emergency = ''
-        self._closed_zones: frozenset[str] | None = None
 
     def begin(self) -> None:
         """Set the inputs as they are at the start."""
@@ -56,11 +55,4 @@ class SimulatedPlc:
     def watch_inputs(self) -> None:
         """Stop for the digital inputs that are published, and close zones by them."""
         image = self._io.bits('digital_inputs')[: self.images.get('digital_inputs', 0)].tolist()
-        closed = self._parts.zone_inputs.closed(image)
-        if closed != self._closed_zones:
-            self._closed_zones = closed
-            self._control.close_zones(closed)
-        reason = self._parts.emergency_stop.reason(image)
-        if reason != self._emergency:
-            self._emergency = reason
-            self._control.watch(EMERGENCY_INPUT, reason)
+        self._watched.look(image)

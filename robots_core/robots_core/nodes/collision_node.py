@@ -14,26 +14,23 @@ from robots_core.blocks.collision.collision_guard import (
     LOOK_RATE,
     LOOKAHEAD,
     CollisionGuard,
-    CollisionStatus,
 )
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import ENGINES, CollisionDetection, usable_margin
-from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.joint_trajectories import complete_points
 from robots_core.ros.messages import (
     diagnostic_status,
-    joint_values,
+    joint_motion,
     motion_result_from_message,
     stamp_id,
 )
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import is_served
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
-from robots_core.validation import fraction
+from robots_core.validation import fraction, one_of
 
 MAX_RATE = 250.0  # Hz
 SERVICE_PERIOD = 5.0  # s between reports that nothing can stop the robot
@@ -48,21 +45,13 @@ class CollisionNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('collision_node', **options)
-        margin = self.parameter(
-            'collision_margin', GUARD_MARGIN, 'distance to keep, m', check=usable_margin, read_only=True
-        )
+        margin = self.parameter('collision_margin', GUARD_MARGIN, 'distance to keep, m', read=usable_margin)
         engine = self.parameter(
-            'collision_engine', 'fcl', f'one of {", ".join(ENGINES)}', check=_known_engine, read_only=True
+            'collision_engine', 'fcl', f'one of {", ".join(ENGINES)}', read=one_of('engine', ENGINES)
         )
-        lookahead = self.parameter(
-            'lookahead', LOOKAHEAD, 'stop this long before, s', bounds=(0.0, 60.0), read_only=True
-        )
-        rate = self.parameter(
-            'rate', LOOK_RATE, 'looks per second, Hz', bounds=(0.1, MAX_RATE), read_only=True
-        )
-        controller = self.parameter(
-            'controller', 'controller_node', 'node whose ~/stop is called', read_only=True
-        )
+        lookahead = self.parameter('lookahead', LOOKAHEAD, 'stop this long before, s', bounds=(0.0, 60.0))
+        rate = self.parameter('rate', LOOK_RATE, 'looks per second, Hz', bounds=(0.1, MAX_RATE))
+        controller = self.parameter('controller', 'controller_node', 'node whose ~/stop is called')
         self.guard = CollisionGuard(
             CollisionDetection(self.robot, engine=engine), self._stop, margin=margin, lookahead=lookahead
         )
@@ -72,11 +61,10 @@ class CollisionNode(RobotNode):
         self._distance = self.create_publisher(Float64, 'min_distance', STATE)
         self._stop_client = self.create_client(Trigger, f'{controller}/stop')
         self._scene = WatchedScene(self, self._on_scene)
-        self._joint_states = PolledSubscription(self, JointState, 'joint_states', SENSOR)
         self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND)
         self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_result, COMMAND)
-        self.create_timer(1.0 / rate, self._look)
+        self.poll(JointState, 'joint_states', self._look, SENSOR, rate=rate)
 
     # -- what comes in -------------------------------------------------------------------------------
 
@@ -100,25 +88,12 @@ class CollisionNode(RobotNode):
 
     # -- what goes out -------------------------------------------------------------------------------
 
-    def _look(self) -> None:
-        message = self._joint_states.take()
-        if message is None:
-            return
+    def _look(self, message: JointState) -> None:
         stopping = self.guard.stopping
-        try:
-            q = joint_values(message.name, message.position, self._names, 'joint_states')
-            q_dot = None
-            if message.velocity:
-                q_dot = joint_values(message.name, message.velocity, self._names, 'joint_states velocities')
-            status = self.guard.look(q, q_dot)
-        except RobotsError as error:
-            self.refuse('joint_states', error, stream=True)
-            return
+        q, q_dot, _ = joint_motion(message, self._names)
+        status = self.guard.look(q, q_dot)
         if stopping and not self.guard.stopping:
             self._clear()
-        self._publish(status)
-
-    def _publish(self, status: CollisionStatus) -> None:
         self._distance.publish(Float64(data=status.distance))
         self._status.publish(
             diagnostic_status(
@@ -143,11 +118,6 @@ class CollisionNode(RobotNode):
         if served:
             client.call_async(Trigger.Request())
         return served
-
-
-def _known_engine(name: Any) -> None:
-    if name not in ENGINES:
-        raise InvalidInputError(f'unknown engine {name!r}; engines are {", ".join(ENGINES)}')
 
 
 main: Final = partial(run, CollisionNode)

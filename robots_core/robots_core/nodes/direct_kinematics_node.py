@@ -8,10 +8,8 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
 from robots_core.blocks.direct_kinematics import DirectKinematics
-from robots_core.errors import RobotsError
 from robots_core.pose import Pose
 from robots_core.ros.messages import joint_values, pose_stamped_message
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import SENSOR, STATE
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
@@ -27,29 +25,19 @@ class DirectKinematicsNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('direct_kinematics_node', **options)
         tool = self.parameter(
-            'tool', NO_TOOL, 'tool in tool0: x y z (m), quaternion x y z w', check=pose_from_parameter
+            'tool', NO_TOOL, 'tool in tool0: x y z (m), quaternion x y z w', read=pose_from_parameter
         )
-        rate = self.parameter(
-            'rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE), read_only=True
-        )
-        self._kinematics = DirectKinematics(self.robot, tool=pose_from_parameter(tool))
+        rate = self.parameter('rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE))
+        self._kinematics = DirectKinematics(self.robot, tool=tool)
         self._kinematics.forward(self.robot.home)  # a ready node has loaded what it needs
         self._publisher = self.create_publisher(PoseStamped, 'tcp_pose', STATE)
-        self._joint_states = PolledSubscription(self, JointState, 'joint_states', SENSOR)
-        self.create_timer(1.0 / rate, self._publish)
+        self.poll(JointState, 'joint_states', self._publish, SENSOR, rate=rate)
         self.add_post_set_parameters_callback(self._use_parameters)
         self.ready()
 
-    def _publish(self) -> None:
-        message = self._joint_states.take()
-        if message is None:
-            return
-        try:
-            q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
-            pose = self._kinematics.forward(q)
-        except RobotsError as error:
-            self.refuse('joint_states', error, stream=True)
-            return
+    def _publish(self, message: JointState) -> None:
+        q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
+        pose = self._kinematics.forward(q)
         self._publisher.publish(pose_stamped_message(message.header.stamp, pose))
         self.ready()
 

@@ -5,7 +5,6 @@ from typing import Any, Final
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory
@@ -15,20 +14,23 @@ from robots_core.blocks.drives.drive_level import check_level, drive_train
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload
-from robots_core.errors import RobotsError
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import watchdog_parameter
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import NANOSECONDS, doubles, nanoseconds
+from robots_core.ros.messages import doubles, seconds
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, STATE
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
 
-FAULTS = ('fault_stopped', 'fault_frozen', 'fault_lost', 'fault_noise')
+FAULTS = {
+    'fault_stopped': 'axes whose drives do not follow any more',
+    'fault_frozen': 'axes whose encoders report one position from now on',
+    'fault_lost': 'axes that are missing in joint_states',
+}
 
 
 class DriveNode(RobotNode):
@@ -42,37 +44,23 @@ class DriveNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('drive_node', **options)
-        rate = self.parameter('rate', 250.0, 'steps per second, Hz', bounds=(10.0, 2000.0), read_only=True)
+        rate = self.parameter('rate', 250.0, 'steps per second, Hz', bounds=(10.0, 2000.0))
         priority = self.parameter(
-            'realtime_priority',
-            50,
-            'FIFO priority of the loop where the system permits it; 0: none',
-            read_only=True,
+            'realtime_priority', 50, 'FIFO priority of the loop where the system permits it; 0: none'
         )
-        level = self.parameter(
-            'level', 'second_order', 'ideal, second_order or rigid_body', check=check_level, read_only=True
-        )
+        level = self.parameter('level', 'second_order', 'ideal, second_order or rigid_body', read=check_level)
         bandwidth = self.parameter(
             'bandwidth',
             [15.0],
             'second_order: natural frequency of the drives, Hz; one number or one per axis',
-            read_only=True,
         )
-        damping = self.parameter(
-            'damping', [1.0], 'second_order: damping ratio; one number or one per axis', read_only=True
-        )
-        payload: Payload = payload_from_parameters(self, read_only=True)
+        damping = self.parameter('damping', [1.0], 'second_order: damping ratio; one number or one per axis')
+        payload: Payload = payload_from_parameters(self)
         feed_forward = self.parameter(
-            'feed_forward',
-            True,
-            'rigid_body: torques for robot, payload and reference are fed forward',
-            read_only=True,
+            'feed_forward', True, 'rigid_body: torques for robot, payload and reference are fed forward'
         )
         start = self.parameter(
-            'initial_position',
-            [float('nan')],
-            "joint positions at start, rad; the robot's home by default",
-            read_only=True,
+            'initial_position', [float('nan')], "joint positions at start, rad; the robot's home by default"
         )
         axes = self.robot.axes_data
         q = self.robot.home if np.isnan(start).all() else axes.check_position(start, 'initial_position')
@@ -114,45 +102,32 @@ class DriveNode(RobotNode):
         self.ready(**self._figures)
 
     def _declare_faults(self) -> None:
-        def exist(values: Any) -> None:
-            known_axes(self.robot.axes_data.names, values)
-
-        for name, what in (
-            ('fault_stopped', 'axes whose drives do not follow any more'),
-            ('fault_frozen', 'axes whose encoders report one position from now on'),
-            ('fault_lost', 'axes that are missing in joint_states'),
-        ):
+        check = partial(known_axes, self.robot.axes_data.names)
+        for name, what in FAULTS.items():
             # An empty list has no type in ROS; an empty name is no axis.
-            self.parameter(name, [''], f'for tests: {what}', check=exist)
+            self.parameter(name, [''], f'for tests: {what}', read=check)
         self.parameter(
             'fault_noise',
             0.0,
             'for tests: standard deviation of the reported positions, rad',
             bounds=(0.0, np.pi),
         )
-        self._use_faults([])
-        self.add_post_set_parameters_callback(self._use_faults)
+        self._use_faults()
+        self.add_post_set_parameters_callback(lambda _: self._use_faults())
 
-    def _use_faults(self, parameters: list[Parameter]) -> None:
-        values = {name: self.get_parameter(name).value for name in FAULTS}
-        values |= {parameter.name: parameter.value for parameter in parameters if parameter.name in FAULTS}
+    def _use_faults(self) -> None:
+        stopped, frozen, lost = (self.get_parameter(name).value for name in FAULTS)
+        noise = self.get_parameter('fault_noise').value
         self._injection.faults = DriveFaults.of(
-            self.robot.axes_data.names,
-            stopped=values['fault_stopped'],
-            frozen=values['fault_frozen'],
-            lost=values['fault_lost'],
-            noise=values['fault_noise'],
+            self.robot.axes_data.names, stopped=stopped, frozen=frozen, lost=lost, noise=noise
         )
 
     def _carry(self) -> None:
         """Take over the payload that programs set, between two steps."""
         message = self._settings.take()
-        if message is None:
-            return
-        try:
-            carry_payload(self._carried, message)
-        except RobotsError as error:
-            self.refuse('motion_settings', error, stream=True)
+        if message is not None:
+            with self.refusing('motion_settings'):
+                carry_payload(self._carried, message)
 
     def _step(self, now: float) -> None:
         self._carry()
@@ -160,11 +135,10 @@ class DriveNode(RobotNode):
         if power is not None:
             self._supervised.power(on=power.data)
         message = self._references.take()
-        try:
-            reference = self._read(message)
-        except RobotsError as error:
-            self.refuse('joint_reference', error, stream=True)
-            reference = None, None, None
+        reference: tuple[Array | None, Array | None, float | None] = None, None, None
+        if message is not None:
+            with self.refusing('joint_reference'):
+                reference = self._read(message)
         self._report(*self._supervised.step(now, *reference))
         self._report_problem()
 
@@ -194,14 +168,12 @@ class DriveNode(RobotNode):
             state.effort = doubles(torque)
         self._publisher.publish(state)
 
-    def _read(self, message: JointTrajectory | None) -> tuple[Array | None, Array | None, float | None]:
+    def _read(self, message: JointTrajectory) -> tuple[Array, Array, float]:
         """Position and velocity (n,) of a reference, as they reach the drives, and its stamp, s."""
-        if message is None:
-            return None, None, None
-        axes, stamp = self.robot.axes_data, nanoseconds(message.header.stamp)
+        axes = self.robot.axes_data
         q, q_dot, _ = single_point(message, axes.names, 'joint_reference')
         reference = self._injection.reference(axes.check_position(q, 'joint_reference'), q_dot)
-        return *reference, stamp / NANOSECONDS
+        return *reference, seconds(message.header.stamp)
 
 
 main: Final = partial(run, DriveNode)

@@ -19,17 +19,16 @@ from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.free_floating_dynamics import FreeFloatingDynamics
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.multibody.payload import Payload, payload_of
-from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.nodes.base_motion_message import base_motion_from_message
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.pose import Pose
 from robots_core.ros.joint_trajectories import single_point
-from robots_core.ros.messages import doubles, joint_indices, seconds
+from robots_core.ros.messages import doubles, joint_motion, seconds
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, SENSOR, STATE, subscribe_state
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
-from robots_core.validation import Array, finite_vector
+from robots_core.validation import Array, finite_vector, one_of
 
 MAX_RATE = 1000.0  # Hz
 SOURCES = ('joint_states', 'joint_reference')
@@ -54,11 +53,9 @@ class DynamicsNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('dynamics_node', **options)
         self._source: str = self.parameter(
-            'source', 'joint_states', f'{" or ".join(SOURCES)}', check=_check_source, read_only=True
+            'source', 'joint_states', f'{" or ".join(SOURCES)}', read=one_of('source', SOURCES)
         )
-        rate = self.parameter(
-            'rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE), read_only=True
-        )
+        rate = self.parameter('rate', 50.0, 'highest publishing rate, Hz', bounds=(0.1, MAX_RATE))
         self._filter_time: float = self.parameter(
             'filter_time',
             0.02,
@@ -66,15 +63,12 @@ class DynamicsNode(RobotNode):
             bounds=(0.0, 10.0),
         )
         orientation = self.parameter(
-            'base_orientation', UPRIGHT, 'of the base in the world, quaternion x y z w', check=_orientation
+            'base_orientation', UPRIGHT, 'of the base in the world, quaternion x y z w', read=_orientation
         )
         self._floats: bool = self.parameter(
-            'free_floating',
-            False,
-            'nothing holds the base, as of a satellite: it moves as the arm pushes it',
-            read_only=True,
+            'free_floating', False, 'nothing holds the base, as of a satellite: it moves as the arm pushes it'
         )
-        self._base = BaseMotion(_orientation(orientation))
+        self._base = BaseMotion(orientation)
         self._load(payload_from_parameters(self))
         carried = CarriedPayload(self._load)
         subscribe_state(self, DiagnosticStatus, 'motion_settings', partial(carry_payload, carried))
@@ -112,40 +106,22 @@ class DynamicsNode(RobotNode):
 
     def _publish(self) -> None:
         newest = None
-        try:
+        with self.refusing(self._source):
             for message, _ in self._motions.take_all():
                 newest = (message, *self._motion(message))
-            if newest is None:
-                return
-            self._publish_for(*newest)
-        except RobotsError as error:
-            self.refuse(self._source, error, stream=True)
+            if newest is not None:
+                self._publish_for(*newest)
 
     def _motion(self, message: Any) -> tuple[Array, Array, Array, Array | None]:
         """Positions, velocities, accelerations and, if there are any, efforts of a message, (n,) each."""
         if self._source == 'joint_states':
-            q, q_dot, tau = self._ordered(message.name, message.position, message.velocity, message.effort)
-            stamp = message.header.stamp
-            return q, q_dot, self._accelerate(seconds(stamp), q_dot), tau
+            q, q_dot, tau = joint_motion(message, self._names)
+            q = finite_vector(q, q.size, 'positions')
+            q_dot = np.zeros_like(q) if q_dot is None else finite_vector(q_dot, q.size, 'velocities')
+            tau = None if tau is None else finite_vector(tau, q.size, 'efforts')
+            return q, q_dot, self._accelerate(seconds(message.header.stamp), q_dot), tau
         q, q_dot, q_ddot = single_point(message, self._names, self._source)
         return q, q_dot, q_ddot, None
-
-    def _ordered(self, names: Any, *values: Any) -> tuple[Array, Array, Array | None]:
-        """Three fields in the order of the axes; without the first it is refused, the second is then 0."""
-        indices = joint_indices(names, self._names, self._source)
-        found: list[Array | None] = []
-        for field, what in zip(values, ('positions', 'velocities', 'efforts'), strict=True):
-            if len(field) not in {0, len(names)}:
-                raise InvalidInputError(f'{self._source} has {len(field)} {what} for {len(names)} joints')
-            found.append(
-                finite_vector(np.asarray(field, dtype=np.float64)[indices], len(indices), what)
-                if len(field)
-                else None
-            )
-        q, q_dot, third = found
-        if q is None:
-            raise InvalidInputError(f'{self._source} has no positions')
-        return q, np.zeros_like(q) if q_dot is None else q_dot, third
 
     def _accelerate(self, now: float, q_dot: Array) -> Array:
         last, self._last = self._last, (now, q_dot)
@@ -178,18 +154,11 @@ class DynamicsNode(RobotNode):
         axes = self.robot.axes_data
         part = np.abs(tau) / axes.effort
         worst = int(part.argmax())
-        name, unit = axes.names[worst], axes.unit(worst, 'torque')
-        values: dict[str, Any] = {
-            'joint': name,
-            'torque': float(tau[worst]),
-            'limit': float(axes.effort[worst]),
-        }
+        name, limit = axes.names[worst], float(axes.effort[worst])
+        values: dict[str, Any] = {'joint': name, 'torque': float(tau[worst]), 'limit': limit}
         if part[worst] > 1.0:
-            self.report_health(
-                DiagnosticStatus.WARN,
-                f'torque of {name} is past its limit of {axes.effort[worst]:g} {unit}',
-                **values,
-            )
+            text = f'torque of {name} is past its limit of {limit:g} {axes.unit(worst, "torque")}'
+            self.report_health(DiagnosticStatus.WARN, text, **values)
         else:
             self.ready(**values)
 
@@ -221,11 +190,6 @@ def wrench_message(stamp: Time, wrench: Array, frame_id: str = 'base') -> Wrench
     force, moment = message.wrench.force, message.wrench.torque
     force.x, force.y, force.z, moment.x, moment.y, moment.z = wrench.tolist()
     return message
-
-
-def _check_source(source: Any) -> None:
-    if source not in SOURCES:
-        raise InvalidInputError(f'source {source!r} is unknown; it is {" or ".join(SOURCES)}')
 
 
 def _orientation(quaternion: Any) -> Array:

@@ -52,39 +52,25 @@ class InverseKinematicsNode(RobotNode):
 
     def __init__(self, **options: Any) -> None:
         super().__init__('inverse_kinematics_node', **options)
-        method = self.parameter('method', METHODS[0], f'one of {", ".join(METHODS)}', read_only=True)
+        method = self.parameter('method', METHODS[0], f'one of {", ".join(METHODS)}')
         hold = self.parameter(
-            'hold',
-            '',
-            "one of pose, directions, position; '' for what the arm can",
-            check=check_hold,
-            read_only=True,
+            'hold', '', "one of pose, directions, position; '' for what the arm can", read=check_hold
         )
-        rate = self.parameter(
-            'rate', RATE, 'joint references per second, Hz', bounds=(10.0, 1000.0), read_only=True
-        )
+        rate = self.parameter('rate', RATE, 'joint references per second, Hz', bounds=(10.0, 1000.0))
         timeout = self.parameter(
-            'timeout', 0.2, 'a reference older than this is stale, s', bounds=(0.01, 10.0), read_only=True
+            'timeout', 0.2, 'a reference older than this is stale, s', bounds=(0.01, 10.0)
         )
         tool = self.parameter(
-            'tool',
-            NO_TOOL,
-            'tool in tool0: x y z (m), quaternion x y z w',
-            check=pose_from_parameter,
-            read_only=True,
+            'tool', NO_TOOL, 'tool in tool0: x y z (m), quaternion x y z w', read=pose_from_parameter
         )
         largest_deviation = self.parameter(
             'largest_deviation',
             LARGEST_DEVIATION,
             "largest distance of the controller's reference to the one sent, rad",
             bounds=(1e-4, 3.0),
-            read_only=True,
         )
         priority = self.parameter(
-            'realtime_priority',
-            40,
-            'FIFO priority of the loop where the system permits it; 0: none',
-            read_only=True,
+            'realtime_priority', 40, 'FIFO priority of the loop where the system permits it; 0: none'
         )
         self._method, self._dt = method, 1.0 / rate
         self._timeout = timeout
@@ -93,7 +79,7 @@ class InverseKinematicsNode(RobotNode):
             self._dt,
             reference=self._controller_reference,
             refused=self._refuse_input,
-            tool=pose_from_parameter(tool),
+            tool=tool,
             method=method,
             hold=hold,
             timeout=timeout,

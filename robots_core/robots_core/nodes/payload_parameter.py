@@ -11,16 +11,15 @@ from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.robot_node import RobotNode
 
 
-def payload_from_parameters(node: RobotNode, *, read_only: bool = False) -> Payload:
+def payload_from_parameters(node: RobotNode) -> Payload:
     """Declare parameter `payload` of a node and read it; nothing by default."""
-    value = node.parameter(
+    payload: Payload = node.parameter(
         'payload',
         [0.0, 0.0, 0.0, 0.0],
         'what hangs on tool0: kg, centre x y z (m), maybe inertia xx xy xz yy yz zz (kg m^2)',
-        check=payload_of,
-        read_only=read_only,
+        read=payload_of,
     )
-    return payload_of(value)
+    return payload
 
 
 def carry_payload(carried: CarriedPayload, settings: DiagnosticStatus) -> None:

@@ -11,5 +11,5 @@ def scene_by_parameter(node: RobotNode) -> Scene:
     Raises:
         InvalidInputError: a scene file that is missing or wrong; names its line.
     """
-    path = node.parameter('scene', '', 'scene file (YAML); empty for none', read_only=True)
+    path = node.parameter('scene', '', 'scene file (YAML); empty for none')
     return read_scene(path) if path else Scene()

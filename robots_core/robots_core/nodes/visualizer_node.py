@@ -10,11 +10,9 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from robots_core.blocks.visualizer import Visualizer
-from robots_core.errors import RobotsError
 from robots_core.nodes.transforms import LinkTransforms
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import joint_values
-from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, SENSOR, STATE
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
@@ -34,24 +32,18 @@ class VisualizerNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('visualizer_node', **options)
         host = self.parameter(
-            'host', '127.0.0.1', "the page's network address; 0.0.0.0 for the whole network", read_only=True
+            'host', '127.0.0.1', "the page's network address; 0.0.0.0 for the whole network"
         )
-        port = self.parameter('port', 8080, 'first port to try; 0 lets the system choose', read_only=True)
-        rate = self.parameter(
-            'rate',
-            30.0,
-            "highest rate of the page's updates, Hz",
-            bounds=(0.1, MAX_RATE),
-            read_only=True,
-        )
+        port = self.parameter('port', 8080, 'first port to try; 0 lets the system choose')
+        rate = self.parameter('rate', 30.0, "highest rate of the page's updates, Hz", bounds=(0.1, MAX_RATE))
         self._visualizer = Visualizer(self.robot, host=host, port=port)
         self._scene = WatchedScene(self, self._visualizer.show_scene)
         self._transforms = self._make_transforms()
         self._description = self.create_publisher(String, 'robot_description', STATE)
         self._description.publish(String(data=self.robot.description))
-        self._joint_states = PolledSubscription(self, JointState, 'joint_states', SENSOR)
         # The page is for people: it keeps wall-clock time even where the suite runs on simulated time.
-        self.create_timer(1.0 / rate, self._update, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self.poll(JointState, 'joint_states', self._update, SENSOR, rate=rate, clock=clock)
         self.journal.info(f'the robot is at {self.url}')
         self.ready(url=self.url)
 
@@ -69,18 +61,12 @@ class VisualizerNode(RobotNode):
         namespace = self.get_namespace().strip('/')
         return LinkTransforms(self.robot, prefix=f'{namespace}/' if namespace else '')
 
-    def _update(self) -> None:
-        message = self._joint_states.take()
-        if message is None:
-            return
-        try:
-            q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
-            self._visualizer.update(q)
-        except RobotsError as error:
-            self.refuse('joint_states', error, stream=True)
-            return
+    def _update(self, message: JointState) -> None:
+        q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
+        self._visualizer.update(q)
         if self._transforms is not None:
-            self._tf.publish(self._tf_message(transforms=self._transforms.messages(message.header.stamp, q)))
+            transforms = self._transforms.messages(message.header.stamp, q)
+            self._tf.publish(self._tf_message(transforms=transforms))
         self.ready(url=self.url)
 
     def destroy_node(self) -> None:

@@ -25,7 +25,7 @@ class Heartbeat:
 
     Its number is that of the process: one that was started anew has another.
 
-    In simulated time there is none: lock-step misses a lost process by itself.
+    In simulated time none is needed: lock-step misses a lost process by itself.
 
     Args:
         node: The node, complete.
@@ -33,18 +33,10 @@ class Heartbeat:
 
     def __init__(self, node: TimedNode) -> None:
         self._node = node
-        self._thread: PeriodicThread | None = None
-        if node.simulated_time:
-            return
         self._publisher = node.create_publisher(UInt64, f'~/{HEARTBEAT}', SENSOR)
         self._message = serialize_message(UInt64(data=secrets.randbits(64)))
         self._last = math.inf
-        self._thread = PeriodicThread(
-            self.beat,
-            period=PERIOD,
-            name=HEARTBEAT,
-            on_error=node.thread_failed,
-        )
+        self._thread = PeriodicThread(self.beat, period=PERIOD, name=HEARTBEAT, on_error=node.thread_failed)
         self._thread.start()
 
     def beat(self, now: float) -> None:
@@ -56,8 +48,7 @@ class Heartbeat:
 
     def stop(self) -> None:
         """End it before the node is destroyed."""
-        if self._thread is not None:
-            self._thread.stop()
+        self._thread.stop()
 
 
 class HeartbeatWatch:
@@ -119,7 +110,6 @@ def watchdog_parameter(node: RobotNode) -> float:
         'watchdog',
         WATCHDOG,
         'without a sign of life for this long another node is lost, s; 0: none is watched',
-        check=checked_watchdog,
-        read_only=True,
+        read=checked_watchdog,
     )
     return value

@@ -7,6 +7,7 @@ from typing import Any, Final
 from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.waitable import NumberOfEntities
 
 # In the order in which `WaitSet` takes their numbers, and in which it returns them.
 KINDS: Final = ('subscription', 'guard_condition', 'timer', 'client', 'service')
@@ -28,18 +29,10 @@ class HeldWaitSet:
         self._keep(context.handle)
         self._entities = {kind: self._hold(entities.get(kind, ())) for kind in KINDS}
         self._waitables = [one for one in waitables if _may_run(one) and self._keep(one)]
-        counts = [len(self._entities[kind]) for kind in KINDS] + [0]
+        total = NumberOfEntities(*(len(self._entities[kind]) for kind in KINDS))
         for waitable in self._waitables:
-            number = waitable.get_num_entities()
-            more = (
-                number.num_subscriptions,
-                number.num_guard_conditions,
-                number.num_timers,
-                number.num_clients,
-                number.num_services,
-                number.num_events,
-            )
-            counts = [count + one for count, one in zip(counts, more, strict=True)]
+            total += waitable.get_num_entities()
+        counts = (getattr(total, name) for name in NumberOfEntities.__slots__)
         self._wait_set = rclpy_implementation.WaitSet(*counts, context.handle)
         self._adds: list[tuple[Callable[[Any], object], Any]] = [
             (getattr(self._wait_set, f'add_{kind}'), entity.handle)

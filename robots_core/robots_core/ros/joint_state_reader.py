@@ -7,13 +7,11 @@ import numpy as np
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
-from robots_core.ros.messages import joint_indices, joint_values
+from robots_core.ros.messages import ENCAPSULATION_SIZE, SERIALIZED_STAMP, joint_indices, joint_values
 from robots_core.validation import Array, finite_vector
 
-# CDR of a message that begins with a Header: 4 bytes of encapsulation, from whose end numbers are aligned to
-# their size, then the stamp's two 32-bit words.
-ENCAPSULATION_SIZE = 4
-STAMP_END = 12
+# CDR aligns numbers to their size, from the end of the encapsulation on.
+STAMP_END = ENCAPSULATION_SIZE + SERIALIZED_STAMP.size
 
 
 class JointStateReader:

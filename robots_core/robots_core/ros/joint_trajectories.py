@@ -46,17 +46,22 @@ def complete_points(message: JointTrajectory, names: Sequence[str], what: str) -
     Raises:
         InvalidInputError: missing joints, or a point without one of the three.
     """
+    return point_times(message), np.array([field_rows(message, names, what, field) for field in FIELDS])
+
+
+def point_times(message: JointTrajectory) -> Array:
+    """Times of the points, (m,), s."""
+    return np.array([seconds(point.time_from_start) for point in message.points])
+
+
+def field_rows(message: JointTrajectory, names: Sequence[str], what: str, field: str) -> Array:
+    """One of `FIELDS` of all points, (m, n), see `complete_points`."""
     indices, count = joint_indices(message.joint_names, names, what), len(message.joint_names)
     rows = [
-        [
-            _checked(getattr(p, field), count, f'{what} point {k} has', field)
-            for k, p in enumerate(message.points, 1)
-        ]
-        for field in FIELDS
+        _checked(getattr(point, field), count, f'{what} point {k} has', field)
+        for k, point in enumerate(message.points, 1)
     ]
-    shape = (len(FIELDS), len(message.points), count)
-    time = np.array([seconds(point.time_from_start) for point in message.points])
-    return time, np.array(rows, dtype=np.float64).reshape(shape)[:, :, indices]
+    return np.array(rows, dtype=np.float64).reshape(len(rows), count)[:, indices]
 
 
 def _checked(values: Any, count: int, what: str, field: str) -> Any:

@@ -24,6 +24,7 @@ from robots_core.validation import Array, bounded_vector
 ENCAPSULATION_SIZE: Final = 4
 NANOSECONDS: Final = 1_000_000_000
 FARTHEST: Final = 1000.0  # m
+JOINT_FIELDS: Final = {'positions': 'position', 'velocities': 'velocity', 'efforts': 'effort'}
 RESULT_NUMBERS: Final = ('ended', 'progress')
 SERIALIZED_STAMP: Final = struct.Struct('<iI')
 
@@ -89,6 +90,27 @@ def joint_values(names: Sequence[str], values: Sequence[float], wanted: Sequence
         raise InvalidInputError(f'{what} has {len(values)} values for {len(names)} joints')
     indices = joint_indices(names, wanted, what)
     return np.asarray(values, dtype=np.float64)[indices]
+
+
+def joint_motion(
+    message: JointState, wanted: Sequence[str], what: str = 'joint_states'
+) -> tuple[Array, Array | None, Array | None]:
+    """Positions of the wanted joints, and velocities and efforts where there are any, (n,) each.
+
+    Raises:
+        InvalidInputError: a missing joint, no positions, or not one value per name.
+    """
+    count, indices = len(message.name), joint_indices(message.name, wanted, what)
+    rows: list[Array | None] = []
+    for plural, field in JOINT_FIELDS.items():
+        values = getattr(message, field)
+        if len(values) not in {0, count}:
+            raise InvalidInputError(f'{what} has {len(values)} {plural} for {count} joints')
+        rows.append(np.asarray(values, dtype=np.float64)[indices] if len(values) else None)
+    q, q_dot, tau = rows
+    if q is None:
+        raise InvalidInputError(f'{what} has no positions')
+    return q, q_dot, tau
 
 
 def joint_state_message(

@@ -2,7 +2,6 @@
 
 import math
 import time
-from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -41,14 +40,12 @@ class PolledSubscription:
         self._topic: str = self._subscription.topic_name
         self._now: Callable[[], float] = getattr(node, 'now', time.monotonic)
         self._watch = node.writer_watch(topic) if hasattr(node, 'writer_watch') else None
-        self._identified = None if self._watch is None else IdentifiedMessages(self._subscription)
+        if self._watch is not None:
+            self._identified = IdentifiedMessages(self._subscription)
         self._newest = 0  # sequence number of the message
 
     def take(self) -> Any:
         """The newest message since the last call, or None."""
-        if self._identified is not None:
-            accepted = deque(self._accepted(), maxlen=1)
-            return self._read(accepted[0]) if accepted else None
         newest = None
         for message, _ in self.take_all():
             newest = message
@@ -59,11 +56,14 @@ class PolledSubscription:
 
         There is no info where a topic has its writers (see `RobotNode.writer_watch`).
         """
-        if self._identified is not None:
-            for data in self._accepted():
-                yield self._read(data), {}
-            return
         subscription, deadline = self._subscription, math.inf
+        if self._watch is not None:
+            while (identified := self._identified.take()) is not None:
+                data, identity = identified
+                if self._watch.accepts(identity, self._now()):
+                    raw = subscription.raw
+                    yield data if raw else deserialize_message(data, subscription.msg_type), {}
+            return
         while True:
             taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
             if taken is not None:
@@ -75,18 +75,6 @@ class PolledSubscription:
             else:
                 deadline = min(deadline, time.monotonic() + PATIENCE)
                 self._participant.wait_for_message(self._topic, deadline)
-
-    def _accepted(self) -> Iterator[bytes]:
-        """Serialized messages of the topic's writers since the last call."""
-        assert self._identified is not None
-        assert self._watch is not None
-        while (taken := self._identified.take()) is not None:
-            if self._watch.accepts(taken[1], self._now()):
-                yield taken[0]
-
-    def _read(self, data: bytes) -> Any:
-        subscription = self._subscription
-        return data if subscription.raw else deserialize_message(data, subscription.msg_type)
 
     @property
     def publishers(self) -> int:

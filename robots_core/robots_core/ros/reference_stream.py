@@ -1,6 +1,5 @@
 """ReferenceStream: publishes one-point JointTrajectory messages at a high rate, at little cost."""
 
-import struct
 import time
 from collections.abc import Sequence
 
@@ -12,13 +11,10 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core.ros.lockstep.counted import CountedPublisher
 from robots_core.ros.lockstep.phases import NANOSECONDS
-from robots_core.ros.messages import doubles
+from robots_core.ros.messages import ENCAPSULATION_SIZE, SERIALIZED_STAMP, doubles
 from robots_core.ros.qos import STATE
 from robots_core.validation import Array
 
-# CDR of a message that begins with a Header: 4 bytes of encapsulation, then the stamp's two 32-bit words.
-STAMP_OFFSET = 4
-STAMP = struct.Struct('<iI')
 EMPTY_SEQUENCE_SIZE = 4
 DURATION_SIZE = 8
 
@@ -83,7 +79,7 @@ class ReferenceStream:
             nanoseconds = round(NANOSECONDS * deadline)
         else:
             nanoseconds = time.time_ns() + int(1e9 * (deadline - time.monotonic()))
-        STAMP.pack_into(self._buffer, STAMP_OFFSET, *divmod(nanoseconds, NANOSECONDS))
+        SERIALIZED_STAMP.pack_into(self._buffer, ENCAPSULATION_SIZE, *divmod(nanoseconds, NANOSECONDS))
         if reference is not self._last:  # one that stands is the same from period to period
             self._values[:] = self._last = reference
         self._publish(bytes(self._buffer))

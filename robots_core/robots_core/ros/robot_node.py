@@ -2,14 +2,17 @@
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.clock import Clock
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.parameter import Parameter
+from std_srvs.srv import SetBool, Trigger
 
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.parameter_changes import CHANGES, Change
@@ -18,6 +21,7 @@ from robots_core.ros.identified_messages import IdentifiedSubscription, publishe
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
+from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import publishers_of
 from robots_core.ros.publisher_names import PublisherNames
 from robots_core.ros.qos import COMMAND
@@ -50,7 +54,7 @@ class RobotNode(TimedNode):
         self._changes = CHANGES.get(name, {})
         self.add_on_set_parameters_callback(self._check_parameters)
         self.robot_name: str = self.parameter(
-            'robot_model', robot, "the robot's name, or urdf:/path/to/robot.urdf", read_only=True
+            'robot_model', robot, "the robot's name, or urdf:/path/to/robot.urdf"
         )
         self.robot = load_robot_model(self.robot_name)
         self._health = (DiagnosticStatus.STALE, 'starting')
@@ -69,35 +73,33 @@ class RobotNode(TimedNode):
         description: str,
         *,
         bounds: tuple[float, float] | None = None,
-        check: Callable[[Any], object] | None = None,
-        read_only: bool = False,
+        read: Callable[[Any], object] | None = None,
     ) -> Any:
-        """Declare a parameter and return its value.
+        """Declare a parameter and return what its value means; only those of `CHANGES` can change later.
 
         Args:
             name: The parameter's name.
             default: Its default; it also fixes the type.
             description: One line with the unit, shown by `ros2 param describe`.
             bounds: Lowest and highest valid number.
-            check: Raises a RobotsError for a value that is not valid, now and at every change.
-            read_only: The value cannot change after start.
+            read: What a value means; raises a RobotsError for one that is not valid, now and at every change.
+                By default the value itself.
 
         Raises:
             InvalidInputError: the value given at start is of another type or not valid.
         """
-        descriptor = ParameterDescriptor(description=description, read_only=read_only)
+        descriptor = ParameterDescriptor(description=description, read_only=name not in self._changes)
         if bounds is not None:
             low, high = bounds
             descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
         try:
             value = self.declare_parameter(name, default, descriptor).value
-            if check is not None:
-                check(value)
+            meaning = value if read is None else read(value)
         except (InvalidParameterTypeException, InvalidParameterValueException, RobotsError) as error:
             raise InvalidInputError(f'parameter {name}: {error}') from error
-        if check is not None:
-            self._checks[name] = check
-        return value
+        if read is not None:
+            self._checks[name] = read
+        return meaning
 
     @property
     def moving(self) -> bool:
@@ -164,6 +166,25 @@ class RobotNode(TimedNode):
             self.report_health(DiagnosticStatus.ERROR, f'internal error: {error!r}')
         super().thread_failed(error)
 
+    def serve(self, name: str, answer: Callable[..., str], srv_type: Any = Trigger) -> None:
+        """Serve `~/name`; a RobotsError of the answer refuses the request.
+
+        Args:
+            name: Below the node's.
+            answer: Does what is asked for and says so; gets the value of a SetBool.
+            srv_type: Trigger or SetBool.
+        """
+
+        def serve(request: Any, response: Any) -> Any:
+            try:
+                response.message = answer(request.data) if srv_type is SetBool else answer()
+                response.success = True
+            except RobotsError as error:
+                response.success, response.message = False, str(error)
+            return response
+
+        self.create_service(srv_type, f'~/{name}', serve)
+
     def create_subscription(
         self,
         msg_type: Any,
@@ -186,10 +207,8 @@ class RobotNode(TimedNode):
         """
 
         def take(message: Any) -> None:
-            try:
+            with self.refusing(topic, stream=qos_profile is not COMMAND):
                 callback(message)
-            except RobotsError as error:
-                self.refuse(topic, error, stream=qos_profile is not COMMAND)
 
         def take_of_writers(message: Any, identity: bytes) -> None:
             assert watch is not None
@@ -201,6 +220,27 @@ class RobotNode(TimedNode):
             return super().create_subscription(msg_type, topic, take, qos_profile, **options)
         return self._create_identified(msg_type, topic, take_of_writers, qos_profile, **options)
 
+    def poll(
+        self,
+        msg_type: Any,
+        topic: str,
+        callback: Callable[[Any], None],
+        qos_profile: Any,
+        *,
+        rate: float,
+        clock: Clock | None = None,
+    ) -> None:
+        """Look for the newest message of a stream at a rate (Hz); a RobotsError refuses it."""
+        subscription = PolledSubscription(self, msg_type, topic, qos_profile)
+
+        def look() -> None:
+            message = subscription.take()
+            if message is not None:
+                with self.refusing(topic):
+                    callback(message)
+
+        self.create_timer(1.0 / rate, look, clock=clock)
+
     def create_subscription_with_sender(
         self, msg_type: Any, topic: str, callback: Callable[[Any, str], None], qos_profile: Any
     ) -> Any:
@@ -210,10 +250,8 @@ class RobotNode(TimedNode):
         """
 
         def take(message: Any, sender: str) -> None:
-            try:
+            with self.refusing(topic, stream=False):
                 callback(message, sender)
-            except RobotsError as error:
-                self.refuse(topic, error)
 
         if self.participant is not None or not publishers_are_identified():
             return super().create_subscription(
@@ -270,6 +308,14 @@ class RobotNode(TimedNode):
         if text != before or now - since > STRANGER_SHOWN:
             self.journal.error(text)
             self._publish_health()
+
+    @contextmanager
+    def refusing(self, topic: str, *, stream: bool = True) -> Iterator[None]:
+        """Refuse, see `refuse`, what a topic has brought if reading or using it raises a RobotsError."""
+        try:
+            yield
+        except RobotsError as error:
+            self.refuse(topic, error, stream=stream)
 
     def refuse(self, topic: str, error: RobotsError, *, stream: bool = False) -> None:
         """Log and report bad input on a topic; the node goes on.

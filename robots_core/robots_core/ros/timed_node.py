@@ -14,7 +14,8 @@ from robots_core.errors import InvalidInputError
 from robots_core.periodic_thread import PeriodicThread
 from robots_core.ros.lockstep.participant import Participant
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
-from robots_core.ros.loop import ClockLoop, ClockLoops, Loop
+from robots_core.ros.lockstep.timed_work import ScheduledLoop
+from robots_core.ros.loop import Loop, on_clock_set
 
 
 class TimedNode(Node):
@@ -60,8 +61,10 @@ class TimedNode(Node):
             self.participant = Participant(self)
         if parameter_services:
             self._parameter_service = ParameterService(self)  # its services are counted
-        self._clock_loops = ClockLoops(self) if follows_clock else None
         self._running: list[Loop] = []
+        if follows_clock:
+            self._clock_advanced = self.create_guard_condition(self._run_loops)
+            self._jumps = on_clock_set(self.get_clock(), self._clock_advanced.trigger)
         self.add_on_set_parameters_callback(self._keep_clock)
 
     def _keep_clock(self, parameters: list[Parameter]) -> SetParametersResult:
@@ -120,23 +123,26 @@ class TimedNode(Node):
         if self.participant is not None:
             phase = self.phase if phase is None else phase
             loop = self.participant.start_loop(work, period=period, phase=phase)
-        elif self._clock_loops is not None:
-            loop = self._clock_loops.add(ClockLoop(work, period=round(period * NANOSECONDS)))
+        elif self.simulated_time:
+            loop = ScheduledLoop(work, period=round(period * NANOSECONDS))
         else:
-            loop = self._start_thread(
+            loop = thread = PeriodicThread(
                 work,
                 period=period,
                 name=name,
                 realtime_priority=realtime_priority,
                 idle_latency=idle_latency,
+                on_error=self.thread_failed,
             )
+            thread.start()
         self._running = [one for one in self._running if one.alive] + [loop]
         return loop
 
-    def _start_thread(self, work: Callable[[float], None], **options: Any) -> PeriodicThread:
-        thread = PeriodicThread(work, on_error=self.thread_failed, **options)
-        thread.start()
-        return thread
+    def _run_loops(self) -> None:
+        now = self.get_clock().now().nanoseconds
+        for loop in self._running:
+            if isinstance(loop, ScheduledLoop):
+                loop.run(now)
 
     def destroy_node(self) -> None:
         """End the loops before what they use."""
@@ -172,31 +178,28 @@ class TimedNode(Node):
             timer_period_sec, callback, phase=self.phase if phase is None else phase, autostart=autostart
         )
 
+    @property
+    def _maker(self) -> Any:
+        """Makes endpoints: the participant, which counts their messages, or rclpy's node alone."""
+        return super() if self.participant is None else self.participant
+
     def create_publisher(self, msg_type: Any, topic: str, qos_profile: Any, **options: Any) -> Any:
         """As `Node.create_publisher`."""
-        if self.participant is None:
-            return super().create_publisher(msg_type, topic, qos_profile, **options)
-        return self.participant.create_publisher(msg_type, topic, qos_profile, **options)
+        return self._maker.create_publisher(msg_type, topic, qos_profile, **options)
 
     def create_subscription(
         self, msg_type: Any, topic: str, callback: Any, qos_profile: Any, **options: Any
     ) -> Any:
         """As `Node.create_subscription`."""
-        if self.participant is None:
-            return super().create_subscription(msg_type, topic, callback, qos_profile, **options)
-        return self.participant.create_subscription(msg_type, topic, callback, qos_profile, **options)
+        return self._maker.create_subscription(msg_type, topic, callback, qos_profile, **options)
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Any, **options: Any) -> Any:
         """As `Node.create_service`."""
-        if self.participant is None:
-            return super().create_service(srv_type, srv_name, callback, **options)
-        return self.participant.create_service(srv_type, srv_name, callback, **options)
+        return self._maker.create_service(srv_type, srv_name, callback, **options)
 
     def create_client(self, srv_type: Any, srv_name: str, **options: Any) -> Any:
         """As `Node.create_client`."""
-        if self.participant is None:
-            return super().create_client(srv_type, srv_name, **options)
-        return self.participant.create_client(srv_type, srv_name, **options)
+        return self._maker.create_client(srv_type, srv_name, **options)
 
     def destroy_timer(self, timer: Any) -> bool:
         """As `Node.destroy_timer`."""

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-import numpy as np
 from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from robots_core.errors import InvalidInputError, JointNamesError, PlanningError, RobotsError
+from robots_core.errors import InvalidInputError, JointNamesError, RobotsError
 from robots_core.motion_result import MotionResult
-from robots_core.ros.messages import joint_indices, seconds, stamp_id
+from robots_core.ros.joint_trajectories import FIELDS, field_rows, point_times
+from robots_core.ros.messages import stamp_id
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
@@ -47,25 +47,16 @@ def waypoints_trajectory(message: Any, names: list[str], start: Array) -> Trajec
         JointNamesError: a joint is missing or named twice.
         InvalidInputError: no points, points of different kinds, or times that make no motion.
     """
-    indices = joint_indices(message.joint_names, names, ACTION)
+    position, velocity, acceleration = (
+        field_rows(message, names, ACTION, field)
+        if field == 'positions' or any(len(getattr(point, field)) for point in message.points)
+        else None
+        for field in FIELDS
+    )
     if not message.points:
         raise InvalidInputError(f'{ACTION}: a trajectory needs at least one point, got none')
-    time = np.array([seconds(p.time_from_start) for p in message.points])
-    rows: list[Array | None] = []
-    for field in ('positions', 'velocities', 'accelerations'):
-        given = [getattr(point, field) for point in message.points]
-        if field != 'positions' and not any(len(row) for row in given):
-            rows.append(None)
-            continue
-        for number, row in enumerate(given, 1):
-            if len(row) != len(message.joint_names):
-                raise PlanningError(
-                    f'{ACTION}: point {number} has {len(row)} {field} for {len(message.joint_names)} joints'
-                )
-        rows.append(np.array(given, dtype=np.float64)[:, indices])
-    position, velocity, acceleration = rows
     assert position is not None
-    return trajectory_through(time, position, velocity, acceleration, start)
+    return trajectory_through(point_times(message), position, velocity, acceleration, start)
 
 
 class FollowJointTrajectory:

@@ -45,21 +45,13 @@ class JogStream:
     ) -> None:
         self._node, self._commanders = node, commanders
         speed = node.parameter(
-            'teach_speed', 0.1, 'part of the velocity limits to jog with', bounds=(0.001, 1.0), read_only=True
+            'teach_speed', 0.1, 'part of the velocity limits to jog with', bounds=(0.001, 1.0)
         )
         tool_speed = node.parameter(
-            'teach_tool_speed',
-            0.25,
-            'highest speed of a jogged tool, m/s',
-            bounds=(0.001, 2.0),
-            read_only=True,
+            'teach_tool_speed', 0.25, 'highest speed of a jogged tool, m/s', bounds=(0.001, 2.0)
         )
         timeout = node.parameter(
-            'teach_timeout',
-            0.1,
-            'a jog command older than this is stale, s',
-            bounds=(0.02, 1.0),
-            read_only=True,
+            'teach_timeout', 0.1, 'a jog command older than this is stale, s', bounds=(0.02, 1.0)
         )
         self._names = list(node.robot.axes_data.names)
         self._references = PolledSubscription(node, JointTrajectory, 'joint_reference', STREAM)

@@ -41,14 +41,13 @@ from robots_core.ros.presence import publishers_of
 from robots_core.ros.qos import COMMAND, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
-from robots_core.validation import Array, fraction
+from robots_core.validation import Array, fraction, one_of
 from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
-from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, checked
+from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, checked, settings_as_text
 from robots_planning.nodes.command_inbox import CommandInbox
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory, waypoints_trajectory
 from robots_planning.nodes.jog_stream import JogStream
-from robots_planning.nodes.settings_publisher import SettingsPublisher
 from robots_planning.nodes.trajectory_messages import BASE_FRAME, trajectory_message
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory_generators.base import Target
@@ -69,10 +68,10 @@ class PlanningNode(RobotNode):
         self._declare_settings()
         self._names = list(self.robot.axes_data.names)
         collision = CollisionDetection(
-            self.robot, engine=self.parameter('collision_engine', 'fcl', 'fcl or coal', read_only=True)
+            self.robot, engine=self.parameter('collision_engine', 'fcl', 'fcl or coal')
         )
         margin = self.parameter(
-            'collision_margin', COLLISION_MARGIN, 'distance that motions keep, m', check=usable_margin
+            'collision_margin', COLLISION_MARGIN, 'distance that motions keep, m', read=usable_margin
         )
         self._scene = WatchedScene(self, collision.set_scene)
         planning = PathPlanning(self.robot, collision=collision, collision_margin=margin)
@@ -85,7 +84,7 @@ class PlanningNode(RobotNode):
                 'new_command',
                 NEW_COMMAND[0],
                 'a joint motion commanded while the robot moves: queue it, or replace the running one',
-                check=self._replaces,
+                read=one_of('new_command', NEW_COMMAND),
             )
         )
         self._commanders = CommanderWatch(self)
@@ -102,7 +101,8 @@ class PlanningNode(RobotNode):
         self._finished_publisher = self.create_publisher(Bool, 'finished', STATE)
         self.finished(done=False)
         self._subscribe()
-        SettingsPublisher(self, self._settings, self.robot_name)
+        self._settings_publisher = self.create_publisher(DiagnosticStatus, 'motion_settings', STATE)
+        self._publish_settings()
         self._jogging = JogStream(
             self,
             standing=self.planner.standing,
@@ -128,7 +128,7 @@ class PlanningNode(RobotNode):
                 name,
                 list(value) if isinstance(value, tuple) else value,
                 text,
-                check=checked(name),
+                read=checked(name),
             )
 
     def _subscribe(self) -> None:
@@ -143,14 +143,8 @@ class PlanningNode(RobotNode):
         self.create_subscription(PoseStamped, 'reference_pose', self._on_reference_pose, STREAM)
         self.create_subscription_with_sender(Bool, 'trigger', self._on_trigger, COMMAND)
 
-    @staticmethod
-    def _replaces(value: str) -> bool:
-        if value not in NEW_COMMAND:
-            raise InvalidInputError(f'unknown new_command {value!r}; valid are {" and ".join(NEW_COMMAND)}')
-        return value == 'replace'
-
     def _use_new_command(self, value: str) -> None:
-        replace = self._replaces(value)
+        replace = value == 'replace'
         self.planner.replace_motions(replace=replace)
         if replace and self._progress is None:  # only then it matters; it comes often
             self._progress = self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
@@ -225,6 +219,16 @@ class PlanningNode(RobotNode):
         settings = self._settings()
         self._jogging.jogging.use_tool(settings.tool_pose, settings.hold)
         self.planner.configure(settings)
+        if any(parameter.name in DESCRIPTIONS for parameter in parameters):
+            self._publish_settings()
+
+    def _publish_settings(self) -> None:
+        # A command follows the change that it is meant for: in a recording, the settings of a command are
+        # those that were published last before it.
+        texts: dict[str, Any] = dict(settings_as_text(self._settings()))
+        self._settings_publisher.publish(
+            diagnostic_status('motion settings', '', hardware_id=self.robot_name, **texts)
+        )
 
     def _release(self) -> None:
         self._patience.cancel()
@@ -312,14 +316,10 @@ class PlanningNode(RobotNode):
 
     def _look_for_reference(self) -> None:
         """Ready as soon as there is a place to plan from."""
-        try:
-            if self.reference() is None:
-                return
-        except RobotsError as error:
-            self.refuse('joint_reference', error, stream=True)
-            return
-        self.destroy_timer(self._look)
-        self.ready()
+        with self.refusing('joint_reference'):
+            if self.reference() is not None:
+                self.destroy_timer(self._look)
+                self.ready()
 
     def _reference_publishers(self) -> set[bytes]:
         # By identity: a controller that was started anew has none of the motions.

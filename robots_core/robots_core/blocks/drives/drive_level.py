@@ -54,11 +54,12 @@ def drive_train(
     return rigid_body_drive(robot, q, period=period, payload=payload, feed_forward=feed_forward)
 
 
-def check_level(level: str) -> None:
-    """Check that a level exists.
+def check_level(level: str) -> str:
+    """Pass a level on that exists.
 
     Raises:
         InvalidInputError: it does not.
     """
     if level not in DRIVE_LEVELS:
         raise InvalidInputError(f'drive level {level!r} is unknown; levels are {", ".join(DRIVE_LEVELS)}')
+    return level

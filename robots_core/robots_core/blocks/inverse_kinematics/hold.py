@@ -20,7 +20,7 @@ AXES_OF_A_POSITION: Final = 3
 SMALLEST: Final = 1e-6  # ratio of singular values, rad per rad (m)
 
 
-def check_hold(hold: str, name: str = 'hold') -> None:
+def check_hold(hold: str, name: str = 'hold') -> str:
     """Pass what a motion may hold; '' for what the arm can.
 
     Raises:
@@ -28,6 +28,7 @@ def check_hold(hold: str, name: str = 'hold') -> None:
     """
     if hold and hold not in HOLDS:
         raise InvalidInputError(f'{name} = {hold!r} must be one of {", ".join(map(repr, HOLDS))}')
+    return hold
 
 
 def held_by(num_axes: int, hold: str = '') -> str:

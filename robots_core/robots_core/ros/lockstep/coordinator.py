@@ -14,9 +14,10 @@ from std_msgs.msg import Int64MultiArray, String
 from robots_core.errors import RobotsError
 from robots_core.ros.lockstep.agenda import Agenda, LockstepError
 from robots_core.ros.lockstep.phases import NANOSECONDS, Phase
-from robots_core.ros.lockstep.profiles import ALL, LATCHED, LATCHED_BY_MANY, NEWEST
+from robots_core.ros.lockstep.profiles import ALL, LATCHED_BY_MANY
 from robots_core.ros.lockstep.protocol import (
     GO,
+    LITTLE_ENDIAN,
     PARTICIPANTS,
     RELEASE,
     REPORT,
@@ -29,13 +30,13 @@ from robots_core.ros.lockstep.protocol import (
     encode,
 )
 from robots_core.ros.lockstep.traffic import Traffic
+from robots_core.ros.qos import STATE, STREAM
 
 JOINING_PATIENCE: Final = 120.0  # s of the wall clock: models and compiled code take long to load
 PATIENCE: Final = 30.0  # s of the wall clock
 WATCH_PERIOD: Final = 0.1  # s of the wall clock
 
 _CLOCK = struct.Struct('<4siI')  # CDR of a Clock
-_LITTLE_ENDIAN: Final = b'\x00\x01\x00\x00'
 
 
 class Recorder(Protocol):
@@ -99,9 +100,9 @@ class Coordinator:
         self._progress = time.monotonic()
         self._time_told = -1
 
-        self._rosters = node.create_publisher(String, ROSTER, LATCHED)
-        self._times = node.create_publisher(Int64MultiArray, TIME, NEWEST)
-        self._clock = node.create_publisher(ClockMessage, '/clock', NEWEST)
+        self._rosters = node.create_publisher(String, ROSTER, STATE)
+        self._times = node.create_publisher(Int64MultiArray, TIME, STREAM)
+        self._clock = node.create_publisher(ClockMessage, '/clock', STREAM)
         node.create_subscription(String, PARTICIPANTS, self._on_announcement, LATCHED_BY_MANY)
         self._reports = node.create_subscription(Int64MultiArray, REPORT, self._on_report, ALL, raw=True)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -219,7 +220,7 @@ class Coordinator:
         if advanced:  # before whatever is sent at this instant
             self._time_told = now
             self.instants += 1
-            self._clock.publish(_CLOCK.pack(_LITTLE_ENDIAN, *divmod(now, NANOSECONDS)))
+            self._clock.publish(_CLOCK.pack(LITTLE_ENDIAN, *divmod(now, NANOSECONDS)))
         if advanced or phase > Phase.DRIVES:
             self._times.publish(encode([self._sequence, now, *sent]))
         go = encode([self._sequence, now, phase, *sent])

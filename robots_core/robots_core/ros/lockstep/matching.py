@@ -1,65 +1,58 @@
 """Whether the endpoints of a roster have found each other."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from robots_core.ros.lockstep.protocol import Endpoint, Roster
+from robots_core.ros.lockstep.protocol import Endpoint, Kind, Roster
+
+# The kinds that an endpoint of a topic has to find.
+OPPOSITE: Final[Mapping[Kind, tuple[Kind, ...]]] = {
+    'publisher': ('subscription', 'polled', 'recorded'),
+    'subscription': ('publisher',),
+    'polled': ('publisher',),
+}
 
 
 def unmatched(node: Node, endpoint: Endpoint, entity: Any, roster: Roster) -> str:
     """What an endpoint of a node still has to find in the network; '' for nothing."""
-    if endpoint.kind == 'publisher':
-        return _unmatched_publisher(node, endpoint, entity, roster)
-    if endpoint.kind in {'subscription', 'polled'}:
-        return _unmatched_subscription(node, endpoint, entity, roster)
+    if endpoint.kind in OPPOSITE:
+        return _unmatched_on_topic(node, endpoint, entity, roster)
     served = any(Endpoint('service', endpoint.name) in one for one in roster.participants.values())
     if endpoint.kind == 'requests' and served and not entity.service_is_ready():
         return f'the service {endpoint.name} was not found'
     return ''
 
 
-def _unmatched_publisher(node: Node, endpoint: Endpoint, publisher: Any, roster: Roster) -> str:
-    """Why a publisher does not reach every subscription of the roster yet; '' if it does.
+def _unmatched_on_topic(node: Node, endpoint: Endpoint, entity: Any, roster: Roster) -> str:
+    """Why an endpoint of a topic does not match each of the other kind in the roster yet; '' if it does.
 
-    Subscriptions of nodes that do not take part have to be matched too: a count does not show which are.
+    Those of nodes that do not take part have to be matched too: a count does not show which are.
     """
-    topic, latched = endpoint.name, endpoint.latched
+    topic, publishes = endpoint.name, endpoint.kind == 'publisher'
+
+    def fits(latched: bool) -> bool:  # noqa: FBT001
+        """A latched subscription does not match a publisher that is not latched."""
+        return latched <= endpoint.latched if publishes else endpoint.latched <= latched
+
     wanted = [
         participant
         for participant, endpoints in roster.participants.items()
         for one in endpoints
-        if one.name == topic
-        and one.kind in {'subscription', 'polled', 'recorded'}
-        and (latched or not one.latched)
+        if one.name == topic and one.kind in OPPOSITE[endpoint.kind] and fits(one.latched)
     ]
+    infos = node.get_subscriptions_info_by_topic if publishes else node.get_publishers_info_by_topic
     found = [
         info
-        for info in node.get_subscriptions_info_by_topic(topic)
-        if latched or info.qos_profile.durability is not DurabilityPolicy.TRANSIENT_LOCAL
+        for info in infos(topic)
+        if publishes or info.qos_profile.reliability is ReliabilityPolicy.RELIABLE
+        if fits(info.qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL)
     ]
-    return _problem(topic, 'subscription', wanted, found, publisher.get_subscription_count())
-
-
-def _unmatched_subscription(node: Node, endpoint: Endpoint, subscription: Any, roster: Roster) -> str:
-    """Why a subscription does not match every publisher of the roster yet; '' if it does."""
-    topic, latched = endpoint.name, endpoint.latched
-    wanted = [
-        participant
-        for participant, endpoints in roster.participants.items()
-        for one in endpoints
-        if one.name == topic and one.kind == 'publisher' and (one.latched or not latched)
-    ]
-    found = [
-        info
-        for info in node.get_publishers_info_by_topic(topic)
-        if info.qos_profile.reliability is ReliabilityPolicy.RELIABLE
-        if not latched or info.qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
-    ]
-    return _problem(topic, 'publisher', wanted, found, subscription.get_publisher_count())
+    matched = entity.get_subscription_count() if publishes else entity.get_publisher_count()
+    return _problem(topic, 'subscription' if publishes else 'publisher', wanted, found, matched)
 
 
 def _problem(

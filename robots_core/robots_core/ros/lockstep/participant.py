@@ -29,13 +29,7 @@ from robots_core.ros.lockstep.counted import (
 from robots_core.ros.lockstep.matching import unmatched
 from robots_core.ros.lockstep.outbox import Outbox
 from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
-from robots_core.ros.lockstep.profiles import (
-    ALL,
-    LATCHED,
-    NEWEST,
-    NO_PUBLISHER_EVENTS,
-    NO_SUBSCRIPTION_EVENTS,
-)
+from robots_core.ros.lockstep.profiles import ALL, NO_PUBLISHER_EVENTS, NO_SUBSCRIPTION_EVENTS
 from robots_core.ros.lockstep.protocol import (
     GO,
     PARTICIPANTS,
@@ -51,6 +45,7 @@ from robots_core.ros.lockstep.protocol import (
 )
 from robots_core.ros.lockstep.timed_work import LockstepLoop, LockstepTimer, LockstepTurn, TimedWork
 from robots_core.ros.lockstep.traffic import CLOSED
+from robots_core.ros.qos import STATE, STREAM
 
 MATCHING_PERIOD: Final = 0.02  # s of the wall clock between looks, until all endpoints are matched
 POLL: Final = 2e-5  # s
@@ -96,15 +91,15 @@ class Participant:
         # Endpoints of the protocol itself, whose messages are not counted.
         publisher = partial(Node.create_publisher, node, event_callbacks=NO_PUBLISHER_EVENTS)
         subscription = partial(Node.create_subscription, node, event_callbacks=NO_SUBSCRIPTION_EVENTS)
-        self._participants = publisher(String, PARTICIPANTS, LATCHED)
+        self._participants = publisher(String, PARTICIPANTS, STATE)
         self._reports: Any = publisher(Int64MultiArray, REPORT, ALL)
         self.outbox = Outbox(self._reports)
         """Sends the reports; participants of one process may share it."""
         self._times: Any = subscription(
-            Int64MultiArray, TIME, lambda _: None, NEWEST, callback_group=NeverExecuted(), raw=True
+            Int64MultiArray, TIME, lambda _: None, STREAM, callback_group=NeverExecuted(), raw=True
         )
         self._go: Any = subscription(Int64MultiArray, f'{self.name}/{GO}', self._on_go, ALL, raw=True)
-        subscription(String, ROSTER, self._on_roster, LATCHED)
+        subscription(String, ROSTER, self._on_roster, STATE)
         self._after_replies = node.create_guard_condition(self._handle_replies)
         self._matching = Node.create_timer(
             node, MATCHING_PERIOD, self._match, clock=Clock(clock_type=ClockType.STEADY_TIME)
@@ -282,8 +277,9 @@ class Participant:
         self._set_time(sequence, now, counts)
         if phase == RELEASE:
             self._started = True
-            for publisher in self._publishers():
-                publisher.release()
+            for entity in self._entities:
+                if isinstance(entity, CountedPublisher):
+                    entity.release()
         else:
             self._do_what_is_due(phase)
         self._answered = sequence
@@ -387,6 +383,3 @@ class Participant:
                 entity.release()
                 self._change_busy(-1)
         return ''
-
-    def _publishers(self) -> list[CountedPublisher]:
-        return [one for one in self._entities if isinstance(one, CountedPublisher)]

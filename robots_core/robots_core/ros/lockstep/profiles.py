@@ -5,11 +5,7 @@ from typing import Final
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from robots_core.ros.qos import STATE, STREAM
-
-LATCHED: Final = STATE
 LATCHED_BY_MANY: Final = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-NEWEST: Final = STREAM
 ALL: Final = QoSProfile(depth=1000)
 
 # Every kind of event is one more thing to wait for; by default each endpoint warns of incompatible qualities.

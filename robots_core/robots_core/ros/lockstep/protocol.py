@@ -36,7 +36,7 @@ RELEASE: Final = -1
 # CDR of an Int64MultiArray without layout: encapsulation (little endian), no dimensions, no offset, the
 # length, padding to 8 bytes, the numbers.
 _HEAD: Final = struct.Struct('<4sIII4x')
-_LITTLE_ENDIAN: Final = b'\x00\x01\x00\x00'
+LITTLE_ENDIAN: Final = b'\x00\x01\x00\x00'
 
 Kind = Literal['publisher', 'subscription', 'polled', 'recorded', 'service', 'requests', 'replies']
 
@@ -115,7 +115,7 @@ def _endpoints(items: Iterable[dict[str, object]]) -> tuple[Endpoint, ...]:
 def encode(numbers: list[int]) -> bytes:
     """A serialized Int64MultiArray, at a fraction of what building and converting a message takes."""
     count = len(numbers)
-    return _HEAD.pack(_LITTLE_ENDIAN, 0, 0, count) + struct.pack(f'<{count}q', *numbers)
+    return _HEAD.pack(LITTLE_ENDIAN, 0, 0, count) + struct.pack(f'<{count}q', *numbers)
 
 
 def decode(data: bytes) -> tuple[int, ...]:
@@ -125,7 +125,7 @@ def decode(data: bytes) -> tuple[int, ...]:
         ValueError: not little endian, or with a layout.
     """
     encapsulation, dimensions, _, count = _HEAD.unpack_from(data)
-    if encapsulation[:2] != _LITTLE_ENDIAN[:2] or dimensions:
+    if encapsulation[:2] != LITTLE_ENDIAN[:2] or dimensions:
         raise ValueError('an Int64MultiArray of lock-step is little endian and has no layout')
     return struct.unpack_from(f'<{count}q', data, _HEAD.size)
 

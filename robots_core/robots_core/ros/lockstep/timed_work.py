@@ -1,25 +1,47 @@
 """What a participant of a lock-step run does at given times."""
 
 from collections.abc import Callable
-from typing import Protocol
 
 from robots_core.periodic_schedule import PeriodicSchedule
 from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
 
 
-class TimedWork(Protocol):
-    """Something that is due at a time."""
+class ScheduledLoop:
+    """Calls `work(now)` at the multiples of a period that a simulated clock reaches.
 
-    phase: Phase
-    due: int
-    """ns; `NEVER` for not at all."""
+    Args:
+        work: Called with the time in s.
+        period: ns.
+        origin: Time of which the others are whole periods away, ns.
+    """
+
+    realtime = False
+    idle_latency_kept = False
+
+    def __init__(self, work: Callable[[float], None], *, period: int, origin: int = 0) -> None:
+        self._work = work
+        self._schedule = PeriodicSchedule(period, origin=origin)
+        self.alive = True
+        """It goes on."""
+
+    @property
+    def missed(self) -> int:
+        """Periods that the clock jumped over."""
+        return self._schedule.missed
+
+    def stop(self) -> None:
+        """End it; called by its own work, that call is the last."""
+        self.alive = False
 
     def run(self, now: int) -> None:
-        """Do it at `now` (ns), and set the next due time."""
+        """Do what is due at `now`, ns; past times in their order, as time goes from one to the next."""
+        for time in self._schedule.due(now):
+            if self.alive:
+                self._work(time / NANOSECONDS)
 
 
-class LockstepLoop:
-    """Calls `work(now)` at every multiple of a period, counted from `START`.
+class LockstepLoop(ScheduledLoop):
+    """A loop that has its turn in a phase, counted from `START`.
 
     Args:
         work: Called with the time in s.
@@ -28,37 +50,16 @@ class LockstepLoop:
         first: The first time is this one or the next multiple, ns.
     """
 
-    realtime = False
-    idle_latency_kept = False
-    missed = 0
-
     def __init__(self, work: Callable[[float], None], *, period: int, phase: Phase, first: int) -> None:
+        super().__init__(work, period=period, origin=START)
         self.phase = phase
-        self._work = work
-        self._schedule = PeriodicSchedule(period, origin=START)
         self._schedule.begin(first)
-        self.due = self._next()
 
     @property
-    def alive(self) -> bool:
-        """It goes on."""
-        return self.due != NEVER
-
-    def stop(self) -> None:
-        """End the loop; called by its own work, that call is the last."""
-        self.due = NEVER
-
-    def run(self, now: int) -> None:
-        """Do the work; past times are caught up in their order, as time goes from one to the next."""
-        for time in self._schedule.due(now):
-            if self.alive:
-                self._work(time / NANOSECONDS)
-        if self.alive:
-            self.due = self._next()
-
-    def _next(self) -> int:
+    def due(self) -> int:
+        """When it has its next turn, ns; `NEVER` for not at all, as of all work."""
         assert self._schedule.next_time is not None
-        return self._schedule.next_time
+        return self._schedule.next_time if self.alive else NEVER
 
 
 class LockstepTimer:
@@ -137,6 +138,10 @@ class LockstepTurn:
         """Do the work; it may ask for the next turn."""
         self.due = NEVER
         self._work(now / NANOSECONDS)
+
+
+TimedWork = LockstepLoop | LockstepTimer | LockstepTurn
+"""Something that is due at a time, in a phase."""
 
 
 def instant(time: float) -> int:
