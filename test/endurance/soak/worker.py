@@ -1,6 +1,5 @@
 """Worker: what people and a PLC do at a cell all day, and what they see of it."""
 
-import struct
 import time
 from array import array
 from typing import Any, Final
@@ -15,9 +14,9 @@ from trajectory_msgs.msg import JointTrajectory
 
 from cell_operator import CellOperator, answer_of
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.ros.messages import ENCAPSULATION_SIZE, SERIALIZED_STAMP
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import STREAM
-from robots_core.ros.reference_stream import STAMP, STAMP_OFFSET
 
 from .figures import LoopFigures
 
@@ -112,5 +111,5 @@ class Worker(CellOperator):
 
     @staticmethod
     def _stamp(data: Any) -> float:
-        sec, nanosec = struct.unpack_from(STAMP.format, data, STAMP_OFFSET)
+        sec, nanosec = SERIALIZED_STAMP.unpack_from(data, ENCAPSULATION_SIZE)
         return float(sec + 1e-9 * nanosec)
