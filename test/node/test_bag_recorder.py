@@ -5,11 +5,13 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
+from nav_msgs.msg import Goals
 from rclpy.qos import QoSProfile
 from rosbags.rosbag2 import Reader
 from std_msgs.msg import Float64, String
@@ -136,6 +138,7 @@ class Counting(TimedNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('counting', **options)
         publisher = self.create_publisher(Float64, 'number', QoSProfile(depth=1))
+        self.create_publisher(Goals, 'goals', QoSProfile(depth=1))  # of a type that bags cannot have
         self.start_loop(lambda now: publisher.publish(Float64(data=now)), period=0.001, name='counting')
 
 
@@ -144,7 +147,8 @@ def test_a_lockstep_run_begins_with_its_recorder_and_all_of_it_is_recorded(ros_n
     path = tmp_path / 'bag'
     recorder = BagRecorder(path, namespace='/', lockstep=True, context=ros_nodes.context)
     # Nothing calls the recorder's callbacks yet, so that it finds no topics.
-    run = ros_nodes.coordinate('counting', recorder=recorder)
+    held = threading.Event()
+    run = ros_nodes.coordinate('counting', recorder=recorder, on_held=held.set)
     ros_nodes.wait_for(lambda: run.missing == [], what='the participant')
     assert recorder.recorded(['/number']) is None
     assert recorder.missing({'/number': 3}) == '0 of 3 messages on /number have come'
@@ -152,11 +156,16 @@ def test_a_lockstep_run_begins_with_its_recorder_and_all_of_it_is_recorded(ros_n
     ros_nodes.add(recorder)
     ros_nodes.wait_for(lambda: run.instants > 1000, what='some time')
     ros_nodes.call(run.hold)
+    ros_nodes.wait_for(held.is_set, what='the end of the instant')
     ros_nodes.wait_for(lambda: not recorder.missing(run.sent), what='all messages')
     recorder.close()
     found = read_bag(path).deserialized(['/number'])['/number']
-    assert [message.data for _, message in found] == [stamp / NANOSECONDS for stamp, _ in found]
+    # Messages of one instant are some nanoseconds apart.
+    due = [1.0 + 0.001 * number for number in range(len(found))]
+    assert [message.data for _, message in found] == pytest.approx(due)
+    assert [stamp / NANOSECONDS for stamp, _ in found] == pytest.approx(due, abs=1e-6)
     assert run.sent['/number'] == len(found) >= 1000
+    assert '/goals' not in run.sent
 
 
 def test_a_full_disk_is_told_at_once_and_the_bag_ends_whole(ros_nodes: Any, tmp_path: Path):

@@ -17,7 +17,7 @@ from rosbags.typesys import Stores, get_typestore
 from robots_controller.nodes.bags.lockstep_times import LockstepTimes, Sent
 from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.crash_safe_writer import CrashSafeWriter
-from robots_core.errors import RobotsError
+from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.ros.heartbeat import HEARTBEAT
 from robots_core.ros.lockstep.protocol import is_of_protocol
 from robots_core.ros.message_class import message_class
@@ -58,6 +58,7 @@ class BagRecorder(Node):
         self._typestore = get_typestore(Stores.ROS2_JAZZY)
         self._writer = CrashSafeWriter(path)
         self._topics: dict[str, _RecordedTopic] = {}
+        self._left_out: set[str] = set()
         self._received: Counter[str] = Counter()
         self._writer.open()
         self._writing = threading.Lock()  # a topic is found while another's messages are written
@@ -78,7 +79,7 @@ class BagRecorder(Node):
 
     def recorded(self, topics: Iterable[str]) -> frozenset[str] | None:
         """Those of the topics, by their full names, that it records; None until it is subscribed to these."""
-        found = frozenset(topic for topic in topics if self._records(topic))
+        found = frozenset(topic for topic in topics if self._records(topic)) - self._left_out
         return found if found <= self._topics.keys() else None
 
     def missing(self, sent: Mapping[str, int]) -> str:
@@ -111,11 +112,16 @@ class BagRecorder(Node):
 
     def _find_topics(self) -> None:
         for topic, types in self.get_topic_names_and_types():
-            if topic in self._topics or not self._records(topic):
+            if topic in self._topics or topic in self._left_out or not self._records(topic):
                 continue
             publishers = self.get_publishers_info_by_topic(topic)
-            if publishers and types[0] in self._typestore.types:
+            if not publishers:
+                continue
+            try:
                 self._topics[topic] = self._subscribe(topic, types[0], publishers)
+            except RobotsError as error:
+                self._left_out.add(topic)
+                self.get_logger().warning(f'{topic} is not recorded: {error}')  # type: ignore[no-untyped-call]
 
     def _subscribe(self, topic: str, type_name: str, publishers: list[TopicEndpointInfo]) -> _RecordedTopic:
         latched = all(p.qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL for p in publishers)
@@ -125,6 +131,8 @@ class BagRecorder(Node):
             reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
         )
+        if type_name not in self._typestore.types:
+            raise InvalidInputError(f'{type_name} is no message type that a bag can have')
         subscription = PolledSubscription(self, message_class(type_name), topic, qos, raw=True)
         with self._writing:
             connection = self._writer.add_connection(
