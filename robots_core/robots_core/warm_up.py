@@ -48,7 +48,7 @@ def numerical_inverse_kinematics() -> None:
 def kinematics_and_dynamics() -> None:
     """Serial chains and rigid bodies."""
     from robots_core.blocks import FunctionDynamics, NumericalDynamics  # noqa: PLC0415
-    from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain  # noqa: PLC0415
+    from robots_core.kernels.serial_chain import SerialChain  # noqa: PLC0415
 
     robot = robot_in_use()
     home = robot.home

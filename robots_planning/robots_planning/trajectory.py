@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
 from robots_core.validation import FLOAT64, Array, read_only
 from robots_planning.timing.quintic import quintic_coefficients
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from robots_core.blocks.inverse_kinematics.held_inverse_kinematics import HeldInverseKinematics
 from robots_core.blocks.inverse_kinematics.hold import POSITION
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
+from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_core.warm_up import STEP, compile_in_parallel, robot_in_use

@@ -28,7 +28,7 @@ from roboticstoolbox.ets import ET, ETS
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks import ConstrainedInverseKinematics, DampedLeastSquares
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
+from robots_core.kernels.serial_chain import SerialChain
 
 ROBOTS = ('ur5e', 'franka_fr3', 'kuka_lbr_iiwa14', 'kinova_j2n6s300', 'kuka_kr210_r2700')
 # The paper's motion simulator follows references by constrained steps.

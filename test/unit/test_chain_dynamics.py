@@ -5,13 +5,13 @@ import pytest
 
 from robots_core import available_robot_models, load_robot_model
 from robots_core.blocks import ConstrainedInverseKinematics
-from robots_core.blocks.inverse_kinematics.chain_dynamics import (
+from robots_core.kernels.chain_dynamics import (
     ChainDynamics,
     bodies_of,
     fill_dynamics,
     fill_torques,
 )
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
+from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 
 

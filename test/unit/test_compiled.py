@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robots_core.robot_model.analytic.compiled import compiled, sort_in_place
+from robots_core.kernels.compiled import compiled, sort_in_place
 
 
 def halved(values: np.ndarray) -> float:

@@ -6,8 +6,8 @@ from scipy.spatial.transform import Rotation
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks import DampedLeastSquares, Redundancy
-from robots_core.blocks.inverse_kinematics.serial_chain import error_between
 from robots_core.errors import InvalidInputError, JointLimitError
+from robots_core.kernels.serial_chain import error_between
 
 
 @pytest.fixture(scope='module', params=['kuka_kr210_r2700', 'bello_bot'])

@@ -14,8 +14,8 @@ from robots_core.blocks.following.realtime_movement import RealtimeMovement
 from robots_core.blocks.inverse_kinematics.closest_orientation_kernel import correct
 from robots_core.blocks.inverse_kinematics.held_inverse_kinematics import HeldInverseKinematics
 from robots_core.blocks.inverse_kinematics.hold import held_angle, held_by, turns_in_place
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.errors import InvalidInputError, RobotsError, UnreachablePoseError
+from robots_core.kernels.serial_chain import SerialChain
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.motion_kinds import CIRCLE, JOINT_TO_POSE, LINE, SPLINE, MotionKind
 from robots_planning.motion_settings import MotionSettings

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from robots_core import Pose, available_robot_models, load_robot_model
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain, error_between, pose_and_jacobian
 from robots_core.errors import InvalidInputError
+from robots_core.kernels.serial_chain import SerialChain, error_between, pose_and_jacobian
 
 TOOL = Pose.from_angles([0.1, -0.2, 0.3], [0.4, 0.5, -0.6])
 

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 

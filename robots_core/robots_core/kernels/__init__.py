@@ -1,1 +1,1 @@
-"""Compiled functions that several blocks share."""
+"""Compiled functions that several blocks share: of small matrices, vectors, and serial chains."""

@@ -2,7 +2,7 @@
 
 import numba as nb
 
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 
 _Numbers = nb.types.Array(nb.float64, 1, 'A', readonly=True)

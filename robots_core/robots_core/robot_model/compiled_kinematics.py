@@ -2,8 +2,8 @@
 
 import numba as nb
 
-from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, next_frame
-from robots_core.robot_model.analytic.compiled import compiled, entry_point
+from robots_core.kernels.compiled import compiled, entry_point
+from robots_core.kernels.serial_chain import ChainArrays, next_frame
 from robots_core.validation import Array
 
 _Rows = nb.float64[:, ::1]

@@ -237,7 +237,7 @@ class UrdfRobotModel(BaseRobotModel):
     # Compiled functions are imported on first use: these two methods are placeholders until then. A cached
     # property would take longer per call.
     def _load_tool_pose(self, *arrays: Array) -> bool:
-        chain = import_module('robots_core.blocks.inverse_kinematics.serial_chain').SerialChain
+        chain = import_module('robots_core.kernels.serial_chain').SerialChain
         zero = np.zeros(self._n)
         pin.forwardKinematics(self._model, self._data, zero)
         placement = pin.updateFramePlacement(self._model, self._data, self._tool0)

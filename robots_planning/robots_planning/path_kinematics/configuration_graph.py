@@ -5,8 +5,8 @@ from scipy.interpolate import CubicSpline
 
 from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKinematic
 from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.errors import NoAnalyticInverseKinematicsError, PlanningError
+from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array

@@ -8,8 +8,8 @@
 import numpy as np
 
 from robots_core.blocks.inverse_kinematics.closest_orientation_kernel import correct, rate
-from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.serial_chain import ChainArrays
 from robots_core.validation import Array
 from robots_planning.path_kinematics.pose_residual_kernel import LARGEST_JOINT_STEP, PoseResidual
 from robots_planning.paths.cartesian_path_kernel import PathArrays, pose_on_path

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.serial_chain import ChainArrays
 from robots_core.validation import Array
 from robots_planning.path_kinematics.held_following_kernel import correct_held, derivatives_held, step_held
 from robots_planning.path_kinematics.pose_residual_kernel import (

@@ -18,8 +18,8 @@ from robots_core.blocks.inverse_kinematics.hold import (
     held_by,
     missing_directions,
 )
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.errors import PlanningError
+from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array

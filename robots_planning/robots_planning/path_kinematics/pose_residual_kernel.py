@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.jacobian_derivative import jacobian_der
-from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, error_between, pose_and_jacobian
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.jacobian_derivative import jacobian_der
+from robots_core.kernels.serial_chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.validation import Array
 from robots_planning.path_kinematics.pseudo_inverse import (
     Scratch,

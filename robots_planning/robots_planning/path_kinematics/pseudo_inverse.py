@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 
 # Ratio of singular values below which a direction is left out of the pseudo-inverse.

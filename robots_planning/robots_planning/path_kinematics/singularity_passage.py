@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robots_core.blocks.inverse_kinematics.analytical import AnalyticalInverseKinematic
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
+from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array

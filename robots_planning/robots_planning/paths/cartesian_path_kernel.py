@@ -2,8 +2,8 @@
 
 from math import cos, sin, sqrt
 
-from robots_core.robot_model.analytic.compiled import compiled
-from robots_core.robot_model.analytic.vectors import Vector, add, row_of, scale
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.vectors import Vector, add, row_of, scale
 from robots_core.validation import Array
 from robots_planning.timing.quintic import interval_at
 

@@ -3,14 +3,14 @@
 
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.chain_dynamics import (
+from robots_core.kernels.chain_dynamics import (
     Bodies,
     DynamicsArrays,
     bodies_of,
     fill_dynamics,
     fill_torques,
 )
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 
 Memory = tuple[Bodies, Array, Array, Array]

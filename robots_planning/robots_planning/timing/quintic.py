@@ -3,7 +3,7 @@
 
 from math import sqrt
 
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 
 

@@ -13,7 +13,7 @@ from math import ceil, inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.robot_model.analytic.compiled import compiled, sort_in_place
+from robots_core.kernels.compiled import compiled, sort_in_place
 from robots_core.validation import Array
 
 NANOSECOND = 1e-9  # s

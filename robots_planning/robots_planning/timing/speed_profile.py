@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from math import inf, sqrt
 
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 
 FASTEST = 1e18  # s_dot^2 without limits

@@ -9,7 +9,7 @@ from ruckig import InputParameter, Result, Ruckig, RuckigError, Synchronization
 from ruckig import Trajectory as RuckigTrajectory
 
 from robots_core.errors import PlanningError
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
 from robots_core.robot_model.axes_data import LIMIT_TOLERANCE, AxesData
 from robots_core.validation import Array
 from robots_planning.timing.rest_to_rest_profile import NANOSECOND, Instants, distinct

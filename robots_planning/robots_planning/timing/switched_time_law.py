@@ -7,7 +7,7 @@ from math import sqrt
 
 import numpy as np
 
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 
 SMALLEST_JUMP = 2e-3  # of a limit; smaller jumps of acceleration get no points of their own

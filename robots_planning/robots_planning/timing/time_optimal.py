@@ -10,9 +10,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
-from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics, bodies_of
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.errors import InvalidInputError, PlanningError
+from robots_core.kernels.chain_dynamics import ChainDynamics, bodies_of
+from robots_core.kernels.serial_chain import SerialChain
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.paths.joint_path import JointPath

@@ -5,7 +5,7 @@ from math import ceil, inf, sqrt
 
 import numpy as np
 
-from robots_core.robot_model.analytic.compiled import compiled, sort_in_place
+from robots_core.kernels.compiled import compiled, sort_in_place
 from robots_core.validation import Array
 from robots_planning.paths.cartesian_path_kernel import PathArrays, pose_on_path
 from robots_planning.timing.quintic import (

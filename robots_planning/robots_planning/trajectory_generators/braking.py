@@ -5,7 +5,7 @@ from math import sqrt
 import numpy as np
 
 from robots_core.errors import InvalidInputError, PlanningError
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
 from robots_core.robot_model.axes_data import LIMIT_TOLERANCE, AxesData
 from robots_core.validation import Array
 

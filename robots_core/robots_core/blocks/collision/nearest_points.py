@@ -12,8 +12,8 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.robot_model.analytic.compiled import compiled
-from robots_core.robot_model.analytic.vectors import (
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.vectors import (
     Vector,
     add,
     cross,

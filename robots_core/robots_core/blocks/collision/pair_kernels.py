@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots_core.blocks.collision.nearest_points import PartArrays, nearest_points
-from robots_core.robot_model.analytic.compiled import compiled
-from robots_core.robot_model.analytic.vectors import (
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.vectors import (
     add,
     dot,
     matrix_of,

@@ -17,7 +17,7 @@ from robots_core.blocks.collision.pair_kernels import (
     travels,
 )
 from robots_core.blocks.collision.solids import Solid
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
+from robots_core.kernels.serial_chain import SerialChain
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 

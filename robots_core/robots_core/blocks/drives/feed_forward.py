@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.chain_dynamics import DynamicsArrays, mass_matrix_and_bias
+from robots_core.kernels.chain_dynamics import DynamicsArrays, mass_matrix_and_bias
 from robots_core.robot_model.drive_data import DriveData
 from robots_core.validation import Array
 

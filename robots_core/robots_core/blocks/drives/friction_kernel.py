@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
+from robots_core.kernels.compiled import compiled
 from robots_core.kernels.small_matrices import solve_free
-from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
 # Sweeps end when no velocity changes by more than rounding of the largest; this number suffices for strongly

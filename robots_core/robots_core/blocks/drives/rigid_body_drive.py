@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike
 from robots_core.blocks.drives import rigid_body_kernel as kernel
 from robots_core.blocks.drives.drive_train import DriveTrain
 from robots_core.blocks.drives.feed_forward import FeedForward
-from robots_core.blocks.inverse_kinematics.chain_dynamics import mass_matrix_and_bias
 from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.loaded_robot import loaded_chain
 from robots_core.blocks.multibody.payload import NOTHING, Payload
 from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.kernels.chain_dynamics import mass_matrix_and_bias
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.drive_data import DriveData
 from robots_core.validation import Array, finite_vector, positive, read_only

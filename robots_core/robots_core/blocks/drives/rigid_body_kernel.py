@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots_core.blocks.drives.friction_kernel import sweep
-from robots_core.blocks.inverse_kinematics.chain_dynamics import (
+from robots_core.kernels.chain_dynamics import (
     Bodies,
     DynamicsArrays,
     bodies_of,
     fill_dynamics,
 )
+from robots_core.kernels.compiled import compiled
 from robots_core.kernels.small_matrices import solve_free
-from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
 # Rows of the drives' data; each is an attribute of DriveData.

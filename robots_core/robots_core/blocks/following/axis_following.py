@@ -5,7 +5,7 @@ import numpy as np
 
 from robots_core.blocks.inverse_kinematics.viability import fastest_stoppable, velocity_interval
 from robots_core.errors import InvalidInputError
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, positive
 

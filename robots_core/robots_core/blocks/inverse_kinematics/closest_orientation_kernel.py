@@ -11,8 +11,8 @@ from math import cos, sin, sqrt
 
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, error_between, pose_and_jacobian
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.serial_chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.validation import Array
 
 STEP = 1e-5  # rad (m) of one axis, for central differences: exact to 1e-10

@@ -3,14 +3,14 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics
 from robots_core.blocks.inverse_kinematics.constrained_kernel import NOT_FINITE, constrained_step
 from robots_core.blocks.inverse_kinematics.constrained_step import ConstrainedStep
 from robots_core.blocks.inverse_kinematics.hold import held_by, weights_of
 from robots_core.blocks.inverse_kinematics.quadratic_program import SOLVED
 from robots_core.blocks.inverse_kinematics.redundancy import Redundancy, redundancy_arrays
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.errors import InvalidInputError
+from robots_core.kernels.chain_dynamics import ChainDynamics
+from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, positive

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.chain_dynamics import mass_matrix_and_bias
 from robots_core.blocks.inverse_kinematics.quadratic_program import (
     INFEASIBLE,
     SOLVED,
@@ -18,14 +17,15 @@ from robots_core.blocks.inverse_kinematics.redundancy import (
     RedundancyArrays,
     desired_displacement,
 )
-from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.blocks.inverse_kinematics.viability import (
     braking_distance,
     fastest_stoppable,
     velocity_interval,
 )
+from robots_core.kernels.chain_dynamics import mass_matrix_and_bias
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.serial_chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.kernels.small_matrices import factorise, solve_lower, solve_transposed
-from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
 POSITION, VELOCITY, ACCELERATION = 1, 2, 3

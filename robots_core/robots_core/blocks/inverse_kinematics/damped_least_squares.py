@@ -15,8 +15,8 @@ from robots_core.blocks.inverse_kinematics.damped_least_squares_kernel import (
 )
 from robots_core.blocks.inverse_kinematics.ik_result import IkBatch, IkResult
 from robots_core.blocks.inverse_kinematics.redundancy import Redundancy, redundancy_arrays
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.errors import InvalidInputError
+from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.robot_model.base_robot_model import BaseRobotModel

@@ -9,9 +9,9 @@ from robots_core.blocks.inverse_kinematics.redundancy import (
     RedundancyArrays,
     desired_displacement,
 )
-from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, error_between, pose_and_jacobian
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.serial_chain import ChainArrays, error_between, pose_and_jacobian
 from robots_core.kernels.small_matrices import solve_free
-from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
 DAMPING_START = 1e-2

@@ -10,7 +10,7 @@ from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLea
 from robots_core.blocks.inverse_kinematics.damped_least_squares_kernel import PATIENT, PROGRESS_STEPS, search
 from robots_core.blocks.inverse_kinematics.hold import DIRECTIONS, POSE, condition_rows, held_by
 from robots_core.blocks.inverse_kinematics.ik_result import IkResult
-from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, SerialChain
+from robots_core.kernels.serial_chain import ChainArrays, SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array

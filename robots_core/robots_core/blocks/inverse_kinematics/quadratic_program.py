@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robots_core.kernels.compiled import compiled
 from robots_core.kernels.small_matrices import factorise, solve_lower, solve_transposed
-from robots_core.robot_model.analytic.compiled import compiled
 from robots_core.validation import Array
 
 SOLVED = 0

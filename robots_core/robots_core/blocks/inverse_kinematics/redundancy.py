@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError
-from robots_core.robot_model.analytic.compiled import compiled
-from robots_core.robot_model.analytic.vectors import cross, dot
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.vectors import cross, dot
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, read_only
 

@@ -15,7 +15,7 @@ less than dt v / 2 <= D(v).
 
 from math import floor, inf, sqrt
 
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pinocchio as pin
 
-from robots_core.blocks.inverse_kinematics.chain_dynamics import chain_dynamics_of
 from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.dynamics import Dynamics
 from robots_core.blocks.multibody.numerical_dynamics import body_model
 from robots_core.errors import InvalidInputError
+from robots_core.kernels.chain_dynamics import chain_dynamics_of
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_motion
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.drives.friction_kernel import add_losses
-from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics, chain_dynamics_of
 from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.dynamics import Dynamics
 from robots_core.errors import InvalidInputError
+from robots_core.kernels.chain_dynamics import ChainDynamics, chain_dynamics_of
 from robots_core.pose import Pose
 from robots_core.validation import Array, read_only
 

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from robots_core.blocks.inverse_kinematics.chain_dynamics import ChainDynamics, chain_dynamics_of
 from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.numerical_dynamics import body_model
 from robots_core.blocks.multibody.payload import Payload, payload_of
+from robots_core.kernels.chain_dynamics import ChainDynamics, chain_dynamics_of
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.pinocchio_models import PinocchioRigidDynamicsModel
 from robots_core.robot_model.rigid_dynamics_model import RigidDynamicsModel

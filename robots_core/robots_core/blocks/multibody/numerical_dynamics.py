@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from robots_core.blocks.inverse_kinematics.chain_dynamics import chain_dynamics_of
-from robots_core.blocks.inverse_kinematics.serial_chain import SerialChain
 from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.dynamics import Dynamics
 from robots_core.blocks.multibody.payload import Payload
+from robots_core.kernels.chain_dynamics import chain_dynamics_of
+from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_motion

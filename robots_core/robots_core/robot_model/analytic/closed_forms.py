@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from robots_core.robot_model.analytic.compiled import compiled
-from robots_core.robot_model.analytic.vectors import (
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.vectors import (
     Matrix,
     Vector,
     add,

@@ -8,6 +8,8 @@ from typing import Any
 import numba
 import numpy as np
 
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.vectors import Vector
 from robots_core.robot_model.analytic.arm_record import ARM
 from robots_core.robot_model.analytic.closed_forms import (
     FREE,
@@ -25,8 +27,6 @@ from robots_core.robot_model.analytic.closed_forms import (
     wrist_roll,
     wrist_swing,
 )
-from robots_core.robot_model.analytic.compiled import compiled
-from robots_core.robot_model.analytic.vectors import Vector
 from robots_core.validation import Array
 
 TAU = 2.0 * pi

@@ -1,6 +1,6 @@
 """Vectors of three and 3x3 matrices as tuples, for compiled code: there they are registers and not memory."""
 
-from robots_core.robot_model.analytic.compiled import compiled
+from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 
 Vector = tuple[float, float, float]

@@ -8,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from robots_core.blocks.inverse_kinematics.serial_chain import ChainArrays, SerialChain, next_frame
 from robots_core.errors import InvalidInputError
-from robots_core.robot_model.analytic.compiled import compiled
-from robots_core.robot_model.analytic.vectors import (
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.serial_chain import ChainArrays, SerialChain, next_frame
+from robots_core.kernels.vectors import (
     Vector,
     add,
     cross,

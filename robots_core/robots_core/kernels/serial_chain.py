@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots_core.errors import InvalidInputError
-from robots_core.pose import Pose
-from robots_core.robot_model.analytic.compiled import compiled
-from robots_core.robot_model.analytic.vectors import (
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.vectors import (
     Matrix,
     Vector,
     add,
@@ -25,6 +24,7 @@ from robots_core.robot_model.analytic.vectors import (
     times,
     transposed,
 )
+from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
 

@@ -1,7 +1,7 @@
 """The time derivative of a serial chain's Jacobian, compiled."""
 
-from robots_core.robot_model.analytic.compiled import compiled
-from robots_core.robot_model.analytic.vectors import add, cross, scale, subtract
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.vectors import add, cross, scale, subtract
 from robots_core.validation import Array
 
 
