@@ -40,15 +40,13 @@ def test_pairs_that_never_meet_do_not(robot: BaseRobotModel, table: AllowedPairs
         assert never.isdisjoint(tuple(sorted(pair)) for pair in everything.contacts(q))
 
 
-def test_engines_agree_in_all_postures(robot: BaseRobotModel, postures: np.ndarray):
+def test_libraries_find_no_contact_where_the_search_proves_a_distance(
+    robot: BaseRobotModel, postures: np.ndarray
+):
     fcl, coal = (CollisionDetection(robot, engine=engine) for engine in ('fcl', 'coal'))
     for q in postures:
-        here, there = fcl.distance(q), coal.distance(q)
-        assert (here is None) == (there is None)
-        if here is None or there is None:
-            continue
-        assert abs(here.distance - there.distance) <= 1e-5  # to which engines are believed
-        if here.distance > 1e-5:
+        closest = fcl.distance(q)
+        if closest is not None and closest.distance > 1e-5:  # up to which libraries may report a contact
             assert fcl.contacts(q) == coal.contacts(q) == ()
 
 

