@@ -18,8 +18,6 @@ SHELL := /bin/bash
 
 PACKAGES := robots_core robots_models robots_planning robots_controller
 SOURCES := $(shell find $(PACKAGES) -type f -not -path '*/__pycache__/*')
-# What Numba compiles, with the constants in it.
-KERNELS := $(shell grep -rlE --include='*.py' '^(from .*compiled import|import numba|LIMIT_|ARM)' $(PACKAGES))
 BUILD_STAMP := install/.built
 # Whoever keeps their own sources free of bytecode still wants what is installed to start fast: the nodes import
 # thousands of files.
@@ -50,7 +48,7 @@ ENDURANCE = PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/endurance:$$PWD/test/support
 
 # By uv, which takes a quarter of the time; by pip where only pip is set up for the package index.
 INSTALL = export -n PYTHONPATH; .venv/bin/python -m pip install --quiet --disable-pip-version-check uv==0.13.9; \
-  .venv/bin/uv pip install --quiet --python .venv/bin/python $(1) \
+  .venv/bin/uv pip install $$([ -t 2 ] || echo --quiet) --python .venv/bin/python $(1) \
   || .venv/bin/python -m pip install --quiet --disable-pip-version-check $(1)
 
 .PHONY: help
@@ -59,30 +57,44 @@ help:  ## Show this list
 
 $(VENV_STAMP): $(REQUIREMENTS)
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(None if (3, 11) <= v <= (3, 13) else f"error: Python {v[0]}.{v[1]} found, needed is 3.11 to 3.13 (make PYTHON=python3.12 ...)")'
-	@echo "Installing into .venv (once) ..."
+	@echo "Installing the requirements into .venv, once: about 400 MB to download, a minute or two ..."
 	@# One that was made before ROS was installed, or after, is of another Python.
 	@$(PYTHON) -m venv $(if $(wildcard $(OTHER_VENV_STAMP)),--clear) .venv
 	@$(call INSTALL,$(addprefix -r ,$(REQUIREMENTS)))
 	@$(OPEN_VENV)
 	@touch $@
 
-.venv/.installed_tests: requirements-test.txt $(VENV_STAMP)
+.venv/.installed_tests: requirements-test.txt .venv/.installed_study
+	@echo "Installing what tests need (once) ..."
 	@$(call INSTALL,-r $<)
 	@touch $@
 
+.venv/.installed_study: requirements-study.txt $(VENV_STAMP)
+	@$(call INSTALL,-r $<)
+	@touch $@
+
+.PHONY: study-requirements
+study-requirements: .venv/.installed_study  ## Install what the command `study` needs besides
+
 $(BUILD_STAMP): $(VENV_STAMP) $(SOURCES)
-	@echo "Building the workspace ..."
+	@echo "Building the workspace (10 s) ..."
 	@$(BUILD_ENVIRONMENT) python -m colcon --log-level error build --event-handlers console_direct- console_cohesion- desktop_notification- summary+ --executor sequential
-	@# Numba looks for changes in a function's own file only, not in those of the functions that it calls.
-	@$(if $(filter $(KERNELS),$?),find install \( -name '*.nbi' -o -name '*.nbc' \) -delete; \
-	  $(RUN) python -m robots_core.warm_up; python -m robots_planning.warm_up)
+	@touch $@
+
+# What is compiled already is kept as long as its source is the same.
+install/.compiled: $(VENV_STAMP) $(filter robots_core/% robots_planning/%,$(SOURCES)) | $(BUILD_STAMP)
+	@$(RUN) python -m robots_planning.warm_up
+	@touch $@ install/.compiled_for_cells
+
+install/.compiled_for_cells: $(VENV_STAMP) $(filter robots_core/% robots_planning/%,$(SOURCES)) | $(BUILD_STAMP)
+	@$(RUN) python -m robots_planning.warm_up --cell
 	@touch $@
 
 .PHONY: build
-build: $(BUILD_STAMP)  ## Set up .venv and build the workspace
+build: $(BUILD_STAMP) install/.compiled  ## Set up .venv, build the workspace and compile its kernels
 
 .PHONY: demo
-demo: build  ## Run a robot program: PROGRAM=..., ROBOT=..., SCENE=..., VIEW=1 keeps the browser page open
+demo: $(BUILD_STAMP) install/.compiled$(if $(filter programs/welding.lua,$(PROGRAM)$(ROBOT)$(IO)$(SCENE)),_for_cells)  ## Run a robot program: PROGRAM=..., ROBOT=..., SCENE=..., VIEW=1 keeps the browser page open
 	@$(RUN) cell_options=$$([ "$(VIEW)" = 1 ] && echo --view || true); \
 	  exec install/robots_controller/lib/robots_controller/cell --program "$(PROGRAM)" --robot "$(ROBOT)" --io "$(IO)" --scene "$(SCENE)" \
 	  --record out --once $$cell_options

@@ -22,17 +22,20 @@ def robot_in_use() -> BaseRobotModel:
 
 
 def compile_in_parallel(jobs: Sequence[Callable[[], None]]) -> None:
-    """Run jobs that use compiled functions, each in a process of its own, and show which have ended.
+    """Run jobs that use compiled functions, in as many processes as processors, and show which have ended.
 
-    The machine code stays beside the source.
+    Jobs begin in their order: those first that compile what others share. The machine code is kept on disk.
     """
+    print(f'Compiling {len(jobs)} groups of functions ...', flush=True)
     start = time.monotonic()
-    with ProcessPoolExecutor(mp_context=get_context('spawn'), max_tasks_per_child=1) as pool:
+    with ProcessPoolExecutor(mp_context=get_context('spawn')) as pool:
         running = {pool.submit(job): job.__name__.replace('_', ' ') for job in jobs}
         for number, done in enumerate(as_completed(running), 1):
             done.result()
             seconds = time.monotonic() - start
-            print(f'Compiled {number} of {len(jobs)}: {running[done]} ({seconds:.0f} s)', flush=True)
+            rest = seconds / number * (len(jobs) - number)
+            ahead = f', about {rest:.0f} s to go' if rest else ''
+            print(f'  {number} of {len(jobs)}: {running[done]} ({seconds:.0f} s{ahead})', flush=True)
 
 
 def numerical_inverse_kinematics() -> None:
@@ -67,26 +70,37 @@ def constrained_inverse_kinematics() -> None:
     ConstrainedInverseKinematics(robot, PERIOD).step(pose, robot.home, 0.0 * robot.home)
 
 
-def drives_and_collision_checks() -> None:
-    """Rigid-body drives, following and distances."""
-    from robots_core.blocks import RigidBodyDrive  # noqa: PLC0415
+def following_and_collision_checks() -> None:
+    """Axes that follow, and distances."""
     from robots_core.blocks.collision.joint_path import JointPath  # noqa: PLC0415
     from robots_core.blocks.collision.scene import Scene, SceneObject  # noqa: PLC0415
     from robots_core.blocks.collision_detection import CollisionDetection  # noqa: PLC0415
     from robots_core.blocks.following.axis_following import AxisFollowing  # noqa: PLC0415
-    from robots_core.blocks.zones.zone import PlacedBox, Zone  # noqa: PLC0415
-    from robots_core.blocks.zones.zone_detection import ZoneDetection  # noqa: PLC0415
-    from robots_core.robot_model.shapes import Box, Sphere  # noqa: PLC0415
+    from robots_core.robot_model.shapes import Sphere  # noqa: PLC0415
 
     robot = robot_in_use()
     home = robot.home
     AxisFollowing(robot.axes_data, PERIOD).step(home, 0.0 * home, home, 0.0 * home, 1.0)
-    RigidBodyDrive(robot, home, period=PERIOD)
     collision = CollisionDetection(robot, scene=Scene((SceneObject('ball', Sphere(0.1), Pose.identity()),)))
     collision.distance(home)
     path = JointPath.straight(home, home + STEP)
     collision.first_approach(path)
     collision.closest_approach(path)
+
+
+def rigid_body_drives_and_zones() -> None:
+    """Drives of the highest level, and passages through zones."""
+    from robots_core.blocks import RigidBodyDrive  # noqa: PLC0415
+    from robots_core.blocks.collision.joint_path import JointPath  # noqa: PLC0415
+    from robots_core.blocks.collision.scene import Scene  # noqa: PLC0415
+    from robots_core.blocks.zones.zone import PlacedBox, Zone  # noqa: PLC0415
+    from robots_core.blocks.zones.zone_detection import ZoneDetection  # noqa: PLC0415
+    from robots_core.robot_model.shapes import Box  # noqa: PLC0415
+
+    robot = robot_in_use()
+    home = robot.home
+    RigidBodyDrive(robot, home, period=PERIOD)
+    path = JointPath.straight(home, home + STEP)
     region = PlacedBox(Box((0.1, 0.1, 0.1)), Pose(np.full(3, 9.0), np.eye(3)))
     zones = (Zone('in', region, 'in', 'tool'), Zone('out', region, 'out', 'tool'))
     detection = ZoneDetection(robot, Scene(zones=zones))
@@ -99,13 +113,14 @@ def analytic_inverse_kinematics() -> None:
     import_module('robots_core.robot_model.analytic.kernels')
 
 
+# Of every cell.
+CELL_JOBS = (
+    kinematics_and_dynamics,
+    constrained_inverse_kinematics,
+    analytic_inverse_kinematics,
+    numerical_inverse_kinematics,
+    following_and_collision_checks,
+)
+
 if __name__ == '__main__':
-    compile_in_parallel(
-        (
-            constrained_inverse_kinematics,
-            numerical_inverse_kinematics,
-            drives_and_collision_checks,
-            kinematics_and_dynamics,
-            analytic_inverse_kinematics,
-        )
-    )
+    compile_in_parallel((*CELL_JOBS, rigid_body_drives_and_zones))

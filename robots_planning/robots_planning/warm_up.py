@@ -1,4 +1,6 @@
-"""Compile what is compiled on first use, once, at build time: `python -m robots_planning.warm_up`."""
+"""Compile at build time what blocks and planners compile on first use: python -m robots_planning.warm_up."""
+
+import argparse
 
 import numpy as np
 
@@ -7,7 +9,13 @@ from robots_core.blocks.inverse_kinematics.hold import POSITION
 from robots_core.kernels.serial_chain import SerialChain
 from robots_core.pose import Pose
 from robots_core.validation import Array
-from robots_core.warm_up import STEP, compile_in_parallel, robot_in_use
+from robots_core.warm_up import (
+    CELL_JOBS,
+    STEP,
+    compile_in_parallel,
+    rigid_body_drives_and_zones,
+    robot_in_use,
+)
 from robots_planning.path_kinematics.path_following_kernel import stand_still, stays_inside
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.paths.cartesian_line import CartesianLine
@@ -68,11 +76,10 @@ def paths_that_hold_a_position() -> None:
 
 
 if __name__ == '__main__':
-    compile_in_parallel(
-        (
-            paths_at_the_limits_of_the_axes,
-            paths_that_hold_a_position,
-            lines_at_limited_speed,
-            joint_motions,
-        )
-    )
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--cell', action='store_true', help='only what every cell uses')
+    shared, *others = CELL_JOBS
+    jobs = [shared, lines_at_limited_speed, *others, joint_motions]
+    if not parser.parse_args().cell:
+        jobs += [paths_that_hold_a_position, paths_at_the_limits_of_the_axes, rigid_body_drives_and_zones]
+    compile_in_parallel(jobs)

@@ -2,12 +2,14 @@ from __future__ import annotations
 
 import itertools
 import json
+import sys
 from pathlib import Path
 
 import pytest
 from distributed import LocalCluster
 from pyarrow import csv, parquet
 
+from robots_controller.study.cli import EXIT_BAD_INPUT, main
 from robots_controller.study.results import ROWS, StudyResults
 from robots_controller.study.run_case import FIGURES, run_case
 from robots_controller.study.run_study import run_study
@@ -157,3 +159,13 @@ def test_no_scheduler_is_told(study: Study, tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr('robots_controller.study.case_runners.CONNECT_TIMEOUT', 0.2)
     with pytest.raises(RobotsError, match=r'no Dask scheduler answers at .tcp://127\.0\.0\.1:9'):
         run_study(study, tmp_path, scheduler='tcp://127.0.0.1:9')
+
+
+def test_without_its_libraries_a_study_names_what_installs_them(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    for name in ('run_study', 'results'):
+        monkeypatch.delitem(sys.modules, f'robots_controller.study.{name}')
+    monkeypatch.setitem(sys.modules, 'pyarrow', None)
+    assert main([str(folder / 'study.yaml')]) == EXIT_BAD_INPUT
+    assert 'studies need pyarrow, which is not installed: make study-requirements' in capsys.readouterr().err

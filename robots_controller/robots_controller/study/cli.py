@@ -12,7 +12,6 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from robots_controller.study.run_case import FIGURES, Row
-from robots_controller.study.run_study import run_study
 from robots_controller.study.study_file import read_study
 from robots_core.errors import RobotsError
 
@@ -40,6 +39,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('--scheduler', default='', metavar='ADDRESS', help='run on the workers of Dask there')
     parser.add_argument('--workers', type=int, default=0, help='processes here; one for each core by default')
     options = parser.parse_args(arguments)
+    try:
+        from robots_controller.study.run_study import run_study  # noqa: PLC0415  # only here needed
+    except ModuleNotFoundError as error:
+        print(
+            f'error: studies need {error.name}, which is not installed: make study-requirements, '
+            f'or pip install -r requirements-study.txt',
+            file=sys.stderr,
+        )
+        return EXIT_BAD_INPUT
     folder = options.output or Path('out') / options.study.stem
     console = Console(highlight=False, width=None if sys.stdout.isatty() else LOG_WIDTH)
     columns = (TextColumn('cases'), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())

@@ -1,4 +1,4 @@
-"""Compilation of functions to machine code by Numba, cached on disk."""
+"""Compilation of functions to machine code by Numba, kept on disk."""
 
 from collections.abc import Callable
 from typing import Any, TypeVar
@@ -6,45 +6,37 @@ from typing import Any, TypeVar
 import numba
 from numpy.typing import NDArray
 
+from robots_core.kernels.kernel_cache import CACHE_LOCATORS, KernelContent
+
 Function = TypeVar('Function', bound=Callable[..., Any])
 
+numba.config.CACHE_LOCATOR_CLASSES = CACHE_LOCATORS
 
-def compiled(*signatures: Any, nogil: bool = True, nrt: bool = True) -> Callable[[Function], Function]:
+
+def compiled(*signatures: Any, nogil: bool = True) -> Callable[[Function], Function]:
     """Compile a function by Numba: immediately with signatures, else on the first call.
 
-    With `nogil` other threads run meanwhile, which costs 0.05 us per call. So does Numba's reference counting
-    of each array argument in every function that calls another; functions that allocate no arrays can do
-    without it (`nrt=False`). Speed profiles took 1.5 times as long with it. The code is cached beside the
-    source, or in the user's cache folder if that is not writable (or in $NUMBA_CACHE_DIR). Without a writable
+    Args:
+        signatures: Numba's signatures, of the arguments that the function is compiled for.
+        nogil: Other threads run meanwhile, which costs 0.05 us per call.
+
+    The code is kept beside the source, or in the user's cache folder if that is not writable (or in
+    $NUMBA_CACHE_DIR), and is used until what it was made of changes: see `kernel_cache`. Without a writable
     folder, it is compiled again in every process.
     """
 
     def decorate(function: Function) -> Function:
         chosen = [list(signatures)] if signatures else []
-        options = {'nogil': nogil, '_nrt': nrt}
+        KernelContent(function, nogil=nogil)
         try:
-            result: Function = numba.njit(*chosen, cache=True, **options)(function)
+            result: Function = numba.njit(*chosen, cache=True, nogil=nogil)(function)
         except RuntimeError as error:
             if 'cannot cache' not in str(error):
                 raise
-            result = numba.njit(*chosen, **options)(function)
+            result = numba.njit(*chosen, nogil=nogil)(function)
         return result
 
     return decorate
-
-
-def entry_point(kernel: Function) -> Function:
-    """The machine code of a kernel with one signature, without Numba's dispatch on argument types.
-
-    A call takes 0.07 us less. An argument that is no array raises a TypeError; the caller is responsible for
-    types and dimensions of arrays.
-    """
-    overloads = getattr(kernel, 'overloads', None)  # none where NUMBA_DISABLE_JIT leaves Python's function
-    if not overloads:
-        return kernel
-    (only,) = overloads.values()
-    code: Function = only.entry_point
-    return code
 
 
 @compiled()

@@ -5,7 +5,7 @@ from robots_core.kernels.vectors import add, cross, scale, subtract
 from robots_core.validation import Array
 
 
-@compiled(nrt=False)
+@compiled()
 def jacobian_der(J: Array, q_dot: Array, J_der: Array) -> None:
     """Fill the derivative J_der (6, n) of a geometric Jacobian J (6, n) for joint velocities `q_dot` (n,).
 

@@ -140,7 +140,7 @@ def next_frame(chain: ChainArrays, i: int, q: float, R: Matrix, t: Vector) -> tu
     return place, turned, place
 
 
-@compiled(nrt=False)
+@compiled()
 def pose_and_jacobian(chain: ChainArrays, q: Array, r: Array, T: Array, J: Array) -> None:
     """Fill pose r (3,), T (3, 3) and geometric Jacobian J (6, n) of a chain at `q`, base frame."""
     n = q.size
@@ -162,7 +162,7 @@ def pose_and_jacobian(chain: ChainArrays, q: Array, r: Array, T: Array, J: Array
             J[0, i], J[1, i], J[2, i] = cross(axis, subtract(tip, (J[0, i], J[1, i], J[2, i])))
 
 
-@compiled(nrt=False)
+@compiled()
 def error_between(r: Array, T: Array, r_target: Array, T_target: Array, error: Array) -> None:
     """Fill error (6,): translation (m), then rotation vector (rad), from a pose to a target, base frame."""
     error[0], error[1], error[2] = r_target[0] - r[0], r_target[1] - r[1], r_target[2] - r[2]

@@ -12,7 +12,7 @@ from robots_core.validation import Array
 SMALLEST_PIVOT = 1e-18
 
 
-@compiled(nrt=False)
+@compiled()
 def factorise(A: Array, L: Array) -> None:
     """Fill the lower triangle of L with the Cholesky factor of A, (n, n); L may be A."""
     for j in range(A.shape[0]):
@@ -23,7 +23,19 @@ def factorise(A: Array, L: Array) -> None:
             L[i, j] = sqrt(max(value, SMALLEST_PIVOT)) if i == j else value / L[j, j]
 
 
-@compiled(nrt=False)
+@compiled()
+def damped_gram(J: Array, damping: float, L: Array) -> None:
+    """Fill the lower triangle of L with the Cholesky factor of J J^T + damping I, for J (m, n)."""
+    for i in range(J.shape[0]):
+        for j in range(i + 1):
+            value = damping if i == j else 0.0
+            for k in range(J.shape[1]):
+                value += J[i, k] * J[j, k]
+            L[i, j] = value
+    factorise(L, L)
+
+
+@compiled()
 def solve_lower(L: Array, b: Array) -> None:
     """Replace b (n,) by L^-1 b, with the lower triangle of L."""
     for i in range(b.size):
@@ -33,7 +45,7 @@ def solve_lower(L: Array, b: Array) -> None:
         b[i] = value / L[i, i]
 
 
-@compiled(nrt=False)
+@compiled()
 def solve_transposed(L: Array, b: Array) -> None:
     """Replace b (n,) by L^-T b, with the lower triangle of L."""
     for i in range(b.size - 1, -1, -1):
@@ -43,7 +55,7 @@ def solve_transposed(L: Array, b: Array) -> None:
         b[i] = value / L[i, i]
 
 
-@compiled(nrt=False)
+@compiled()
 def solve_free(A: Array, stands: NDArray[np.bool_], L: Array, w: Array) -> None:
     """Replace b in w by the solution of A w = b, with those at rest fixed at zero; L (m, m) is memory."""
     for i in range(w.size):

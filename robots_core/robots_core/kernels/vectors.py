@@ -9,6 +9,13 @@ Matrix = tuple[Vector, Vector, Vector]
 
 
 @compiled()
+def copy_into(to: Array, values: Array) -> None:
+    """Copy an array (m,): `to[:] = values` takes ten times as long to compile."""
+    for i in range(values.size):
+        to[i] = values[i]
+
+
+@compiled()
 def vector_of(a: Array) -> Vector:
     """An array (3,)."""
     return a[0], a[1], a[2]

@@ -2,7 +2,7 @@
 
 import numba as nb
 
-from robots_core.kernels.compiled import compiled, entry_point
+from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays, next_frame
 from robots_core.validation import Array
 
@@ -11,8 +11,8 @@ _Rows = nb.float64[:, ::1]
 _Numbers = nb.types.Array(nb.float64, 1, 'A', readonly=True)
 
 
-@compiled(nb.boolean(_Rows, _Numbers, nb.float64[::1], _Rows), nogil=False, nrt=False)
-def _tool_pose(chain: ChainArrays, q: Array, r: Array, T: Array) -> bool:
+@compiled(nb.boolean(_Rows, _Numbers, nb.float64[::1], _Rows), nogil=False)
+def tool_pose(chain: ChainArrays, q: Array, r: Array, T: Array) -> bool:
     """Fill position r (3,) and orientation T (3, 3) of the tool at q; False if q is not n finite numbers."""
     n = q.size
     if n != chain.shape[0] - 1:
@@ -27,7 +27,3 @@ def _tool_pose(chain: ChainArrays, q: Array, r: Array, T: Array) -> bool:
     for row in range(3):
         T[row, 0], T[row, 1], T[row, 2] = R[row]
     return total - total == 0.0
-
-
-# Called several times per sample; half of a call is Numba's inspection of the argument types.
-tool_pose = entry_point(_tool_pose)

@@ -178,9 +178,9 @@ class UrdfRobotModel(BaseRobotModel):
         r, T = empty(3), empty((3, 3))
         # Other arguments than n finite numbers go to the complete check, which is slower.
         try:
-            if q.dtype is FLOAT64 and q.ndim == 1 and self._tool_pose(self._links, q, r, T):
+            if self._tool_pose(self._links, q, r, T):
                 return r, T
-        except (AttributeError, TypeError):
+        except TypeError:
             pass
         self._tool_pose(self._links, finite_vector(q, self._n, 'q'), r, T)
         return r, T

@@ -10,6 +10,7 @@ import numpy as np
 from robots_core.blocks.inverse_kinematics.closest_orientation_kernel import correct, rate
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays
+from robots_core.kernels.vectors import copy_into
 from robots_core.validation import Array
 from robots_planning.path_kinematics.pose_residual_kernel import LARGEST_JOINT_STEP, PoseResidual
 from robots_planning.paths.cartesian_path_kernel import PathArrays, pose_on_path
@@ -45,15 +46,17 @@ def derivatives_held(
         shift = (2 * side - 1) * DIFFERENCE
         pose_on_path(path, s + shift, r, T, x_s, x_ss)
         fine = rate(chain, q + shift * q_s, r, T, x_s, rows, around[side]) and fine
-    q_ss[:] = (around[1] - around[0]) / (2.0 * DIFFERENCE)
+    for k in range(q.size):
+        q_ss[k] = (around[1, k] - around[0, k]) / (2.0 * DIFFERENCE)
     return fine
 
 
 @compiled()
 def step_held(chain: ChainArrays, q: Array, residual: PoseResidual, rows: int) -> bool:
     """Fill the residual's step with that from `q` to where the conditions hold; False if that is far."""
-    residual.step[:] = q
+    copy_into(residual.step, q)
     if not correct_held(chain, residual.step, residual, rows):
         return False
-    residual.step[:] -= q
+    for k in range(q.size):
+        residual.step[k] -= q[k]
     return True

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays
+from robots_core.kernels.vectors import copy_into
 from robots_core.validation import Array
 from robots_planning.path_kinematics.held_following_kernel import correct_held, derivatives_held, step_held
 from robots_planning.path_kinematics.pose_residual_kernel import (
@@ -52,17 +53,15 @@ JointSamples = tuple[Array, Array, Array, Array]
 """s (k,), q, q' and q'' (k, n)."""
 
 
-class FollowingTask(NamedTuple):
-    """What is held of a path's poses, and how axes move that this leaves free.
+class FreeAxes(NamedTuple):
+    """How axes move that a path leaves free.
 
     Attributes:
-        rows: 0 for whole poses; else as in `held_following_kernel`.
         pull: Towards the guide g(s), per path; 0 without one: then the axes have the smallest velocities.
         breaks: Of the guide, a cubic spline, (m + 1,); (0, 1) without one.
         guide: Its coefficients, (4, m, n), highest power first.
     """
 
-    rows: int
     pull: float
     breaks: Array
     guide: Array
@@ -73,7 +72,8 @@ def follow(
     chain: ChainArrays,
     limits: Array,
     path: PathArrays,
-    task: FollowingTask,
+    free: FreeAxes,
+    rows: int | None,
     start: Array,
     samples: JointSamples,
 ) -> tuple[int, int]:
@@ -85,7 +85,8 @@ def follow(
         chain: Arrays of a `SerialChain`.
         limits: (2, n): lower, upper.
         path: Arrays of a `CartesianPath`.
-        task: What is held, and the guide.
+        free: The guide.
+        rows: None for whole poses; else as in `held_following_kernel`. Each is compiled by itself.
         start: Joint positions at s = 0, (n,).
         samples: Filled; room for `MAX_SAMPLES` + 1.
 
@@ -94,15 +95,17 @@ def follow(
         possible from the last sample; OUTSIDE: one more sample is filled, at which an axis is outside its
         limits; FULL: `MAX_SAMPLES` do not reach the end.
     """
-    return _follow(chain, limits, path, task, start, samples, np.empty(start.size), residual_for(start.size))
+    n = start.size
+    return _follow(chain, limits, path, free, rows, start, samples, np.empty(n), residual_for(n))
 
 
-@compiled(nrt=False)
+@compiled()
 def _follow(
     chain: ChainArrays,
     limits: Array,
     path: PathArrays,
-    task: FollowingTask,
+    free: FreeAxes,
+    rows: int | None,
     start: Array,
     samples: JointSamples,
     guess: Array,
@@ -115,20 +118,20 @@ def _follow(
         q[0, k] = start[k]
     set_target(path, 0.0, residual)
     evaluate_residual(chain, start, residual)
-    if not _derivatives(chain, path, task, samples, 0, residual):
-        return SINGULAR_START, 1
-    # Towards a guide the axes turn faster at first.
-    step = 0.5 * FIRST_STEP if task.pull > 0.0 else FIRST_STEP
     count, piece, guide_piece = 1, 1, 1
+    if not _derivatives(chain, path, free, rows, samples, count - 1, residual):
+        return SINGULAR_START, count
+    # Towards a guide the axes turn faster at first.
+    step = 0.5 * FIRST_STEP if free.pull > 0.0 else FIRST_STEP
     while s[count - 1] < 1.0:
         here = count - 1
         # The third derivative jumps between pieces, so a sample is placed there.
         piece = _next_break(path[0], s[here], piece)
-        guide_piece = _next_break(task.breaks, s[here], guide_piece)
-        border = min(path[0][piece], task.breaks[guide_piece])
+        guide_piece = _next_break(free.breaks, s[here], guide_piece)
+        border = min(path[0][piece], free.breaks[guide_piece])
         end = min(s[here] + step, border)
         s[count] = border if border - end < SHORTEST_STEP else end
-        deviation = _advance(chain, path, task, samples, here, guess, residual)
+        deviation = _advance(chain, path, free, rows, samples, here, guess, residual)
         step = _next_step(s[count] - s[here], deviation)
         outcome = _judge(limits, samples, here, step, deviation)
         if outcome == FOLLOWED:
@@ -138,7 +141,7 @@ def _follow(
     return FOLLOWED, count
 
 
-@compiled(nrt=False)
+@compiled()
 def _judge(limits: Array, samples: JointSamples, i: int, step: float, deviation: float) -> int:
     """FOLLOWED to accept sample i + 1, TOO_FAR if the step must be shorter, or why the path ends there."""
     if deviation < 0.0:
@@ -148,7 +151,7 @@ def _judge(limits: Array, samples: JointSamples, i: int, step: float, deviation:
     return FULL if i + 1 == MAX_SAMPLES and samples[0][i + 1] < 1.0 else FOLLOWED
 
 
-@compiled(nrt=False)
+@compiled()
 def _next_break(breaks: Array, s: float, piece: int) -> int:
     """Index of the first break, from `piece` on, that is at least a step ahead of s; else of the last one."""
     while piece < breaks.size - 1 and breaks[piece] - s < SHORTEST_STEP:
@@ -156,7 +159,7 @@ def _next_break(breaks: Array, s: float, piece: int) -> int:
     return piece
 
 
-@compiled(nrt=False)
+@compiled()
 def _next_step(step: float, deviation: float) -> float:
     """Length of the next step, after one with a `deviation` from the path; -1 means that it was too long."""
     if deviation < 0.0:
@@ -166,11 +169,12 @@ def _next_step(step: float, deviation: float) -> float:
     return min(step * min(max(growth, 0.5), 2.0), LONGEST_STEP)
 
 
-@compiled(nrt=False)
+@compiled()
 def _advance(
     chain: ChainArrays,
     path: PathArrays,
-    task: FollowingTask,
+    free: FreeAxes,
+    rows: int | None,
     samples: JointSamples,
     i: int,
     guess: Array,
@@ -182,59 +186,56 @@ def _advance(
     _extrapolate(samples, i, guess)
     set_target(path, s[j], residual)
     # Where the target leaves axes free, it does not determine q: the integration is repeated.
-    free = n > (6 if task.rows == 0 else task.rows)
-    for again in range(3 if task.pull > 0.0 else 2 if free else 1):
+    redundant = n > (6 if rows is None else rows)
+    for again in range(3 if free.pull > 0.0 else 2 if redundant else 1):
         if again:
             _integrate(samples, i, guess)
-        fine = (
-            correct(chain, guess, residual)
-            if task.rows == 0
-            else correct_held(chain, guess, residual, task.rows)
-        )
+        fine = correct(chain, guess, residual) if rows is None else correct_held(chain, guess, residual, rows)
         if not fine:
             return -1.0
         for k in range(n):
             q[j, k] = guess[k]
-        if not _derivatives(chain, path, task, samples, j, residual):
+        if not _derivatives(chain, path, free, rows, samples, j, residual):
             return -1.0
-    if task.pull > 0.0:
+    if free.pull > 0.0:
         _integrate(samples, i, guess)
     for k in range(n):
         # The difference of the sample from the fourth-order integration measures the bend of the quintic.
-        bend = guess[k] - q[j, k] if task.pull > 0.0 else 0.0
+        bend = guess[k] - q[j, k] if free.pull > 0.0 else 0.0
         if not abs(q[j, k] - q[i, k]) <= LARGEST_JOINT_STEP or not abs(bend) <= LARGEST_BEND:
             return -1.0
     _interpolate(samples, i, guess)
     set_target(path, 0.5 * (s[i] + s[j]), residual)
-    deviation = _deviation(chain, task, guess, residual)
+    deviation = _deviation(chain, rows, guess, residual)
     return deviation if deviation <= PATH_TOLERANCE else -1.0
 
 
-@compiled(nrt=False)
+@compiled()
 def _derivatives(
     chain: ChainArrays,
     path: PathArrays,
-    task: FollowingTask,
+    free: FreeAxes,
+    rows: int | None,
     samples: JointSamples,
     i: int,
     residual: PoseResidual,
 ) -> bool:
     """Fill q' and q'' of sample i, at which the residual was evaluated; False where there are none."""
     s, q, q_s, q_ss = samples
-    if task.rows > 0:
-        return derivatives_held(chain, path, s[i], q[i], residual, task.rows, q_s[i], q_ss[i])
-    if task.pull > 0.0:
-        piece, c = interval_at(task.breaks, s[i]), task.guide
-        x = s[i] - task.breaks[piece]
+    if rows is not None:
+        return derivatives_held(chain, path, s[i], q[i], residual, rows, q_s[i], q_ss[i])
+    if free.pull > 0.0:
+        piece, c = interval_at(free.breaks, s[i]), free.guide
+        x = s[i] - free.breaks[piece]
         for k in range(q.shape[1]):
             g = ((c[0, piece, k] * x + c[1, piece, k]) * x + c[2, piece, k]) * x + c[3, piece, k]
             g_s = (3.0 * c[0, piece, k] * x + 2.0 * c[1, piece, k]) * x + c[2, piece, k]
-            residual.desired[k] = g_s + task.pull * (g - q[i, k])
-            residual.desired_s[k] = 6.0 * c[0, piece, k] * x + 2.0 * c[1, piece, k] + task.pull * g_s
-    return derivatives(residual, task.pull, q_s[i], q_ss[i])
+            residual.desired[k] = g_s + free.pull * (g - q[i, k])
+            residual.desired_s[k] = 6.0 * c[0, piece, k] * x + 2.0 * c[1, piece, k] + free.pull * g_s
+    return derivatives(residual, free.pull, q_s[i], q_ss[i])
 
 
-@compiled(nrt=False)
+@compiled()
 def _extrapolate(samples: JointSamples, i: int, guess: Array) -> None:
     """Fill a guess (n,) at the s of sample i + 1, from sample i alone."""
     s, q, q_s, q_ss = samples
@@ -243,7 +244,7 @@ def _extrapolate(samples: JointSamples, i: int, guess: Array) -> None:
         guess[k] = q[i, k] + h * (q_s[i, k] + 0.5 * h * q_ss[i, k])
 
 
-@compiled(nrt=False)
+@compiled()
 def _integrate(samples: JointSamples, i: int, guess: Array) -> None:
     """Fill a guess (n,) at the s of sample i + 1 by fourth-order (Hermite) integration from sample i."""
     s, q, q_s, q_ss = samples
@@ -252,7 +253,7 @@ def _integrate(samples: JointSamples, i: int, guess: Array) -> None:
         guess[k] = q[i, k] + 0.5 * h * (q_s[i, k] + q_s[j, k]) + h * h / 12.0 * (q_ss[i, k] - q_ss[j, k])
 
 
-@compiled(nrt=False)
+@compiled()
 def _interpolate(samples: JointSamples, i: int, middle: Array) -> None:
     """Fill the middle (n,) of the quintic from sample i to the next."""
     s, q, q_s, q_ss = samples
@@ -265,24 +266,26 @@ def _interpolate(samples: JointSamples, i: int, middle: Array) -> None:
         )
 
 
-@compiled(nrt=False)
-def _deviation(chain: ChainArrays, task: FollowingTask, q: Array, residual: PoseResidual) -> float:
+@compiled()
+def _deviation(chain: ChainArrays, rows: int | None, q: Array, residual: PoseResidual) -> float:
     """Deviation at joint positions `q`: of the tool, or of the axes, scaled to the same tolerance."""
     deviation = evaluate_residual(chain, q, residual)
-    if task.rows > 0:
+    if rows is not None:
         deviation = max(abs(residual.error[0]), abs(residual.error[1]), abs(residual.error[2]))
-    if deviation > PATH_TOLERANCE or task.rows == 3:
+    if deviation > PATH_TOLERANCE:
         return deviation
-    if task.rows == 0:
+    if rows is None:
         apply_pseudo_inverse(residual.J, residual.error, residual.step, residual.solver)
-    elif not step_held(chain, q, residual, task.rows):
+    elif rows == 3:
+        return deviation
+    elif not step_held(chain, q, residual, rows):
         return np.inf
     for k in range(q.size):
         deviation = max(deviation, abs(residual.step[k]) * PATH_TOLERANCE / JOINT_TOLERANCE)
     return deviation
 
 
-@compiled(nrt=False)
+@compiled()
 def leaves_limits(limits: Array, samples: JointSamples, i: int) -> bool:
     """Whether an axis leaves its limits between sample i and the next, which is then moved to that place."""
     s, q, q_s, q_ss = samples
@@ -316,7 +319,7 @@ def _leaves_range(low: float, high: float, samples: JointSamples, i: int, axis: 
     for row in range(BETWEEN):
         if not low <= p[row, axis] <= high:
             s[j] = inside[row]
-            q[j] = p[row]
+            copy_into(q[j], p[row])
             return True
     return False
 

@@ -30,7 +30,7 @@ from robots_planning.path_kinematics.path_following_kernel import (
     MAX_SAMPLES,
     OUTSIDE,
     SINGULAR_START,
-    FollowingTask,
+    FreeAxes,
     JointSamples,
     follow,
 )
@@ -66,8 +66,8 @@ class PathInverseKinematics:
         self._limits = np.array([self._axes.lower, self._axes.upper])
         self._endless = np.array([[-np.inf], [np.inf]]) * np.ones(robot.num_axes)
         n = robot.num_axes
-        rows = 0 if self.hold == POSE else condition_rows(self.hold, n)
-        self._task = FollowingTask(rows, 0.0, np.array([0.0, 1.0]), np.zeros((4, 1, n)))
+        self._rows = None if self.hold == POSE else condition_rows(self.hold, n)
+        self._unguided = FreeAxes(0.0, np.array([0.0, 1.0]), np.zeros((4, 1, n)))
         self._samples = (
             np.empty(MAX_SAMPLES + 1),
             np.empty((MAX_SAMPLES + 1, n)),
@@ -119,17 +119,17 @@ class PathInverseKinematics:
     def follow_guided(
         self, path: CartesianPath, start: Array, breaks: Array, guide: Array, pull: float
     ) -> JointPath | None:
-        """Follow with self-motion towards a guide, see `FollowingTask`; None if that fails."""
-        task = FollowingTask(0, pull, breaks, guide)
-        result, count = self._fill(path, start, self._limits, task)
+        """Follow with self-motion towards a guide, see `FreeAxes`; None if that fails."""
+        result, count = self._fill(path, start, self._limits, FreeAxes(pull, breaks, guide))
         return JointPath(*self._filled(count)) if result == FOLLOWED else None
 
     def _fill(
-        self, path: CartesianPath, start: Array, limits: Array, task: FollowingTask | None = None
+        self, path: CartesianPath, start: Array, limits: Array, guided: FreeAxes | None = None
     ) -> tuple[int, int]:
         """Fill the samples; return what the kernel's `follow` returns."""
         begin = np.array(start, dtype=np.float64)
-        return follow(self._chain.arrays, limits, path.arrays, task or self._task, begin, self._samples)
+        free = guided or self._unguided
+        return follow(self._chain.arrays, limits, path.arrays, free, self._rows, begin, self._samples)
 
     def _filled(self, count: int) -> JointSamples:
         """Copy of the first samples, with s scaled to [0, 1]."""

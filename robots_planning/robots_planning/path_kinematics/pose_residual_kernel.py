@@ -76,13 +76,13 @@ def residual_for(n: int) -> PoseResidual:
     )  # fmt: skip
 
 
-@compiled(nrt=False)
+@compiled()
 def set_target(path: PathArrays, s: float, residual: PoseResidual) -> None:
     """Set the target to the path's pose at `s`, with its derivatives."""
     pose_on_path(path, s, residual.r, residual.T, residual.x_s, residual.x_ss)
 
 
-@compiled(nrt=False)
+@compiled()
 def evaluate_residual(chain: ChainArrays, q: Array, residual: PoseResidual) -> float:
     """Fill pose, Jacobian and residual at joint positions `q`, (n,); return the largest |entry|."""
     pose_and_jacobian(chain, q, residual.r_now, residual.T_now, residual.J)
@@ -93,7 +93,7 @@ def evaluate_residual(chain: ChainArrays, q: Array, residual: PoseResidual) -> f
     return largest
 
 
-@compiled(nrt=False)
+@compiled()
 def correct(chain: ChainArrays, q: Array, residual: PoseResidual) -> bool:
     """Newton's method from a close guess `q`, in place; False if it does not converge in a few steps.
 
@@ -113,7 +113,7 @@ def correct(chain: ChainArrays, q: Array, residual: PoseResidual) -> bool:
     return error < CORRECTION_TOLERANCE
 
 
-@compiled(nrt=False)
+@compiled()
 def derivatives(residual: PoseResidual, pull: float, q_s: Array, q_ss: Array) -> bool:
     """Fill q' and q'', (n,), where the residual is 0; False if J q' misses x'.
 
@@ -153,7 +153,7 @@ def derivatives(residual: PoseResidual, pull: float, q_s: Array, q_ss: Array) ->
     return True
 
 
-@compiled(nrt=False)
+@compiled()
 def _nearest_solution(J: Array, P: Array, b: Array, z: Array, y: Array, rest: Array) -> None:
     """Fill y (n,) with the solution of J y = b that is nearest to z (n,); `rest` (6,) is scratch."""
     multiply(J, z, rest)

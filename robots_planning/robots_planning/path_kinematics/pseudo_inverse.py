@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robots_core.kernels.compiled import compiled
+from robots_core.kernels.vectors import copy_into
 from robots_core.validation import Array
 
 # Ratio of singular values below which a direction is left out of the pseudo-inverse.
@@ -39,7 +40,7 @@ def scratch_for(n: int) -> Scratch:
     return Scratch(np.empty((n, 6)), np.empty((size, size)), np.empty((size, size)))
 
 
-@compiled(nrt=False)
+@compiled()
 def pseudo_inverse(J: Array, P: Array, scratch: Scratch) -> None:
     """Fill the pseudo-inverse P (n, 6) of a Jacobian J (6, n).
 
@@ -91,10 +92,12 @@ def pseudo_inverse(J: Array, P: Array, scratch: Scratch) -> None:
 
 @compiled()
 def _by_singular_values(J: Array, P: Array) -> None:
-    P[:] = np.linalg.pinv(J, SINGULAR)
+    inverse = np.linalg.pinv(J, SINGULAR)
+    for k in range(J.shape[1]):
+        copy_into(P[k], inverse[k])
 
 
-@compiled(nrt=False)
+@compiled()
 def _square(A: Array) -> float:
     """Square of the Frobenius norm."""
     total = 0.0
@@ -104,7 +107,7 @@ def _square(A: Array) -> float:
     return total
 
 
-@compiled(nrt=False)
+@compiled()
 def apply_pseudo_inverse(J: Array, x: Array, y: Array, scratch: Scratch) -> None:
     """Fill y (n,) with J^+ x, the minimum-norm least-squares solution of J y = x, for a twist x (6,).
 
@@ -116,7 +119,7 @@ def apply_pseudo_inverse(J: Array, x: Array, y: Array, scratch: Scratch) -> None
         multiply(scratch.P, x, y)
 
 
-@compiled(nrt=False)
+@compiled()
 def _solve(J: Array, x: Array, y: Array, scratch: Scratch) -> bool:
     """Fill y (n,), n <= 6, with the least squares solution of J y = x; False close to a singularity."""
     n = J.shape[1]
@@ -152,7 +155,7 @@ def _solve(J: Array, x: Array, y: Array, scratch: Scratch) -> bool:
     return True
 
 
-@compiled(nrt=False)
+@compiled()
 def multiply(A: Array, x: Array, y: Array) -> None:
     """Fill y (m,) with A x, A (m, n): for a few rows, without a library call."""
     for i in range(A.shape[0]):
@@ -162,7 +165,7 @@ def multiply(A: Array, x: Array, y: Array) -> None:
         y[i] = value
 
 
-@compiled(nrt=False)
+@compiled()
 def multiply_transposed(A: Array, x: Array, y: Array) -> None:
     """Fill y (n,) with A^T x, A (m, n)."""
     for j in range(A.shape[1]):

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays
+from robots_core.kernels.vectors import copy_into
 from robots_core.validation import Array
 from robots_planning.path_kinematics.pose_residual_kernel import (
     PoseResidual,
@@ -28,7 +29,7 @@ INSIDE_ROOM = 1e-3  # rad (m)
 RELAXATION = 0.3  # of the displacement towards the smoother configuration, per step
 
 
-@compiled(nrt=False)
+@compiled()
 def sample_layer(
     chain: ChainArrays, limits: Array, seeds: Array, nodes: Array, residual: PoseResidual, memory: Array
 ) -> int:
@@ -40,7 +41,7 @@ def sample_layer(
     q, first = memory[0], memory[1]
     count = 0
     for seed in range(seeds.shape[0]):
-        _copy(seeds[seed], q)
+        copy_into(q, seeds[seed])
         # Corrections are small: most seeds that were sampled already are recognised without one.
         if _is_sampled(nodes, count, q, 0.5 * SPACING) or not correct(chain, q, residual):
             continue
@@ -50,16 +51,16 @@ def sample_layer(
             continue
         if count == nodes.shape[0]:
             break
-        _copy(q, first)
-        _copy(q, nodes[count])
+        copy_into(first, q)
+        copy_into(nodes[count], q)
         count += 1
         for sign in (1.0, -1.0):
-            _copy(first, q)
+            copy_into(q, first)
             count = _sample_side(chain, limits, q, sign, nodes, count, residual, memory[2:])
     return count
 
 
-@compiled(nrt=False)
+@compiled()
 def _sample_side(
     chain: ChainArrays,
     limits: Array,
@@ -84,7 +85,7 @@ def _sample_side(
             or _is_sampled(nodes, count, q, 0.6 * SPACING)
         ):
             break
-        _copy(q, nodes[count])
+        copy_into(nodes[count], q)
         count += 1
         _null_direction(residual, direction)
         along = 0.0
@@ -94,13 +95,7 @@ def _sample_side(
     return count
 
 
-@compiled(nrt=False)
-def _copy(values: Array, to: Array) -> None:
-    for k in range(values.size):
-        to[k] = values[k]
-
-
-@compiled(nrt=False)
+@compiled()
 def _inside(limits: Array, q: Array) -> bool:
     for k in range(q.size):
         if not limits[0, k] <= q[k] <= limits[1, k]:
@@ -108,7 +103,7 @@ def _inside(limits: Array, q: Array) -> bool:
     return True
 
 
-@compiled(nrt=False)
+@compiled()
 def _move_inside(
     chain: ChainArrays, limits: Array, q: Array, residual: PoseResidual, direction: Array
 ) -> bool:
@@ -136,7 +131,7 @@ def _move_inside(
     return False
 
 
-@compiled(nrt=False)
+@compiled()
 def _is_sampled(nodes: Array, count: int, q: Array, distance: float) -> bool:
     for i in range(count):
         if _distance(nodes[i], q) < distance:
@@ -144,7 +139,7 @@ def _is_sampled(nodes: Array, count: int, q: Array, distance: float) -> bool:
     return False
 
 
-@compiled(nrt=False)
+@compiled()
 def _distance(p: Array, q: Array) -> float:
     largest = 0.0
     for k in range(q.size):
@@ -152,7 +147,7 @@ def _distance(p: Array, q: Array) -> float:
     return largest
 
 
-@compiled(nrt=False)
+@compiled()
 def _null_direction(residual: PoseResidual, direction: Array) -> None:
     """Fill a null-space direction (n,) of the Jacobian, scaled to a largest entry of 1 rad (m)."""
     n = direction.size
@@ -201,7 +196,7 @@ def follow_layers(
     return m, counts
 
 
-@compiled(nrt=False)
+@compiled()
 def _move_along(
     chain: ChainArrays, interval: float, seeds: Array, residual: PoseResidual, step: Array
 ) -> None:
@@ -259,7 +254,7 @@ def relax(
     _relax(chain, limits, path, s, margin, rounds, q, residual_for(n), np.empty((3, n)))
 
 
-@compiled(nrt=False)
+@compiled()
 def _relax(
     chain: ChainArrays,
     limits: Array,
@@ -293,4 +288,4 @@ def _relax(
                 low, high = min(limits[0, k] + room, q[i, k]), max(limits[1, k] - room, q[i, k])
                 good = good and low <= moved[k] <= high
             if good:
-                _copy(moved, q[i])
+                copy_into(q[i], moved)

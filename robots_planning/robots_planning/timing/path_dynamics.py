@@ -23,7 +23,7 @@ def memory_for(n: int) -> Memory:
     return bodies_of(n), np.empty((n, n)), np.empty(n), np.empty(n)
 
 
-@compiled(nrt=False)
+@compiled()
 def torque_rows(
     dynamics: DynamicsArrays, q: Array, q_s: Array, q_ss: Array, effort: Array, rows: Array, memory: Memory
 ) -> None:
@@ -45,7 +45,7 @@ def torque_rows(
             rows[i, j, 2] = weight[j] / effort[j]
 
 
-@compiled(nrt=False)
+@compiled()
 def torque_use(
     dynamics: DynamicsArrays, q: Array, q_dot: Array, q_ddot: Array, effort: Array, use: Array, bodies: Bodies
 ) -> None:

@@ -68,7 +68,7 @@ def speed_grid(path_s: Array) -> Array:
     return s
 
 
-@compiled(nrt=False)
+@compiled()
 def _parts(interval: float) -> int:
     """Number of parts into which an interval of the path is divided."""
     return max(ceil(interval * GRID - GRID_ROUNDING), POINTS_PER_SAMPLE)
@@ -184,7 +184,7 @@ def jerk_window(grid: Grid, limits: PathLimits) -> float:
     return window
 
 
-@compiled(nrt=False)
+@compiled()
 def _slow_down(t: Array, window: float, times: Array, use: Array, scale: Array) -> None:
     """Lower the limits at grid points whose smoothing window covers a broken limit."""
     first = 0
@@ -289,7 +289,7 @@ def _sampled(
     return (times, q, q_dot, q_ddot), use
 
 
-@compiled(nrt=False)
+@compiled()
 def _tool_use(
     s: Array, x_s: Array, x_ss: Array, tool: Array, place: float, rate: float, change: float, linear: Array
 ) -> float:

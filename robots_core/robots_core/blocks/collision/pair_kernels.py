@@ -10,6 +10,7 @@ from robots_core.blocks.collision.nearest_points import PartArrays, nearest_poin
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.vectors import (
     add,
+    copy_into,
     dot,
     matrix_of,
     product,
@@ -110,7 +111,7 @@ def solid_distance(
             nearest_points(parts, R, t, a, b, one)
             result[0] = min(result[0], one[0])
             if one[1] < result[1]:
-                result[1:] = one[1:]
+                copy_into(result[1:], one[1:])
 
 
 @compiled()

@@ -19,7 +19,7 @@ SWEEP_TOLERANCE: Final = 1e-13
 MAX_SWEEPS: Final = 200
 
 
-@compiled(nrt=False)
+@compiled()
 def add_losses(losses: Array, q_dot: Array, M: Array, tau_aux: Array) -> None:
     """Add losses (3, n), rows reflected inertia, Coulomb and viscous friction, to M and tau_aux."""
     for j in range(q_dot.size):
@@ -44,7 +44,7 @@ def accelerations(losses: Array, q_dot: Array, M: Array, tau: Array) -> Array:
     return q_ddot
 
 
-@compiled(nrt=False)
+@compiled()
 def sweep(A: Array, b: Array, hold: Array, w: Array) -> None:
     """Bring w to the minimum, axis by axis (coordinate descent)."""
     size = b.size

@@ -157,7 +157,7 @@ def advance(
     return bool(np.isfinite(total))
 
 
-@compiled(nrt=False)
+@compiled()
 def _reference(start: Array, end: Array, period: float, part: float, step: Step) -> None:
     """Cubic from start to end (2, n) at a part 0..1 of the period."""
     s, r = part, 1.0 - part
@@ -171,7 +171,7 @@ def _reference(start: Array, end: Array, period: float, part: float, step: Step)
         ) / period
 
 
-@compiled(nrt=False)
+@compiled()
 def _ahead(drive: Array, state: Array, feed: Array, step: Step) -> None:
     """Fill the torques of the feed-forward, with friction in the direction of the position control.
 
@@ -186,7 +186,7 @@ def _ahead(drive: Array, state: Array, feed: Array, step: Step) -> None:
         step.ahead[j] = feed[0, j] + friction * min(max(wanted / CREEP, -1.0), 1.0)
 
 
-@compiled(nrt=False)
+@compiled()
 def _motor_torques(drive: Array, state: Array, h: float, step: Step) -> None:
     """Fill the current.
 
@@ -214,7 +214,7 @@ def _motor_torques(drive: Array, state: Array, h: float, step: Step) -> None:
         step.current[0, j], step.current[1, j] = a, slope
 
 
-@compiled(nrt=False)
+@compiled()
 def _assemble(drive: Array, motors: NDArray[np.int64], state: Array, h: float, step: Step) -> None:
     """Fill A and b."""
     A, b, M, current = step.A, step.b, step.M, step.current
@@ -247,7 +247,7 @@ def _assemble(drive: Array, motors: NDArray[np.int64], state: Array, h: float, s
         b[m] -= push
 
 
-@compiled(nrt=False)
+@compiled()
 def _solve_with_friction(drive: Array, motors: NDArray[np.int64], state: Array, h: float, step: Step) -> None:
     """Fill w: velocities at the end of the step with friction on the motors.
 
@@ -285,7 +285,7 @@ def _solve_with_friction(drive: Array, motors: NDArray[np.int64], state: Array, 
             return
 
 
-@compiled(nrt=False)
+@compiled()
 def _saturate(drive: Array, motors: NDArray[np.int64], state: Array, h: float, step: Step) -> bool:
     """Set saturated to the sign of commanded torques past their limit; True if there is a new one."""
     found = False
@@ -299,20 +299,20 @@ def _saturate(drive: Array, motors: NDArray[np.int64], state: Array, h: float, s
     return found
 
 
-@compiled(nrt=False)
+@compiled()
 def _speed_error(drive: Array, state: Array, step: Step, h: float, mean: float, j: int) -> float:
     position = state[MOTOR, j] + 0.5 * h * mean
     return float(step.v_ref[j] + drive[POSITION_GAIN, j] * (step.q_ref[j] - position) - mean)
 
 
-@compiled(nrt=False)
+@compiled()
 def _wanted(drive: Array, state: Array, step: Step, h: float, mean: float, j: int) -> float:
     error = _speed_error(drive, state, step, h, mean, j)
     growth = 1.0 + 0.5 * h / drive[INTEGRAL_TIME, j]
     return float(drive[VELOCITY_GAIN, j] * (growth * error + state[INTEGRAL, j]))
 
 
-@compiled(nrt=False)
+@compiled()
 def _move(drive: Array, motors: NDArray[np.int64], state: Array, h: float, step: Step) -> None:
     """Write the end of the step into the state."""
     current, saturated, w = step.current, step.saturated, step.w

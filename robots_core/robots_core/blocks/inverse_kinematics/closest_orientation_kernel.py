@@ -13,6 +13,8 @@ import numpy as np
 
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays, error_between, pose_and_jacobian
+from robots_core.kernels.small_matrices import damped_gram, solve_lower, solve_transposed
+from robots_core.kernels.vectors import Vector, copy_into, cross, scale, subtract, vector_of
 from robots_core.validation import Array
 
 STEP = 1e-5  # rad (m) of one axis, for central differences: exact to 1e-10
@@ -28,21 +30,26 @@ def residual(
     r_now, T_now = np.empty(3), np.empty((3, 3))
     pose_and_jacobian(chain, q, r_now, T_now, J)
     error_between(r_now, T_now, r, T, error)
-    return free_part(J, error[3:], gradient)
+    return free_part(J, vector_of(error[3:]), gradient)
 
 
 @compiled()
-def free_part(J: Array, turn: Array, gradient: Array) -> bool:
+def free_part(J: Array, turn: Vector, gradient: Array) -> bool:
     """Fill (I - J_v^+ J_v) J_w^T turn, (n,); False where J_v is singular."""
     n = J.shape[1]
-    J_v = np.ascontiguousarray(J[:3])
-    S = J_v @ J_v.T
-    scale = (S[0, 0] + S[1, 1] + S[2, 2]) / 3.0
-    if not abs(np.linalg.det(S)) > SINGULAR**2 * scale**3:
+    L, back, size = np.empty((3, 3)), np.zeros(3), 0.0
+    damped_gram(J[:3], 0.0, L)
+    for i in range(3):
+        for k in range(n):
+            size += J[i, k] ** 2 / 3.0
+    if not L[0, 0] * L[1, 1] * L[2, 2] > SINGULAR * size**1.5:
         return False
     for k in range(n):
         gradient[k] = J[3, k] * turn[0] + J[4, k] * turn[1] + J[5, k] * turn[2]
-    back = np.linalg.solve(S, J_v @ gradient)
+        for i in range(3):
+            back[i] += J[i, k] * gradient[k]
+    solve_lower(L, back)
+    solve_transposed(L, back)
     for k in range(n):
         gradient[k] -= J[0, k] * back[0] + J[1, k] * back[1] + J[2, k] * back[2]
     return True
@@ -59,7 +66,8 @@ def system(
     n = q.size
     if not residual(chain, q, r, T, J, error, gradient):
         return False
-    A[:3] = J[:3]
+    for i in range(3):
+        copy_into(A[i], J[i])
     if A.shape[0] == 3:
         return True
     moved, other_J, other_error = q.copy(), np.empty((6, n)), np.empty(6)
@@ -127,9 +135,7 @@ def correct(
     for round_ in range(steps + 1):
         if not residual(chain, q, r, T, J, error, gradient):
             return False
-        b[:3] = error[:3]
-        if rows > 3:
-            b[3:] = -gradient
+        _fill_conditions(b, error, gradient)
         if np.abs(b).max() < tolerance:
             return True
         if round_ == steps or not system(chain, q, r, T, A, J, error, gradient):
@@ -151,19 +157,23 @@ def rate(chain: ChainArrays, q: Array, r: Array, T: Array, x_s: Array, rows: int
     J, error, gradient = np.empty((6, n)), np.empty(6), np.empty(n)
     if not system(chain, q, r, T, A, J, error, gradient):
         return False
-    b[:3] = x_s[:3]
-    if rows > 3:
-        turn = np.empty(3)
-        _error_rate(error[3:], x_s[3:], turn)
-        if not free_part(J, turn, gradient):
-            return False
-        b[3:] = -gradient
+    if rows > 3 and not free_part(J, _error_rate(vector_of(error[3:]), vector_of(x_s[3:])), gradient):
+        return False
+    _fill_conditions(b, x_s, gradient)
     return solve(A, b, q_s)
 
 
 @compiled()
-def _error_rate(e: Array, w: Array, out: Array) -> None:
-    """Fill the derivative of the rotation vector e to a target that turns by w, base frame.
+def _fill_conditions(b: Array, twist: Array, gradient: Array) -> None:
+    """Fill b, (3,) or (3 + n,), with the translation of a twist (6,) and, where there is room, -gradient."""
+    copy_into(b, twist[:3])
+    for k in range(b.size - 3):
+        b[3 + k] = -gradient[k]
+
+
+@compiled()
+def _error_rate(e: Vector, w: Vector) -> Vector:
+    """The derivative of the rotation vector e to a target that turns by w, base frame.
 
     The inverse of the left Jacobian of the rotation group (Chirikjian 2012, 10.86).
     """
@@ -172,5 +182,6 @@ def _error_rate(e: Array, w: Array, out: Array) -> None:
     factor = 1.0 / 12.0
     if angle > SMALL_ANGLE:
         factor = (1.0 - 0.5 * angle * sin(angle) / (1.0 - cos(angle))) / square
-    first = np.cross(e, w)
-    out[:] = w - 0.5 * first + factor * np.cross(e, first)
+    first = cross(e, w)
+    second = cross(e, first)
+    return subtract(w, subtract(scale(0.5, first), scale(factor, second)))

@@ -11,7 +11,8 @@ from robots_core.blocks.inverse_kinematics.redundancy import (
 )
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays, error_between, pose_and_jacobian
-from robots_core.kernels.small_matrices import solve_free
+from robots_core.kernels.small_matrices import damped_gram, solve_free, solve_lower, solve_transposed
+from robots_core.kernels.vectors import copy_into
 from robots_core.validation import Array
 
 DAMPING_START = 1e-2
@@ -73,11 +74,11 @@ def solve_pose(
     if not reached(error, options) and starts.shape[0] > 0:
         other, other_error = np.empty(n), np.empty(6)
         for start in range(starts.shape[0]):
-            other[:] = starts[start]
+            copy_into(other, starts[start])
             steps += search(chain, limits, options, target, other, other_error)
             if _square(other_error) < _square(error):
-                q[:] = other
-                error[:] = other_error
+                copy_into(q, other)
+                copy_into(error, other_error)
             if reached(error, options):
                 break
     if not reached(error, options):  # all steps for the closest point
@@ -137,13 +138,13 @@ def search(
         # Close to the solution damping decreases with the error: the last steps are those of Newton's method.
         damping, growth = max(min(damping / DAMPING_GROWTH**2, next_cost), DAMPING_LOWEST), DAMPING_GROWTH
         cost = next_cost
-        q[:] = next_q
-        error[:] = next_error
+        copy_into(q, next_q)
+        copy_into(error, next_error)
         J, next_J = next_J, J
     return options[2]
 
 
-@compiled(nrt=False)
+@compiled()
 def _damped_step(
     J: Array, error: Array, q: Array, limits: Array, damping: float, memory: Memory, step: Array
 ) -> None:
@@ -198,6 +199,7 @@ def _self_motion(
     n = q.size
     r, T, J, desired = np.empty(3), np.empty((3, 3)), np.empty((6, n)), np.empty(n)
     candidate, candidate_error = np.empty(n), np.empty(6)
+    L, task = np.empty((6, 6)), np.empty(6)
     correction = (options[0], options[1], CORRECTION_STEPS, PATIENT)
     steps, part = 0, SELF_MOTION_PART
     for _ in range(SELF_MOTION_STEPS):
@@ -206,10 +208,16 @@ def _self_motion(
         for i in range(n):  # directions that the limits exclude
             if (q[i] <= limits[0, i] and desired[i] < 0.0) or (q[i] >= limits[1, i] and desired[i] > 0.0):
                 desired[i] = 0.0
-        A = J @ J.T
+        damped_gram(J, NULL_SPACE_DAMPING, L)
         for row in range(6):
-            A[row, row] += NULL_SPACE_DAMPING
-        desired -= J.T @ np.linalg.solve(A, J @ desired)
+            task[row] = 0.0
+            for i in range(n):
+                task[row] += J[row, i] * desired[i]
+        solve_lower(L, task)
+        solve_transposed(L, task)
+        for i in range(n):
+            for row in range(6):
+                desired[i] -= J[row, i] * task[row]
         largest = 0.0
         for i in range(n):
             largest = max(largest, abs(desired[i]))
@@ -220,8 +228,8 @@ def _self_motion(
             candidate[i] = q[i] + factor * desired[i]
         steps += 1 + search(chain, limits, correction, target, candidate, candidate_error)
         if reached(candidate_error, options):
-            q[:] = candidate
-            error[:] = candidate_error
+            copy_into(q, candidate)
+            copy_into(error, candidate_error)
         else:
             part *= 0.5
     return steps

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.small_matrices import factorise, solve_lower, solve_transposed
+from robots_core.kernels.vectors import copy_into
 from robots_core.validation import Array
 
 SOLVED = 0
@@ -93,11 +94,11 @@ def solve_factorised(
         np.zeros(n + 1),
     )
     solve_lower(L, y0)
-    y[:] = y0
+    copy_into(y, y0)
     multipliers[:] = 0.0
     count, fresh = 0, True
     for _ in range(MAX_ITERATIONS):
-        x[:] = y
+        copy_into(x, y)
         solve_transposed(L, x)
         chosen, side = _most_violated(low, high, C, x, set_.side)
         if chosen >= 0:
@@ -128,7 +129,7 @@ def solve_factorised(
     return EXHAUSTED
 
 
-@compiled(nrt=False)
+@compiled()
 def _most_violated(low: Array, high: Array, C: Array, x: Array, sides: Array) -> tuple[int, float]:
     """The constraint that x violates most, bounds first, and its side; -1 if there is none."""
     n = x.size
@@ -154,7 +155,7 @@ def _most_violated(low: Array, high: Array, C: Array, x: Array, sides: Array) ->
     return chosen, side
 
 
-@compiled(nrt=False)
+@compiled()
 def _enter(
     L: Array, C: Array, low: Array, high: Array, chosen: int, side: float, count: int, set_: ActiveSet
 ) -> None:
@@ -170,7 +171,7 @@ def _enter(
     set_.bound[count] = -high[chosen] if side > 0.0 else low[chosen]
 
 
-@compiled(nrt=False)
+@compiled()
 def _make_active(y: Array, r: Array, count: int, set_: ActiveSet) -> tuple[int, int]:
     """Move y to the entering constraint, and drop those that become inactive; a status and the new count."""
     Q, R, u = set_.Q, set_.R, set_.u
@@ -207,7 +208,7 @@ def _make_active(y: Array, r: Array, count: int, set_: ActiveSet) -> tuple[int, 
     return EXHAUSTED, count
 
 
-@compiled(nrt=False)
+@compiled()
 def _orthogonalise(set_: ActiveSet, k: int) -> tuple[float, float]:
     """Fill row k of Q and column k of R; the squares of the normal, and of its part across those before.
 
@@ -238,7 +239,7 @@ def _orthogonalise(set_: ActiveSet, k: int) -> tuple[float, float]:
     return length, rest
 
 
-@compiled(nrt=False)
+@compiled()
 def _drop(set_: ActiveSet, leaving: int, count: int) -> None:
     """Remove one of `count` constraints; those behind it move up."""
     set_.side[set_.number[leaving]] = 0.0
@@ -249,7 +250,7 @@ def _drop(set_: ActiveSet, leaving: int, count: int) -> None:
         _orthogonalise(set_, k)
 
 
-@compiled(nrt=False)
+@compiled()
 def _recompute(y0: Array, y: Array, count: int, set_: ActiveSet) -> None:
     """Fill y and u from the active constraints: R u = v, y = y0 + Q^T v, v = R^-T b - Q y0."""
     Q, R, u = set_.Q, set_.R, set_.u

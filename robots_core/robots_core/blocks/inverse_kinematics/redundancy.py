@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from robots_core.errors import InvalidInputError
 from robots_core.kernels.compiled import compiled
-from robots_core.kernels.vectors import cross, dot
+from robots_core.kernels.small_matrices import damped_gram, solve_lower, solve_transposed
+from robots_core.kernels.vectors import cross, dot, row_of
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, read_only
 
@@ -108,10 +109,11 @@ def desired_displacement(redundancy: RedundancyArrays, q: Array, J: Array, desir
 def _manipulability_gradient(J: Array, gradient: Array) -> None:
     """Gradient of log sqrt(det(J J^T)) = trace(J^+ dJ/dq_k), with dJ/dq_k from the columns of J."""
     n = J.shape[1]
-    A = J @ J.T
-    for i in range(6):
-        A[i, i] += REGULARISATION
-    G = np.linalg.solve(A, J)
+    L, G = np.empty((6, 6)), J.T.copy()
+    damped_gram(J, REGULARISATION, L)
+    for k in range(n):
+        solve_lower(L, G[k])
+        solve_transposed(L, G[k])
     for k in range(n):
         value = 0.0
         for i in range(n):
@@ -119,7 +121,7 @@ def _manipulability_gradient(J: Array, gradient: Array) -> None:
             first, second = (k, i) if k <= i else (i, k)
             omega = (J[3, first], J[4, first], J[5, first])
             linear = cross(omega, (J[0, second], J[1, second], J[2, second]))
-            value += dot((G[0, i], G[1, i], G[2, i]), linear)
+            value += dot(row_of(G, i), linear)
             if k < i:
-                value += dot((G[3, i], G[4, i], G[5, i]), cross(omega, (J[3, i], J[4, i], J[5, i])))
+                value += dot((G[i, 3], G[i, 4], G[i, 5]), cross(omega, (J[3, i], J[4, i], J[5, i])))
         gradient[k] = value

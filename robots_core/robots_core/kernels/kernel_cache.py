@@ -1,0 +1,144 @@
+"""Machine code kept by the content of the functions that it is made of.
+
+Numba keeps compiled code as long as the file of its function has the same time and size: code made of
+functions of other files becomes stale, and any edit of a file compiles all of it again. Here the key is a
+digest of the function's bytecode, of the constants that it uses, and of the compiled functions that it calls.
+"""
+
+import hashlib
+import types
+from collections.abc import Callable, Iterator
+from typing import Any, Self
+
+import numpy as np
+from numba.core import caching
+from numba.core.dispatcher import Dispatcher
+
+LIBRARIES = {'builtins', 'math', 'numpy', 'numba'}  # whose functions change with Numba's own version alone
+
+_CONTENTS: dict[Callable[..., Any], 'KernelContent'] = {}
+_PLACES = (caching.UserProvidedCacheLocator, caching.InTreeCacheLocator, caching.UserWideCacheLocator)
+
+
+class KernelContent:
+    """What the machine code of a function is made of: the stamp that Numba compares with that of kept code.
+
+    Found when it is first compared: then the functions that this one calls are defined, even those below it.
+
+    Args:
+        function: The function.
+        options: Of its compilation.
+    """
+
+    def __init__(self, function: Callable[..., Any], **options: object) -> None:
+        self.own = _digest(function.__qualname__, sorted(options.items()), *_code(function))
+        self._function = function
+        self._whole = ''
+        _CONTENTS[function] = self
+
+    @property
+    def whole(self) -> str:
+        """Digest of all.
+
+        Raises:
+            TypeError: the function uses a value whose content is not known.
+        """
+        if not self._whole:
+            self._whole = self.own  # where a function calls itself
+            self._whole = _digest(self.own, *_used(self._function))
+        return self._whole
+
+    def __eq__(self, other: object) -> bool:
+        return self.whole == other
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[type, tuple[str]]:
+        """The digest alone is kept."""
+        return str, (self.whole,)
+
+
+class ContentLocator:
+    """One of Numba's places for compiled code, in which code is recognised by its content."""
+
+    def __init__(self, place: Any, content: KernelContent) -> None:
+        self._place, self._content = place, content
+
+    def get_cache_path(self) -> str:
+        """The folder."""
+        return str(self._place.get_cache_path())
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder."""
+        self._place.ensure_cache_path()
+
+    def get_source_stamp(self) -> KernelContent:
+        """What must be the same as when the code was compiled."""
+        return self._content
+
+    def get_disambiguator(self) -> str:
+        """The part of a file's name in which functions of one name, and their versions, differ."""
+        return self._content.own[:16]
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], file: str) -> Self | None:
+        """In the first place that can be written to; None for functions of other packages."""
+        content = _CONTENTS.get(function)
+        if content is None:
+            return None
+        places = (place.from_function(function, file) for place in _PLACES)
+        return next((cls(place, content) for place in places if place is not None), None)
+
+
+# For numba.config.CACHE_LOCATOR_CLASSES: the first one that takes a function.
+CACHE_LOCATORS = ','.join((f'{__name__}.{ContentLocator.__name__}', *(place.__name__ for place in _PLACES)))
+
+
+def _digest(*parts: object) -> str:
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+def _code(function: Any) -> Iterator[object]:
+    for code in _codes(function.__code__):
+        yield code.co_code, code.co_names, code.co_varnames
+        constants = code.co_consts[1:] if code.co_consts[0] == function.__doc__ else code.co_consts
+        yield [constant for constant in constants if not isinstance(constant, types.CodeType)]
+
+
+def _codes(code: types.CodeType) -> Iterator[types.CodeType]:
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            yield from _codes(constant)
+
+
+def _used(function: Any) -> Iterator[object]:
+    cells = (cell.cell_contents for cell in function.__closure__ or ())
+    used = dict(zip(function.__code__.co_freevars, cells, strict=True))
+    for code in _codes(function.__code__):
+        used |= {name: function.__globals__[name] for name in code.co_names if name in function.__globals__}
+    for name, value in sorted(used.items()):
+        yield name, _value(name, value)
+
+
+def _value(name: str, value: object) -> object:
+    content: object = value
+    library = getattr(value, '__module__', '').partition('.')[0]
+    if isinstance(value, Dispatcher):
+        content = _CONTENTS[value.py_func].whole
+    elif isinstance(value, np.ndarray):
+        content = value.dtype.str, value.shape, value.tobytes()
+    elif isinstance(value, tuple):
+        content = [_value(name, item) for item in value]
+    elif isinstance(value, types.ModuleType):
+        content = value.__name__
+    elif isinstance(value, type) and issubclass(value, tuple):
+        content = value.__qualname__, getattr(value, '_fields', ())
+    elif library in LIBRARIES:
+        content = library, getattr(value, '__qualname__', repr(value))
+    elif not isinstance(value, int | float | str | None):
+        raise TypeError(
+            f'{name} is of {type(value).__name__}: compiled functions use numbers, strings, arrays, tuples '
+            f'and their types, compiled functions, and functions of math, numpy and numba'
+        )
+    return content

@@ -1,0 +1,91 @@
+"""Kept machine code: used as long as all that it is made of is the same, and never longer."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from enum import Enum
+from pathlib import Path
+
+import pytest
+
+from robots_core.kernels.compiled import compiled
+
+CALLEE = """
+from robots_core.kernels.compiled import compiled
+
+@compiled()
+def part(x):
+    return 2.0 * x
+"""
+CALLER = """
+from callee import part
+from robots_core.kernels.compiled import compiled
+
+STEP = 1.0
+
+@compiled()
+def whole(x):
+    return part(x) + below(0.0)
+
+@compiled()
+def below(x):
+    return x + STEP
+
+@compiled()
+def apart(x):
+    return -x
+"""
+RUN = """
+from caller import apart, whole
+results = [whole(10.0), apart(1.0)]
+print(results[0], *(int(not f.stats.cache_hits) for f in (whole, apart)))
+"""
+NEW, KEPT = '1', '0'
+
+
+def run(folder: Path) -> list[str]:
+    """The result of `whole`, and for each function whether it was compiled."""
+    return subprocess.run(
+        [sys.executable, '-c', RUN], cwd=folder, capture_output=True, text=True, check=True
+    ).stdout.split()
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / 'callee.py').write_text(CALLEE)
+    (tmp_path / 'caller.py').write_text(CALLER)
+    assert run(tmp_path) == ['21.0', NEW, NEW]
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ('file', 'old', 'new', 'expected'),
+    [
+        ('callee.py', '2.0', '3.0', ['31.0', NEW, KEPT]),
+        ('caller.py', 'STEP = 1.0', 'STEP = 5.0', ['25.0', NEW, KEPT]),
+        ('caller.py', '-x', '0 - x', ['21.0', KEPT, NEW]),
+        ('caller.py', 'STEP = 1.0', '# A comment, and a line more.\n\nSTEP = 1.0', ['21.0', KEPT, KEPT]),
+        ('callee.py', '(x):', '(x):\n    """What it does."""', ['21.0', KEPT, KEPT]),
+    ],
+    ids=['a function that is called', 'a constant', 'another function', 'comments', 'documentation'],
+)
+def test_an_edit_compiles_what_depends_on_it(
+    folder: Path, file: str, old: str, new: str, expected: list[str]
+):
+    source = folder / file
+    source.write_text(source.read_text().replace(old, new))
+    assert run(folder) == expected
+
+
+class Side(Enum):
+    LEFT = 1
+
+
+def is_left(side: Side) -> bool:
+    return side is Side.LEFT
+
+
+def test_a_value_of_unknown_content_is_an_error():
+    with pytest.raises(TypeError, match='Side is of EnumType: compiled functions use numbers'):
+        compiled()(is_left)(Side.LEFT)
