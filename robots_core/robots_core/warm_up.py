@@ -26,16 +26,14 @@ def compile_in_parallel(jobs: Sequence[Callable[[], None]]) -> None:
 
     Jobs begin in their order: those first that compile what others share. The machine code is kept on disk.
     """
-    print(f'Compiling {len(jobs)} groups of functions ...', flush=True)
+    print(f'Compiling {len(jobs)} groups of functions, about a minute on two processors ...', flush=True)
     start = time.monotonic()
     with ProcessPoolExecutor(mp_context=get_context('spawn')) as pool:
         running = {pool.submit(job): job.__name__.replace('_', ' ') for job in jobs}
         for number, done in enumerate(as_completed(running), 1):
             done.result()
             seconds = time.monotonic() - start
-            rest = seconds / number * (len(jobs) - number)
-            ahead = f', about {rest:.0f} s to go' if rest else ''
-            print(f'  {number} of {len(jobs)}: {running[done]} ({seconds:.0f} s{ahead})', flush=True)
+            print(f'  {number} of {len(jobs)}: {running[done]} ({seconds:.0f} s)', flush=True)
 
 
 def numerical_inverse_kinematics() -> None:

@@ -25,7 +25,8 @@ from robots_core.blocks.inverse_kinematics.viability import (
 from robots_core.kernels.chain_dynamics import mass_matrix_and_bias
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays, error_between, pose_and_jacobian
-from robots_core.kernels.small_matrices import factorise, solve_lower, solve_transposed
+from robots_core.kernels.small_matrices import damped_gram, factorise, solve_lower, solve_transposed
+from robots_core.kernels.vectors import copy_into
 from robots_core.validation import Array
 
 POSITION, VELOCITY, ACCELERATION = 1, 2, 3
@@ -140,9 +141,14 @@ def _task(
             gradients[1, i] += J[row, i] * error[row]
         if weight > 0.0:
             rows += 1
-    H = J.T @ J
+    H, L = np.zeros((n, n)), np.empty((n, n))
+    for row in range(6):
+        for i in range(n):
+            for j in range(n):
+                H[i, j] += J[row, i] * J[row, j]
+    factorise(H, L)
     # Close to the smallest squared singular value, and smooth in q where two of them cross.
-    smallest = _harmonic_value(J, rows) if rows <= n else 1.0 / _inverse_trace(H)
+    smallest = _harmonic_value(J, rows) if rows <= n else 1.0 / _inverse_trace(L)
     damping = MOTION_WEIGHT
     if smallest < SINGULAR_VALUE**2:
         damping += DAMPING**2 * (1.0 - smallest / SINGULAR_VALUE**2)
@@ -157,20 +163,20 @@ def _harmonic_value(J: Array, rows: int) -> float:
     chosen, used = np.empty((rows, J.shape[1])), 0
     for row in range(6):
         if used < rows and (J[row] != 0.0).any():
-            chosen[used] = J[row]
+            copy_into(chosen[used], J[row])
             used += 1
     if used < rows:
         return 0.0
-    return 1.0 / _inverse_trace(chosen @ chosen.T)
+    L = np.empty((rows, rows))
+    damped_gram(chosen, 0.0, L)
+    return 1.0 / _inverse_trace(L)
 
 
 @compiled()
-def _inverse_trace(A: Array) -> float:
-    """Trace of the inverse of a positive definite matrix: the squares of the inverse of its factor."""
-    n = A.shape[0]
-    L, column = np.empty((n, n)), np.empty(n)
-    factorise(A, L)
-    trace = 0.0
+def _inverse_trace(L: Array) -> float:
+    """Trace of the inverse of a matrix with the Cholesky factor L: the squares of the factor's inverse."""
+    n = L.shape[0]
+    column, trace = np.empty(n), 0.0
     for j in range(n):
         column[:] = 0.0
         column[j] = 1.0
