@@ -15,6 +15,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from robots_core import Pose, load_robot_model
+from robots_core.blocks.visualizer import Visualizer
 from robots_core.errors import InvalidInputError
 from robots_core.nodes.transforms import LinkTransforms
 from robots_core.nodes.visualizer_node import VisualizerNode
@@ -54,7 +55,8 @@ def test_description_is_latched(ros_nodes: Any):
     assert texts == [load_robot_model(ROBOT).description]
 
 
-def test_page_follows_joint_states_and_survives_bad_ones(ros_nodes: Any):
+def test_page_follows_joint_states_and_survives_bad_ones(ros_nodes: Any, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(Visualizer, 'watched', True)
     node = make_node(ros_nodes)
     robot = load_robot_model(ROBOT)
     tester = ros_nodes.create_node()

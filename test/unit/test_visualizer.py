@@ -62,6 +62,21 @@ def test_frames_follow_the_robot(robot: BaseRobotModel, visualizer: Visualizer):
     _assert_at(visualizer._frames[0], np.zeros(3), np.eye(3))
 
 
+def test_the_way_of_a_tool_that_nobody_watched_is_shown_to_the_next_browser(
+    visualizer: Visualizer, robot: BaseRobotModel, monkeypatch: pytest.MonkeyPatch
+):
+    before = _pose(visualizer._tool_frame)
+    way = [robot.home + angle for angle in np.linspace(0.0, 0.1, 20)]
+    for q in way[:-1]:
+        visualizer.follow(q)
+    assert before.distance_to(_pose(visualizer._tool_frame)) == (0.0, 0.0)
+    monkeypatch.setattr(Visualizer, 'watched', True)
+    visualizer.follow(way[-1])
+    pose = DirectKinematics(robot).forward(way[-1])
+    _assert_at(visualizer._tool_frame, pose.r, pose.T)
+    assert len(visualizer._trace._points) > 10
+
+
 def test_every_shape_hangs_below_its_frame(robot: BaseRobotModel, visualizer: Visualizer):
     for shape in robot.visualization.shapes:
         frame = visualizer._frames[shape.frame].name

@@ -11,6 +11,7 @@ SPACING = 0.002  # m between two points of the line
 JUMP = 0.3  # m between two updates; larger ones start a new line
 CHUNK = 100  # segments of a piece, which is sent again when one is added
 CHUNKS = 60  # pieces kept; older ones are removed
+LONGEST_TRACE = CHUNK * CHUNKS  # points
 COLOUR = (0, 150, 136)
 THICKNESS = 3.0  # pixels
 

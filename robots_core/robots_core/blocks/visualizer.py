@@ -3,6 +3,7 @@
 import contextlib
 import io
 import socket
+from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,7 +12,7 @@ import viser
 
 from robots_core.blocks.collision.scene import AttachedObject, Scene, SceneObject
 from robots_core.blocks.direct_kinematics import DirectKinematics
-from robots_core.blocks.tool_trace import ToolTrace
+from robots_core.blocks.tool_trace import LONGEST_TRACE, ToolTrace
 from robots_core.blocks.zones.zone import HalfSpace, PlacedBox, Zone
 from robots_core.errors import InvalidInputError
 from robots_core.orientation import quaternion_of
@@ -93,6 +94,7 @@ class Visualizer:
         self._flange = Pose(r[-1], T[-1]).inverse() @ Pose(*robot.direct_kinematics(robot.home))
         self._add_panel()
         self._shown = np.full(robot.num_axes, np.nan)
+        self._unseen: deque[Array] = deque(maxlen=LONGEST_TRACE)
         self.update(robot.home)
 
     @property
@@ -115,8 +117,26 @@ class Visualizer:
             for frame, position, orientation in zip(self._frames[1:], r, T, strict=True):
                 frame.position, frame.wxyz = position, _wxyz(orientation)
             self._tool_frame.position, self._tool_frame.wxyz = tool.r, _wxyz(tool.T)
+            while self._unseen:
+                self._trace.add(self._unseen.popleft())
             self._trace.add(tool.r)
         self._shown = np.array(q)
+
+    def follow(self, q: Array) -> None:
+        """As `update` while a browser shows the page; else only keep the way of the tool for the next one.
+
+        Raises:
+            InvalidInputError: `q` of another shape or not finite.
+        """
+        if self.watched:
+            self.update(q)
+        else:
+            self._unseen.append(self._kinematics.forward(q).r)
+
+    @property
+    def watched(self) -> bool:
+        """A browser shows the page."""
+        return bool(self._server.get_clients())
 
     def show_scene(self, scene: Scene) -> None:
         """Show obstacles, attached objects and zones of a scene in the place of those shown before."""
@@ -137,6 +157,7 @@ class Visualizer:
 
     def clear_trace(self) -> None:
         """Clear the displayed path of the tool."""
+        self._unseen.clear()
         self._trace.clear()
 
     def close(self) -> None:

@@ -24,7 +24,8 @@ class VisualizerNode(RobotNode):
     """Shows `joint_states` in a browser page and publishes `robot_description`, latched.
 
     Shows the obstacles and attached objects of a scene too, from its file and from `collision_objects`.
-    Where tf2_msgs is installed, the links' transforms are published on /tf too.
+    Nothing is drawn while no browser shows the page. Where tf2_msgs is installed, the links' transforms are
+    published on /tf too.
     """
 
     takes_part = False  # a display does not hold time
@@ -63,7 +64,7 @@ class VisualizerNode(RobotNode):
 
     def _update(self, message: JointState) -> None:
         q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
-        self._visualizer.update(q)
+        self._visualizer.follow(q)
         if self._transforms is not None:
             transforms = self._transforms.messages(message.header.stamp, q)
             self._tf.publish(self._tf_message(transforms=transforms))
