@@ -112,7 +112,9 @@ lint: .venv/.installed_tests  ## Lint, format and type checks
 	@$(BUILD_ENVIRONMENT) python -m mypy
 
 .PHONY: test
-test: build lint  ## Lint, types and all tests
+test: .venv/.installed_tests  ## Lint, types and all tests
+	@# The type checker has one process, compilation as many as there are jobs.
+	@$(MAKE) --no-print-directory --jobs=2 build lint
 	@# One more at once than there are processors: nodes wait for each other most of the time.
 	@$(RUN) python -m pytest -n $$(($$(nproc) + 1)) --dist worksteal test/contract test/property test/unit \
 	  test/node test/bag test/cell test/endurance

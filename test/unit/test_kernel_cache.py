@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 from enum import Enum
@@ -51,12 +52,18 @@ def run(folder: Path) -> list[str]:
     ).stdout.split()
 
 
+@pytest.fixture(scope='module')
+def compiled_once(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp('kernels')
+    (folder / 'callee.py').write_text(CALLEE)
+    (folder / 'caller.py').write_text(CALLER)
+    assert run(folder) == ['21.0', NEW, NEW]
+    return folder
+
+
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    (tmp_path / 'callee.py').write_text(CALLEE)
-    (tmp_path / 'caller.py').write_text(CALLER)
-    assert run(tmp_path) == ['21.0', NEW, NEW]
-    return tmp_path
+def folder(compiled_once: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(compiled_once, tmp_path / 'kernels'))
 
 
 @pytest.mark.parametrize(
