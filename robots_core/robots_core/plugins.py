@@ -1,5 +1,7 @@
 """Plugins of third parties, found through entry points."""
 
+import sys
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
@@ -8,6 +10,11 @@ from robots_core.errors import RobotsError
 
 def installed_plugins(group: str) -> dict[str, list[EntryPoint]]:
     """All entry points of a group by name; several where distributions offer the same name."""
+    return _installed(group, tuple(sys.path))
+
+
+@cache
+def _installed(group: str, path: tuple[str, ...]) -> dict[str, list[EntryPoint]]:  # noqa: ARG001  # where they are
     plugins: dict[str, list[EntryPoint]] = {}
     for point in entry_points(group=group):
         plugins.setdefault(point.name, []).append(point)
