@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from ruckig import InputParameter, Ruckig
@@ -160,6 +161,23 @@ def test_whatever_stops_it_stops_on_the_path(target: tuple[float, ...], after: i
         rig.run()
         assert rig.controller.outcomes[0].ok
         rig.check_limits()
+
+
+@pytest.mark.parametrize('after', [60, 100], ids=['while it accelerates', 'at full speed'])
+def test_velocities_keep_the_limits_of_acceleration_when_a_change_of_speed_begins(after: int) -> None:
+    rig = Rig(period=0.004)
+    rig.controller.follow(ruckig_move(START, np.array([2.5, 1.5, -1.2])), 'a', rig.now)
+    for _ in range(after):
+        rig.step()
+    began = len(rig.references)
+    for paused in (True, False):
+        rig.controller.speed.paused = paused
+        for _ in range(100):
+            rig.step()
+    velocity = np.array([reference[1] for reference in rig.references[began - 1 :]])
+    change = np.abs(np.diff(velocity, axis=0)) / (AXES.acceleration * rig.dt)
+    # The path itself accelerates meanwhile, which the mean of the period leaves out: 0.2 %.
+    assert np.max(change) <= 1.003
 
 
 def test_a_reference_that_breaks_a_limit_never_leaves_and_the_robot_brakes() -> None:

@@ -84,6 +84,7 @@ class PathFollowing:
             # The derivative at this instant may lie past its mean over the period; only that mean moves
             # the robot, and the path speed keeps it inside the limits.
             limit = self._axes.acceleration
-            change = path[1] * ((law.speed - speed_before) / self._period)
+            speed = law.speed if speed_before > 0.0 else law.end_speed
+            change = path[1] * ((speed - speed_before) / self._period)
             self._sample[2] = np.clip(self._sample[2] + change, -limit, limit)
         return True

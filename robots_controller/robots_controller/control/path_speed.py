@@ -31,6 +31,7 @@ class PathSpeed:
         self._largest = acceleration * period**2 * (1.0 + ROUNDING)
         self._ramp = period**2 / positive(ramp_time, 'ramp_time', 's')
         self._advance = self._end = period
+        self._change = 0.0
         self.hurry = False
         """Change the speed as fast as the limits permit, whatever the ramp time."""
 
@@ -47,6 +48,7 @@ class PathSpeed:
     def reset(self, speed: float) -> None:
         """Set the speed at once; allowed only where the path stands."""
         self._advance = self._end = speed * self._period
+        self._change = 0.0
 
     def step(self, target: float, path_time: float, position: Callable[[float], Array]) -> float:
         """Move on for one period, with the speed on its way to `target`.
@@ -65,10 +67,16 @@ class PathSpeed:
             if not self.hurry:
                 change = min(max(change, -self._ramp), self._ramp)
             change = self._allowed(change, path_time, position)
-            self._advance += change
-        # A mean is the speed in the middle of its period; half of the change is still to come, to the target.
+        # The mean of a period is the speed in its middle: of a change that begins, it has half.
+        begins = change * self._change <= 0.0
+        if begins:
+            change *= 0.5
+        self._advance += change
         rest = wanted - self._advance
-        self._end = self._advance + min(max(0.5 * change, min(rest, 0.0)), max(rest, 0.0))
+        self._end = self._advance + min(
+            max(change if begins else 0.5 * change, min(rest, 0.0)), max(rest, 0.0)
+        )
+        self._change = change
         return path_time + self._advance
 
     def _allowed(self, change: float, path_time: float, position: Callable[[float], Array]) -> float:
