@@ -22,7 +22,8 @@ EXACT = 1.0 + 1e-5
 # of the acceleration limit, and of 40 % where it reverses.
 RESAMPLED = 1.0 + 0.374 * 2.0 / 5.0
 # Where a change of the path speed ends, by an interrupt or an override, one of the five velocities is off by
-# half of the change. A velocity that is off at an end of a quintic adds up to 3.9 times that to its acceleration.
+# half of the change. A velocity that is off at an end of a quintic adds up to 3.9 times that to the
+# acceleration.
 RESAMPLED_WITH_CHANGES = RESAMPLED + 3.9 * 0.5 / 5.0
 
 
