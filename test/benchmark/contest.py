@@ -83,7 +83,7 @@ HEADINGS = ('what', 'robot', 'ours', 'peer', 'ratio', 'at most', 'solutions')
 
 
 def show(rows: list[Row], title: str, *, markdown: bool) -> None:
-    """Print the table, as Markdown for the README or for the terminal."""
+    """Print the table, as Markdown for the documentation or for the terminal."""
     if markdown:
         print(f'{title}:\n')
         for cells in (HEADINGS, ('---',) * len(HEADINGS), *(row.cells for row in rows)):

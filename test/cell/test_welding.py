@@ -71,9 +71,9 @@ def test_the_bag_holds_all_topics_as_mcap(cell: LockstepRun) -> None:
     assert [file.suffix for file in cell.bag.iterdir() if file.suffix != '.yaml'] == ['.mcap']
 
 
-def test_the_readme_lists_the_topics(cell: LockstepRun) -> None:
-    readme = (PROGRAMS.parent / 'README.md').read_text()
-    table = readme[readme.index('### Topics') : readme.index('### Services')]
+def test_the_documentation_lists_the_topics(cell: LockstepRun) -> None:
+    page = (PROGRAMS.parent / 'docs' / 'topics.md').read_text()
+    table = page[page.index('## Topics') : page.index('## Services')]
     rows = [line.split('|')[1:-1] for line in table.splitlines() if line.startswith('| `')]
     listed = {name for row in rows for name in re.findall(r'`([^`]+)`', row[0])}
     running = {node.name for node in cell_graph(robot=ROBOT)}

@@ -1,4 +1,4 @@
-"""The README's section "Add your robot", followed literally."""
+"""The page "Add your robot", followed literally."""
 
 from __future__ import annotations
 
@@ -31,10 +31,9 @@ class Step:
 
 
 def read_steps() -> list[Step]:
-    readme = (ROOT / 'README.md').read_text()
-    section = readme.partition('\n## Add your robot\n')[2].partition('\n## ')[0]
+    page = (ROOT / 'docs' / 'add_your_robot.md').read_text()
     steps = []
-    for match in BLOCK.finditer(section):
+    for match in BLOCK.finditer(page):
         language, text = match['language'], textwrap.dedent(match['text'])
         files = FILE.findall(match['before'])
         steps.append(Step(language, text, None if language == 'bash' else files[-1]))

@@ -242,9 +242,9 @@ def test_mistakes_in_tolerances_are_told_with_their_line(
     assert str(info.value).startswith(f't.yaml:{line}: {message}')
 
 
-def test_the_example_of_the_readme_is_valid(tmp_path: Path):
-    readme = (Path(__file__).parents[2] / 'README.md').read_text()
-    (example,) = (text for text in re.findall(r'```yaml\n(.*?)```', readme, re.DOTALL) if 'align:' in text)
+def test_the_example_of_the_documentation_is_valid(tmp_path: Path):
+    page = (Path(__file__).parents[2] / 'docs' / 'bags.md').read_text()
+    (example,) = (text for text in re.findall(r'```yaml\n(.*?)```', page, re.DOTALL) if 'align:' in text)
     (tmp_path / 't.yaml').write_text(example)
     tolerances = read_tolerances(tmp_path / 't.yaml')
     assert tolerances.of_topic('/rosout', latched=True).mode == 'ignore'

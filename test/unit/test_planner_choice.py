@@ -26,7 +26,7 @@ from robots_planning.planner_choice import (
     planner_for,
 )
 
-README = (Path(__file__).parents[2] / 'README.md').read_text()
+PAGE = (Path(__file__).parents[2] / 'docs' / 'planners.md').read_text()
 PLUGIN = """
 from robots_planning import LinearCartesianLimited, TrajectoryGenerator
 
@@ -64,10 +64,9 @@ def start() -> np.ndarray:
 
 @pytest.fixture
 def third_party(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A distribution with planners of its own, beside that of the README."""
-    section = README.partition('\n### Planners\n')[2].partition('\n### ')[0]
-    (code,) = re.findall(r'```python\n(.*?)```', section, re.DOTALL)
-    (project,) = re.findall(r'```toml\n(.*?)```', section, re.DOTALL)
+    """A distribution with planners of its own, beside that of the documentation."""
+    (code,) = re.findall(r'```python\n(.*?)```', PAGE, re.DOTALL)
+    (project,) = re.findall(r'```toml\n(.*?)```', PAGE, re.DOTALL)
     points = tomllib.loads(project)['project']['entry-points'][ENTRY_POINT_GROUP]
     (name, value), *others = points.items()
     assert not others

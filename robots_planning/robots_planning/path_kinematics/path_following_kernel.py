@@ -28,7 +28,7 @@ FIRST_STEP = 1.0 / 16.0
 LONGEST_STEP = 1.0 / 8.0
 SHORTEST_STEP = 1e-8  # of the path; a joint path that needs shorter steps is discontinuous
 MAX_SAMPLES = 4000
-# Largest deviation of the tool from the path between samples, m and rad; the README promises 1e-5.
+# Largest deviation of the tool from the path between samples, m and rad; 1e-5 is promised.
 PATH_TOLERANCE = 2e-7
 # Largest deviation of the axes, rad (m): close to a singularity the tool hardly moves with them.
 JOINT_TOLERANCE = 1e-5

@@ -1,4 +1,4 @@
-"""What the README says is so."""
+"""What the README and the pages of the documentation say is so."""
 
 from __future__ import annotations
 
@@ -16,21 +16,25 @@ from robots_planning import MotionSettings
 from robots_planning.motion_kinds import MOTION_KINDS
 
 ROOT = Path(__file__).parents[2]
-README = (ROOT / 'README.md').read_text()
+README = ROOT / 'README.md'
+DOCS = ROOT / 'docs'
+PAGES = [README, *sorted(DOCS.glob('*.md'))]
+EVERYTHING = '\n'.join(page.read_text() for page in PAGES)
 
 
-def section(title: str) -> str:
-    """The text below a heading, up to the next one of the same or a higher level."""
-    level = re.search(rf'^(##+) {re.escape(title)}$', README, re.MULTILINE)
-    assert level, f'no heading {title!r}'
-    rest = README[level.end() :]
+def section(page: Path, title: str) -> str:
+    """The text below a heading of a page, up to the next one of the same or a higher level."""
+    text = page.read_text()
+    level = re.search(rf'^(#+) {re.escape(title)}$', text, re.MULTILINE)
+    assert level, f'no heading {title!r} in {page.name}'
+    rest = text[level.end() :]
     following = re.search(rf'^#{{1,{len(level.group(1))}}} ', rest, re.MULTILINE)
     return rest[: following.start()] if following else rest
 
 
-def table(title: str) -> list[list[str]]:
+def table(page: Path, title: str) -> list[list[str]]:
     """Rows of the first table of a section, cells stripped, without the heading."""
-    found = re.search(r'(?:^\|.*\n)+', section(title), re.MULTILINE)
+    found = re.search(r'(?:^\|.*\n)+', section(page, title), re.MULTILINE)
     assert found, f'no table below {title!r}'
     rows = [
         [cell.strip() for cell in re.split(r'(?<!\\)\|', line)[1:-1]] for line in found.group().splitlines()
@@ -43,7 +47,7 @@ def names(cell: str) -> list[str]:
 
 
 def test_the_robots_are_those_that_are_installed() -> None:
-    listed = {names(row[0])[0]: int(row[1]) for row in table('Robots')}
+    listed = {names(row[0])[0]: int(row[1]) for row in table(README, 'The robots')}
     ours = [
         point.name
         for point in entry_points(group='robots_core.robot_models')
@@ -55,7 +59,7 @@ def test_the_robots_are_those_that_are_installed() -> None:
 
 
 def test_the_nodes_are_the_executables() -> None:
-    listed = {(row[1], names(row[0])[0]) for row in table('Nodes')}
+    listed = {(row[1], names(row[0])[0]) for row in table(DOCS / 'nodes.md', 'Nodes and executables')}
     packages = ('robots_core', 'robots_planning', 'robots_controller')
     installed = {
         (point.value.split('.')[0], point.name)
@@ -66,7 +70,7 @@ def test_the_nodes_are_the_executables() -> None:
 
 
 def test_the_names_of_the_paper_lead_to_something() -> None:
-    rows = table('From the paper to the code')
+    rows = table(DOCS / 'from_the_paper.md', 'From the paper to the code')
     assert len(rows) > 15
     for row in rows:
         for name in names(row[1]):
@@ -78,17 +82,24 @@ def test_the_names_of_the_paper_lead_to_something() -> None:
 
 
 def test_the_lua_functions_are_those_of_the_interpreter() -> None:
-    listed = {names(row[0])[0]: (row[1], row[2]) for row in table('Robot programs')}
+    listed = {
+        names(row[0])[0]: (row[1], row[2]) for row in table(DOCS / 'robot_programs.md', 'Robot programs')
+    }
     assert listed == {f.signature: (f.doc, f.result or '-') for f in LUA_FUNCTIONS.values()}
 
 
 def test_the_topics_of_motion_commands_are_those_of_the_table() -> None:
-    listed = {topic: row[1] for row in table('Topics') if 'command:' in row[3] for topic in names(row[0])}
+    listed = {
+        topic: row[1]
+        for row in table(DOCS / 'topics.md', 'Topics')
+        if 'command:' in row[3]
+        for topic in names(row[0])
+    }
     assert listed == {kind.topic: kind.message_type.replace('/msg', '') for kind in MOTION_KINDS}
 
 
 def test_the_motion_settings_are_those_of_the_planner() -> None:
-    listed = {names(row[0])[0]: row[1] for row in table('Motion settings')}
+    listed = {names(row[0])[0]: row[1] for row in table(DOCS / 'planners.md', 'Motion settings')}
     said = {'': 'nearest', False: 'false', 'tool': 'tool0', 'base': "the robot's base", 'payload': 'nothing'}
     said['hold'] = 'what the arm can'
     for field in fields(MotionSettings):
@@ -99,23 +110,34 @@ def test_the_motion_settings_are_those_of_the_planner() -> None:
 
 
 def test_the_ten_lines_run(capsys: pytest.CaptureFixture[str]) -> None:
-    (code,) = re.findall(r'```python\n(.*?)```', section('Ten lines'), re.DOTALL)
+    (code,) = re.findall(r'```python\n(.*?)```', section(README, 'Ten lines'), re.DOTALL)
     exec(compile(code, 'README.md', 'exec'), {})  # noqa: S102  # our own README
     out = capsys.readouterr().out
     assert out.count('all limits kept') == 2
 
 
-def test_the_programs_and_pictures_exist() -> None:
-    for path in re.findall(r'!\[[^\]]*\]\(([^)]+)\)', README):
-        assert (ROOT / path).is_file(), path
-    for path in re.findall(r'programs/\w+\.lua', README):
+def test_what_pages_link_to_exists() -> None:
+    for page in PAGES:
+        for target in re.findall(r'\]\(([^)#]+)(?:#[^)]*)?\)', page.read_text()):
+            assert '://' in target or (page.parent / target).exists(), f'{page.name}: {target}'
+
+
+def test_the_readme_leads_to_every_page() -> None:
+    text = README.read_text()
+    assert not [page.name for page in DOCS.glob('*.md') if f'](docs/{page.name})' not in text]
+
+
+def test_the_programs_exist() -> None:
+    for path in re.findall(r'programs/\w+\.lua', EVERYTHING):
         assert (ROOT / path).is_file(), path
 
 
 def test_the_make_targets_exist() -> None:
     makefile = (ROOT / 'Makefile').read_text()
     targets = set(re.findall(r'^([a-z][a-z-]*):', makefile, re.MULTILINE))
-    code = '\n'.join(re.findall(r'```bash\n(.*?)```', README, re.DOTALL) + re.findall(r'`([^`\n]+)`', README))
+    code = '\n'.join(
+        re.findall(r'```bash\n(.*?)```', EVERYTHING, re.DOTALL) + re.findall(r'`([^`\n]+)`', EVERYTHING)
+    )
     named = set(re.findall(r'\bmake ([a-z][a-z-]*)', code))
     assert {'demo', 'test', 'build'} <= named <= targets
 
