@@ -29,42 +29,56 @@ LOG_WIDTH: Final = 130  # characters; a log file has no width of its own, and ta
 
 def add_cell_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options that say what a cell is made of."""
-    parser.add_argument('--robot', default='', help="the robot's name, or urdf:/path/to/robot.urdf")
+    parser.add_argument('--robot', default='', help='name of the robot, or urdf:/path/to/robot.urdf')
     parser.add_argument(
-        '--drive', default='second_order', choices=DRIVE_LEVELS, help='how much of a machine the drives are'
+        '--drive',
+        default='second_order',
+        choices=DRIVE_LEVELS,
+        help='level of detail of the simulated drives',
     )
-    parser.add_argument('--scene', default='', metavar='FILE', help='what the robot keeps clear of (YAML)')
-    parser.add_argument('--io', default='', metavar='FILE', help='play a PLC: YAML script of its inputs')
-    parser.add_argument('--io-map', default='', metavar='FILE', help='connect a PLC: YAML map to its topics')
+    parser.add_argument(
+        '--scene', default='', metavar='FILE', help='scene with which the robot must not collide (YAML)'
+    )
+    parser.add_argument('--io', default='', metavar='FILE', help='scripted PLC to play (YAML)')
+    parser.add_argument(
+        '--io-map', default='', metavar='FILE', help='map of inputs and outputs to the topics of a PLC (YAML)'
+    )
     parser.add_argument(
         '--payload',
         type=_payload,
         default=NOTHING,
         metavar='KG,X,Y,Z',
-        help='what the robot carries: mass, centre of mass in tool0 (m), maybe XX,XY,XZ,YY,YZ,ZZ (kg m^2)',
+        help='payload: mass, centre of mass in tool0 (m), optionally inertia XX,XY,XZ,YY,YZ,ZZ (kg m^2)',
     )
-    parser.add_argument('--rate', type=float, default=250.0, help='references per second, Hz')
     parser.add_argument(
-        '--goal-tolerance', type=float, help='largest error of an axis that has reached its target, rad'
+        '--rate', type=float, default=250.0, help='rate of the references, Hz; %(default)g by default'
+    )
+    parser.add_argument(
+        '--goal-tolerance',
+        type=float,
+        help='largest error with which an axis counts as being at its target, rad',
     )
     parser.add_argument(
         '--tool-speed-limit',
         type=float,
         default=0.0,
         metavar='M_PER_S',
-        help='highest speed of the tool and of the frames of all axes, on every motion; 0 for none',
+        help='highest speed of the tool and of the frames of all axes on every motion; 0 for no limit',
     )
     parser.add_argument(
         '--operating-mode',
         default=OperatingMode.AUTOMATIC.value,
         choices=tuple(OperatingMode),
-        help='who may command the robot, and how fast it moves; %(default)s by default',
+        help='determines who may command the robot, and how fast it may move; %(default)s by default',
     )
     parser.add_argument(
-        '--references', default='', metavar='BAG', help='recording of what guides or jogs the robot'
+        '--references', default='', metavar='BAG', help='recording whose messages guide or jog the robot'
     )
     parser.add_argument(
-        '--guided', default='', choices=METHODS, help='follow reference_pose by this inverse kinematics'
+        '--guided',
+        default='',
+        choices=METHODS,
+        help='inverse kinematics with which the robot follows reference_pose',
     )
 
 

@@ -133,7 +133,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog='lua_meta', description="Print the editor's help for robot programs."
     )
-    parser.add_argument('--robot', default='', help='the robot whose number of axes counts; any by default')
+    parser.add_argument(
+        '--robot', default='', help='robot for whose number of axes to write the help; any by default'
+    )
     options = parser.parse_args(arguments)
     try:
         num_axes = load_robot_model(options.robot).num_axes if options.robot else None

@@ -1,4 +1,4 @@
-"""cell: starts the whole suite for one robot, shows what it does, records it and ends it cleanly."""
+"""cell: start all nodes of one robot, show and record what they do, and end them cleanly."""
 
 import argparse
 import json
@@ -59,39 +59,46 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     """
     parser = argparse.ArgumentParser(prog='cell', description=__doc__)
     parser.add_argument(
-        '--program', default='', help='Lua robot program to run; its header names robot, scene and io'
+        '--program', default='', help='Lua robot program to run; its header can name robot, scene and io'
     )
     parser.add_argument('--namespace', default='/', help='ROS namespace of all nodes')
     add_cell_arguments(parser)
     parser.add_argument('--record', type=Path, metavar='FOLDER', help='record a bag below this folder')
-    parser.add_argument('--once', action='store_true', help='end when the program has ended')
-    parser.add_argument('--view', action='store_true', help='with --once: stay, so that the page stays open')
-    parser.add_argument('--port', type=int, default=8080, help='first port to try for the browser page')
+    parser.add_argument('--once', action='store_true', help='end the cell when the program has ended')
+    parser.add_argument('--view', action='store_true', help='with --once: keep the page open until Ctrl-C')
+    parser.add_argument(
+        '--port',
+        type=int,
+        default=8080,
+        help='first port to try for the browser page; %(default)d by default',
+    )
     parser.add_argument(
         '--watchdog',
         type=float,
         default=WATCHDOG,
         metavar='SECONDS',
-        help='how long a node may give no sign of life before the robot is stopped; 0: any time',
+        help='time without a sign of life of a node after which the robot stops, s; 0 for no limit',
     )
-    parser.add_argument('--debug-port', type=int, default=0, help='port for editors; 0 for none')
+    parser.add_argument(
+        '--debug-port', type=int, default=0, help='port on which editors can debug the program; 0 for none'
+    )
     parser.add_argument(
         '--no-restart',
         action='store_true',
-        help='end when a node dies; by default it is started again, and nothing moves by that',
+        help='end the cell when a node dies; by default the node is started again, and the robot stays still',
     )
     parser.add_argument(
         '--lockstep',
         action='store_true',
-        help='simulated time that advances when all nodes have done what was due, as fast as they can',
+        help='run in simulated time, as fast as the nodes can',
     )
     parser.add_argument(
         '--composed',
         action='store_true',
-        help='the nodes that do not keep time share one process: all but controller_node and drive_node, '
-        'in lock-step all; the cell needs less memory, and a node that dies ends the others of its process',
+        help='run all nodes but controller_node and drive_node in one process, in lock-step all nodes; '
+        'this needs less memory, and a node that dies ends the other nodes of the process',
     )
-    parser.add_argument('--describe', action='store_true', help='print the nodes as JSON, and start none')
+    parser.add_argument('--describe', action='store_true', help='print the nodes as JSON and start none')
     options = parser.parse_args(arguments)
     if options.once and not options.program:
         raise RobotsError('--once needs a --program to run')

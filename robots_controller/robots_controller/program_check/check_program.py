@@ -75,15 +75,22 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
         prog='check_program', description='Check robot programs before anything moves.'
     )
     parser.add_argument('programs', nargs='+', metavar='PROGRAM', help='Lua files')
-    parser.add_argument('--robot', default='', help='robot that shall run them, if not their own')
+    parser.add_argument(
+        '--robot',
+        default='',
+        help='robot to check the programs for; by default the one that each program names',
+    )
     parser.add_argument(
         '--digital', type=int, default=DIGITAL_SIZE, help='number of digital inputs and outputs'
     )
     parser.add_argument('--analog', type=int, default=ANALOG_SIZE, help='number of analog inputs and outputs')
-    parser.add_argument('--walk', action='store_true', help='walk through the program in simulation too')
-    parser.add_argument('--scene', default='', metavar='FILE', help='walk; keep clear of this (YAML)')
+    parser.add_argument('--walk', action='store_true', help='simulate the programs too')
+    parser.add_argument('--scene', default='', metavar='FILE', help='simulate, with this scene (YAML)')
     parser.add_argument(
-        '--io', default='', metavar='FILE', help='walk with all combinations of the inputs of this PLC script'
+        '--io',
+        default='',
+        metavar='FILE',
+        help='simulate, with all combinations of the inputs of this PLC script',
     )
     parser.add_argument(
         '--io-map',
@@ -92,10 +99,13 @@ def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
         help='names of inputs and outputs: a map to the topics of a PLC',
     )
     parser.add_argument(
-        '--combinations', type=int, default=MOST_COMBINATIONS, help='most combinations to walk'
+        '--combinations',
+        type=int,
+        default=MOST_COMBINATIONS,
+        help='largest number of combinations to simulate',
     )
     parser.add_argument(
-        '--longest', type=float, default=LONGEST_TIME, help='longest simulated time of a walk, s'
+        '--longest', type=float, default=LONGEST_TIME, help='longest simulated time of a combination, s'
     )
     return parser.parse_args(arguments)
 

@@ -33,7 +33,12 @@ def check_bag(arguments: Sequence[str]) -> int:
     )
     parser.add_argument('recorded', type=Path, help='the bag to check: a folder, or a .mcap or .db3 file')
     parser.add_argument('--against', type=Path, required=True, metavar='EXPECTED', help='the expected bag')
-    parser.add_argument('--tolerances', type=Path, metavar='FILE', help='YAML file; without one nearly none')
+    parser.add_argument(
+        '--tolerances',
+        type=Path,
+        metavar='FILE',
+        help='tolerances (YAML); by default all values must be equal',
+    )
     parser.add_argument('--junit', type=Path, metavar='FILE', help='write the result as JUnit XML')
     parser.add_argument('--partial', action='store_true', help='accept a recorded bag that was cut off')
     options = parser.parse_args(arguments)

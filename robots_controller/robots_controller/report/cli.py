@@ -1,4 +1,4 @@
-"""report: what a recorded run did, or what changed between two."""
+"""report: show what a recorded run did, or compare two runs."""
 
 import argparse
 import sys
@@ -23,10 +23,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     parser = argparse.ArgumentParser(prog='report', description=__doc__)
     parser.add_argument('bag', type=Path, metavar='BAG', help='a recorded bag, live or simulated')
-    parser.add_argument('other', type=Path, nargs='?', metavar='BAG', help='a second one: what changed since')
+    parser.add_argument(
+        'other', type=Path, nargs='?', metavar='BAG', help='a second bag, to compare with the first'
+    )
     parser.add_argument('-o', '--output', type=Path, metavar='FILE', help='write an HTML page')
-    parser.add_argument('--robot', default='', help="the robot's name; by default the one that the bag names")
-    parser.add_argument('--scene', type=Path, metavar='FILE', help='what stands around the robot (YAML)')
+    parser.add_argument(
+        '--robot', default='', help='name of the robot; by default the one that the bag names'
+    )
+    parser.add_argument(
+        '--scene', type=Path, metavar='FILE', help='scene around the robot, for distances (YAML)'
+    )
     parser.add_argument('--namespace', default='/', help='ROS namespace of the recorded cell')
     options = parser.parse_args(arguments)
     return exit_code(lambda console: _report(options, console))

@@ -1,4 +1,4 @@
-"""simulate: runs a robot program in a simulated cell and says how it went."""
+"""simulate: run a robot program in a simulated cell, and judge the run as cell does."""
 
 import argparse
 import contextlib
@@ -57,8 +57,13 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('program', help='Lua robot program to run')
     add_cell_arguments(parser)
     parser.add_argument('--bag', type=Path, metavar='FOLDER', help='write a bag; the folder must not exist')
-    parser.add_argument('--report', type=Path, metavar='FILE', help='write a report, one HTML page')
-    parser.add_argument('--points', default='', metavar='FILE', help='taught points, in the place of the own')
+    parser.add_argument('--report', type=Path, metavar='FILE', help='write a report as one HTML page')
+    parser.add_argument(
+        '--points',
+        default='',
+        metavar='FILE',
+        help='file of taught points; by default the one beside the program',
+    )
     parser.add_argument(
         '--longest', type=float, default=LONGEST_TIME, help='longest simulated time of the program, s'
     )

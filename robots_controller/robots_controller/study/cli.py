@@ -34,10 +34,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
         '--output',
         type=Path,
         metavar='FOLDER',
-        help='for the results; out/<name of the file> by default',
+        help='folder for the results; out/<name of the file> by default',
     )
-    parser.add_argument('--scheduler', default='', metavar='ADDRESS', help='run on the workers of Dask there')
-    parser.add_argument('--workers', type=int, default=0, help='processes here; one for each core by default')
+    parser.add_argument(
+        '--scheduler',
+        default='',
+        metavar='ADDRESS',
+        help='run on the workers of the Dask scheduler at this address',
+    )
+    parser.add_argument(
+        '--workers',
+        type=int,
+        default=0,
+        help='number of processes on this machine; one for each core by default',
+    )
     options = parser.parse_args(arguments)
     try:
         from robots_controller.study.run_study import run_study  # noqa: PLC0415  # only here needed

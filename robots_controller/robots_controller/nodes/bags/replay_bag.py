@@ -32,12 +32,14 @@ def replay_bag(arguments: Sequence[str]) -> int:
     """
     parser = argparse.ArgumentParser(
         prog='replay_bag',
-        description='Publish a bag onto real topics with its timing, the state of latched topics first.',
+        description='Publish the messages of a bag at their times, the last state of latched topics first.',
     )
     parser.add_argument('bag', type=Path, help='a folder, or a .mcap or .db3 file')
-    parser.add_argument('--rate', type=float, default=1.0, help='times faster than recorded')
-    parser.add_argument('--start', type=float, default=0.0, help='where to begin, s after the first message')
-    parser.add_argument('--topics', nargs='+', default=(), help='publish these alone')
+    parser.add_argument('--rate', type=float, default=1.0, help='speed relative to the recording')
+    parser.add_argument(
+        '--start', type=float, default=0.0, help='time after the first message at which to begin, s'
+    )
+    parser.add_argument('--topics', nargs='+', default=(), help='publish only these topics')
     parser.add_argument(
         '--remap', nargs='+', default=(), metavar='FROM:=TO', help='publish topics under other names'
     )
