@@ -142,7 +142,7 @@ class CellListener:
         self._spinning.call(coordinator.hold)
         deadline = time.monotonic() + PATIENCE
         while not (self.held or self.problem) or recorder.missing(coordinator.sent):
-            if self.problem or time.monotonic() > deadline:
+            if self.problem or recorder.problem or time.monotonic() > deadline:
                 recorder.problem = recorder.problem or recorder.missing(coordinator.sent)
                 return
             time.sleep(POLL)
