@@ -70,7 +70,7 @@ class PathFollowing:
     def _advance(self, motion: FollowedMotion, target: float) -> bool:
         """Move along the path for one period; False when the reference stands."""
         law = self._speed
-        before, speed_before = motion.path_time, law.speed
+        before = motion.path_time
         motion.path_time = law.step(target, before, motion.position)
         if motion.path_time == before or before >= motion.trajectory.duration:
             self._sample[1:] = 0.0
@@ -80,11 +80,9 @@ class PathFollowing:
         self._sample[0] = path[0]
         self._sample[1] = path[1] * speed
         self._sample[2] = path[2] * speed**2
-        if law.speed != speed_before:
+        if law.rate != 0.0:
             # The derivative at this instant may lie past its mean over the period; only that mean moves
             # the robot, and the path speed keeps it inside the limits.
             limit = self._axes.acceleration
-            speed = law.speed if speed_before > 0.0 else law.end_speed
-            change = path[1] * ((speed - speed_before) / self._period)
-            self._sample[2] = np.clip(self._sample[2] + change, -limit, limit)
+            self._sample[2] = np.clip(self._sample[2] + path[1] * law.rate, -limit, limit)
         return True

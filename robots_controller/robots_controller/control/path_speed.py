@@ -31,7 +31,7 @@ class PathSpeed:
         self._largest = acceleration * period**2 * (1.0 + ROUNDING)
         self._ramp = period**2 / positive(ramp_time, 'ramp_time', 's')
         self._advance = self._end = period
-        self._change = 0.0
+        self._change = self._gain = 0.0
         self.hurry = False
         """Change the speed as fast as the limits permit, whatever the ramp time."""
 
@@ -45,10 +45,15 @@ class PathSpeed:
         """Path time per time, 0..1, at the end of the last period, so far as its change goes on."""
         return self._end / self._period
 
+    @property
+    def rate(self) -> float:
+        """Change of the speed per time in the last period, 1/s."""
+        return self._gain / self._period**2
+
     def reset(self, speed: float) -> None:
         """Set the speed at once; allowed only where the path stands."""
         self._advance = self._end = speed * self._period
-        self._change = 0.0
+        self._change = self._gain = 0.0
 
     def step(self, target: float, path_time: float, position: Callable[[float], Array]) -> float:
         """Move on for one period, with the speed on its way to `target`.
@@ -68,15 +73,13 @@ class PathSpeed:
                 change = min(max(change, -self._ramp), self._ramp)
             change = self._allowed(change, path_time, position)
         # The mean of a period is the speed in its middle: of a change that begins, it has half.
-        begins = change * self._change <= 0.0
-        if begins:
+        self._gain = change
+        if change * self._change <= 0.0:
             change *= 0.5
         self._advance += change
-        rest = wanted - self._advance
-        self._end = self._advance + min(
-            max(change if begins else 0.5 * change, min(rest, 0.0)), max(rest, 0.0)
-        )
         self._change = change
+        rest = wanted - self._advance
+        self._end = self._advance + min(max(0.5 * self._gain, min(rest, 0.0)), max(rest, 0.0))
         return path_time + self._advance
 
     def _allowed(self, change: float, path_time: float, position: Callable[[float], Array]) -> float:
