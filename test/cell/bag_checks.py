@@ -22,9 +22,9 @@ EXACT = 1.0 + 1e-5
 # of the acceleration limit, and of 40 % where it reverses.
 RESAMPLED = 1.0 + 0.374 * 2.0 / 5.0
 # Where a change of the path speed ends, by an interrupt or an override, one of the five velocities is off by
-# half of the change. A velocity that is off at an end of a quintic adds up to 3.9 times that to the
-# acceleration.
-RESAMPLED_WITH_CHANGES = RESAMPLED + 3.9 * 0.5 / 5.0
+# half of the change. A velocity that is off at an end of a quintic adds up to 3.95 times that to the
+# acceleration: the largest |-24 t + 84 t^2 - 60 t^3| for t in [0, 1].
+RESAMPLED_WITH_CHANGES = RESAMPLED + 3.95 * 0.5 / 5.0
 
 
 def read_messages(bag: Path, topics: Collection[str]) -> dict[str, list[tuple[float, Any]]]:
