@@ -12,7 +12,7 @@ import pytest
 from robots_core import BaseRobotModel, Pose, available_robot_models, load_robot_model
 from robots_core.blocks import HalfSpace, PlacedBox, Scene, Zone
 from robots_core.blocks.direct_kinematics import DirectKinematics
-from robots_core.blocks.tool_trace import CHUNK, CHUNKS, JUMP, SPACING
+from robots_core.blocks.tool_trace import CHUNK, CHUNKS, JUMP, LONGEST_TRACE, SPACING
 from robots_core.blocks.visualizer import Visualizer, free_port, reach
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.shapes import Box
@@ -69,6 +69,8 @@ def test_the_way_of_a_tool_that_nobody_watched_is_shown_to_the_next_browser(
     way = [robot.home + angle for angle in np.linspace(0.0, 0.1, 20)]
     for q in way[:-1]:
         visualizer.follow(q)
+    for _ in range(LONGEST_TRACE + 1):  # it stands for minutes
+        visualizer.follow(way[-2])
     assert before.distance_to(_pose(visualizer._tool_frame)) == (0.0, 0.0)
     monkeypatch.setattr(Visualizer, 'watched', True)
     visualizer.follow(way[-1])

@@ -12,7 +12,7 @@ import viser
 
 from robots_core.blocks.collision.scene import AttachedObject, Scene, SceneObject
 from robots_core.blocks.direct_kinematics import DirectKinematics
-from robots_core.blocks.tool_trace import LONGEST_TRACE, ToolTrace
+from robots_core.blocks.tool_trace import LONGEST_TRACE, SPACING, ToolTrace
 from robots_core.blocks.zones.zone import HalfSpace, PlacedBox, Zone
 from robots_core.errors import InvalidInputError
 from robots_core.orientation import quaternion_of
@@ -131,7 +131,9 @@ class Visualizer:
         if self.watched:
             self.update(q)
         else:
-            self._unseen.append(self._kinematics.forward(q).r)
+            r = self._kinematics.forward(q).r
+            if not self._unseen or float(np.linalg.norm(r - self._unseen[-1])) >= SPACING:
+                self._unseen.append(r)
 
     @property
     def watched(self) -> bool:
