@@ -161,11 +161,18 @@ def test_no_scheduler_is_told(study: Study, tmp_path: Path, monkeypatch: pytest.
         run_study(study, tmp_path, scheduler='tcp://127.0.0.1:9')
 
 
+@pytest.mark.parametrize('library', ['pyarrow', 'distributed'])
 def test_without_its_libraries_a_study_names_what_installs_them(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    folder: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    library: str,
 ):
     for name in ('run_study', 'results'):
         monkeypatch.delitem(sys.modules, f'robots_controller.study.{name}')
-    monkeypatch.setitem(sys.modules, 'pyarrow', None)
-    assert main([str(folder / 'study.yaml')]) == EXIT_BAD_INPUT
-    assert 'studies need pyarrow, which is not installed: make study-requirements' in capsys.readouterr().err
+    monkeypatch.setitem(sys.modules, library, None)
+    options = ['-o', str(tmp_path), '--scheduler', 'tcp://127.0.0.1:9']
+    assert main([str(folder / 'study.yaml'), *options]) == EXIT_BAD_INPUT
+    expected = f'studies need {library}, which is not installed: make study-requirements'
+    assert expected in capsys.readouterr().err

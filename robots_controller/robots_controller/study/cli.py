@@ -18,6 +18,7 @@ from robots_core.errors import RobotsError
 LOG_WIDTH = 160  # characters; a log file has no width of its own
 MOST_ROWS = 40  # shown in the terminal
 SHOWN = ('cycle_time', 'energy', 'velocity_use', 'torque_use')
+LIBRARIES = {'pyarrow', 'distributed'}  # of requirements-study.txt
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 
 
@@ -49,19 +50,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         help='number of processes on this machine; one for each core by default',
     )
     options = parser.parse_args(arguments)
-    try:
-        from robots_controller.study.run_study import run_study  # noqa: PLC0415  # only here needed
-    except ModuleNotFoundError as error:
-        print(
-            f'error: studies need {error.name}, which is not installed: make study-requirements, '
-            f'or pip install -r requirements-study.txt',
-            file=sys.stderr,
-        )
-        return EXIT_BAD_INPUT
     folder = options.output or Path('out') / options.study.stem
     console = Console(highlight=False, width=None if sys.stdout.isatty() else LOG_WIDTH)
     columns = (TextColumn('cases'), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     try:
+        from robots_controller.study.run_study import run_study  # noqa: PLC0415  # needs their libraries
+
         study = read_study(options.study)
         with Progress(*columns, console=console, transient=True) as progress:
             task = progress.add_task('cases', total=None)
@@ -74,6 +68,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
             )
     except RobotsError as error:
         print(f'error: {error}', file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except ModuleNotFoundError as error:
+        if error.name not in LIBRARIES:
+            raise
+        print(
+            f'error: studies need {error.name}, which is not installed: make study-requirements, '
+            f'or pip install -r requirements-study.txt',
+            file=sys.stderr,
+        )
         return EXIT_BAD_INPUT
     except KeyboardInterrupt:
         console.print(f'interrupted; the same command goes on. So far: {folder}/results.csv')
