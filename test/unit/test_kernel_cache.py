@@ -43,6 +43,10 @@ results = [whole(10.0), apart(1.0)]
 print(results[0], *(int(not f.stats.cache_hits) for f in (whole, apart)))
 """
 NEW, KEPT = '1', '0'
+NEW_LINE = 10
+
+
+own_module = sys.modules[__name__]
 
 
 def run(folder: Path) -> list[str]:
@@ -91,6 +95,16 @@ class Side(Enum):
 
 def is_left(side: Side) -> bool:
     return side is Side.LEFT
+
+
+def has_line_of(number: int) -> bool:
+    return number == own_module.NEW_LINE
+
+
+def test_a_module_of_ones_own_is_an_error():
+    """Numba takes what it has as constants, and any of them may change."""
+    with pytest.raises(TypeError, match='own_module is of module: compiled functions use numbers'):
+        compiled()(has_line_of)(10)
 
 
 def test_a_value_of_unknown_content_is_an_error():

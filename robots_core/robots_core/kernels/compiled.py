@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 import numba
 from numpy.typing import NDArray
 
-from robots_core.kernels.kernel_cache import CACHE_LOCATORS, KernelContent
+from robots_core.kernels.kernel_cache import CACHE_LOCATORS, keep_by_content
 
 Function = TypeVar('Function', bound=Callable[..., Any])
 
@@ -27,7 +27,7 @@ def compiled(*signatures: Any, nogil: bool = True) -> Callable[[Function], Funct
 
     def decorate(function: Function) -> Function:
         chosen = [list(signatures)] if signatures else []
-        KernelContent(function, nogil=nogil)
+        keep_by_content(function, nogil=nogil)
         try:
             result: Function = numba.njit(*chosen, cache=True, nogil=nogil)(function)
         except RuntimeError as error:

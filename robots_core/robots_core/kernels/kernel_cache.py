@@ -34,7 +34,6 @@ class KernelContent:
         self.own = _digest(function.__qualname__, sorted(options.items()), *_code(function))
         self._function = function
         self._whole = ''
-        _CONTENTS[function] = self
 
     @property
     def whole(self) -> str:
@@ -94,6 +93,11 @@ class ContentLocator:
 CACHE_LOCATORS = ','.join((f'{__name__}.{ContentLocator.__name__}', *(place.__name__ for place in _PLACES)))
 
 
+def keep_by_content(function: Callable[..., Any], **options: object) -> None:
+    """Let the machine code of a function, compiled with these options, be kept by its content."""
+    _CONTENTS[function] = KernelContent(function, **options)
+
+
 def _digest(*parts: object) -> str:
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
@@ -123,19 +127,18 @@ def _used(function: Any) -> Iterator[object]:
 
 def _value(name: str, value: object) -> object:
     content: object = value
-    library = getattr(value, '__module__', '').partition('.')[0]
+    is_module = isinstance(value, types.ModuleType)
+    home = getattr(value, '__name__' if is_module else '__module__', '')
     if isinstance(value, Dispatcher):
         content = _CONTENTS[value.py_func].whole
     elif isinstance(value, np.ndarray):
         content = value.dtype.str, value.shape, value.tobytes()
     elif isinstance(value, tuple):
         content = [_value(name, item) for item in value]
-    elif isinstance(value, types.ModuleType):
-        content = value.__name__
     elif isinstance(value, type) and issubclass(value, tuple):
         content = value.__qualname__, getattr(value, '_fields', ())
-    elif library in LIBRARIES:
-        content = library, getattr(value, '__qualname__', repr(value))
+    elif home.partition('.')[0] in LIBRARIES:
+        content = home if is_module else (home, getattr(value, '__qualname__', repr(value)))
     elif not isinstance(value, int | float | str | None):
         raise TypeError(
             f'{name} is of {type(value).__name__}: compiled functions use numbers, strings, arrays, tuples '
