@@ -1,4 +1,4 @@
-"""Compile what is compiled on first use, once, at build time: `python -m robots_core.warm_up`."""
+"""What blocks compile on first use, as jobs for `python -m robots_planning.warm_up` at build time."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -119,6 +119,3 @@ CELL_JOBS = (
     numerical_inverse_kinematics,
     following_and_collision_checks,
 )
-
-if __name__ == '__main__':
-    compile_in_parallel((*CELL_JOBS, rigid_body_drives_and_zones))
