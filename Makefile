@@ -57,7 +57,7 @@ help:  ## Show this list
 
 $(VENV_STAMP): $(REQUIREMENTS)
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(None if (3, 11) <= v <= (3, 13) else f"error: Python {v[0]}.{v[1]} found, needed is 3.11 to 3.13 (make PYTHON=python3.12 ...)")'
-	@echo "Installing the requirements into .venv, once: about 400 MB to download, a minute or two ..."
+	@echo "Installing the requirements into .venv, once: 1.3 GB on the disk, a minute or two ..."
 	@# One that was made before ROS was installed, or after, is of another Python.
 	@$(PYTHON) -m venv $(if $(wildcard $(OTHER_VENV_STAMP)),--clear) .venv
 	@$(call INSTALL,$(addprefix -r ,$(REQUIREMENTS)))
