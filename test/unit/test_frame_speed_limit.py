@@ -113,6 +113,25 @@ def test_no_frame_is_faster_on_joint_motions(name: str, kind: str) -> None:
     assert np.sum(speeds[speeds > 0.8 * LIMIT]) > 0.6 * np.sum(speeds)
 
 
+@pytest.mark.parametrize('peak', [0.04, 0.0425, 0.045, 0.0475])
+def test_the_cap_counts_a_peak_of_the_speed_between_two_of_its_nodes(peak: float) -> None:
+    robot, rate, length = load_robot_model('ur5e'), 1.0, 0.09
+    # The first axis speeds up evenly to the peak, and slows down evenly; nodes of the cap are 0.01 s apart.
+    time = np.union1d(np.linspace(0.0, length, 91), [peak])
+    motion = np.zeros((3, len(time), 6))
+    motion[0] = robot.home
+    rising, left = time <= peak, length - time
+    motion[0, :, 0] += np.where(
+        rising, 0.5 * rate * time**2 / peak, 0.5 * rate * (length - left**2 / (length - peak))
+    )
+    motion[1, :, 0] = rate * np.minimum(time / peak, left / (length - peak))
+    motion[2, :, 0] = np.where(rising, rate / peak, -rate / (length - peak))
+    cap = FrameSpeedLimit(robot, LIMIT).cap(Trajectory(time, *motion), robot.axes_data.acceleration, 0.2)
+    assert cap is not None
+    reach = np.linalg.norm(robot.direct_kinematics(robot.home)[0][:2])
+    assert 0.85 * LIMIT < cap.here(peak) * rate * reach <= LIMIT
+
+
 @pytest.mark.parametrize('name', ['kuka_kr210_r2700', 'ur5e'])
 def test_no_frame_is_faster_on_lines(name: str) -> None:
     cell = Cell(name, LIMIT, READY.get(name))

@@ -66,10 +66,11 @@ class FrameSpeedLimit:
         count = times.size - 1
         q, q_s, q_ss = trajectory.sample(times)
         places = np.array([self._places(row) for row in q])
-        fastest = np.linalg.norm(np.diff(places, axis=0), axis=2).max(axis=1) * (count / trajectory.duration)
-        # Speeds are means of intervals; within one they are at most those of its neighbours.
-        around = np.pad(fastest, 1, mode='edge')
-        fastest = np.maximum(np.maximum(around[:-2], around[1:-1]), around[2:])
+        speeds = np.linalg.norm(np.diff(places, axis=0), axis=2) * (count / trajectory.duration)
+        # Speeds are means of intervals. One that changes evenly but for one instant differs from its mean by
+        # at most half of the difference between this interval and one of its neighbours.
+        around = np.abs(np.diff(np.pad(speeds, ((1, 1), (0, 0)), mode='edge'), axis=0))
+        fastest = (speeds + 0.5 * np.maximum(around[:-1], around[1:])).max(axis=1)
         limit = PATH_MARGIN * self._limit
         allowed = limit / np.maximum(fastest, limit)
         return PathSpeedCap.of(times, allowed, (q_s, q_ss), acceleration, ramp_time)
