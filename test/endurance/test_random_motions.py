@@ -16,8 +16,9 @@ from robots_planning import LinearJoint, PathPlanning, Trajectory
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS
 from robots_planning.motion_settings import MotionSettings
 
-# Every robot once.
-SEEDS = range(len(available_robot_models()))
+# Every robot once, and motions that have broken limits: a speed between the nodes of its cap (815, 1827), and
+# accelerations between the points of plans that keep jerk limits (1216, 2718).
+SEEDS = (*range(len(available_robot_models())), 815, 1216, 1827, 2718)
 MANY = range(400)
 ROBOT = load_robot_model('kuka_kr210_r2700')
 AXES = ROBOT.axes_data

@@ -213,7 +213,7 @@ class TimeOptimalTiming:
     def _slowed(self, trajectory: Trajectory, law: SwitchedTimeLaw, worst: float) -> Trajectory:
         """The motion slowed down uniformly until it keeps the limits; `worst` is the largest use of one."""
         for _ in range(ROUNDS):
-            if worst <= 1.0 + EXCESS:
+            if worst <= 1.0 + MARGIN_EXCESS:
                 break
             trajectory = slower(trajectory, worst)
             worst = float(self._use(trajectory, law, None)[1].max())
