@@ -8,23 +8,23 @@ from typing import Any
 
 import numpy as np
 
+from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.joint_rows import POINT_FIELDS, JointRows, late_references, seconds
 from robots_core import BaseRobotModel
 from robots_planning import Trajectory
 
 Messages = Mapping[str, Sequence[tuple[float, Any]]]
-PERIOD = 0.004  # s, of the references
+PERIOD = 0.004  # s, of the references, by default
+SMOOTHING = ControllerSettings().smoothing_time  # s
 # The controller's guard lets rounding pass, and so do second differences of float64 positions.
 EXACT = 1.0 + 1e-5
 # A quintic between two references without the step of acceleration in between passes its ends by
-# up to 37.4 % of that step (the step at one end). The moving average over five references makes steps of 20 %
-# of the acceleration limit, and of 40 % where it reverses.
-RESAMPLED = 1.0 + 0.374 * 2.0 / 5.0
-# Where a change of the path speed ends, by an interrupt or an override, one of the five velocities is off by
-# half of the change. A velocity that is off at an end of a quintic adds up to 3.95 times that to the
-# acceleration: the largest |-24 t + 84 t^2 - 60 t^3| for t in [0, 1].
-RESAMPLED_WITH_CHANGES = RESAMPLED + 3.95 * 0.5 / 5.0
+# up to 37.4 % of that step (the step at one end).
+OVERSHOOT = 0.374
+# A velocity that is off at an end of a quintic adds up to 3.95 times that to the acceleration: the largest
+# |-24 t + 84 t^2 - 60 t^3| for t in [0, 1].
+OF_VELOCITY = 3.95
 
 
 def read_messages(bag: Path, topics: Collection[str]) -> dict[str, list[tuple[float, Any]]]:
@@ -47,25 +47,39 @@ def reference_trajectory(references: Sequence[Any]) -> Trajectory:
     return Trajectory(np.concatenate([[0.0], np.cumsum(steps)]), q, q_dot, q_ddot)
 
 
-def check_references(bag: Messages, robot: BaseRobotModel, *, resampled: float = RESAMPLED) -> Trajectory:
+def resampled_acceleration(period: float = PERIOD, *, speed_changes: bool = False) -> float:
+    """The largest acceleration between references, as part of its limit.
+
+    The moving average over the references of `SMOOTHING` makes steps of that part of the acceleration limit,
+    and of twice as much where it reverses. Where a change of the path speed ends, by an interrupt or an
+    override, one of these velocities is off by half of the change.
+    """
+    averaged = round(SMOOTHING / period)
+    return 1.0 + OVERSHOOT * 2.0 / averaged + (OF_VELOCITY * 0.5 / averaged if speed_changes else 0.0)
+
+
+def check_references(
+    bag: Messages, robot: BaseRobotModel, period: float = PERIOD, *, speed_changes: bool = False
+) -> Trajectory:
     """References keep all limits, as values, as steps and, by a factor, resampled at 1 kHz; returns them."""
+    resampled = resampled_acceleration(period, speed_changes=speed_changes)
     axes = robot.axes_data
     trajectory = reference_trajectory([message for _, message in bag['/joint_reference']])
     # While processes join, the middleware may hold up a publisher; the robot still stands then.
     moved = np.diff(trajectory.position, axis=0).any(axis=1)
     moving = moved | trajectory.velocity[:-1].any(axis=1) | trajectory.velocity[1:].any(axis=1)
     longest = np.diff(trajectory.time)[moving].max(initial=0.0)
-    assert longest < 1.5 * PERIOD, 'the recorder lost references of a motion'
-    step = np.diff(trajectory.position, axis=0) / PERIOD
+    assert longest < 1.5 * period, 'the recorder lost references of a motion'
+    step = np.diff(trajectory.position, axis=0) / period
     for velocity in (trajectory.velocity, step):
         assert np.max(np.abs(velocity) / axes.velocity) <= EXACT
-    for acceleration in (trajectory.acceleration, np.diff(step, axis=0) / PERIOD):
+    for acceleration in (trajectory.acceleration, np.diff(step, axis=0) / period):
         assert np.max(np.abs(acceleration) / axes.acceleration) <= EXACT
     q, q_dot, q_ddot = trajectory.sample(np.arange(0.0, trajectory.duration, 1e-3))
     assert np.all(q >= axes.lower)
     assert np.all(q <= axes.upper)
     # Between two references the speed gains at most what that much acceleration gains in half the time.
-    gained = 0.5 * PERIOD * axes.acceleration * (resampled - 1.0)
+    gained = 0.5 * period * axes.acceleration * (resampled - 1.0)
     assert np.all(np.abs(q_dot) <= axes.velocity * EXACT + gained)
     assert np.max(np.abs(q_ddot) / axes.acceleration) <= resampled
     return trajectory

@@ -18,9 +18,8 @@ WIDTH = 120
 FULL = 'second_order'
 SEPARATE = ('welding.lua', 'welding_collision.lua', 'laser_seam.lua', 'bello_bot_tour.lua')
 RATE = 250.0  # Hz, of the references, by default
-SPARSE_RATE = 50.0  # Hz
-# Its motions take 0.05 s each.
-DENSER_RATES = {'laser_seam.lua': 100.0}
+SPARSE_RATE, DENSE_RATE = 50.0, 100.0  # Hz
+DENSER = ('laser_seam.lua',)  # its motions take 0.05 s each
 # Text of a program and what stands in its place, so that things are done once, nearer, or sooner.
 SHORTENED = {
     'palletizing.lua': {
@@ -81,12 +80,14 @@ class LockstepRuns:
     def run(self, program: str, drive: str = FULL) -> LockstepRun:
         """The run of a program, by its file in programs/, with drives of a level.
 
-        With drives of level `FULL` references have the default rate, and the nodes of the programs `SEPARATE`
-        a process each; otherwise references have `SPARSE_RATE`, and the nodes share a process.
+        With drives of level `FULL` the nodes of the programs `SEPARATE` have a process each, and references
+        the default rate; all others share a process, and references have a lower rate.
         """
-        rate = RATE if drive == FULL else DENSER_RATES.get(program, SPARSE_RATE)
+        separate = drive == FULL and program in SEPARATE
+        dense = drive == FULL or program in DENSER
+        rate = RATE if separate else DENSE_RATE if dense else SPARSE_RATE
         options = ['--lockstep', '--drive', drive, '--rate', str(rate)]
-        if drive != FULL or program not in SEPARATE:
+        if not separate:
             options.append('--composed')
         folder = self._folder / f'{program.replace("/", "_")}_{drive}'
         folder.mkdir(parents=True, exist_ok=True)

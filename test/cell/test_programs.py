@@ -20,8 +20,6 @@ from .bag_checks import Messages, changes, check_references, read_messages
 from .lockstep_runs import PROGRAMS, LockstepRuns
 
 IO_TOPICS = ('digital_inputs', 'digital_outputs', 'analog_inputs', 'analog_outputs')
-# Outputs switch at the next period of the controller.
-SWITCH_DELAY = 0.0041  # s
 # References follow the path half a window of their moving average behind its progress.
 BEHIND = 0.5 * ControllerSettings().smoothing_time  # s
 
@@ -35,6 +33,12 @@ class Run:
     motions: tuple[MotionRecord, ...]
     report: RunReport
     references: Trajectory
+    period: float
+
+    @property
+    def switch_delay(self) -> float:
+        """Outputs switch at the next period of the controller, s."""
+        return self.period + 1e-4
 
     def switched_between(self, *, without: tuple[int, ...] = ()) -> list[tuple[int, float, str, str]]:
         """For each output switched: channel, value, and the lines of the motions before and after."""
@@ -67,7 +71,7 @@ def run_program(lockstep_runs: LockstepRuns, program: str, robot: str) -> Run:
     assert report.ok
     assert not [one for one in report.motions if one.passing is not None and one.passing.distance <= 0.0]
     motions = recorded_motions({topic[1:]: rows for topic, rows in bag.items()}, model)
-    return Run(model, bag, motions, report, check_references(bag, model))
+    return Run(model, bag, motions, report, check_references(bag, model, 1.0 / cell.rate), 1.0 / cell.rate)
 
 
 def test_palletizing(lockstep_runs: LockstepRuns) -> None:
@@ -107,7 +111,7 @@ def test_press_tending(lockstep_runs: LockstepRuns) -> None:
     # The pulse goes on while the robot moves.
     (rise, _, one), (fall, _, zero) = (item for item in changes(run.bag, 'digital_outputs') if item[1] == 3)
     assert (one, zero) == (1.0, 0.0)
-    assert fall - rise == pytest.approx(0.3, abs=SWITCH_DELAY)
+    assert fall - rise == pytest.approx(0.3, abs=run.switch_delay)
     # The robot stands outside while the press is not ready.
     inputs = [(time, value) for time, channel, value in changes(run.bag, 'digital_inputs') if channel == 1]
     (closed, _), (opened, _) = inputs[-2:]
@@ -145,7 +149,7 @@ def test_wheel_test(lockstep_runs: LockstepRuns) -> None:
     assert distance[-1] == pytest.approx(track + 2 * ramp, abs=1e-4)
     for at, place in ((on, ramp), (off, ramp + track)):
         assert np.interp(at, time[rows], distance) == pytest.approx(
-            place, abs=speed * (SWITCH_DELAY + BEHIND)
+            place, abs=speed * (run.switch_delay + BEHIND)
         )
     # Over the measured distance the speed is constant: the planned path is a line to 10 um.
     measured = (distance >= ramp) & (distance <= ramp + track)

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from cell.bag_checks import RESAMPLED, RESAMPLED_WITH_CHANGES, changes, check_references, read_messages
+from cell.bag_checks import changes, check_references, read_messages
 from cell.both_cells import check_both_cells
 from cell.lockstep_runs import LockstepRun, run_cell_with
 from robots_controller.report.run_report import run_report
@@ -46,7 +46,8 @@ def _live_problems(
 ) -> Iterator[str]:
     messages = read_messages(bag, ['/joint_reference', '/digital_outputs'])
     try:
-        check_references(messages, load_robot_model(program.robot), resampled=_resampled(program))
+        changes_speed = any(call in program.text for call in ('onDigitalInput', 'setOverride'))
+        check_references(messages, load_robot_model(program.robot), speed_changes=changes_speed)
     except AssertionError:
         yield traceback.format_exc(limit=-1)
     if "'abort'" in program.text:
@@ -63,12 +64,6 @@ def _live_problems(
         off = distance_to_way(here[output][-1], points)
         if off > PLACE_TOLERANCE:
             yield f'output {output} is switched {1e3 * off:.2f} mm off its place'
-
-
-def _resampled(program: GeneratedProgram) -> float:
-    """Largest acceleration between references, over its limit."""
-    changes_speed = any(call in program.text for call in ('onDigitalInput', 'setOverride'))
-    return RESAMPLED_WITH_CHANGES if changes_speed else RESAMPLED
 
 
 def folder_bag(simulation: SimulationRun) -> Path:
