@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -103,3 +106,22 @@ def test_many_at_once_are_the_same_as_one_by_one():
     T = Rotation.concatenate([rotations, half_turns, Rotation.identity(1)]).as_matrix()
     np.testing.assert_allclose(quaternions_of(T), [quaternion_of(one) for one in T], atol=EXACT)
     np.testing.assert_allclose(rotation_vectors(T), [rotation_vector(one) for one in T], atol=EXACT)
+
+
+@pytest.mark.parametrize('convert', [quaternion_of, rotation_vector])
+def test_converting_for_hours_takes_no_memory(convert: Callable[[np.ndarray], np.ndarray]):
+    T = rotation_from_vector(np.array([0.1, 0.2, 0.3]))
+
+    def grown_by(count: int) -> int:
+        before = private_memory()
+        for _ in range(count):
+            convert(T)
+        return private_memory() - before
+
+    grown_by(1000)
+    assert grown_by(20_000) < 200  # kB: 10 bytes for each; an object left behind has more
+
+
+def private_memory() -> int:
+    """Memory that this process shares with no file, kB."""
+    return int(Path('/proc/self/status').read_text().partition('RssAnon:')[2].split()[0])
