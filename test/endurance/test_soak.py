@@ -89,6 +89,7 @@ def test_memory_is_looked_at_after_the_warm_up() -> None:
     assert memory(7.0).slope == pytest.approx(7.0)
     growing = figures(memory=(memory(LARGEST_SLOPE + 0.1),))
     assert growing.missed_goals == ('planning_node grows by 2.10 MB in an hour, the goal is 2 MB',)
+    assert figures(memory=(memory(LARGEST_SLOPE + 0.1, 'cell'),)).missed_goals == ()
     assert replace(growing, duration=0.9 * MEANINGFUL).missed_goals == ()
 
 

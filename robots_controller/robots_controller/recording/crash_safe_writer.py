@@ -1,7 +1,7 @@
 """CrashSafeWriter: an MCAP bag that is whole at any time, so that a kill loses its last second alone."""
 
 import json
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -22,6 +22,8 @@ from robots_core.errors import RobotsError
 
 VERSION: Final = 9  # of rosbag2's format
 CHUNK_SIZE: Final = 1_000_000  # bytes; below the 2**20 at which the base class writes a chunk
+# Chunks that may be given up so that the end of the file fits, which has fitted behind the last one.
+MOST_BACK: Final = 16
 MESSAGE_OPCODE: Final = 0x05
 # Of MCAP's record of a message, which begins with its opcode and its length.
 MESSAGE_HEAD: Final = (('opcode', 'u1'), ('length', '<u8'))
@@ -51,7 +53,7 @@ class _LastingMcap(McapWriter):
         super().__init__(path, compression)
         # What could not be written must not be tried again behind our back.
         self.bio = self.bio.detach()  # type: ignore[assignment]
-        self._extents = [self._extent()]
+        self._extents = deque([self._extent()], maxlen=MOST_BACK)
 
     def close_chunk(self) -> None:
         """Write the messages that have come."""

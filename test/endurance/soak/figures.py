@@ -15,6 +15,8 @@ PERCENTILES: Final = (50.0, 99.0, 99.9, 99.99)
 WARM_UP: Final = 0.2  # part of the run after which memory is looked at
 MEANINGFUL: Final = 1200.0  # s of a run in which a slope of memory says something
 LARGEST_SLOPE: Final = 2.0  # MB in an hour: a goal
+# The index of a recording stays in memory until its end: 4.3 MB in an hour, with 45 topics and a chunk a second.
+RECORDER, RECORDING_SLOPE = 'cell', 6.0  # a process, MB in an hour: a goal
 MOST_MISSED: Final = 1e-4  # of all periods: a goal
 
 
@@ -69,6 +71,11 @@ class MemoryFigures:
     megabytes: Array
 
     @property
+    def largest_slope(self) -> float:
+        """The goal, MB in an hour."""
+        return RECORDING_SLOPE if self.name == RECORDER else LARGEST_SLOPE
+
+    @property
     def slope(self) -> float:
         """How fast it grows after the process has warmed up, MB in an hour; least squares."""
         late = self.time >= WARM_UP * self.time.max(initial=0.0)
@@ -113,9 +120,9 @@ class SoakFigures:
             if loop.missed > MOST_MISSED * loop.late.size
         ]
         growing = [
-            f'{one.name} grows by {one.slope:.2f} MB in an hour, the goal is {LARGEST_SLOPE:g} MB'
+            f'{one.name} grows by {one.slope:.2f} MB in an hour, the goal is {one.largest_slope:g} MB'
             for one in self.memory
-            if self.duration >= MEANINGFUL and one.slope > LARGEST_SLOPE
+            if self.duration >= MEANINGFUL and one.slope > one.largest_slope
         ]
         return (*self.problems, *late, *growing)
 
