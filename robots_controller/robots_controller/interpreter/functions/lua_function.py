@@ -88,7 +88,12 @@ class LuaFunction:
 
 
 def lua_function(
-    name: str, doc: str, *arguments: Argument, returns: tuple[str, str] = ('', ''), more: bool = False
+    *arguments: Argument, returns: tuple[str, str] = ('', ''), more: bool = False
 ) -> Callable[[Serve], LuaFunction]:
-    """Make a method of a `Family` a function of robot programs; see `LuaFunction`."""
-    return lambda serve: LuaFunction(name, doc, arguments, *returns, more, serve)
+    """Make a method of a `Family` a function of robot programs: its name and docstring are the function's."""
+
+    def made(serve: Serve) -> LuaFunction:
+        doc = ' '.join((serve.__doc__ or '').split())
+        return LuaFunction(serve.__name__, doc, arguments, *returns, more, serve)
+
+    return made

@@ -47,9 +47,6 @@ class Search(Family):
         self._motions, self._sizes, self._check = motions, sizes, check
 
     @lua_function(
-        'moveUntil',
-        'Moves until a condition holds: the robot brakes on its path. moveUntil({input = 1}, linearRelative, '
-        '0, 0, -0.1, 0, 0, 0).',
         Argument('condition', kinds.CONDITION, '', _VALID),
         Argument('motion', kinds.MOTION, '', 'function that moves the robot; its arguments follow'),
         returns=(
@@ -58,7 +55,11 @@ class Search(Family):
         ),
         more=True,
     )
-    def _move_until(self, table: LuaTable, name: str, *more: LuaArgument) -> Waiting:
+    def moveUntil(self, table: LuaTable, name: str, *more: LuaArgument) -> Waiting:
+        """Moves until a condition holds: the robot brakes on its path.
+
+        As moveUntil({input = 1}, linearRelative, 0, 0, -0.1, 0, 0, 0).
+        """
         given = self._check(name, more)
         assert given.options is not None
         if given.options.blend:
