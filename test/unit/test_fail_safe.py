@@ -99,7 +99,7 @@ def test_an_output_has_one_fail_safe_value(tmp_path: Path):
     for name in ('lua_program_node', 'io_bridge_node'):
         assert nodes[name].parameters['fail_safe'] == ['digital_output.2=hold', 'digital_output.1=hold']
     script.write_text('fail_safe: {digital_output.1: on}\n')
-    with pytest.raises(RobotsError, match=r'digital_output\.1 has one fail-safe value in .* and another in'):
+    with pytest.raises(RobotsError, match=r'fail_safe: digital_output\.1 is 1 in .* and hold in'):
         read_cell_io(script, io_map)
 
 

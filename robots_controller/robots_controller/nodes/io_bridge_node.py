@@ -260,11 +260,10 @@ def _by_topic(rows: tuple[IoRow, ...]) -> dict[str, list[IoRow]]:
 
 
 def _qos(qos: TopicQos) -> QoSProfile:
-    reliable, latched = qos.reliability == 'reliable', qos.durability == 'transient_local'
     return QoSProfile(
         depth=qos.depth,
-        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+        reliability=ReliabilityPolicy[qos.reliability.upper()],
+        durability=DurabilityPolicy[qos.durability.upper()],
     )
 
 
