@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.control.faults import EMERGENCY_STOP
+from robots_controller.control.faults import Fault
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.fail_safe import fail_safe_texts, parse_fail_safe
 from robots_controller.io.io_map import OUTPUT_TIMEOUT, parse_io_map
@@ -176,7 +176,7 @@ def test_motions_before_one_that_is_refused_have_their_outputs_and_then_they_are
 
 
 def test_a_fault_takes_their_outputs_from_motions_that_a_failed_program_has_left(tmp_path: Path):
-    run = stopped(tmp_path, f'{MOVE}{RAW_SEAM}linearRelative(0, 0, 9, 0, 0, 0)', EMERGENCY_STOP, at=2.4)
+    run = stopped(tmp_path, f'{MOVE}{RAW_SEAM}linearRelative(0, 0, 9, 0, 0, 0)', Fault.EMERGENCY_STOP, at=2.4)
     reasons = [motion.message for motion in run.motions]
     assert reasons[1] == 'emergency stop!'
     on, off = switched(run)
