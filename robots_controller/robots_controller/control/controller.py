@@ -102,11 +102,6 @@ class Controller:
         return ControllerState.FOLLOWING
 
     @property
-    def feedback_lost(self) -> bool:
-        """No feedback within `feedback_timeout`."""
-        return self._feedback.lost
-
-    @property
     def progress(self) -> float:
         """Done part of the current path, 0..1; 1 when none is followed."""
         return 1.0 if self._motion is None else self._motion.progress

@@ -71,21 +71,6 @@ class LuaFunction:
             return ''
         return 'cartesian' if kind.cartesian else 'joint'
 
-    @property
-    def signature(self) -> str:
-        """As in a program: name(arguments), those in brackets optional."""
-        names = []
-        for argument in self.arguments:
-            name = argument.name
-            if argument.per_axis or argument.repeated:
-                name = f'{name}1, ..., {name}n'
-            names.append(f'[{name}]' if argument.optional else name)
-        if self.options:
-            names.append('[options]')
-        if self.more:
-            names.append('...')
-        return f'{self.name}({", ".join(names)})'
-
 
 def lua_function(
     *arguments: Argument, returns: tuple[str, str] = ('', ''), more: bool = False
