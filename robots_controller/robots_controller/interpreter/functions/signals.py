@@ -72,10 +72,7 @@ class Signals(Family):
     @lua_function(DIGITAL_INPUT, SWITCH, TIMEOUT, returns=_CAME)
     def waitDigitalInput(self, index: float, value: float, timeout: float | None) -> Waiting:
         """Waits until a digital input has a value."""
-        yield from self._run.waits.standstill()
-        return (
-            yield from self._run.waits.waiting(lambda: self._run.input('digital', index) == value, timeout)
-        )
+        return self._wait(lambda: self._run.input('digital', index) == value, timeout)
 
     @lua_function(ANALOG_INPUT, *COMPARISON, TIMEOUT, returns=_CAME)
     def waitAnalogInput(self, index: float, comparison: str, value: float, timeout: float | None) -> Waiting:
@@ -83,18 +80,17 @@ class Signals(Family):
 
         As waitAnalogInput(1, '>', 2.5).
         """
-        yield from self._run.waits.standstill()
         compare = COMPARE[comparison]
-        return (
-            yield from self._run.waits.waiting(
-                lambda: compare(self._run.input('analog', index), value), timeout
-            )
-        )
+        return self._wait(lambda: compare(self._run.input('analog', index), value), timeout)
 
     @lua_function(DIGITAL_OUTPUT, Argument('time', kinds.TIME, 's', 'how long it is on'))
     def pulseDigitalOutput(self, index: float, time: float) -> None:
         """Switches a digital output on, and off again after a time; the program goes on meanwhile."""
         self._run.pulses.start(int(index), time)
+
+    def _wait(self, came: Callable[[], bool], timeout: float | None) -> Waiting:
+        yield from self._run.waits.standstill()
+        return (yield from self._run.waits.waiting(came, timeout))
 
     def _set_output(self, kind: Kind, index: float, value: float, moment: str | None) -> None:
         if moment == 'arrival':
