@@ -10,7 +10,11 @@ setup(
     name=package_name,
     version='0.1.0',
     packages=find_packages(include=[package_name, f'{package_name}.*']),
-    package_data={package_name: ['py.typed'], f'{package_name}.report.page': ['*.js', '*.css', '*.html']},
+    package_data={
+        package_name: ['py.typed'],
+        f'{package_name}.interpreter.lua_side': ['*.lua'],
+        f'{package_name}.report.page': ['*.js', '*.css', '*.html'],
+    },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
         (f'share/{package_name}', ['package.xml']),

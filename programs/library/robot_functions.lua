@@ -113,7 +113,7 @@ function linearRelative(x, y, z, phi1, phi2, phi3, frame, options) end
 ---@overload fun(q: number[], options?: JointOptions)
 function ptpJointSpaceAnglesRelative(q1, q2, q3, q4, q5, q6, options) end
 
----Moves until a condition holds: the robot brakes on its path. moveUntil({input = 1}, linearRelative, 0, 0, -0.1, 0, 0, 0).
+---Moves until a condition holds: the robot brakes on its path. As moveUntil({input = 1}, linearRelative, 0, 0, -0.1, 0, 0, 0).
 ---@param condition Condition {input = index, value = true or false}, {analog_input = index, above | below = number}, or {joint_torque = joint, above | below = N m (N)}
 ---@param motion function function that moves the robot; its arguments follow
 ---@param ... any
@@ -144,7 +144,7 @@ function setBase(x, y, z, phi1, phi2, phi3) end
 ---@param convention "zyx"|"xyz"|"zyz"|"XYZ"|"rotation_vector" one of zyx, xyz, zyz, XYZ, rotation_vector
 function setOrientationConvention(convention) end
 
----Sets what motions to poses hold: 'pose'; 'directions': the position, and of the orientation what the arm can; or 'position'. Without it an arm holds what it can.
+---Sets what motions to poses hold; without it an arm holds what it can. Valid are 'pose', 'directions' (the position, and of the orientation what the arm can) and 'position'.
 ---@param hold "pose"|"directions"|"position" one of pose, directions, position
 function setHold(hold) end
 
@@ -196,7 +196,7 @@ function setJerkLimited(value) end
 ---@param rotation? number angular acceleration of the tool on Cartesian paths (deg/s^2)
 function setAcceleration(fraction, cartesian, rotation) end
 
----Lets a change of an input interrupt the program: the robot brakes on its path, `handler` runs, the motion goes on, or ends there if it returned 'abort'.
+---Lets a change of an input interrupt the program. The robot brakes on its path, `handler` runs, the motion goes on, or ends there if it returned 'abort'.
 ---@param index integer|string number of the input, from 1, or its name
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
 ---@param handler fun(): "abort"|nil called at the change; it may return 'abort'
@@ -231,11 +231,11 @@ function followReference(time, index, value) end
 ---@return boolean # true if the input ended it, false after `time`
 function jog(time, index, value) end
 
----Holds the program where the robot stands, until an operator lets it go on; in simulated time it goes on at once.
+---Holds the program where the robot stands, until an operator lets it go on. In simulated time it goes on at once.
 ---@param string? string why, for the operator
 function halt(string) end
 
----Runs a program beside this one, until it ends: with the same globals, and further arguments as `...`, for all that neither moves the robot nor sets what holds for motions.
+---Runs a program beside this one, until it ends. It has the same globals, and further arguments as `...`, for all that neither moves the robot nor sets what holds for motions.
 ---@param program string file of the task, seen from the folder of the main program
 ---@param ... any
 function startTask(program, ...) end
@@ -387,7 +387,7 @@ function getAnalogOutput(index) end
 ---@return boolean # true, or false after `timeout`
 function waitDigitalInput(index, value, timeout) end
 
----Waits until an analog input compares: waitAnalogInput(1, '>', 2.5).
+---Waits until an analog input compares. As waitAnalogInput(1, '>', 2.5).
 ---@param index integer|string number of the input, from 1, or its name
 ---@param comparison "<"|"<="|">"|">="|"=="|"~=" one of < <= > >= == ~=
 ---@param value number what the input is compared with
@@ -410,7 +410,7 @@ function call(program, ...) end
 ---@return number # s, a number
 function getTime() end
 
----Starts a timer: `local elapsed = timer()`, and `elapsed()` is the time since then.
+---Starts a timer. `local elapsed = timer()`, and `elapsed()` is the time since then.
 ---@return fun(): number # a function that returns s
 function timer() end
 
@@ -422,7 +422,7 @@ function wait(time) end
 ---@param string any any values; several are separated by tabs
 function print(string) end
 
----Keeps a value over runs, in a file beside the program; in simulated time until the end of the run.
+---Keeps a value over runs, in a file beside the program. In simulated time it is kept until the end of the run.
 ---@param name string name of the value
 ---@param value? number|string|boolean|number[] number, string, boolean, list of numbers; nil for none
 function setPersistent(name, value) end

@@ -12,11 +12,20 @@ from launch_ros.actions import Node
 
 from launch import LaunchContext, LaunchDescription
 
-OPTIONS = (
-    *('robot', 'program', 'io', 'io_map', 'scene', 'drive', 'guided', 'watchdog', 'debug_port'),
-    *('operating_mode', 'tool_speed_limit', 'composed'),
-)
-FLAGS = ('composed',)
+ARGUMENTS = {
+    'robot': ('', "the robot's name"),
+    'program': ('', 'Lua robot program to run'),
+    'scene': ('', 'scene to keep clear of (YAML)'),
+    'drive': ('second_order', 'ideal, second_order or rigid_body'),
+    'guided': ('', 'inverse kinematics that follows reference_pose'),
+    'watchdog': ('0.2', 'longest time without a sign of life, s'),
+    'operating_mode': ('AUTOMATIC', 'AUTOMATIC, T1, T2 or REMOTE'),
+    'tool_speed_limit': ('0.0', 'of tool and axes, m/s; 0 for none'),
+    'debug_port': ('0', 'port for editors; 0 for none'),
+    'io': ('', 'YAML script of a PLC that is played'),
+    'io_map': ('', 'YAML map to topics of a PLC'),
+}
+"""Options of `cell`: their defaults, and what they mean."""
 
 
 def nodes(context: LaunchContext) -> list[Node]:
@@ -27,12 +36,11 @@ def nodes(context: LaunchContext) -> list[Node]:
     """
     cell = Path(get_package_prefix('robots_controller'), 'lib', 'robots_controller', 'cell')
     command = [str(cell), '--describe']
-    for name in OPTIONS:
-        value = LaunchConfiguration(name).perform(context)
-        if name in FLAGS:
-            command += ['--' + name] if value == 'true' else []
-        elif value:
+    for name in ARGUMENTS:
+        if value := LaunchConfiguration(name).perform(context):
             command += ['--' + name.replace('_', '-'), value]
+    if LaunchConfiguration('composed').perform(context) == 'true':
+        command.append('--composed')
     described = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
     if described.returncode:
         raise RuntimeError(described.stderr.strip())
@@ -68,35 +76,16 @@ def generate_launch_description() -> LaunchDescription:
                 'ROS_AUTOMATIC_DISCOVERY_RANGE',
                 EnvironmentVariable('ROS_AUTOMATIC_DISCOVERY_RANGE', default_value='LOCALHOST'),
             ),
-            DeclareLaunchArgument('robot', default_value='', description="the robot's name"),
-            DeclareLaunchArgument('program', default_value='', description='Lua robot program to run'),
-            DeclareLaunchArgument('scene', default_value='', description='scene to keep clear of (YAML)'),
-            DeclareLaunchArgument(
-                'drive', default_value='second_order', description='ideal, second_order or rigid_body'
-            ),
-            DeclareLaunchArgument(
-                'guided', default_value='', description='inverse kinematics that follows reference_pose'
+            *(
+                DeclareLaunchArgument(name, default_value=default, description=meaning)
+                for name, (default, meaning) in ARGUMENTS.items()
             ),
             DeclareLaunchArgument('namespace', default_value='', description='namespace of all nodes'),
-            DeclareLaunchArgument(
-                'watchdog', default_value='0.2', description='longest time without a sign of life, s'
-            ),
-            DeclareLaunchArgument(
-                'operating_mode', default_value='AUTOMATIC', description='AUTOMATIC, T1, T2 or REMOTE'
-            ),
-            DeclareLaunchArgument(
-                'tool_speed_limit', default_value='0.0', description='of tool and axes, m/s; 0 for none'
-            ),
-            DeclareLaunchArgument(
-                'debug_port', default_value='0', description='port for editors; 0 for none'
-            ),
             DeclareLaunchArgument(
                 'composed',
                 default_value='false',
                 description='true: all nodes but controller_node and drive_node share a process',
             ),
-            DeclareLaunchArgument('io', default_value='', description='YAML script of a PLC that is played'),
-            DeclareLaunchArgument('io_map', default_value='', description='YAML map to topics of a PLC'),
             OpaqueFunction(function=nodes),
         ]
     )

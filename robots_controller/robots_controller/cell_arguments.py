@@ -24,7 +24,7 @@ CELL_OPTIONS: Final = (
     *('operating_mode', 'payload', 'references', 'guided'),
 )
 """Names of the options that say what a cell is made of."""
-LOG_WIDTH: Final = 130  # characters; a log file has no width of its own, and tables need this much
+LOG_WIDTH: Final = 160  # characters; a log file has no width of its own, and tables need this much
 
 
 def add_cell_arguments(parser: argparse.ArgumentParser) -> None:

@@ -115,7 +115,7 @@ def test_nodes_may_share_a_process(launch_file: dict[str, Any]) -> None:
 
 def test_every_argument_can_be_given(launch_file: dict[str, Any]) -> None:
     described = {part.name for part in launch_file['generate_launch_description']() if part is not None}
-    assert described == {*launch_file['OPTIONS'], 'namespace'}
+    assert described == {*launch_file['ARGUMENTS'], 'namespace', 'composed'}
 
 
 def test_a_mistake_is_reported_in_one_line(launch_file: dict[str, Any]) -> None:

@@ -51,7 +51,8 @@ def test_a_name_means_one_channel(tmp_path: Path):
     path.write_text(
         'signals: {gripper: digital_output.7}\noutputs:\n  - {channel: gripper, topic: a, type: Bool}\n'
     )
-    with pytest.raises(RobotsError, match=r"'gripper' is digital_output\.2 in .* and digital_output\.7 in"):
+    conflict = r'signals: gripper is digital_output\.2 in .* and digital_output\.7 in'
+    with pytest.raises(RobotsError, match=conflict):
         cell_graph(robot='bello_bot', io=PRESS, io_map=str(path))
 
 

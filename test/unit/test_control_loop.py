@@ -10,7 +10,7 @@ import pytest
 from robots_controller.control.control_loop import STOPPED, ControlLoop
 from robots_controller.control.controller import Controller, ControllerSettings, ControllerState
 from robots_controller.control.controller_rates import ControllerRates
-from robots_controller.control.faults import CONTROLLER_HELD_UP, EMERGENCY_STOP
+from robots_controller.control.faults import Fault
 from robots_controller.control.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.errors import RobotsError
@@ -139,7 +139,7 @@ def test_a_stop_for_a_reason_leaves_a_pause(rig: Rig) -> None:
 def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(rig: Rig) -> None:
     rig.loop.follow(quintic(START, GOAL, 1.0), '1')
     rig.run(100)
-    rig.loop.watch(EMERGENCY_STOP, 'button')
+    rig.loop.watch(Fault.EMERGENCY_STOP, 'button')
     assert rig.run_until_result().message == 'button'
     rig.run(10)
     assert [(state.reason, state.drives_on) for state in rig.stops] == [
@@ -149,7 +149,7 @@ def test_an_emergency_stop_is_reported_and_holds_until_it_is_released_and_reset(
     ]
     with pytest.raises(RobotsError, match='cannot reset: button'):
         rig.loop.reset()
-    rig.loop.watch(EMERGENCY_STOP, '')
+    rig.loop.watch(Fault.EMERGENCY_STOP, '')
     rig.run(1)
     rig.loop.follow(quintic(rig.q, GOAL, 1.0), '2')
     assert rig.run_until_result().message == 'button; ~/reset lets the robot move again'
@@ -174,7 +174,7 @@ def test_a_motion_does_not_go_on_after_its_controller_was_frozen(share: float) -
     assert not result.ok
     assert result.message.startswith('the controller was held up for 0.')
     state = rig.stops[-1]
-    assert (state.fault, state.drives_on) == (CONTROLLER_HELD_UP, False)
+    assert (state.fault, state.drives_on) == (Fault.CONTROLLER_HELD_UP, False)
     rig.run(50)
     np.testing.assert_array_equal(rig.loop.controller.reference[1:], 0.0)
     rig.loop.reset()

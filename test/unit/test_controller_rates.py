@@ -36,7 +36,7 @@ def test_a_standing_robot_that_is_alive_is_never_lost(robot: BaseRobotModel, rat
         looks += due
         controller.step(cycle / rate, robot.home if due else None)
         assert controller.state is ControllerState.HOLDING
-        assert not controller.feedback_lost
+        assert not controller._feedback.lost
     if timeout == 0.5:
         # A look takes time that nothing else needs, so that there are no more than meant.
         assert looks / SECONDS <= 1.1 * HOLDING_RATE < FEEDBACK_RATE
@@ -48,7 +48,7 @@ def test_a_robot_that_is_not_heard_of_is_lost(robot: BaseRobotModel):
     lost = []
     for cycle in range(1, 150):
         controller.step(0.004 * cycle, None)
-        lost.append(controller.feedback_lost)
+        lost.append(controller._feedback.lost)
     assert 124 <= lost.index(True) <= 131  # not every period looks for a loss
     assert all(lost[131:])
 

@@ -15,6 +15,8 @@ from robots_core import available_robot_models, load_robot_model
 from robots_planning import MotionSettings
 from robots_planning.motion_kinds import MOTION_KINDS
 
+from .lua_signatures import signature
+
 ROOT = Path(__file__).parents[2]
 README = ROOT / 'README.md'
 DOCS = ROOT / 'docs'
@@ -85,7 +87,7 @@ def test_the_lua_functions_are_those_of_the_interpreter() -> None:
     listed = {
         names(row[0])[0]: (row[1], row[2]) for row in table(DOCS / 'robot_programs.md', 'Robot programs')
     }
-    assert listed == {f.signature: (f.doc, f.result or '-') for f in LUA_FUNCTIONS.values()}
+    assert listed == {signature(f): (f.doc, f.result or '-') for f in LUA_FUNCTIONS.values()}
 
 
 def test_the_topics_of_motion_commands_are_those_of_the_table() -> None:

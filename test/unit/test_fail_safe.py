@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.control.faults import EMERGENCY_STOP
+from robots_controller.control.faults import Fault
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.fail_safe import fail_safe_texts, parse_fail_safe
 from robots_controller.io.io_map import OUTPUT_TIMEOUT, parse_io_map
@@ -99,7 +99,7 @@ def test_an_output_has_one_fail_safe_value(tmp_path: Path):
     for name in ('lua_program_node', 'io_bridge_node'):
         assert nodes[name].parameters['fail_safe'] == ['digital_output.2=hold', 'digital_output.1=hold']
     script.write_text('fail_safe: {digital_output.1: on}\n')
-    with pytest.raises(RobotsError, match=r'digital_output\.1 has one fail-safe value in .* and another in'):
+    with pytest.raises(RobotsError, match=r'fail_safe: digital_output\.1 is 1 in .* and hold in'):
         read_cell_io(script, io_map)
 
 
@@ -176,7 +176,7 @@ def test_motions_before_one_that_is_refused_have_their_outputs_and_then_they_are
 
 
 def test_a_fault_takes_their_outputs_from_motions_that_a_failed_program_has_left(tmp_path: Path):
-    run = stopped(tmp_path, f'{MOVE}{RAW_SEAM}linearRelative(0, 0, 9, 0, 0, 0)', EMERGENCY_STOP, at=2.4)
+    run = stopped(tmp_path, f'{MOVE}{RAW_SEAM}linearRelative(0, 0, 9, 0, 0, 0)', Fault.EMERGENCY_STOP, at=2.4)
     reasons = [motion.message for motion in run.motions]
     assert reasons[1] == 'emergency stop!'
     on, off = switched(run)

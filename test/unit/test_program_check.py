@@ -45,11 +45,11 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
         ('ptpcartesianspace(1)', 'there is no function ptpcartesianspace; meant is ptpCartesianSpace'),
         ('os.execute("x")', 'test.lua:1: os is not available in robot programs'),
         ('local f = load', 'load is not available in robot programs'),
-        ('ptpJointSpaceAngles(1, 2, 3)', 'ptpJointSpaceAngles: 3 joint angles, needed are 6 for 6 axes'),
-        ('ptpJointSpaceAngles {1, 2, 3, 4, 5, 6, 7}', '7 joint angles, needed are 6 for 6 axes'),
+        ('ptpJointSpaceAngles(1, 2, 3)', 'ptpJointSpaceAngles: got 3 joint angles, the robot has 6 axes'),
+        ('ptpJointSpaceAngles {1, 2, 3, 4, 5, 6, 7}', 'got 7 joint angles, the robot has 6 axes'),
         (
             'setDigitalOutput(1)',
-            'setDigitalOutput: 1 arguments, needed are 2 to 3: setDigitalOutput(index, value, [m',
+            'setDigitalOutput: got 1 arguments, needed are 2 to 3: index, value, [moment]',
         ),
         ('setDigitalOutput(33, 1)', 'setDigitalOutput: index = 33; valid is a whole number in 1..32'),
         ('getAnalogInput(0)', 'getAnalogInput: index = 0; valid is a whole number in 1..8'),
@@ -61,7 +61,7 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
         ("setDigitalOutput('1', 1)", "index = the string '1'; valid is a whole number in 1..32"),
         ("call('missing')", 'test.lua:1: call: missing.lua: there is no program'),
         ("call '../x'", "'../x' leads out of the folder"),
-        ('setSpeed(0.5, 1, 90, 4)', 'setSpeed: 4 arguments, needed are 0 to 3'),
+        ('setSpeed(0.5, 1, 90, 4)', 'setSpeed: got 4 arguments, needed are 0 to 3'),
         (
             'if getDigitalInput(1) == 1 then wait(1) end',
             'getDigitalInput == 1 is always false: getDigitalInput returns true or false',
@@ -75,8 +75,21 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
             "convention = the string 'abc'; valid is 'zyx', 'xyz', 'zyz', 'XYZ'",
         ),
         ('if #getJointAngles() == nil then wait(tiem) end', 'tiem has no value: nothing gives it one'),
-        ('moveUntil({input = 1}, linearRelative, 0, 0)', 'moveUntil: 2 arguments, needed are 6 to 7: linear'),
+        (
+            'moveUntil({input = 1}, linearRelative, 0, 0)',
+            'linearRelative: got 2 arguments, needed are 6 to 7',
+        ),
         ('moveUntil({input = 1, below = 2}, linearRelative, 0, 0, 0, 0, 0, 0)', 'condition has below, input'),
+        ('circCartesianSpace({1, 2, 3}, x)\nx = 1', 'via = a table with 3 values; valid is a table {x, y'),
+        ('moveUntil({input = 40}, linearRelative, ...)', 'condition.input = 40; valid is a whole number in'),
+        (
+            'moveUntil({joint_torque = 7, above = 1}, linearRelative, ...)',
+            'joint_torque = 7; the robot has 6',
+        ),
+        (
+            'ptpCartesianSpace(x, {on_path = {time_before_end = 1, output = 99, value = 1}})\nx = 1',
+            'options.on_path.output = 99; valid is a whole number in 1..32',
+        ),
         ("setPlanner('limited')", "joint = the string 'limited'; valid is 'linear_joint'"),
         ("setConfiguration('left')", "configuration = the string 'left'; valid is 'front/up/no_flip'"),
         ("setHold('all')", "hold = the string 'all'; valid is 'pose', 'directions', 'position'"),
@@ -90,7 +103,7 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
         ('ptpJointSpaceAngles(1, 2, 3, 4, 5, 6, {blend = 1})', 'valid are jointBlend (deg) and on_path'),
         (
             'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {blend = 0})',
-            'options.blend = 0; valid is a finite number above 0',
+            'options.blend = 0 m; valid is a finite number above 0',
         ),
         (
             'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {on_path = {{time_before_end = 1, output = 1}}})',
@@ -113,6 +126,12 @@ def test_problems_name_file_line_and_what_is_valid(tmp_path: Path, text: str, pr
     [
         'local function f(...) ptpCartesianSpace(...) end f(1)',
         'ptpCartesianSpace(getCartesianPosition())',
+        'ptpCartesianSpace(...) ptpCartesianSpace(1, ...) inverseKinematics(getTool(), {1, 2, 3, 4, 5, 6})',
+        'local p, o = {}, {} ptpCartesianSpace(p, o) linearRelative(p, "tool") linearRelative(p, "tool", o)',
+        'local m, x = linearRelative, {} moveUntil({input = 1}, m, x) moveUntil(x, linearRelative, x)',
+        'moveUntil({analog_input = 1, above = getAnalogInput(1)}, linearRelative, ...) setPayload(...)',
+        'local x = 1 pose(x, x, 0, 0, 0, x) pose {x, 0, 0, getJointAngles()} setPayload(x) grid(x, x, x)',
+        'local x = {} ptpCartesianSpace(x, {on_path = x}) ptpCartesianSpace(x, {on_path = {x}, blend = x.b})',
         'local p = {1, 2, 3, 4, 5, 6} ptpCartesianSpace(p) ptpCartesianSpace(p, {blend = 0.1})',
         'local o = {blend = 0.1} ptpCartesianSpace({1, 2, 3, 4, 5, 6}, o)',
         'local o = {blend = 0.1} ptpCartesianSpace(1, 2, 3, 4, 5, 6, o)',
@@ -154,7 +173,7 @@ def test_command_line_says_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureF
     path.write_text('ptpJointSpaceAngles(1, 2, 3, 4, 5, 6)')
     assert main([str(path)]) == 0
     assert main([str(path), '--robot', 'bello_bot']) == 1
-    assert '6 joint angles, needed are 7 for 7 axes' in capsys.readouterr().out
+    assert 'got 6 joint angles, the robot has 7 axes' in capsys.readouterr().out
     assert main([str(path), '--robot', 'nobody']) == 2
     assert main([str(tmp_path / 'missing.lua')]) == 1
 

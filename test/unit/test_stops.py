@@ -10,19 +10,7 @@ import pytest
 
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.faults import (
-    EMERGENCY_STOP,
-    FAULTS,
-    FEEDBACK_FROZEN,
-    FEEDBACK_JUMPED,
-    FEEDBACK_LOST,
-    FOLLOWING_ERROR,
-    GUARD_LOST,
-    PLANNER_LOST,
-    REFERENCE_REFUSED,
-    Fault,
-    StopCategory,
-)
+from robots_controller.control.faults import Fault, StopCategory
 from robots_core.errors import RobotsError, TrajectoryRefusedError
 
 from .two_axes import quintic, two_axes
@@ -66,7 +54,7 @@ class Rig:
         return self.controller.state is ControllerState.FOLLOWING
 
     def trip(self, fault: Fault, *, stands: bool = False) -> None:
-        self.controller.trip(fault, f'{fault.name}!', self.now, stands=stands)
+        self.controller.trip(fault, f'{fault.label}!', self.now, stands=stands)
 
     def run_out(self) -> int:
         """Run until the robot stands; returns the number of periods."""
@@ -89,20 +77,20 @@ def rig() -> Rig:
     return Rig()
 
 
-@pytest.mark.parametrize('fault', [f for f in FAULTS if f.category > StopCategory.ZERO], ids=lambda f: f.name)
+@pytest.mark.parametrize('fault', [f for f in Fault if f.category > StopCategory.ZERO], ids=lambda f: f.label)
 def test_a_fault_stops_on_the_path_and_holds_the_robot_until_reset(rig: Rig, fault: Fault) -> None:
     rig.move()
     rig.trip(fault)
     assert rig.controller.stops.state.drives_on
     rig.run_out()
     outcome = rig.controller.outcomes.popleft()
-    assert (outcome.ok, outcome.message) == (False, f'{fault.name}!')
+    assert (outcome.ok, outcome.message) == (False, f'{fault.label}!')
     rig.check_path_and_limits()
     rig.run(10)
     state = rig.controller.stops.state
     assert (state.fault, state.drives_on) == (fault, fault.category is StopCategory.TWO)
     assert rig.controller.state is ControllerState.STOPPED
-    with pytest.raises(TrajectoryRefusedError, match=f'{fault.name}!; ~/reset'):
+    with pytest.raises(TrajectoryRefusedError, match=f'{fault.label}!; ~/reset'):
         rig.controller.follow(quintic(rig.q, START), 'n', rig.now)
     rig.controller.reset()
     assert rig.controller.stops.state.drives_on
@@ -113,7 +101,7 @@ def test_a_fault_stops_on_the_path_and_holds_the_robot_until_reset(rig: Rig, fau
 
 def test_a_stop_of_category_1_is_faster_than_one_of_category_2() -> None:
     periods = {}
-    for fault in (PLANNER_LOST, EMERGENCY_STOP):
+    for fault in (Fault.PLANNER_LOST, Fault.EMERGENCY_STOP):
         rig = Rig()
         rig.move()
         rig.trip(fault)
@@ -125,7 +113,7 @@ def test_a_stop_of_category_1_is_faster_than_one_of_category_2() -> None:
 
 def test_a_stop_of_category_0_switches_the_drives_off_at_once(rig: Rig) -> None:
     rig.move()
-    rig.trip(FEEDBACK_JUMPED)
+    rig.trip(Fault.FEEDBACK_JUMPED)
     assert not rig.controller.stops.state.drives_on
     assert rig.controller.outcomes.popleft().message == 'feedback jumped!'
     coasted = rig.q + np.array([0.05, -0.02])
@@ -135,14 +123,14 @@ def test_a_stop_of_category_0_switches_the_drives_off_at_once(rig: Rig) -> None:
 
 def test_the_first_fault_counts_until_a_stricter_one_comes(rig: Rig) -> None:
     rig.move()
-    rig.trip(PLANNER_LOST)
-    rig.trip(GUARD_LOST)
-    assert rig.controller.stops.state.fault is PLANNER_LOST
-    rig.trip(EMERGENCY_STOP)
-    assert rig.controller.stops.state.fault is EMERGENCY_STOP
+    rig.trip(Fault.PLANNER_LOST)
+    rig.trip(Fault.COLLISION_GUARD_LOST)
+    assert rig.controller.stops.state.fault is Fault.PLANNER_LOST
+    rig.trip(Fault.EMERGENCY_STOP)
+    assert rig.controller.stops.state.fault is Fault.EMERGENCY_STOP
     rig.run_out()
     rig.run(2)
-    rig.trip(FEEDBACK_JUMPED)
+    rig.trip(Fault.FEEDBACK_JUMPED)
     assert rig.controller.stops.state.reason == 'emergency stop!'
 
 
@@ -156,29 +144,29 @@ def test_a_person_stops_without_a_latch(rig: Rig) -> None:
 
 def test_reset_waits_for_standstill_and_for_the_end_of_the_cause(rig: Rig) -> None:
     rig.move()
-    rig.trip(GUARD_LOST, stands=True)
+    rig.trip(Fault.COLLISION_GUARD_LOST, stands=True)
     rig.step()
     with pytest.raises(RobotsError, match='still moving'):
         rig.controller.reset()
     rig.run_out()
     with pytest.raises(RobotsError, match='cannot reset: collision guard lost!'):
         rig.controller.reset()
-    rig.controller.stops.clear(GUARD_LOST)
+    rig.controller.stops.clear(Fault.COLLISION_GUARD_LOST)
     assert rig.controller.stops.latched
     rig.controller.reset()
     assert not rig.controller.stops.latched
 
 
 def test_a_lost_planner_is_no_fault_of_a_robot_that_stands(rig: Rig) -> None:
-    rig.trip(PLANNER_LOST)
+    rig.trip(Fault.PLANNER_LOST)
     assert not rig.controller.stops.latched
-    rig.trip(GUARD_LOST)
+    rig.trip(Fault.COLLISION_GUARD_LOST)
     assert rig.controller.stops.latched
 
 
 def test_feedback_that_comes_back_elsewhere_moves_nothing_and_the_robot_goes_on_from_there(rig: Rig) -> None:
     rig.run(100, lost=True)
-    assert rig.controller.stops.state.fault is FEEDBACK_LOST
+    assert rig.controller.stops.state.fault is Fault.FEEDBACK_LOST
     assert not rig.controller.stops.state.drives_on
     with pytest.raises(RobotsError, match='no feedback'):
         rig.controller.reset()
@@ -186,7 +174,7 @@ def test_feedback_that_comes_back_elsewhere_moves_nothing_and_the_robot_goes_on_
     rig.q = away
     rig.run(10)
     np.testing.assert_array_equal(rig.references[-1], away)
-    assert rig.controller.stops.state.fault is FEEDBACK_LOST
+    assert rig.controller.stops.state.fault is Fault.FEEDBACK_LOST
     rig.controller.reset()
     rig.run(50)
     np.testing.assert_array_equal(rig.references[-1], away)
@@ -200,7 +188,7 @@ def test_feedback_lost_on_the_way_ramps_down_on_the_path_and_then_brakes(rig: Ri
     rig.run(50, lost=True)
     assert rig.controller.stops.state.drives_on
     rig.run(100, lost=True)
-    assert rig.controller.stops.state.fault is FEEDBACK_LOST
+    assert rig.controller.stops.state.fault is Fault.FEEDBACK_LOST
     assert not rig.controller.stops.state.drives_on
     rig.check_path_and_limits()
 
@@ -210,7 +198,7 @@ def test_frozen_feedback_is_found_before_the_following_error(rig: Rig) -> None:
     frozen = rig.q.copy()
     for _ in range(40):
         rig.step(frozen)
-    assert rig.controller.stops.state.fault is FEEDBACK_FROZEN
+    assert rig.controller.stops.state.fault is Fault.FEEDBACK_FROZEN
     assert 'A1 has not changed while its reference moved by 0.02' in rig.controller.stops.state.reason
 
 
@@ -223,7 +211,7 @@ def test_an_axis_that_stands_while_others_move_is_not_frozen(rig: Rig) -> None:
 def test_feedback_that_jumps_while_the_robot_stands_is_a_fault(rig: Rig) -> None:
     rig.run(500)
     rig.step(START + np.array([0.0, 0.06]))
-    assert rig.controller.stops.state.fault is FEEDBACK_JUMPED
+    assert rig.controller.stops.state.fault is Fault.FEEDBACK_JUMPED
     assert 'the feedback of A2 has jumped by 0.06 rad' in rig.controller.stops.state.reason
 
 
@@ -237,13 +225,13 @@ def test_feedback_may_be_late_while_the_robot_moves(rig: Rig) -> None:
 def test_a_robot_that_is_pushed_away_slowly_is_a_fault(rig: Rig) -> None:
     for k in range(300):
         rig.step(np.array([0.002 * k, 0.0]))
-    assert rig.controller.stops.state.fault is FOLLOWING_ERROR
+    assert rig.controller.stops.state.fault is Fault.FOLLOWING_ERROR
 
 
 def test_a_reference_that_the_guard_refuses_is_latched(rig: Rig) -> None:
     rig.controller.follow(quintic(START, GOAL, duration=0.5), 'm', rig.now)
     rig.run_out()
-    assert rig.controller.stops.state.fault is REFERENCE_REFUSED
+    assert rig.controller.stops.state.fault is Fault.REFERENCE_REFUSED
     assert 'refused by the limit guard' in rig.controller.outcomes[0].message
 
 
@@ -258,4 +246,4 @@ def test_the_documentation_has_the_same_table() -> None:
     text = (Path(__file__).parents[2] / 'docs' / 'stops.md').read_text()
     rows = re.findall(r'^\| ([a-z ]+) \| ([012]) \| (.+) \| (.+) \|$', text, re.MULTILINE)
     documented = [row for row in rows if row[0] != 'references ended']
-    assert documented == [(f.name, str(f.category.value), f.reaction, f.meaning) for f in FAULTS]
+    assert documented == [(f.label, str(f.category.value), f.reaction, f.meaning) for f in Fault]

@@ -9,7 +9,8 @@ import pytest
 from distributed import LocalCluster
 from pyarrow import csv, parquet
 
-from robots_controller.study.cli import EXIT_BAD_INPUT, main
+from robots_controller.cell_arguments import EXIT_BAD_INPUT
+from robots_controller.study.cli import main
 from robots_controller.study.results import ROWS, StudyResults
 from robots_controller.study.run_case import FIGURES, run_case
 from robots_controller.study.run_study import run_study

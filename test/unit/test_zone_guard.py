@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robots_controller.control.controller import ControllerState
-from robots_controller.control.faults import ZONE_VIOLATED
+from robots_controller.control.faults import Fault
 from robots_controller.control.zone_guard import ZoneGuard
 from robots_core import Pose
 from robots_core.blocks import HalfSpace, PlacedBox, Zone
@@ -66,7 +66,7 @@ def test_a_border_that_closes_in_front_of_the_robot_is_a_fault() -> None:
     cell.loop.close_zones(('press',))
     closed = len(cell.references)
     cell.run()
-    assert cell.stops[-1].fault is ZONE_VIOLATED
+    assert cell.stops[-1].fault is Fault.ZONE_VIOLATED
     assert 'the tool is' in cell.stops[-1].reason
     assert "mm inside zone 'press'" in cell.stops[-1].reason
     assert not cell.results[-1].ok
@@ -82,7 +82,7 @@ def test_a_robot_across_a_border_that_closes_may_leave_after_a_reset() -> None:
     cell.run()
     cell.loop.close_zones(('press',))
     cell.step(10)
-    assert cell.stops[-1].fault is ZONE_VIOLATED
+    assert cell.stops[-1].fault is Fault.ZONE_VIOLATED
     assert not cell.stops[-1].drives_on
     cell.loop.reset()
     cell.step(10)
@@ -210,7 +210,7 @@ def test_before_anything_is_known_borders_are_closed_and_nothing_is_violated() -
     assert not cell.controller.stops.latched
     cell.loop.close_zones(('press',))
     cell.step(2)
-    assert cell.stops[-1].fault is ZONE_VIOLATED
+    assert cell.stops[-1].fault is Fault.ZONE_VIOLATED
 
 
 def test_a_tool_that_is_set_counts() -> None:

@@ -10,7 +10,7 @@ from typing import Literal, Protocol
 
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_rates import ControllerRates
-from robots_controller.control.faults import CONTROLLER_HELD_UP, Fault
+from robots_controller.control.faults import Fault
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.path_speed_cap import PathSpeedCap
 from robots_controller.control.shared_zone import ZoneState
@@ -207,7 +207,7 @@ class ControlLoop:
         """The drives have braked meanwhile, off the path: the motion does not go on."""
         if silence * self._processor_share() > self._watchdog:
             reason = f'the controller was held up for {silence:.3g} s'
-            self.controller.trip(CONTROLLER_HELD_UP, reason, now)
+            self.controller.trip(Fault.CONTROLLER_HELD_UP, reason, now)
 
     def report(self) -> None:
         """Report what the period has brought."""

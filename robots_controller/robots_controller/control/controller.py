@@ -11,7 +11,7 @@ import numpy as np
 
 from robots_controller.control.brake import Brake
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.faults import REFERENCE_REFUSED, ZONE_VIOLATED, Fault, StopCategory
+from robots_controller.control.faults import Fault, StopCategory
 from robots_controller.control.feedback_watch import FeedbackWatch
 from robots_controller.control.followed_motion import FollowedMotion
 from robots_controller.control.limit_guard import LimitGuard
@@ -100,11 +100,6 @@ class Controller:
         if self._motion.settling_since is not None:
             return ControllerState.SETTLING
         return ControllerState.FOLLOWING
-
-    @property
-    def feedback_lost(self) -> bool:
-        """No feedback within `feedback_timeout`."""
-        return self._feedback.lost
 
     @property
     def progress(self) -> float:
@@ -276,7 +271,7 @@ class Controller:
     def _look_at_zones(self, zones: ZoneGuard, now: float) -> None:
         assert self.reference is not None
         if reason := zones.look(self.reference[0]):
-            self.trip(ZONE_VIOLATED, reason, now)
+            self.trip(Fault.ZONE_VIOLATED, reason, now)
         measured = self._feedback.position
         places = [self.reference[0], *([] if measured is None else [measured])]
         motion = None if self._motion is None or self._motion.failure else self._motion
@@ -355,7 +350,7 @@ class Controller:
         reason = f'reference refused by the limit guard: {broken}'
         assert self.reference is not None
         self._brake = Brake(self._axes, self.reference, self.settings.period, reason)
-        self.stops.trip(REFERENCE_REFUSED, reason)
+        self.stops.trip(Fault.REFERENCE_REFUSED, reason)
         return False
 
     def _settle(self, motion: FollowedMotion, now: float) -> None:

@@ -8,13 +8,7 @@ from typing import Final
 import numpy as np
 
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.faults import (
-    FEEDBACK_FROZEN,
-    FEEDBACK_JUMPED,
-    FEEDBACK_LOST,
-    FOLLOWING_ERROR,
-    Fault,
-)
+from robots_controller.control.faults import Fault
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
 from robots_core.watchdog import LOOKS, Watchdog
@@ -82,7 +76,7 @@ class FeedbackWatch:
         if feedback is None:
             timeout = self._settings.feedback_timeout
             reason = f'no feedback for {timeout:g} s: is the drive still running?'
-            return (FEEDBACK_LOST, reason) if lost else None
+            return (Fault.FEEDBACK_LOST, reason) if lost else None
         finding = None
         if reference is not None and self.position is not None:
             if reference[1].any():
@@ -105,7 +99,7 @@ class FeedbackWatch:
         worst = int((change - allowed).argmax())
         if change[worst] <= allowed[worst]:
             return None
-        return FEEDBACK_JUMPED, (
+        return Fault.FEEDBACK_JUMPED, (
             f'the feedback of {self._axes.names[worst]} has jumped by {change[worst]:.4g} '
             f'{self._axes.unit(worst)}, allowed is {allowed[worst]:.4g} {self._axes.unit(worst)}: is its '
             'encoder working, does another node publish joint_states?'
@@ -126,7 +120,7 @@ class FeedbackWatch:
         if not frozen.any():
             return None
         worst = int(frozen.argmax())
-        return FEEDBACK_FROZEN, (
+        return Fault.FEEDBACK_FROZEN, (
             f'the feedback of {self._axes.names[worst]} has not changed while its reference moved by '
             f'{moved[worst]:.3g} {self._axes.unit(worst)}: is its encoder working, does the drive follow?'
         )
@@ -136,7 +130,7 @@ class FeedbackWatch:
         if error[worst] <= allowed:
             return None
         unit = self._axes.unit(worst)
-        return FOLLOWING_ERROR, (
+        return Fault.FOLLOWING_ERROR, (
             f'{self._axes.names[worst]} is {error[worst]:.4g} {unit} behind its reference, allowed is '
             f'{allowed:g} {unit}: does the drive follow?'
         )

@@ -25,7 +25,7 @@ class StopState:
         """For a status."""
         values = {'drives': 'on' if self.drives_on else 'off'}
         if self.fault is not None:
-            values |= {'fault': self.fault.name, 'category': str(self.fault.category.value)}
+            values |= {'fault': self.fault.label, 'category': str(self.fault.category.value)}
         return values
 
 

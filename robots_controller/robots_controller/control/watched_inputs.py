@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from robots_controller.control.control_loop import ControlLoop
-from robots_controller.control.faults import EMERGENCY_INPUT
+from robots_controller.control.faults import Fault
 from robots_controller.io.emergency_inputs import EmergencyInputs
 from robots_controller.io.zone_inputs import ZoneInputs
 
@@ -30,4 +30,4 @@ class WatchedInputs:
             self._control.close_zones(closed)
         if reason != self._reason:
             self._reason = reason
-            self._control.watch(EMERGENCY_INPUT, reason)
+            self._control.watch(Fault.EMERGENCY_STOP_INPUT, reason)

@@ -10,10 +10,10 @@ import sys
 from collections.abc import Iterator, Sequence
 from typing import Final
 
+from robots_controller.cell_arguments import EXIT_OK, exit_code
 from robots_controller.interpreter import argument_kinds as kinds
 from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
-from robots_core.errors import RobotsError
 from robots_core.robot_choice import load_robot_model
 
 # Where no robot is named: what most arms have, and the others as overloads.
@@ -137,13 +137,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         '--robot', default='', help='robot for whose number of axes to write the help; any by default'
     )
     options = parser.parse_args(arguments)
-    try:
-        num_axes = load_robot_model(options.robot).num_axes if options.robot else None
-    except RobotsError as error:
-        print(f'error: {error}', file=sys.stderr)
-        return 2
-    print(meta_file(num_axes), end='')
-    return 0
+    return exit_code(lambda _: _print(options.robot))
+
+
+def _print(robot: str) -> int:
+    print(meta_file(load_robot_model(robot).num_axes if robot else None), end='')
+    return EXIT_OK
 
 
 if __name__ == '__main__':

@@ -111,7 +111,6 @@ class Debugger:
         self._step: Step | None = None
         self._entry = False
         self._depth: int | None = None
-        self._attached = False
 
     def set_breakpoints(self, chunk: str, lines: Iterable[int]) -> None:
         """Hold at these lines of a program or subprogram, and no others of it."""

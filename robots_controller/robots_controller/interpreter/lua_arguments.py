@@ -8,7 +8,7 @@ from robots_controller.interpreter import argument_kinds as kinds
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
-from robots_controller.interpreter.lua_values import check_value
+from robots_controller.interpreter.lua_values import UNKNOWN, check_value
 from robots_controller.interpreter.motion_options import MotionOptions, check_options
 
 
@@ -101,6 +101,6 @@ def _spread(function: LuaFunction, given: list[LuaArgument]) -> list[LuaArgument
         )
     # A table with something after it is an argument like any other: it may not be a target.
     behind = 'table' if function.arguments[-1].kind is kinds.JOINTS else 'string'
-    if len(given) > 1 and given[1].type != behind:
+    if len(given) > 1 and given[1] is not UNKNOWN and given[1].type != behind:
         return given
     return [*table.values, *given[1:]]

@@ -42,16 +42,3 @@ LUA_FUNCTIONS: Final = _functions(Motions, Search, *MAIN_FAMILIES, *TASK_FAMILIE
 
 TASK_FUNCTIONS: Final = frozenset(_functions(*TASK_FAMILIES))
 """Those that tasks have."""
-
-PAPER_FUNCTIONS: Final = (
-    'ptpCartesianSpace',
-    'ptpJointSpaceAngles',
-    'ptpJointSpacePosition',
-    'setDigitalOutput',
-    'getDigitalInput',
-    'setAnalogOutput',
-    'getAnalogInput',
-    'wait',
-    'print',
-)
-"""Those of the paper's table 2."""

@@ -28,8 +28,7 @@ from typing import Any, Final, NoReturn, Protocol
 
 from lupa import lua54
 
-from robots_controller.interpreter.lua_side.patterns import PATTERNS
-from robots_controller.interpreter.lua_side.prelude import PRELUDE
+from robots_controller.interpreter.lua_side.lua_chunks import PATTERNS, PRELUDE
 from robots_controller.interpreter.lua_source import LuaSource
 from robots_controller.program.program_state import ProgramStopped
 

@@ -1,10 +1,11 @@
 """LuaSource: the text of a robot program, read from its file or explained why not."""
 
-import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
+from robots_controller.interpreter.lua_tokens import lua_tokens
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.files import read_bytes
 
@@ -13,15 +14,6 @@ MAX_PROGRAM_SIZE = 1_000_000  # bytes; the interpreter's memory is bounded too
 MAX_CHUNK_NAME = 50
 # A remark explains the first syntax error; further candidates are not worth their compilation.
 MAX_REMARK_CANDIDATES = 50
-
-# What Lua reads as one piece: a comment or string hides the `//` inside it.
-_PIECES = re.compile(
-    r"""--\[(?P<c>=*)\[.*?\](?P=c)\] | --[^\n]*            # comments
-      | \[(?P<s>=*)\[.*?\](?P=s)\]                           # long strings
-      | "(?:\\.|[^"\\\n])*" | '(?:\\.|[^'\\\n])*'            # strings
-      | (?P<remark>//[^\n]*)""",
-    re.DOTALL | re.VERBOSE,
-)
 
 SyntaxCheck = Callable[[str], tuple[int, str] | None]
 """Compiles a text: None, or the line and the reason of the first syntax error."""
@@ -108,11 +100,13 @@ def check_syntax(source: LuaSource, check: SyntaxCheck) -> None:
     if problem is None:
         return
     line, reason = problem
-    for start, end in _remark_candidates(source.text, last_line=line):
-        as_remark = f'{source.text[:start]}--{source.text[start + 2 : end]}{source.text[end:]}'
-        better = check(as_remark)
+    divisions = (token for token in lua_tokens(source.text) if (token.kind, token.text) == ('sign', '//'))
+    for token in islice(divisions, MAX_REMARK_CANDIDATES):
+        if token.line > line:
+            break
+        better = check(f'{source.text[: token.start]}--{source.text[token.start + 2 :]}')
         if better is None or better[0] > line:
-            line = source.text.count('\n', 0, start) + 1
+            line = token.line
             raise ProgramError(
                 f"'//' does not start a remark in Lua; write '--': {source.line(line)}",
                 file=source.file,
@@ -121,14 +115,3 @@ def check_syntax(source: LuaSource, check: SyntaxCheck) -> None:
             )
     text = source.line(line)
     raise ProgramError(f'{reason}: {text}' if text else reason, file=source.file, line=line, source=text)
-
-
-def _remark_candidates(text: str, *, last_line: int) -> Iterator[tuple[int, int]]:
-    count = 0
-    for piece in _PIECES.finditer(text):
-        if piece['remark'] is None:
-            continue
-        count += 1
-        if count > MAX_REMARK_CANDIDATES or text.count('\n', 0, piece.start()) >= last_line:
-            return
-        yield piece.start(), piece.end()

@@ -52,26 +52,27 @@ class Token:
         kind: What it is.
         text: Its characters; of a string those between the quotes.
         line: Counted from 1.
+        start: Where it begins in the text.
     """
 
     kind: TokenKind
     text: str
     line: int
+    start: int = 0
 
 
 def lua_tokens(text: str) -> Iterator[Token]:
-    """The tokens of a text that Lua can compile, without space and comments."""
+    """The tokens of a text, without space and comments; behind a syntax error they are a guess."""
     line = 1
     for piece in _TOKEN.finditer(text):
         found = piece.group()
         if piece['long'] is not None:
-            yield Token('string', found.split('[', 2)[2].rsplit(']', 2)[0].removeprefix('\n'), line)
+            inner = found.split('[', 2)[2].rsplit(']', 2)[0].removeprefix('\n')
+            yield Token('string', inner, line, piece.start())
         elif piece['string'] is not None:
-            yield Token('string', found[1:-1], line)
+            yield Token('string', found[1:-1], line, piece.start())
         elif piece['name'] is not None:
-            yield Token('keyword' if found in KEYWORDS else 'name', found, line)
-        elif piece['number'] is not None:
-            yield Token('number', found, line)
-        elif piece['sign'] is not None:
-            yield Token('sign', found, line)
+            yield Token('keyword' if found in KEYWORDS else 'name', found, line, piece.start())
+        elif piece['space'] is None:
+            yield Token('number' if piece['number'] is not None else 'sign', found, line, piece.start())
         line += found.count('\n')

@@ -13,6 +13,9 @@ from robots_controller.interpreter.functions.lua_function import Argument
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
 from robots_controller.io.io_image import LABEL
 
+UNKNOWN: Final = LuaArgument('unknown', None)
+"""What the run computes, where a program is checked without one: it may be any value."""
+
 _SHOWN_TEXT: Final = 40
 
 
@@ -32,6 +35,8 @@ def check_value(
     Raises:
         LuaCallError: naming the function, the argument, what came and what is valid.
     """
+    if given is UNKNOWN:
+        return 0.0
     kind, table = argument.kind, given.value if isinstance(given.value, LuaTable) else None
     value, came = None, shown(given)
     if table is None:
@@ -90,22 +95,6 @@ def _text_value(kind: ArgumentKind, text: str, sizes: Sizes) -> Any:
             return text if LABEL.fullmatch(text) else None
         return sizes.names[kind.channel].get(text)
     return text if kind.text is not None and kind.text(text) else None
-
-
-def valid_text(argument: Argument, value: bytes | float, sizes: Sizes) -> str | None:
-    """What would be valid, if a literal number or string is not; None if it is.
-
-    Args:
-        argument: Which argument.
-        value: The number or string.
-        sizes: What bounds it.
-    """
-    given = LuaArgument('string' if isinstance(value, bytes) else 'number', value)
-    try:
-        check_value('', '', argument, given, sizes)
-    except LuaCallError:
-        return argument.kind.describe(sizes)
-    return None
 
 
 def shown(given: LuaArgument) -> str:

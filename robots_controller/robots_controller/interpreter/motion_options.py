@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -10,7 +10,7 @@ from robots_controller.interpreter import argument_kinds as kinds
 from robots_controller.interpreter.argument_kinds import ANCHORS, ArgumentKind, Sizes
 from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
-from robots_controller.interpreter.lua_values import check_value, shown
+from robots_controller.interpreter.lua_values import UNKNOWN, check_value, shown
 from robots_controller.program.motion_command import PathSwitch
 
 
@@ -48,18 +48,6 @@ _BLENDS: Final = {
 }
 
 
-def option_arguments(function: LuaFunction) -> dict[str, Argument]:
-    """Options of a motion with one value each, by their names; `on_path` is a table."""
-    blend = _BLENDS[function.options]
-    return {blend.name: blend}
-
-
-def unknown_option(function: LuaFunction, key: str) -> str:
-    """That there is no such option, and which there are."""
-    valid = ', '.join(f'{name} ({argument.unit})' for name, argument in option_arguments(function).items())
-    return f'options has no {key}; valid are {valid} and on_path'
-
-
 def check_options(function: LuaFunction, table: LuaTable, sizes: Sizes) -> MotionOptions:
     """Check the options of a call.
 
@@ -75,21 +63,25 @@ def check_options(function: LuaFunction, table: LuaTable, sizes: Sizes) -> Motio
         elif key == 'on_path':
             switches = _check_switches(function.name, given, sizes)
         else:
-            raise LuaCallError(f'{function.name}: {unknown_option(function, key)}')
+            raise LuaCallError(
+                f'{function.name}: options has no {key}; valid are {blend_argument.name} '
+                f'({blend_argument.unit}) and on_path'
+            )
     return MotionOptions(blend, switches)
 
 
 def _check_switches(function: str, given: LuaArgument, sizes: Sizes) -> tuple[PathSwitch, ...]:
+    if given is UNKNOWN:
+        return ()
     table = given.value
     if not isinstance(table, LuaTable):
         raise LuaCallError(f'{function}: options.on_path = {shown(given)}; valid is {_valid_switch()}')
     if table.fields:
-        return (_check_switch(function, 'on_path', table, sizes),)
+        return (_check_switch(function, 'on_path', given, sizes),)
     return tuple(
-        _check_switch(
-            function, f'on_path[{i}]', entry.value if isinstance(entry.value, LuaTable) else None, sizes
-        )
+        _check_switch(function, f'on_path[{i}]', entry, sizes)
         for i, entry in enumerate(table.values, 1)
+        if entry is not UNKNOWN
     )
 
 
@@ -99,11 +91,13 @@ _OUTPUTS: Final[Mapping[str, ArgumentKind]] = {
 }
 
 
-def _check_switch(function: str, label: str, table: LuaTable | None, sizes: Sizes) -> PathSwitch:
-    fields = dict(table.fields) if table is not None else {}
-    if (problem := wrong_switch(label, fields)) is not None:
-        raise LuaCallError(f'{function}: {problem}')
-    (anchor,), (output,) = _anchors(fields), _outputs(fields)
+def _check_switch(function: str, label: str, given: LuaArgument, sizes: Sizes) -> PathSwitch:
+    fields = given.value.fields if isinstance(given.value, LuaTable) else {}
+    anchors, outputs = [key for key in fields if key in ANCHORS], [key for key in fields if key in _OUTPUTS]
+    if not (len(anchors) == len(outputs) == 1 and len(fields) == 3 and 'value' in fields):
+        has = ', '.join(sorted(fields)) or 'nothing'
+        raise LuaCallError(f'{function}: options.{label} has {has}; valid is {_valid_switch()}')
+    (anchor,), (output,) = anchors, outputs
     kind: Any = 'digital' if output == 'output' else 'analog'
 
     def value(key: str, of: ArgumentKind, unit: str = '') -> float:
@@ -117,26 +111,6 @@ def _check_switch(function: str, label: str, table: LuaTable | None, sizes: Size
         index=int(value(output, _OUTPUTS[output])),
         value=value('value', kinds.SWITCH if kind == 'digital' else kinds.NUMBER),
     )
-
-
-def wrong_switch(label: str, keys: Collection[str]) -> str | None:
-    """What is wrong with the keys of a table that switches an output on the path; None if nothing is.
-
-    Args:
-        label: Of the table.
-        keys: Its keys.
-    """
-    if len(_anchors(keys)) == 1 and len(_outputs(keys)) == 1 and len(keys) == 3 and 'value' in keys:
-        return None
-    return f'options.{label} has {", ".join(sorted(keys)) or "nothing"}; valid is {_valid_switch()}'
-
-
-def _anchors(keys: Collection[str]) -> list[str]:
-    return [key for key in keys if key in ANCHORS]
-
-
-def _outputs(keys: Collection[str]) -> list[str]:
-    return [key for key in keys if key in _OUTPUTS]
 
 
 def _valid_switch() -> str:

@@ -1,11 +1,11 @@
 """CellIo: with whom the inputs and outputs of a cell are connected, and what its channels are called."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
-from robots_controller.io.fail_safe import FailSafe
+from robots_controller.io.channel_declarations import ChannelDeclarations
+from robots_controller.io.fail_safe import HOLD
 from robots_controller.io.io_image import Channel
 from robots_controller.io.io_map import IoMap, read_io_map
 from robots_controller.io.io_signals import channel_labels
@@ -14,22 +14,16 @@ from robots_core.errors import RobotsError
 
 
 @dataclass(frozen=True)
-class CellIo:
-    """The PLC of a cell, scripted or at the other end of a map, or both.
+class CellIo(ChannelDeclarations):
+    """The PLC of a cell, scripted or at the other end of a map, or both; and what both declare.
 
     Attributes:
         script: Of the PLC that is played; without rules if there is none.
         io_map: Of channels to topics; empty if there is none.
-        signals: Channels by their names.
-        fail_safe: Values of outputs when no running program answers for them.
-        emergency_stop: Values of digital inputs that stop the robot, by channel.
     """
 
     script: PlcScript
     io_map: IoMap
-    signals: Mapping[str, Channel]
-    fail_safe: FailSafe
-    emergency_stop: Mapping[str, int]
 
     @property
     def labels(self) -> dict[str, list[str]]:
@@ -61,22 +55,18 @@ def read_cell_io(io: Path | str = '', io_map: Path | str = '') -> CellIo:
         raise RobotsError(
             f'{io} and {io_map} both set {", ".join(sorted(both))}; only one can publish that topic'
         )
-    for label in script.signals.keys() & rows.signals.keys():
-        here, there = script.signals[label], rows.signals[label]
-        if here != there:
-            raise RobotsError(f'{label!r} is {here.name} in {io} and {there.name} in {io_map}')
-    signals = {**script.signals, **rows.signals}
-    for name in script.fail_safe.keys() & rows.fail_safe.keys():
-        if script.fail_safe[name] != rows.fail_safe[name]:
-            raise RobotsError(f'{name} has one fail-safe value in {io} and another in {io_map}')
-    safe = {**script.fail_safe, **rows.fail_safe}
-    stopping = {**script.emergency_stop, **rows.emergency_stop}
-    if {**rows.emergency_stop, **script.emergency_stop} != stopping:
-        raise RobotsError(f'{io} and {io_map} name one input as emergency stop with different values')
-    return CellIo(
-        script,
-        rows,
-        MappingProxyType(signals),
-        MappingProxyType(safe),
-        MappingProxyType(stopping),
-    )
+    declared = {}
+    for section in vars(ChannelDeclarations()):
+        one, other = getattr(script, section), getattr(rows, section)
+        for name in one.keys() & other.keys():
+            if one[name] != other[name]:
+                here, there = _shown(one[name]), _shown(other[name])
+                raise RobotsError(f'{section}: {name} is {here} in {io} and {there} in {io_map}')
+        declared[section] = MappingProxyType({**one, **other})
+    return CellIo(script, rows, **declared)
+
+
+def _shown(value: Channel | float | None) -> str:
+    if value is None:
+        return HOLD
+    return value.name if isinstance(value, Channel) else f'{value:g}'

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Final
+from typing import Final, TypeVar
 
 from robots_controller.io.io_image import Channel
 from robots_controller.io.io_signals import channel_at, parse_channel, value_at
 from robots_core.errors import InvalidInputError
 from robots_core.yaml_section import YamlSection
+
+Value = TypeVar('Value', bound=float | None)
 
 FailSafe = Mapping[str, float | None]
 """Values by the names of outputs; None keeps what the output has. Outputs that are not named get 0."""
@@ -72,7 +74,7 @@ def parse_fail_safe(texts: Iterable[str]) -> dict[str, float | None]:
     return found
 
 
-def safe_value(values: FailSafe, output: Channel, value: float) -> float:
-    """What an output that has a value now is set to."""
+def safe_value(values: FailSafe, output: Channel, value: Value) -> float | Value:
+    """What an output that has a value now, None where that is unknown, is set to."""
     safe = values.get(output.name, 0.0)
     return value if safe is None else safe

@@ -2,16 +2,16 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Final
 
-from robots_controller.io.emergency_inputs import read_emergency_stop
-from robots_controller.io.fail_safe import FailSafe, fail_safe_of, read_fail_safe
+from robots_controller.io.channel_declarations import ChannelDeclarations, read_declarations
+from robots_controller.io.fail_safe import fail_safe_of
 from robots_controller.io.field_path import FieldPath
 from robots_controller.io.io_image import Channel, Direction
-from robots_controller.io.io_signals import channel_at, read_signals, value_at
+from robots_controller.io.io_signals import channel_at, value_at
 from robots_core.errors import InvalidInputError
 from robots_core.files import read_text
 from robots_core.yaml_section import YamlSection, located, parse_yaml
@@ -35,12 +35,17 @@ _KEYS: Final = (
 )
 
 
+# As in ROS, the defaults first.
+RELIABILITIES: Final = ('reliable', 'best_effort')
+DURABILITIES: Final = ('volatile', 'transient_local')
+
+
 @dataclass(frozen=True)
 class TopicQos:
     """Quality of service of an external topic."""
 
-    reliability: Literal['reliable', 'best_effort'] = 'reliable'
-    durability: Literal['volatile', 'transient_local'] = 'volatile'
+    reliability: str = RELIABILITIES[0]
+    durability: str = DURABILITIES[0]
     depth: int = 10
 
 
@@ -89,22 +94,16 @@ class IoRow:
 
 
 @dataclass(frozen=True)
-class IoMap:
-    """All rows of a file.
+class IoMap(ChannelDeclarations):
+    """All rows of a file, and its declarations: those of its rows too.
 
     Attributes:
         inputs: Topics to inputs.
         outputs: Outputs to topics.
-        signals: Names of channels.
-        fail_safe: Values of outputs when no running program answers for them.
-        emergency_stop: Values of digital inputs that stop the robot, by channel.
     """
 
     inputs: tuple[IoRow, ...] = ()
     outputs: tuple[IoRow, ...] = ()
-    signals: Mapping[str, Channel] = field(default_factory=lambda: MappingProxyType({}))
-    fail_safe: FailSafe = field(default_factory=lambda: MappingProxyType({}))
-    emergency_stop: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
 
 
 def read_io_map(path: Path | str) -> IoMap:
@@ -123,9 +122,8 @@ def parse_io_map(text: str, file: str = 'io_map.yaml') -> IoMap:
         InvalidInputError: what is wrong, with file and line.
     """
     section = parse_yaml(text, file)
-    signals = read_signals(section)
-    safe = read_fail_safe(section, signals)
-    stopping = read_emergency_stop(section, signals)
+    declared = read_declarations(section)
+    signals, safe = declared.signals, dict(declared.fail_safe)
     inputs = [row for item in section.sections('inputs') for row in _rows(item, 'input', signals, safe)]
     outputs = [row for item in section.sections('outputs') for row in _rows(item, 'output', signals, safe)]
     section.finish()
@@ -134,13 +132,8 @@ def parse_io_map(text: str, file: str = 'io_map.yaml') -> IoMap:
     _check_topics([*inputs, *outputs])
     if not (inputs or outputs):
         raise section.error('the file maps nothing; it needs rows below inputs or outputs')
-    return IoMap(
-        tuple(inputs),
-        tuple(outputs),
-        MappingProxyType(signals),
-        MappingProxyType(safe),
-        MappingProxyType(stopping),
-    )
+    declared = replace(declared, fail_safe=MappingProxyType(safe))
+    return IoMap(tuple(inputs), tuple(outputs), **vars(declared))
 
 
 def _rows(
@@ -263,13 +256,13 @@ def _qos(item: YamlSection) -> TopicQos:
     section = item.section('qos')
     if section is None:
         return TopicQos()
-    best_effort = section.text('reliability', 'reliable', among=('reliable', 'best_effort')) == 'best_effort'
-    latched = section.text('durability', 'volatile', among=('volatile', 'transient_local')) != 'volatile'
-    depth = section.whole('depth', 10, low=1, high=1000)
-    section.finish()
-    return TopicQos(
-        'best_effort' if best_effort else 'reliable', 'transient_local' if latched else 'volatile', depth
+    qos = TopicQos(
+        section.text('reliability', RELIABILITIES[0], among=RELIABILITIES),
+        section.text('durability', DURABILITIES[0], among=DURABILITIES),
+        section.whole('depth', 10, low=1, high=1000),
     )
+    section.finish()
+    return qos
 
 
 def _check_channels(inputs: list[IoRow]) -> None:

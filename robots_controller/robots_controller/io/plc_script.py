@@ -8,10 +8,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final, Literal
 
-from robots_controller.io.emergency_inputs import read_emergency_stop
-from robots_controller.io.fail_safe import FailSafe, read_fail_safe
+from robots_controller.io.channel_declarations import ChannelDeclarations, read_declarations
 from robots_controller.io.io_image import Channel
-from robots_controller.io.io_signals import channel_at, read_signals, value_at
+from robots_controller.io.io_signals import channel_at, value_at
 from robots_core.files import read_text
 from robots_core.yaml_section import YamlSection, located, parse_yaml
 
@@ -76,22 +75,16 @@ class PlcRule:
 
 
 @dataclass(frozen=True)
-class PlcScript:
-    """All rules of a file.
+class PlcScript(ChannelDeclarations):
+    """All rules of a file, and its declarations.
 
     Attributes:
         rules: In the file's order.
         initial: Inputs that do not start at 0.
-        signals: Names of channels.
-        fail_safe: Values of the robot's outputs when no running program answers for them.
-        emergency_stop: Values of digital inputs that stop the robot, by channel.
     """
 
     rules: tuple[PlcRule, ...]
     initial: Mapping[Channel, float] = field(default_factory=lambda: MappingProxyType({}))
-    signals: Mapping[str, Channel] = field(default_factory=lambda: MappingProxyType({}))
-    fail_safe: FailSafe = field(default_factory=lambda: MappingProxyType({}))
-    emergency_stop: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def channels(self) -> tuple[Channel, ...]:
@@ -126,21 +119,14 @@ def parse_plc_script(text: str, file: str = 'plc.yaml') -> PlcScript:
         InvalidInputError: what is wrong, with file and line.
     """
     section = parse_yaml(text, file)
-    signals = read_signals(section)
+    declared = read_declarations(section)
+    signals = declared.signals
     start = dict(_setting(below, key, signals) for below, key in section.entries('initial'))
     rules = tuple(_rule(item, signals) for item in section.sections('rules'))
-    fail_safe = read_fail_safe(section, signals)
-    stopping = read_emergency_stop(section, signals)
     section.finish()
-    if not (rules or start or fail_safe or stopping):
+    if not (rules or start or declared.fail_safe or declared.emergency_stop):
         raise section.error('the file says nothing; it needs rules, initial, fail_safe or emergency_stop')
-    return PlcScript(
-        rules,
-        MappingProxyType(start),
-        MappingProxyType(signals),
-        MappingProxyType(fail_safe),
-        MappingProxyType(stopping),
-    )
+    return PlcScript(rules, MappingProxyType(start), **vars(declared))
 
 
 def _rule(item: YamlSection, signals: Mapping[str, Channel]) -> PlcRule:

@@ -1,6 +1,7 @@
 """The cell's processes: start them, notice when one dies, stop them cleanly."""
 
 import contextlib
+import json
 import os
 import select
 import signal
@@ -223,16 +224,5 @@ def node_arguments(node: NodeDescription, *, namespace: str) -> list[str]:
     """
     arguments = [str(node.executable_path()), '--ros-args', '-r', f'__ns:={namespace}']
     for name, value in node.parameters.items():
-        arguments += ['-p', f'{name}:={_yaml(value)}']
+        arguments += ['-p', f'{name}:={json.dumps(value, ensure_ascii=False)}']  # which is YAML
     return arguments
-
-
-def _yaml(value: Any) -> str:
-    if isinstance(value, bool):
-        return 'true' if value else 'false'
-    if isinstance(value, str):
-        escaped = value.replace('\\', '\\\\').replace('"', '\\"')
-        return f'"{escaped}"'
-    if isinstance(value, float):
-        return repr(value)
-    return str(value)

@@ -17,12 +17,7 @@ from trajectory_msgs.msg import JointTrajectory
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
 from robots_controller.control.controller import Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles, idle_latency_for
-from robots_controller.control.faults import (
-    CONTROLLER_LOST,
-    EMERGENCY_STOP,
-    FOREIGN_WRITER,
-    LOST_NODES,
-)
+from robots_controller.control.faults import LOST_NODES, Fault
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
 from robots_controller.control.speed_control import SpeedControl
 from robots_controller.control.stop_latch import StopState
@@ -169,7 +164,7 @@ class ControllerNode(RobotNode):
         text = 'what ended an earlier process of this node: the robot stays stopped until ~/reset'
         interrupted = self.parameter('interrupted', '', text)
         if interrupted:
-            self._control.trip(CONTROLLER_LOST, interrupted)
+            self._control.trip(Fault.CONTROLLER_LOST, interrupted)
 
     def _offer_emergency_stops(self) -> None:
         self.serve('emergency_stop', self._stop_at_once)
@@ -335,14 +330,16 @@ class ControllerNode(RobotNode):
         foreign = writers - {self.get_fully_qualified_name()}
         if foreign != self._foreign_writers:
             reason = f'{", ".join(sorted(foreign))} publishes {" or ".join(OWN_TOPICS)}'
-            self._control.watch(FOREIGN_WRITER, reason if foreign else '')
+            self._control.watch(Fault.FOREIGN_WRITER, reason if foreign else '')
         self._foreign_writers = foreign
 
     def _on_emergency_stop(self, message: Bool) -> None:
-        self._control.watch(EMERGENCY_STOP, 'emergency stop by topic emergency_stop' if message.data else '')
+        self._control.watch(
+            Fault.EMERGENCY_STOP, 'emergency stop by topic emergency_stop' if message.data else ''
+        )
 
     def _stop_at_once(self) -> str:
-        self._control.trip(EMERGENCY_STOP, 'emergency stop by ~/emergency_stop')
+        self._control.trip(Fault.EMERGENCY_STOP, 'emergency stop by ~/emergency_stop')
         return 'stopping, then switching the drives off, until ~/reset'
 
     def _reset(self) -> str:

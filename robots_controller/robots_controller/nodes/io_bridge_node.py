@@ -9,7 +9,7 @@ from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from robots_controller.io.fail_safe import FailSafe, parse_fail_safe
+from robots_controller.io.fail_safe import FailSafe, parse_fail_safe, safe_value
 from robots_controller.io.io_conversion import INTEGERS, InputValue, to_field
 from robots_controller.io.io_map import IoMap, IoRow, TopicQos, read_io_map
 from robots_controller.nodes.io_images import InputImages, OutputImages
@@ -167,7 +167,7 @@ class _OutputTopic:
         for row, kind in self._rows:
             value, problem = images.value(row.channel), ''
             absent = images.absent_for(row.channel, now) >= row.timeout
-            safe = self._fail_safe(row, value)
+            safe = safe_value(self._safe, row.channel, value)
             if lost and safe != value:
                 self._left.add(row.channel.name)
             elif safe == value:
@@ -189,7 +189,7 @@ class _OutputTopic:
     def make_safe(self, images: OutputImages) -> None:
         """Send the fail-safe values."""
         for row, kind in self._rows:
-            value = self._fail_safe(row, images.value(row.channel))
+            value = safe_value(self._safe, row.channel, images.value(row.channel))
             if value is None:
                 return
             self._put(row, kind, value)
@@ -198,11 +198,6 @@ class _OutputTopic:
     def wait_until_received(self, end: float) -> None:
         """Wait until all subscribers have what was sent, at most until a time of `time.monotonic`, s."""
         self._publisher.wait_for_all_acked(Duration(seconds=max(0.0, end - time.monotonic())))
-
-    def _fail_safe(self, row: IoRow, value: float | None) -> float | None:
-        """Of an output that has a value, None for none yet: then one that keeps its value has none."""
-        safe = self._safe.get(row.channel.name, 0.0)
-        return value if safe is None else safe
 
     def _put(self, row: IoRow, kind: str, value: float) -> str:
         field, lost = to_field(row, value, kind, row.path.get(self._message))
@@ -260,11 +255,10 @@ def _by_topic(rows: tuple[IoRow, ...]) -> dict[str, list[IoRow]]:
 
 
 def _qos(qos: TopicQos) -> QoSProfile:
-    reliable, latched = qos.reliability == 'reliable', qos.durability == 'transient_local'
     return QoSProfile(
         depth=qos.depth,
-        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+        reliability=ReliabilityPolicy[qos.reliability.upper()],
+        durability=DurabilityPolicy[qos.durability.upper()],
     )
 
 

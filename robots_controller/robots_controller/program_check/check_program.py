@@ -5,6 +5,7 @@ import os
 import sys
 from collections.abc import Sequence
 
+from robots_controller.cell_arguments import exit_code
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.io.cell_io import read_cell_io
@@ -12,7 +13,7 @@ from robots_controller.io.io_image import IoImage
 from robots_controller.program.program_header import ProgramHeader, read_program_header
 from robots_controller.program_check.program_check import check_program
 from robots_controller.program_check.walk import LONGEST_TIME, MOST_COMBINATIONS, walk_program
-from robots_core.errors import ProgramError, RobotsError
+from robots_core.errors import ProgramError
 from robots_core.robot_choice import load_robot_model
 
 DEFAULT_ROBOT = 'kuka_kr210_r2700'
@@ -27,12 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0 if nothing was found, 1 for problems, 2 for an unknown robot or a file that is not valid.
     """
     options = _options(arguments)
-    try:
-        found = [_check(program, options) for program in options.programs]
-    except RobotsError as error:
-        print(f'error: {error}', file=sys.stderr)
-        return 2
-    return 1 if any(found) else 0
+    return exit_code(lambda _: max(_check(program, options) for program in options.programs))
 
 
 def _check(program: str, options: argparse.Namespace) -> bool:

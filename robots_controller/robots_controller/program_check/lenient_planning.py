@@ -28,20 +28,19 @@ class LenientPlanning(PathPlanning):
     looked at from where they begin. After a target that was not reached that is not so: what is wrong with
     the path of a tool from there is not reported.
 
+    Args:
+        planning: The planner that refuses motions.
+
     Attributes:
         problems: What is wrong, by the plan that took the motion's place.
     """
 
-    problems: dict[PlannedMotion, RobotsError]
-    _astray: bool
-
-    @classmethod
-    def of(cls, planning: PathPlanning) -> LenientPlanning:
-        """The lenient twin of a planner."""
-        made = cls(planning.robot, collision=planning.collision, collision_margin=planning.collision_margin)
-        made.problems = {}
-        made._astray = False
-        return made
+    def __init__(self, planning: PathPlanning) -> None:
+        super().__init__(
+            planning.robot, collision=planning.collision, collision_margin=planning.collision_margin
+        )
+        self.problems: dict[PlannedMotion, RobotsError] = {}
+        self._astray = False
 
     def plan(
         self,

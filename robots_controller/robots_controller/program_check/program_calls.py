@@ -1,16 +1,16 @@
-"""Calls of robot functions with arguments or options that are not valid."""
+"""Calls of robot functions: their arguments as far as the text shows them, checked as a run checks them."""
 
 from collections.abc import Iterator, Sequence
 
 from robots_controller.interpreter import argument_kinds as kinds
 from robots_controller.interpreter.argument_kinds import Sizes
-from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
-from robots_controller.interpreter.functions.search import wrong_condition
-from robots_controller.interpreter.lua_arguments import wanted_arguments
+from robots_controller.interpreter.functions.lua_function import LuaFunction
+from robots_controller.interpreter.functions.search import checked_condition
+from robots_controller.interpreter.lua_arguments import Arguments, check_arguments, wanted_arguments
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
+from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
 from robots_controller.interpreter.lua_tokens import Token
-from robots_controller.interpreter.lua_values import valid_text
-from robots_controller.interpreter.motion_options import option_arguments, unknown_option, wrong_switch
+from robots_controller.interpreter.lua_values import UNKNOWN
 from robots_controller.program_check.lua_calls import (
     closing,
     is_table,
@@ -22,98 +22,86 @@ from robots_planning.motion_kinds import KIND_OF_FUNCTION
 
 
 def wrong_calls(tokens: Sequence[Token], sizes: Sizes, declared: set[str]) -> Iterator[tuple[int, str]]:
-    """Line and problem of each call of a robot function that cannot be served."""
+    """Line of the first problem of each call of a robot function, and what would be valid.
+
+    What is computed is left to the run. `print` takes anything.
+
+    Args:
+        tokens: Of one file.
+        sizes: Numbers of axes and channels.
+        declared: Names that the program gives a meaning of its own.
+    """
     for call in lua_calls(tokens):
         function = LUA_FUNCTIONS.get(call.name.text)
         if function is None or function.name in declared or function.name == 'print':
             continue
-        for reason in _problems_of_call(function, call.arguments, sizes):
-            yield call.name.line, f'{function.name}: {reason}'
+        try:
+            _check(function, call.arguments, sizes)
+        except LuaCallError as error:
+            yield call.name.line, str(error)
 
 
-def _problems_of_call(function: LuaFunction, arguments: Sequence[list[Token]], sizes: Sizes) -> Iterator[str]:
-    arguments = list(arguments)
-    if function.options and len(arguments) > 1 and _is_options(arguments[-1]):
-        yield from _problems_of_options(function, arguments.pop(), sizes)
-    if function.name == 'moveUntil' and len(arguments) > 1:
-        yield from _problems_of_search(arguments, sizes)
-        return
-    first = function.arguments[0] if function.arguments else None
-    if first is not None and first.kind is kinds.NUMBER and arguments and is_table(arguments[0]):
-        arguments = [*split_values(arguments[0][1:-1], ',;'), *arguments[1:]]
+def _check(function: LuaFunction, arguments: Sequence[list[Token]], sizes: Sizes) -> None:
+    given = [_value(argument) for argument in arguments]
     open_ended = bool(arguments) and not _single(arguments[-1])
-    # A name alone may be a table with all values.
-    behind = sum(argument.kind is not kinds.NUMBER for argument in function.arguments)
-    if (
-        first is not None
-        and first.kind is kinds.NUMBER
-        and 1 <= len(arguments) <= 1 + behind
-        and arguments[0][0].kind == 'name'
-    ):
+    if function.name != 'moveUntil':
+        _checked(function, given, sizes, open_ended=open_ended)
         return
-    wanted = wanted_arguments(function, sizes.num_axes, len(arguments))
+    motion = arguments[1][0].text if len(arguments) > 1 and len(arguments[1]) == 1 else ''
+    if motion in KIND_OF_FUNCTION:
+        given[1] = LuaArgument('string', motion.encode())
+    search = _checked(function, given, sizes, open_ended=open_ended)
+    if isinstance(search.values[0], LuaTable):
+        checked_condition(search.values[0], sizes)
+    if motion in KIND_OF_FUNCTION:
+        _checked(LUA_FUNCTIONS[motion], [*search.more], sizes, open_ended=open_ended)
+
+
+def _checked(function: LuaFunction, given: list[LuaArgument], sizes: Sizes, *, open_ended: bool) -> Arguments:
+    """Check a call of which the text shows less than the run: more values at its end, tables by names."""
+    wanted = wanted_arguments(function, sizes.num_axes, len(given))
     needed = sum(not argument.optional for _, argument in wanted)
-    most = len(wanted) if not function.more else len(arguments)
-    if function.options and arguments and arguments[-1] and arguments[-1][0].kind == 'name':
-        most += 1  # a table of options by its name
-    if len(arguments) > most or (len(arguments) < needed and not open_ended):
-        what = 'joint angles' if first is not None and first.per_axis else 'arguments'
-        count = f'{needed}' if needed == len(wanted) else f'{needed} to {len(wanted)}'
-        robot = f' for {sizes.num_axes} axes' if what == 'joint angles' else f': {function.signature}'
-        yield f'{len(arguments)} {what}, needed are {count}{robot}'
-        return
-    for (label, argument), given in zip(wanted, arguments, strict=False):
-        yield from _problem_of_value(label, argument, given, sizes)
+    numbers = [argument for _, argument in wanted if argument.kind is kinds.NUMBER]
+    as_table = (
+        function.arguments
+        and function.arguments[0].kind is kinds.NUMBER
+        and given
+        and (isinstance(given[0].value, LuaTable) or (given[0] is UNKNOWN and len(given) < needed))
+    )
+    most = len(wanted) if not as_table else 1 + len(wanted) - len(numbers)
+    if function.options and given[-1:] == [UNKNOWN] and len(given) == most + 1:
+        given, open_ended = given[:-1], False  # options
+    if as_table and given[0] is UNKNOWN and not open_ended and len(given) <= most + bool(function.options):
+        given = [LuaArgument('table', LuaTable((UNKNOWN,) * len(numbers), {})), *given[1:]]
+    elif open_ended and not isinstance(given[0].value, LuaTable):
+        given = [*given, *[UNKNOWN] * (needed - len(given))]
+    return check_arguments(function, given, sizes)
 
 
-def _problems_of_search(arguments: Sequence[list[Token]], sizes: Sizes) -> Iterator[str]:
-    condition, motion, *more = arguments
-    if is_table(condition) and (problem := wrong_condition(table_fields(condition))) is not None:
-        yield problem
-    if len(motion) == 1 and motion[0].text in KIND_OF_FUNCTION:
-        yield from _problems_of_call(LUA_FUNCTIONS[motion[0].text], more, sizes)
-
-
-def _is_options(argument: Sequence[Token]) -> bool:
-    """A table without values of its own, which a target has."""
-    return is_table(argument) and len(table_fields(argument)) == len(split_values(argument[1:-1], ',;'))
-
-
-def _problem_of_value(label: str, argument: Argument, given: Sequence[Token], sizes: Sizes) -> Iterator[str]:
-    if len(given) != 1 or given[0].kind not in ('number', 'string'):
-        return
-    (token,) = given
-    value: bytes | float = token.text.encode() if token.kind == 'string' else _number(token.text)
-    if (valid := valid_text(argument, value, sizes)) is not None:
-        shown = token.text if isinstance(value, float) else f"the string '{token.text}'"
-        yield f'{label} = {shown}; valid is {valid}'
-
-
-def _problems_of_options(function: LuaFunction, table: Sequence[Token], sizes: Sizes) -> Iterator[str]:
-    valid = option_arguments(function)
-    for key, given in table_fields(table).items():
-        if key == 'on_path':
-            yield from _problems_of_switches(given)
-        elif key in valid:
-            yield from _problem_of_value(f'options.{key}', valid[key], given, sizes)
-        else:
-            yield unknown_option(function, key)
-
-
-def _problems_of_switches(given: Sequence[Token]) -> Iterator[str]:
-    if not is_table(given):
-        return
-    if fields := table_fields(given):
-        if (problem := wrong_switch('on_path', fields)) is not None:
-            yield problem
-        return
-    for i, entry in enumerate(split_values(given[1:-1], ',;'), 1):
-        if is_table(entry) and (problem := wrong_switch(f'on_path[{i}]', table_fields(entry))) is not None:
-            yield problem
+def _value(tokens: Sequence[Token]) -> LuaArgument:
+    if is_table(tokens):
+        parts = [part for part in split_values(tokens[1:-1], ',;') if part]
+        fields = table_fields(tokens)
+        values = [part for part in parts if not (len(part) > 2 and part[1].text == '=')]
+        if all(part[0].text != '[' for part in values) and all(map(_single, values[-1:])):
+            named = {key: _value(value) for key, value in fields.items()}
+            return LuaArgument('table', LuaTable(tuple(map(_value, values)), named))
+    elif len(tokens) == 1:
+        (token,) = tokens
+        match token.kind, token.text:
+            case 'number', text:
+                return LuaArgument('number', _number(text))
+            case 'string', text:
+                return LuaArgument('string', text.encode())
+            case 'keyword', 'true' | 'false':
+                return LuaArgument('boolean', token.text == 'true')
+            case 'keyword', 'nil':
+                return LuaArgument('nil', None)
+    return UNKNOWN
 
 
 def _single(argument: list[Token]) -> bool:
-    """One value: neither a call nor `...`, which may be several."""
+    """Whether an argument is one value for sure: a call or `...` at the end may give any number of them."""
     return (
         not argument
         or (argument[-1].text not in (')', '...') and argument[0].kind != 'keyword')

@@ -90,7 +90,7 @@ def _walk(
 ) -> list[ProgramProblem]:
     """Problems of one walk, in the order in which they were met."""
     parts = cell_parts(program, robot=robot, drive='ideal', scene=scene)
-    planning = LenientPlanning.of(parts.planning)
+    planning = LenientPlanning(parts.planning)
     plc_script = combination.script(_script(io))
     # Planning reports what collides; no guard stops the robot before it.
     parts = replace(parts, planning=planning, plc_script=plc_script, io='', scene='')

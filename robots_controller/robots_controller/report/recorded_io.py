@@ -6,17 +6,11 @@ from typing import Any, Final
 
 import numpy as np
 
+from robots_controller.io.io_image import IMAGES
 from robots_core.validation import Array, read_only
 
-IO_TOPICS: Final = (
-    'lua_program_node/digital_inputs',
-    'lua_program_node/analog_inputs',
-    'digital_inputs',
-    'analog_inputs',
-    'digital_outputs',
-    'analog_outputs',
-)
-IO_KINDS: Final = ('digital_input', 'digital_output', 'analog_input', 'analog_output')
+IO_TOPICS: Final = (*(f'lua_program_node/{image}' for image in IMAGES), *IMAGES)
+IO_KINDS: Final = tuple(image.removesuffix('s') for image in IMAGES)
 NANOSECONDS: Final = 1e-9  # s
 
 
@@ -51,7 +45,7 @@ def io_channels(
         end: End of the run, s; what comes later is left out.
     """
     channels: list[IoChannel] = []
-    for image in (f'{kind}s' for kind in IO_KINDS):
+    for image in IMAGES:
         # The inputs as the program saw them, forced ones too; as they came from outside in older bags.
         rows = messages.get(f'lua_program_node/{image}') or messages.get(image) or ()
         if not rows:

@@ -14,7 +14,6 @@ from robots_controller.control.control_loop import ControlLoop
 from robots_controller.program.motion_command import MotionCommand
 from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.record.cell_log import CellLog
-from robots_controller.simulation.record.motion_records import MotionRecords
 from robots_controller.simulation.simulated_clock import SimulatedClock
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.motion_result import MotionResult
@@ -40,7 +39,6 @@ class InProcessPlanner:
         clock: Simulated time.
         control: Follows the plans.
         log: Gets the messages.
-        records: Get what became of the commands.
         cost: Gets the time that planning takes.
     """
 
@@ -53,11 +51,10 @@ class InProcessPlanner:
         clock: SimulatedClock,
         control: ControlLoop,
         log: CellLog,
-        records: MotionRecords,
         cost: Cost,
     ) -> None:
         self._mail, self._clock, self._control = mail, clock, control
-        self._log, self._records, self._cost = log, records, cost
+        self._log, self._cost = log, cost
         self.planner = MotionPlanner(planning, self)
         self._defaults = {'payload': payload}
         self.planner.settings = motion_settings(self._defaults)
@@ -98,8 +95,7 @@ class InProcessPlanner:
     def command(self, id_: str, command: MotionCommand) -> None:
         """See `PlannerPort`."""
         settings = self.planner.settings
-        self._log.command(self._last_id, command, settings)
-        self._records.configured(id_, settings)
+        self._log.command(id_, command, settings)
         plan = partial(self.planner.command, id_, command.kind, _target(command), settings)
         self._mail.append(partial(self._plan, plan))
 
@@ -136,8 +132,7 @@ class InProcessPlanner:
     ) -> None:
         """See `MotionPlannerPort`."""
         trajectory = motion.trajectory
-        self._records.planned(ends, motion)
-        self._log.planned(id_, ends, trajectory, join_time)
+        self._log.planned(id_, ends, motion, join_time)
         self._control.follow(_as_in_message(trajectory), id_, join_time=join_time)
         self._mail.append(lambda: self.on_planned(id_, ends, trajectory))
 

@@ -18,7 +18,6 @@ from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.deadlock_detection import DeadlockDetection
 from robots_controller.simulation.in_process_planner import InProcessPlanner, Mail
 from robots_controller.simulation.record.cell_log import CellLog
-from robots_controller.simulation.record.motion_records import MotionRecords
 from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
@@ -79,15 +78,9 @@ class SimulatedCell:
             None if bag is None else SimulatedBag(bag, robot, period=period, recording=self._recording)
         )
         self.cost = Cost()
-        self._records = MotionRecords()
+        self._motions = self._recording.motions
         self._log = CellLog(
-            self._recording,
-            self._records,
-            self._bag,
-            self.clock,
-            self.cost,
-            robot=parts.robot_name,
-            joints=axes.names,
+            self._recording, self._bag, self.clock, self.cost, robot=parts.robot_name, joints=axes.names
         )
         self._mail: Mail = Mail()
         controller = self._controller = parts.controller
@@ -101,7 +94,6 @@ class SimulatedCell:
             clock=self.clock,
             control=self._control,
             log=self._log,
-            records=self._records,
             cost=self.cost,
         )
         self._planner = link.planner
@@ -194,7 +186,7 @@ class SimulatedCell:
                 raise self._bag.problem
             if self._running and not clock.waiting:
                 self._end_program()
-            at_rest = not self._running and not self._records.any_open and self._stands()
+            at_rest = not self._running and not self._motions.any_open and self._stands()
             if self._interrupted or self._over or at_rest:
                 return
             if not self._changed:
@@ -266,7 +258,7 @@ class SimulatedCell:
         reason = self._deadlocks.reason(
             now,
             expected=min(math.inf if self.clock.busy else wait, self._next_event()) < math.inf,
-            at_rest=self._stands() and not self._records.any_open,
+            at_rest=self._stands() and not self._motions.any_open,
             waiting=self.clock.waiting,
             busy=self.clock.busy,
         )
@@ -309,7 +301,7 @@ class SimulatedCell:
         cost.switch('other')
         self._deliver()
         self._changed |= self._plc.step(now)
-        if cycle % self._watch_every == 0 and self._records.any_open:
+        if cycle % self._watch_every == 0 and self._motions.any_open:
             self._host.motions.watch()
         if self._host.reporter.due:
             self._host.reporter.report_in_time()
@@ -322,7 +314,7 @@ class SimulatedCell:
 
     def _note_start(self) -> None:
         if self._planner.motions:
-            self._records.started(self._planner.motions[0].id, self.clock.elapsed)
+            self._motions.started(self._planner.motions[0].id, self.clock.elapsed)
 
     def _settings_changed(self, settings: MotionSettings) -> None:
         self._carried.carry(settings.payload)
@@ -339,7 +331,7 @@ class SimulatedCell:
     def _motion_ended(self, result: MotionResult) -> None:
         if self._guard is not None:
             self._guard.ended(result.id)
-        self._records.ended(result, self.clock.elapsed)
+        self._motions.ended(result, self.clock.elapsed)
         self._host.motions.result(result)
         self._changed = True
 
@@ -370,7 +362,7 @@ class SimulatedCell:
             position=position,
             velocity=velocity,
             torque=torque,
-            motions=self._records.all,
+            motions=self._motions.all,
             events=tuple(recording.events),
             state='FAILED' if error is not None else self._program.run_state.value,
             error=error,

@@ -2,8 +2,7 @@
 
 import contextlib
 import math
-from collections.abc import Callable, Mapping
-from types import MappingProxyType
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -27,12 +26,7 @@ from robots_planning.teach_box import JOG_RATE, TeachStep
 
 SENSOR_PERIOD: Final = round(NANOSECONDS / RATE)  # ns
 JOG_PERIOD: Final = round(NANOSECONDS / JOG_RATE)  # ns
-MISSING_GUIDES: Final[Mapping[Guide, str]] = MappingProxyType(
-    {
-        Guide.SENSOR: 'a simulation has no sensor; --references names a recording of one',
-        Guide.PERSON: 'a simulation has no teach box; --references names a recording of one',
-    }
-)
+MISSING: Final = {Guide.SENSOR: 'sensor', Guide.PERSON: 'teach box'}
 
 
 class SimulatedGuide:
@@ -99,7 +93,9 @@ class SimulatedGuide:
         """
         if self._replay is None:
             if guide is not Guide.NONE:
-                raise PlanningError(MISSING_GUIDES[guide])
+                raise PlanningError(
+                    f'a simulation has no {MISSING[guide]}; --references names a recording of one'
+                )
             return
         self._replay.hand_over(guide, nanoseconds)
         self._sensor.hand_over(handed_over=guide is Guide.SENSOR)

@@ -11,15 +11,14 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from robots_controller.cell_arguments import EXIT_FAILED, EXIT_OK, exit_code
 from robots_controller.study.run_case import FIGURES, Row
 from robots_controller.study.study_file import read_study
 from robots_core.errors import RobotsError
 
-LOG_WIDTH = 160  # characters; a log file has no width of its own
 MOST_ROWS = 40  # shown in the terminal
 SHOWN = ('cycle_time', 'energy', 'velocity_use', 'torque_use')
 LIBRARIES = {'pyarrow', 'distributed'}  # of requirements-study.txt
-EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -50,8 +49,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         help='number of processes on this machine; one for each core by default',
     )
     options = parser.parse_args(arguments)
+    return exit_code(lambda console: _study(options, console))
+
+
+def _study(options: argparse.Namespace, console: Console) -> int:
     folder = options.output or Path('out') / options.study.stem
-    console = Console(highlight=False, width=None if sys.stdout.isatty() else LOG_WIDTH)
     columns = (TextColumn('cases'), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     try:
         from robots_controller.study.run_study import run_study  # noqa: PLC0415  # needs their libraries
@@ -66,21 +68,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 workers=max(0, options.workers),
                 on_progress=lambda done, count: progress.update(task, completed=done, total=count),
             )
-    except RobotsError as error:
-        print(f'error: {error}', file=sys.stderr)
-        return EXIT_BAD_INPUT
     except ModuleNotFoundError as error:
         if error.name not in LIBRARIES:
             raise
-        print(
-            f'error: studies need {error.name}, which is not installed: make study-requirements, '
-            f'or pip install -r requirements-study.txt',
-            file=sys.stderr,
-        )
-        return EXIT_BAD_INPUT
+        raise RobotsError(
+            f'studies need {error.name}, which is not installed: make study-requirements, '
+            f'or pip install -r requirements-study.txt'
+        ) from error
     except KeyboardInterrupt:
         console.print(f'interrupted; the same command goes on. So far: {folder}/results.csv')
-        return EXIT_INTERRUPTED
+        raise
     _show(rows, console)
     console.print(f'{folder}/results.csv, {folder}/results.parquet')
     return EXIT_OK if all(row['ok'] for row in rows) else EXIT_FAILED

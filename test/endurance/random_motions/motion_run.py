@@ -11,7 +11,7 @@ import numpy as np
 from limit_differences import broken_limits, limit_uses
 from robots_controller.control.controller import Controller
 from robots_controller.control.controller_settings import ControllerSettings
-from robots_controller.control.faults import EMERGENCY_STOP
+from robots_controller.control.faults import Fault
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit
 from robots_controller.control.speed_control import SpeedControl
 from robots_core.errors import PlanningError, RobotsError
@@ -207,7 +207,7 @@ def _events(
 
     def stop(now: float) -> None:
         if motion.hurry:
-            controller.trip(EMERGENCY_STOP, STOP, now)
+            controller.trip(Fault.EMERGENCY_STOP, STOP, now)
         else:
             controller.stop(STOP)
 

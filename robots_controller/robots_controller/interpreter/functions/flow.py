@@ -12,59 +12,52 @@ class Flow(Family):
     """Calls subprograms, lets time pass, and prints."""
 
     @lua_function(
-        'call',
-        'Runs another program as subprogram; it has the same globals, and further arguments as `...`.',
         Argument(
             'program', kinds.NAME, '', 'file of the subprogram, seen from the folder of the main program'
         ),
         returns=('what the subprogram returns', '...'),
         more=True,
     )
-    def _call(self, program: str, *_: Any) -> Result:
+    def call(self, program: str, *_: Any) -> Result:
+        """Runs another program as subprogram; it has the same globals, and further arguments as `...`."""
         name, text = self._run.subprogram(program)
         return f'{name}\n{text}'.encode()
 
-    @lua_function(
-        'getTime',
-        "Reads the time since the program's start; pauses count.",
-        returns=('s, a number', 'number'),
-    )
-    def _get_time(self) -> Result:
+    @lua_function(returns=('s, a number', 'number'))
+    def getTime(self) -> Result:
+        """Reads the time since the program's start; pauses count."""
         return self._run.state.clock.now() - self._run.start
 
-    @lua_function(
-        'timer',
-        'Starts a timer: `local elapsed = timer()`, and `elapsed()` is the time since then.',
-        returns=('a function that returns s', 'fun(): number'),
-    )
-    def _timer(self) -> Result:
+    @lua_function(returns=('a function that returns s', 'fun(): number'))
+    def timer(self) -> Result:
+        """Starts a timer.
+
+        `local elapsed = timer()`, and `elapsed()` is the time since then.
+        """
         return self._run.state.clock.now() - self._run.start
 
-    @lua_function('wait', 'Waits.', Argument('time', kinds.TIME, 's', 'how long, not counting pauses'))
-    def _wait(self, time: float) -> Waiting:
+    @lua_function(Argument('time', kinds.TIME, 's', 'how long, not counting pauses'))
+    def wait(self, time: float) -> Waiting:
+        """Waits."""
         yield from self._run.waits.standstill()
         yield from self._run.waits.waiting(lambda: False, time)
         return None
 
-    @lua_function(
-        'print',
-        "Writes a line to the program's output.",
-        Argument('string', kinds.TEXT, '', 'any values; several are separated by tabs'),
-    )
-    def _print(self, text: str) -> None:
+    @lua_function(Argument('string', kinds.TEXT, '', 'any values; several are separated by tabs'))
+    def print(self, text: str) -> None:
+        """Writes a line to the program's output."""
         self._run.cell.printed(text, self._run.line)
 
 
 class Halt(Family):
     """Holds the program."""
 
-    @lua_function(
-        'halt',
-        'Holds the program where the robot stands, until an operator lets it go on; in simulated time it '
-        'goes on at once.',
-        Argument('string', kinds.NAME, '', 'why, for the operator', optional=True),
-    )
-    def _halt(self, why: str | None) -> Waiting:
+    @lua_function(Argument('string', kinds.NAME, '', 'why, for the operator', optional=True))
+    def halt(self, why: str | None) -> Waiting:
+        """Holds the program where the robot stands, until an operator lets it go on.
+
+        In simulated time it goes on at once.
+        """
         yield from self._run.waits.standstill()
         self._run.cell.printed(f'halt: {why}' if why else 'halt', self._run.line)
         if not self._run.cell.simulated:

@@ -21,17 +21,14 @@ _ENDED: Final = ('true if the input ended it, false after `time`', 'boolean')
 class Guidance(Family):
     """Hands the robot over."""
 
-    @lua_function(
-        'followReference',
-        'Lets `reference_pose` guide the robot (state TRAJECTORY).',
-        *_HANDED_OVER,
-        returns=_ENDED,
-    )
-    def _follow_reference(self, time: float, index: float | None, value: float | None) -> Waiting:
+    @lua_function(*_HANDED_OVER, returns=_ENDED)
+    def followReference(self, time: float, index: float | None, value: float | None) -> Waiting:
+        """Lets `reference_pose` guide the robot (state TRAJECTORY)."""
         return self._guided(Guide.SENSOR, time, index, value)
 
-    @lua_function('jog', 'Lets a person jog the robot (state TEACH).', *_HANDED_OVER, returns=_ENDED)
-    def _jog(self, time: float, index: float | None, value: float | None) -> Waiting:
+    @lua_function(*_HANDED_OVER, returns=_ENDED)
+    def jog(self, time: float, index: float | None, value: float | None) -> Waiting:
+        """Lets a person jog the robot (state TEACH)."""
         return self._guided(Guide.PERSON, time, index, value)
 
     def _guided(self, guide: Guide, time: float, index: float | None, value: float | None) -> Waiting:

@@ -30,40 +30,28 @@ _ITS_NUMBER: Final = ("the interrupt's number", 'integer')
 class Interrupts(Family):
     """Sets handlers; the sandbox calls them."""
 
-    @lua_function(
-        'onDigitalInput',
-        'Lets a change of an input interrupt the program: the robot brakes on its path, `handler` runs, the '
-        "motion goes on, or ends there if it returned 'abort'.",
-        DIGITAL_INPUT,
-        SWITCH,
-        *_HANDLER,
-        returns=_ITS_NUMBER,
-    )
-    def _on_digital_input(self, index: float, value: float, _: Any, priority: float | None) -> Result:
+    @lua_function(DIGITAL_INPUT, SWITCH, *_HANDLER, returns=_ITS_NUMBER)
+    def onDigitalInput(self, index: float, value: float, _: Any, priority: float | None) -> Result:
+        """Lets a change of an input interrupt the program.
+
+        The robot brakes on its path, `handler` runs, the motion goes on, or ends there if it returned
+        'abort'.
+        """
         return self._add('digital', index, (index, value), lambda now: now == value, priority)
 
-    @lua_function(
-        'onAnalogInput',
-        "Lets an analog input interrupt the program when the comparison comes true, as 'onDigitalInput'.",
-        ANALOG_INPUT,
-        *COMPARISON,
-        *_HANDLER,
-        returns=_ITS_NUMBER,
-    )
-    def _on_analog_input(
+    @lua_function(ANALOG_INPUT, *COMPARISON, *_HANDLER, returns=_ITS_NUMBER)
+    def onAnalogInput(
         self, index: float, comparison: str, value: float, _: Any, priority: float | None
     ) -> Result:
+        """Lets an analog input interrupt the program when the comparison comes true, as 'onDigitalInput'."""
         compare = COMPARE[comparison]
         return self._add(
             'analog', index, (index, comparison, value), lambda now: compare(now, value), priority
         )
 
-    @lua_function(
-        'removeInterrupt',
-        'Takes an interrupt away.',
-        Argument('number', kinds.COUNT, '', 'what onDigitalInput or onAnalogInput returned'),
-    )
-    def _remove(self, number: float) -> None:
+    @lua_function(Argument('number', kinds.COUNT, '', 'what onDigitalInput or onAnalogInput returned'))
+    def removeInterrupt(self, number: float) -> None:
+        """Takes an interrupt away."""
         with self._run.state.condition:
             if not self._run.state.interrupts.remove(int(number)):
                 raise ProgramError(f'there is no interrupt {int(number)}; it was removed or replaced')

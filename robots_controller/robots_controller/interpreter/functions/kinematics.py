@@ -26,28 +26,19 @@ _NEAR: Final = Argument(
 class Kinematics(Family):
     """Computes with the tool and base that are set."""
 
-    @lua_function('forwardKinematics', 'Computes where joint angles lead the tool.', JOINTS, returns=A_POSE)
-    def _forward(self, *q: float) -> Result:
+    @lua_function(JOINTS, returns=A_POSE)
+    def forwardKinematics(self, *q: float) -> Result:
+        """Computes where joint angles lead the tool."""
         return (self._run.shown(self._run.target.seen(self._run.cell.direct_kinematics(read_only(q)))),)
 
-    @lua_function(
-        'inverseKinematics',
-        'Computes the joint angles that ptpJointSpacePosition would lead to; fails where there are none.',
-        *POSE,
-        _NEAR,
-        returns=JOINT_NUMBERS,
-    )
-    def _inverse(self, *values: Any) -> Result:
+    @lua_function(*POSE, _NEAR, returns=JOINT_NUMBERS)
+    def inverseKinematics(self, *values: Any) -> Result:
+        """Computes the joint angles that ptpJointSpacePosition would lead to; fails where there are none."""
         return (joints_to_program(self._joints(values), self._run.view.prismatic),)
 
-    @lua_function(
-        'isReachable',
-        'Looks whether joint angles inside the limits lead the tool to a pose.',
-        *POSE,
-        _NEAR,
-        returns=TRUE_OR_FALSE,
-    )
-    def _is_reachable(self, *values: Any) -> Result:
+    @lua_function(*POSE, _NEAR, returns=TRUE_OR_FALSE)
+    def isReachable(self, *values: Any) -> Result:
+        """Looks whether joint angles inside the limits lead the tool to a pose."""
         try:
             self._joints(values)
         except UnreachablePoseError:

@@ -71,24 +71,14 @@ class LuaFunction:
             return ''
         return 'cartesian' if kind.cartesian else 'joint'
 
-    @property
-    def signature(self) -> str:
-        """As in a program: name(arguments), those in brackets optional."""
-        names = []
-        for argument in self.arguments:
-            name = argument.name
-            if argument.per_axis or argument.repeated:
-                name = f'{name}1, ..., {name}n'
-            names.append(f'[{name}]' if argument.optional else name)
-        if self.options:
-            names.append('[options]')
-        if self.more:
-            names.append('...')
-        return f'{self.name}({", ".join(names)})'
-
 
 def lua_function(
-    name: str, doc: str, *arguments: Argument, returns: tuple[str, str] = ('', ''), more: bool = False
+    *arguments: Argument, returns: tuple[str, str] = ('', ''), more: bool = False
 ) -> Callable[[Serve], LuaFunction]:
-    """Make a method of a `Family` a function of robot programs; see `LuaFunction`."""
-    return lambda serve: LuaFunction(name, doc, arguments, *returns, more, serve)
+    """Make a method of a `Family` a function of robot programs: its name and docstring are the function's."""
+
+    def made(serve: Serve) -> LuaFunction:
+        doc = ' '.join((serve.__doc__ or '').split())
+        return LuaFunction(serve.__name__, doc, arguments, *returns, more, serve)
+
+    return made

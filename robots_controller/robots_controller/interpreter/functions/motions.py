@@ -50,54 +50,37 @@ class Motions(Family):
         self._handlers: list[_Handler] = []
         self._found: Pose | None = None  # where it came true
 
-    @lua_function(
-        'ptpCartesianSpace',
-        'Moves the tool on a straight line to a pose; returns when the robot stands there.',
-        *POSE,
-    )
-    def _line(self, *values: float, options: MotionOptions) -> Waiting:
+    @lua_function(*POSE)
+    def ptpCartesianSpace(self, *values: float, options: MotionOptions) -> Waiting:
+        """Moves the tool on a straight line to a pose; returns when the robot stands there."""
         return self._move('ptpCartesianSpace', options, pose=self._run.view.pose(values))
 
-    @lua_function(
-        'ptpJointSpaceAngles',
-        'Moves all axes together to joint angles; returns when the robot stands there.',
-        JOINTS,
-    )
-    def _joints(self, *q: float, options: MotionOptions) -> Waiting:
+    @lua_function(JOINTS)
+    def ptpJointSpaceAngles(self, *q: float, options: MotionOptions) -> Waiting:
+        """Moves all axes together to joint angles; returns when the robot stands there."""
         return self._move('ptpJointSpaceAngles', options, q=read_only(q))
 
-    @lua_function(
-        'ptpJointSpacePosition',
-        'Moves all axes together to a pose; returns when the robot stands there.',
-        *POSE,
-    )
-    def _joints_to_pose(self, *values: float, options: MotionOptions) -> Waiting:
+    @lua_function(*POSE)
+    def ptpJointSpacePosition(self, *values: float, options: MotionOptions) -> Waiting:
+        """Moves all axes together to a pose; returns when the robot stands there."""
         return self._move('ptpJointSpacePosition', options, pose=self._run.view.pose(values))
 
     @lua_function(
-        'circCartesianSpace',
-        'Moves the tool on an arc through `via` to `target`, each {x, y, z, phi1, phi2, phi3}.',
         Argument('via', kinds.POSE, '', 'pose on the arc: its position is passed'),
         Argument('target', kinds.POSE, '', 'pose at the end of the arc'),
     )
-    def _circle(self, *poses: Sequence[float], options: MotionOptions) -> Waiting:
+    def circCartesianSpace(self, *poses: Sequence[float], options: MotionOptions) -> Waiting:
+        """Moves the tool on an arc through `via` to `target`, each {x, y, z, phi1, phi2, phi3}."""
         return self._move('circCartesianSpace', options, path=poses)
 
-    @lua_function(
-        'splineCartesianSpace',
-        'Moves the tool on a smooth curve through poses, each {x, y, z, phi1, phi2, phi3}.',
-        Argument('pose', kinds.POSE, '', 'pose on the curve', repeated=True),
-    )
-    def _spline(self, *poses: Sequence[float], options: MotionOptions) -> Waiting:
+    @lua_function(Argument('pose', kinds.POSE, '', 'pose on the curve', repeated=True))
+    def splineCartesianSpace(self, *poses: Sequence[float], options: MotionOptions) -> Waiting:
+        """Moves the tool on a smooth curve through poses, each {x, y, z, phi1, phi2, phi3}."""
         return self._move('splineCartesianSpace', options, path=poses)
 
-    @lua_function(
-        'linearRelative',
-        'Moves the tool on a straight line, relative to the last target.',
-        *six_numbers('way along {}', 'turn by orientation angle {}'),
-        WHOSE_AXES,
-    )
-    def _line_relative(self, *way_and_frame: Any, options: MotionOptions) -> Waiting:
+    @lua_function(*six_numbers('way along {}', 'turn by orientation angle {}'), WHOSE_AXES)
+    def linearRelative(self, *way_and_frame: Any, options: MotionOptions) -> Waiting:
+        """Moves the tool on a straight line, relative to the last target."""
         if not self._run.target.known:
             yield from self.standstill()
         *way, frame = way_and_frame
@@ -105,13 +88,12 @@ class Motions(Family):
         return (yield from self._move('linearRelative', options, pose=pose))
 
     @lua_function(
-        'ptpJointSpaceAnglesRelative',
-        'Moves all axes together by joint angles, relative to the last target.',
         Argument(
             'q', kinds.NUMBER, 'deg (m)', 'way of the joint, in metres for a sliding axis', per_axis=True
-        ),
+        )
     )
-    def _joints_relative(self, *way: float, options: MotionOptions) -> Waiting:
+    def ptpJointSpaceAnglesRelative(self, *way: float, options: MotionOptions) -> Waiting:
+        """Moves all axes together by joint angles, relative to the last target."""
         if not self._run.target.in_joints:
             yield from self.standstill()
         q = read_only(self._run.target.joints() + np.array(way))

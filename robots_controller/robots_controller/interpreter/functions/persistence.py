@@ -11,24 +11,25 @@ class Persistence(Family):
     """Keeps values."""
 
     @lua_function(
-        'setPersistent',
-        'Keeps a value over runs, in a file beside the program; in simulated time until the end of the run.',
         Argument('name', kinds.NAME, '', 'name of the value'),
         Argument(
             'value', kinds.VALUE, '', 'number, string, boolean, list of numbers; nil for none', optional=True
         ),
     )
-    def _set(self, name: str, value: Value | None) -> None:
+    def setPersistent(self, name: str, value: Value | None) -> None:
+        """Keeps a value over runs, in a file beside the program.
+
+        In simulated time it is kept until the end of the run.
+        """
         self._run.values.set(name, value)
 
     @lua_function(
-        'getPersistent',
-        'Reads a value that was kept.',
         Argument('name', kinds.NAME, '', 'name of the value'),
         Argument('default', kinds.VALUE, '', 'what is returned if there is none', optional=True),
         returns=('the value, or `default`', 'any'),
     )
-    def _get(self, name: str, default: Value | None) -> Result:
+    def getPersistent(self, name: str, default: Value | None) -> Result:
+        """Reads a value that was kept."""
         value = self._run.values.get(name, default)
         if isinstance(value, str):
             return value.encode()

@@ -20,49 +20,36 @@ MOST_PLACES: Final = 1000
 class Poses(Family):
     """Computes with poses."""
 
-    @lua_function(
-        'pose',
-        'Makes a pose: a table with its six numbers, also as `p.x` to `p.phi3`; `a * b` is compose(a, b).',
-        *POSE,
-        returns=A_POSE,
-    )
-    def _pose(self, *values: float) -> Result:
+    @lua_function(*POSE, returns=A_POSE)
+    def pose(self, *values: float) -> Result:
+        """Makes a pose: a table with its six numbers, also as `p.x` to `p.phi3`; `a * b` is compose(a, b)."""
         return (self._run.shown(self._run.view.pose(values)),)
 
     @lua_function(
-        'compose',
-        'Chains poses: the last one, seen from where the first one is seen from.',
-        Argument('pose', kinds.POSE, '', 'pose seen from the one before it', repeated=True),
-        returns=A_POSE,
+        Argument('pose', kinds.POSE, '', 'pose seen from the one before it', repeated=True), returns=A_POSE
     )
-    def _compose(self, *poses: Sequence[float]) -> Result:
+    def compose(self, *poses: Sequence[float]) -> Result:
+        """Chains poses: the last one, seen from where the first one is seen from."""
         return (self._run.shown(reduce(matmul, map(self._run.view.pose, poses))),)
 
-    @lua_function(
-        'inverse',
-        'Inverts a pose: where it was seen from, seen from it.',
-        Argument('pose', kinds.POSE, '', 'pose of a frame'),
-        returns=A_POSE,
-    )
-    def _inverse(self, pose: Sequence[float]) -> Result:
+    @lua_function(Argument('pose', kinds.POSE, '', 'pose of a frame'), returns=A_POSE)
+    def inverse(self, pose: Sequence[float]) -> Result:
+        """Inverts a pose: where it was seen from, seen from it."""
         return (self._run.shown(self._run.view.pose(pose).inverse()),)
 
     @lua_function(
-        'offset',
-        "Shifts and turns a pose along the axes of the base or, with 'tool', along its own.",
         Argument('pose', kinds.POSE, '', 'pose to start from'),
         *six_numbers('way along {}', 'turn by orientation angle {}', only_way=True),
         WHOSE_AXES,
         returns=A_POSE,
     )
-    def _offset(self, start: Sequence[float], *way_and_frame: Any) -> Result:
+    def offset(self, start: Sequence[float], *way_and_frame: Any) -> Result:
+        """Shifts and turns a pose along the axes of the base or, with 'tool', along its own."""
         *way, frame = way_and_frame
         pose = self._run.view.pose
         return (self._run.shown(moved(pose(start), pose([value or 0.0 for value in way]), frame)),)
 
     @lua_function(
-        'grid',
-        'Lays out a palette: its places row by row, layer by layer, all oriented as the first.',
         Argument('first', kinds.POSE, '', 'pose at the first place'),
         Argument('row_end', kinds.POSE, '', 'pose at the end of the first row; its position counts'),
         Argument('columns', kinds.COUNT, '', 'places in a row'),
@@ -72,7 +59,8 @@ class Poses(Family):
         Argument('layers', kinds.COUNT, '', 'layers', optional=True),
         returns=('a table of poses', 'Pose[]'),
     )
-    def _grid(self, first: Sequence[float], *ends: Any) -> Result:
+    def grid(self, first: Sequence[float], *ends: Any) -> Result:
+        """Lays out a palette: its places row by row, layer by layer, all oriented as the first."""
         start = self._run.view.pose(first)
         ways, counts = [], []
         for name, end, count in zip(('columns', 'rows', 'layers'), ends[::2], ends[1::2], strict=True):

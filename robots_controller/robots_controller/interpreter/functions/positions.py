@@ -21,42 +21,31 @@ _NAME: Final = Argument('name', kinds.NAME, '', 'name of the point')
 class Positions(Family):
     """Measures where the robot is, and keeps taught points."""
 
-    @lua_function(
-        'getJointAngles',
-        'Reads where the joints are, in degrees, in metres for sliding axes.',
-        returns=JOINT_NUMBERS,
-    )
-    def _get_joint_angles(self) -> Waiting:
+    @lua_function(returns=JOINT_NUMBERS)
+    def getJointAngles(self) -> Waiting:
+        """Reads where the joints are, in degrees, in metres for sliding axes."""
         yield from self._run.waits.standstill()
         return (joints_to_program(self._run.cell.joint_position(), self._run.view.prismatic),)
 
-    @lua_function(
-        'getJointSpeeds',
-        'Reads how fast the joints move now, in degrees/s, in m/s for sliding axes; does not wait.',
-        returns=JOINT_NUMBERS,
-    )
-    def _get_joint_speeds(self) -> Result:
+    @lua_function(returns=JOINT_NUMBERS)
+    def getJointSpeeds(self) -> Result:
+        """Reads how fast the joints move now, in degrees/s, in m/s for sliding axes; does not wait."""
         return (joints_to_program(self._run.cell.joint_speeds(), self._run.view.prismatic),)
 
-    @lua_function(
-        'getJointTorques',
-        'Reads the torques of the motors now, at the joints, in N m (N); does not wait.',
-        returns=JOINT_NUMBERS,
-    )
-    def _get_joint_torques(self) -> Result:
+    @lua_function(returns=JOINT_NUMBERS)
+    def getJointTorques(self) -> Result:
+        """Reads the torques of the motors now, at the joints, in N m (N); does not wait."""
         return (tuple(self._run.cell.joint_torques().tolist()),)
 
-    @lua_function(
-        'getCartesianPosition',
-        'Reads where the tool is, seen from the base: {x, y, z, phi1, phi2, phi3}.',
-        returns=A_POSE,
-    )
-    def _get_cartesian_position(self) -> Waiting:
+    @lua_function(returns=A_POSE)
+    def getCartesianPosition(self) -> Waiting:
+        """Reads where the tool is, seen from the base: {x, y, z, phi1, phi2, phi3}."""
         yield from self._run.waits.standstill()
         return (self._run.shown(self._run.tool_pose()),)
 
-    @lua_function('teach', 'Writes where the robot is to the points file under a name.', _NAME)
-    def _teach(self, name: str) -> Waiting:
+    @lua_function(_NAME)
+    def teach(self, name: str) -> Waiting:
+        """Writes where the robot is to the points file under a name."""
         yield from self._run.waits.standstill()
         q = self._run.cell.joint_position()
         points = read_points(self._run.view.points_file, self._run.state.num_axes)
@@ -64,13 +53,9 @@ class Positions(Family):
         write_points(self._run.view.points_file, points)
         return None
 
-    @lua_function(
-        'getTaughtPoint',
-        'Reads a taught point: its joint angles, and the pose of the flange {x, y, z, phi1, phi2, phi3}.',
-        _NAME,
-        returns=('a table of n numbers, a pose', 'number[], Pose'),
-    )
-    def _get_taught_point(self, name: str) -> Result:
+    @lua_function(_NAME, returns=('a table of n numbers, a pose', 'number[], Pose'))
+    def getTaughtPoint(self, name: str) -> Result:
+        """Reads a taught point: its joint angles, and the pose of the flange {x, y, z, phi1, phi2, phi3}."""
         file = self._run.view.points_file
         points = read_points(file, self._run.state.num_axes)
         if name not in points:

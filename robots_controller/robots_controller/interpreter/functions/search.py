@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
-from typing import Any, Final
+import math
+from collections.abc import Callable, Sequence
+from typing import Final
 
 from robots_controller.interpreter import argument_kinds as kinds
 from robots_controller.interpreter.argument_kinds import ArgumentKind, Sizes
@@ -14,7 +15,6 @@ from robots_controller.interpreter.lua_arguments import Arguments
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable, Waiting
 from robots_controller.interpreter.lua_values import check_value
 from robots_controller.interpreter.motion_options import Condition
-from robots_core.errors import ProgramError
 
 LOOK_PERIOD: Final = 0.004  # s, of measurements, whose changes nothing announces
 _SOURCES: Final[dict[str, ArgumentKind]] = {
@@ -22,7 +22,7 @@ _SOURCES: Final[dict[str, ArgumentKind]] = {
     'analog_input': kinds.ANALOG_INPUT,
     'joint_torque': kinds.COUNT,
 }
-_BOUNDS: Final = ('above', 'below')
+_FIELDS: Final = {**_SOURCES, 'value': kinds.SWITCH, 'above': kinds.NUMBER, 'below': kinds.NUMBER}
 _VALID: Final = (
     '{input = index, value = true or false}, {analog_input = index, above | below = number}, or '
     '{joint_torque = joint, above | below = N m (N)}'
@@ -47,9 +47,6 @@ class Search(Family):
         self._motions, self._sizes, self._check = motions, sizes, check
 
     @lua_function(
-        'moveUntil',
-        'Moves until a condition holds: the robot brakes on its path. moveUntil({input = 1}, linearRelative, '
-        '0, 0, -0.1, 0, 0, 0).',
         Argument('condition', kinds.CONDITION, '', _VALID),
         Argument('motion', kinds.MOTION, '', 'function that moves the robot; its arguments follow'),
         returns=(
@@ -58,7 +55,11 @@ class Search(Family):
         ),
         more=True,
     )
-    def _move_until(self, table: LuaTable, name: str, *more: LuaArgument) -> Waiting:
+    def moveUntil(self, table: LuaTable, name: str, *more: LuaArgument) -> Waiting:
+        """Moves until a condition holds: the robot brakes on its path.
+
+        As moveUntil({input = 1}, linearRelative, 0, 0, -0.1, 0, 0, 0).
+        """
         given = self._check(name, more)
         assert given.options is not None
         if given.options.blend:
@@ -75,34 +76,35 @@ class Search(Family):
         return ((float(met),), *map(self._run.shown, poses))
 
     def _condition(self, table: LuaTable) -> Condition:
-        fields = table.fields
-        if (problem := wrong_condition(fields)) is not None:
-            raise LuaCallError(f'moveUntil: {problem}')
-        (source,) = (key for key in fields if key in _SOURCES)
-        index = int(self._value(source, _SOURCES[source], fields))
-        run = self._run
-        if source == 'input':
-            value = self._value('value', kinds.SWITCH, fields) if 'value' in fields else 1.0
+        fields, run = checked_condition(table, self._sizes), self._run
+        if 'input' in fields:
+            index, value = int(fields['input']), fields.get('value', 1.0)
             return Condition(lambda: run.input('digital', index) == value)
-        above = self._value('above', kinds.NUMBER, fields) if 'above' in fields else float('inf')
-        below = self._value('below', kinds.NUMBER, fields) if 'below' in fields else -float('inf')
-        if source == 'analog_input':
+        above, below = fields.get('above', math.inf), fields.get('below', -math.inf)
+        if 'analog_input' in fields:
+            index = int(fields['analog_input'])
             return Condition(lambda: not below <= run.input('analog', index) <= above)
-        if index > self._sizes.num_axes:
-            raise ProgramError(f'joint_torque = {index}; the robot has {self._sizes.num_axes} axes')
-        return Condition(lambda: not below <= run.cell.joint_torques()[index - 1] <= above, LOOK_PERIOD)
-
-    def _value(self, key: str, kind: ArgumentKind, fields: dict[str, LuaArgument]) -> Any:
-        return check_value('moveUntil', f'condition.{key}', Argument(key, kind), fields[key], self._sizes)
+        joint = int(fields['joint_torque']) - 1
+        return Condition(lambda: not below <= run.cell.joint_torques()[joint] <= above, LOOK_PERIOD)
 
 
-def wrong_condition(keys: Collection[str]) -> str | None:
-    """What is wrong with the keys of a condition; None if nothing is."""
-    sources, bounds = [key for key in keys if key in _SOURCES], [key for key in keys if key in _BOUNDS]
-    others = set(keys) - set(sources) - set(bounds)
-    if len(sources) == 1 and (
-        (sources == ['input'] and not bounds and others <= {'value'})
-        or (sources != ['input'] and bounds and not others)
-    ):
-        return None
-    return f'condition has {", ".join(sorted(keys)) or "nothing"}; valid is {_VALID}'
+def checked_condition(table: LuaTable, sizes: Sizes) -> dict[str, float]:
+    """The fields of a condition: one source, and its value or bounds.
+
+    Raises:
+        LuaCallError: other fields, or a value that one cannot have.
+    """
+    keys = table.fields.keys()
+    others = keys - _SOURCES.keys()
+    valid = others <= {'value'} if 'input' in keys else others and others <= {'above', 'below'}
+    if not valid or len(keys - others) != 1:
+        raise LuaCallError(
+            f'moveUntil: condition has {", ".join(sorted(keys)) or "nothing"}; valid is {_VALID}'
+        )
+    values: dict[str, float] = {
+        key: check_value('moveUntil', f'condition.{key}', Argument(key, _FIELDS[key]), given, sizes)
+        for key, given in table.fields.items()
+    }
+    if (joint := int(values.get('joint_torque', 0))) > sizes.num_axes:
+        raise LuaCallError(f'moveUntil: joint_torque = {joint}; the robot has {sizes.num_axes} axes')
+    return values

@@ -28,119 +28,99 @@ def _speeds(what: str, unit: str) -> tuple[Argument, ...]:
 class Settings(Family):
     """Sets and reads modal settings."""
 
-    @lua_function(
-        'setTool', 'Sets the tool: its tip seen from the flange (tool0); poses are of the tip.', *FRAME
-    )
-    def _set_tool(self, *values: float) -> None:
+    @lua_function(*FRAME)
+    def setTool(self, *values: float) -> None:
+        """Sets the tool: its tip seen from the flange (tool0); poses are of the tip."""
         tool = self._run.view.pose(values)
         self._run.change(tool=_seven(tool))
         self._run.target.tool = tool
 
-    @lua_function(
-        'setBase', "Sets the base: a frame seen from the robot's base; poses are seen from it.", *FRAME
-    )
-    def _set_base(self, *values: float) -> None:
+    @lua_function(*FRAME)
+    def setBase(self, *values: float) -> None:
+        """Sets the base: a frame seen from the robot's base; poses are seen from it."""
         base = self._run.view.pose(values)
         self._run.change(base=_seven(base))
         self._run.target.base = base
 
     @lua_function(
-        'setOrientationConvention',
-        "Sets what orientation angles mean; without it they follow the robot's maker.",
-        Argument('convention', kinds.CONVENTION, '', f'one of {", ".join(ORIENTATION_CONVENTIONS)}'),
+        Argument('convention', kinds.CONVENTION, '', f'one of {", ".join(ORIENTATION_CONVENTIONS)}')
     )
-    def _set_convention(self, convention: str) -> None:
+    def setOrientationConvention(self, convention: str) -> None:
+        """Sets what orientation angles mean; without it they follow the robot's maker."""
         self._run.view = replace(self._run.view, convention=convention)
 
-    @lua_function(
-        'setHold',
-        "Sets what motions to poses hold: 'pose'; 'directions': the position, and of the orientation what "
-        "the arm can; or 'position'. Without it an arm holds what it can.",
-        Argument('hold', kinds.HOLD, '', f'one of {", ".join(HOLDS)}'),
-    )
-    def _set_hold(self, hold: str) -> None:
+    @lua_function(Argument('hold', kinds.HOLD, '', f'one of {", ".join(HOLDS)}'))
+    def setHold(self, hold: str) -> None:
+        """Sets what motions to poses hold; without it an arm holds what it can.
+
+        Valid are 'pose', 'directions' (the position, and of the orientation what the arm can) and 'position'.
+        """
         self._run.change(hold=hold)
 
-    @lua_function('getTool', 'Reads the tool.', returns=A_POSE)
-    def _get_tool(self) -> Result:
+    @lua_function(returns=A_POSE)
+    def getTool(self) -> Result:
+        """Reads the tool."""
         return (self._run.shown(self._run.target.tool),)
 
-    @lua_function('getBase', 'Reads the base.', returns=A_POSE)
-    def _get_base(self) -> Result:
+    @lua_function(returns=A_POSE)
+    def getBase(self) -> Result:
+        """Reads the base."""
         return (self._run.shown(self._run.target.base),)
 
-    @lua_function(
-        'getPayload',
-        'Reads what the flange carries: {mass, x, y, z}, kg and m.',
-        returns=('a table of 4 numbers', 'number[]'),
-    )
-    def _get_payload(self) -> Result:
+    @lua_function(returns=('a table of 4 numbers', 'number[]'))
+    def getPayload(self) -> Result:
+        """Reads what the flange carries: {mass, x, y, z}, kg and m."""
         payload: Any = self._run.settings.get('payload', self._run.cell.payload)
         return (tuple(payload[:4]),)
 
     @lua_function(
-        'setPayload',
-        'Sets what the flange carries, when the robot stands; it counts in all torques.',
         Argument('mass', kinds.NUMBER, 'kg', 'mass of what the flange carries: tool and workpiece'),
         *(
             Argument(axis, kinds.NUMBER, 'm', f'{axis} of its centre of mass, seen from tool0', optional=True)
             for axis in 'xyz'
         ),
     )
-    def _set_payload(self, *values: float | None) -> Waiting:
+    def setPayload(self, *values: float | None) -> Waiting:
+        """Sets what the flange carries, when the robot stands; it counts in all torques."""
         payload = tuple(value or 0.0 for value in values)
         payload_of(payload)
         yield from self._run.waits.standstill()
         self._run.change(payload=payload)
         return None
 
-    @lua_function(
-        'setOverride',
-        'Scales the speed, also of the motion under way; 0 stands still.',
-        Argument('value', kinds.SCALE, '', 'speed scale of all motions, 0 to 1, at once'),
-    )
-    def _set_override(self, value: float) -> None:
+    @lua_function(Argument('value', kinds.SCALE, '', 'speed scale of all motions, 0 to 1, at once'))
+    def setOverride(self, value: float) -> None:
+        """Scales the speed, also of the motion under way; 0 stands still."""
         self._run.state.overrides = np.full(self._run.state.num_axes, value)
         self._run.cell.set_override(value)
 
-    @lua_function(
-        'setSpeed', 'Sets speed limits of the next motions; nil leaves one as it is.', *_speeds('speed', 's')
-    )
-    def _set_speed(self, *limits: float | None) -> None:
+    @lua_function(*_speeds('speed', 's'))
+    def setSpeed(self, *limits: float | None) -> None:
+        """Sets speed limits of the next motions; nil leaves one as it is."""
         self._set_limits('speed', limits)
 
     @lua_function(
-        'setPlanner',
-        'Chooses the planners of the next motions; nil leaves one as it is.',
         Argument('joint', kinds.JOINT_PLANNER, '', 'planner of joint motions', optional=True),
         Argument('cartesian', kinds.CARTESIAN_PLANNER, '', 'planner of Cartesian motions', optional=True),
     )
-    def _set_planner(self, joint: str | None, cartesian: str | None) -> None:
+    def setPlanner(self, joint: str | None, cartesian: str | None) -> None:
+        """Chooses the planners of the next motions; nil leaves one as it is."""
         # Checked already, by name: loading planners takes half a second.
         self._run.settings |= _given(joint_planner=joint, cartesian_planner=cartesian)
 
-    @lua_function(
-        'setConfiguration',
-        'Chooses the configuration that joint motions to a pose end in; without one, the nearest.',
-        Argument('configuration', kinds.CONFIGURATION, '', "as 'front/up/no_flip'", optional=True),
-    )
-    def _set_configuration(self, configuration: str | None) -> None:
+    @lua_function(Argument('configuration', kinds.CONFIGURATION, '', "as 'front/up/no_flip'", optional=True))
+    def setConfiguration(self, configuration: str | None) -> None:
+        """Chooses the configuration that joint motions to a pose end in; without one, the nearest."""
         self._run.change(configuration=configuration or '')
 
-    @lua_function(
-        'setJerkLimited',
-        'Keeps the jerk limits of the axes on Cartesian motions and in blended chains too, or not.',
-        SWITCH,
-    )
-    def _set_jerk_limited(self, value: float) -> None:
+    @lua_function(SWITCH)
+    def setJerkLimited(self, value: float) -> None:
+        """Keeps the jerk limits of the axes on Cartesian motions and in blended chains too, or not."""
         self._run.change(jerk_limited=bool(value))
 
-    @lua_function(
-        'setAcceleration',
-        'Sets acceleration limits of the next motions; nil leaves one as it is.',
-        *_speeds('acceleration', 's^2'),
-    )
-    def _set_acceleration(self, *limits: float | None) -> None:
+    @lua_function(*_speeds('acceleration', 's^2'))
+    def setAcceleration(self, *limits: float | None) -> None:
+        """Sets acceleration limits of the next motions; nil leaves one as it is."""
         self._set_limits('acceleration', limits)
 
     def _set_limits(self, what: str, limits: tuple[float | None, ...]) -> None:

@@ -12,13 +12,15 @@ class Tasks(Family):
     """Starts tasks; the sandbox runs them."""
 
     @lua_function(
-        'startTask',
-        'Runs a program beside this one, until it ends: with the same globals, and further arguments as '
-        '`...`, for all that neither moves the robot nor sets what holds for motions.',
         Argument('program', kinds.NAME, '', 'file of the task, seen from the folder of the main program'),
         more=True,
     )
-    def _start(self, program: str, *_: Any) -> Result:
+    def startTask(self, program: str, *_: Any) -> Result:
+        """Runs a program beside this one, until it ends.
+
+        It has the same globals, and further arguments as `...`, for all that neither moves the robot nor
+        sets what holds for motions.
+        """
         name, text = self._run.subprogram(program)
         with self._run.state.condition:
             number = self._run.state.tasks.add()

@@ -1,6 +1,7 @@
 """report_page: a run as one HTML file that needs nothing else, and no network."""
 
 import json
+from html import escape
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -43,7 +44,7 @@ def page_text(data: dict[str, Any], arrays: PageArrays) -> str:
     script = '\n'.join((folder / name).read_text(encoding='utf-8') for name in SCRIPTS)
     text = json.dumps({**data, 'arrays': arrays.items}, allow_nan=False, separators=(',', ':'))
     return Template((folder / 'page.html').read_text(encoding='utf-8')).substitute(
-        title=_escaped(str(data['title'])),
+        title=escape(str(data['title'])),
         style=(folder / 'style.css').read_text(encoding='utf-8'),
         # Nothing in the data can end the element that holds it.
         data=text.replace('<', '\\u003c'),
@@ -68,10 +69,6 @@ def write_page(path: Path | str, text: str) -> None:
         Path(path).write_text(text, encoding='utf-8')
     except OSError as error:
         raise RobotsError(f'the report cannot be written to {path}: {error.strerror or error}') from error
-
-
-def _escaped(text: str) -> str:
-    return text.replace('&', '&amp;').replace('<', '&lt;')
 
 
 def figure(label: str, value: str, note: str = '', trend: str = '') -> dict[str, str]:

@@ -22,7 +22,6 @@ from robots_controller.simulation.record.events import (
     ProgramStateChanged,
     TextPrinted,
 )
-from robots_controller.simulation.record.motion_records import MotionRecords
 from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
@@ -32,8 +31,8 @@ from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander, OperatingMode
 from robots_planning.motion_settings import MotionSettings, settings_as_text
+from robots_planning.pathplanning import PlannedMotion
 from robots_planning.robot_command_state import RobotCommandState
-from robots_planning.trajectory import Trajectory
 
 LONGEST_TEXT: Final = 10_000  # characters of a print; as lua_program_node
 STATUS_TYPE: Final = 'diagnostic_msgs/msg/DiagnosticStatus'
@@ -48,8 +47,7 @@ class CellLog:
     """Called by the thread that has the turn, see `SimulatedClock`; a `ProgramObserver`.
 
     Args:
-        recording: Takes the events.
-        records: Take the motions.
+        recording: Takes the events and the motions.
         bag: Takes the messages; None for none.
         clock: Simulated time.
         cost: Takes what writing costs.
@@ -60,7 +58,6 @@ class CellLog:
     def __init__(
         self,
         recording: Recording,
-        records: MotionRecords,
         bag: SimulatedBag | None,
         clock: SimulatedClock,
         cost: Cost,
@@ -68,7 +65,7 @@ class CellLog:
         robot: str,
         joints: tuple[str, ...],
     ) -> None:
-        self._events, self._records = recording.events, records
+        self._events, self._motions = recording.events, recording.motions
         self._bag, self._clock, self._cost = bag, clock, cost
         self._robot, self._joints = robot, joints
         self._state: RunState | None = None
@@ -148,12 +145,12 @@ class CellLog:
 
     def motion_sent(self, id_: str, command: MotionCommand, file: str) -> None:
         """See `ProgramObserver`."""
-        self._records.commanded(id_, command, file, self._clock.elapsed)
+        self._motions.commanded(id_, command, file, self._clock.elapsed)
 
     def motion_ended(self, id_: str, command: MotionCommand, error: RobotsError | None) -> None:
         """See `ProgramObserver`."""
         if not id_ and error is not None:
-            self._records.refused(command, error, self._clock.elapsed)
+            self._motions.refused(command, error, self._clock.elapsed)
 
     def held_changed(self) -> None:
         """See `ProgramObserver`; the status is written."""
@@ -203,10 +200,12 @@ class CellLog:
             self._latest = max(self._latest, self._last_command + 1)
             self._status('motion_settings', '', settings_as_text(settings))
 
-    def command(self, stamp: int, command: MotionCommand, settings: MotionSettings) -> None:
-        """A motion was commanded; its stamp in ns is its id."""
+    def command(self, id_: str, command: MotionCommand, settings: MotionSettings) -> None:
+        """A motion was commanded; its stamp is its id."""
+        self._motions.configured(id_, settings)
         if self._bag is None:
             return
+        stamp = _nanoseconds(id_)
         self.settings(settings)
         message: Any
         if command.q is not None:
@@ -220,12 +219,12 @@ class CellLog:
         self._last_command = stamp - START
         self._write(command.kind.topic, command.kind.message_type, message, stamp - START)
 
-    def planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory, join_time: float) -> None:
+    def planned(self, id_: str, ends: Mapping[str, float], motion: PlannedMotion, join_time: float) -> None:
         """A plan goes to the controller; see `MotionPlannerPort.send`."""
+        self._motions.planned(ends, motion)
         if self._bag is not None:
             self._status('motion_plan', '', {'id': id_, **ends})
-            stamp = int(id_.replace('.', ''))
-            message = ros.planned_trajectory(stamp, self._joints, trajectory, join_time)
+            message = ros.planned_trajectory(_nanoseconds(id_), self._joints, motion.trajectory, join_time)
             self._write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', message)
 
     def result(self, result: MotionResult) -> None:
@@ -290,3 +289,7 @@ class CellLog:
         self._latest = max(self._latest, self._clock.nanoseconds, nanoseconds)
         self._bag.write(topic, type_name, self._latest, message)
         self._cost.switch(before)
+
+
+def _nanoseconds(id_: str) -> int:
+    return int(id_.replace('.', ''))

@@ -1,8 +1,5 @@
-"""LIBRARY: the part of the sandbox's Lua side that makes the program's globals, bounded in time."""
+-- The program's globals, bounded in time.
 
-from typing import Final
-
-LIBRARY: Final = rb"""
 -- Whether Lua's own matching ends in time: in the worst case it tries all ways to share the characters
 -- among the pattern's repetitions.
 local function is_quick(s, p, plain, always_search)
@@ -217,4 +214,3 @@ for _, key in ipairs(robot_functions) do
 end
 for key in pairs(env) do builtin[key] = true end
 
-"""

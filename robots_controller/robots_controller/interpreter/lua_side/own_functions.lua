@@ -1,8 +1,5 @@
-"""OWN_FUNCTIONS: robot functions that need Lua: those that take or return functions, and poses."""
+-- Robot functions that need Lua: those that take or return functions, and poses.
 
-from typing import Final
-
-OWN_FUNCTIONS: Final = rb"""
 local special, MAX_PRINT = {}, 9900
 
 function special.print(...)
@@ -91,4 +88,3 @@ function special.call(...)
   return program(select(2, ...))
 end
 
-"""

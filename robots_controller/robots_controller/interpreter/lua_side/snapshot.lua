@@ -1,8 +1,5 @@
-"""SNAPSHOT: the part of the sandbox's Lua side that describes a held program: its calls and variables."""
+-- What describes a held program: its calls and variables.
 
-from typing import Final
-
-SNAPSHOT: Final = rb"""
 local builtin = {}
 local env
 local MAX_FRAMES, MAX_VARIABLES, MAX_ENTRIES, MAX_TEXT, MAX_DEPTH, MAX_RECORDS = 20, 50, 30, 200, 3, 2000
@@ -86,4 +83,3 @@ local function snapshot()
   return records
 end
 
-"""

@@ -1,13 +1,8 @@
-"""PATTERNS: Lua's pattern matching, written in Lua.
+-- Lua's pattern matching, written in Lua.
+-- Lua's own matches in C, where no hook stops it: a pattern with several repetitions may take years. The
+-- sandbox uses these functions, which can be stopped anywhere, where the own ones might not end in time.
+-- Semantics: Lua 5.4 reference manual, section 6.4.1.
 
-Lua's own matches in C, where no hook stops it: a pattern with several repetitions may take years. The
-sandbox uses these functions, which can be stopped anywhere, where the own ones might not end in time.
-Semantics: Lua 5.4 reference manual, section 6.4.1.
-"""
-
-from typing import Final
-
-PATTERNS: Final = rb"""
 local lib = ...
 local error, tonumber, type = error, tonumber, type
 local byte, char, sub, find = lib.byte, lib.char, lib.sub, lib.find
@@ -317,4 +312,3 @@ function patterns.gsub(s, p, by, max)
 end
 
 return patterns
-"""

@@ -1,8 +1,5 @@
-"""TEXTS: the part of the sandbox's Lua side that makes texts of values, the same ones in every run."""
+-- Texts of values, the same ones in every run.
 
-from typing import Final
-
-TEXTS: Final = rb"""
 -- Lua shows a value without a text of its own as its address, which differs in every process. Here
 -- such values are numbered, in the order in which they are first asked for.
 local ADDRESSED = {table = true, ['function'] = true, thread = true}
@@ -42,4 +39,3 @@ local function format_text(form, ...)
   return format(form, ...)
 end
 
-"""
