@@ -64,12 +64,16 @@ $(VENV_STAMP): $(REQUIREMENTS)
 	@$(OPEN_VENV)
 	@touch $@
 
-.venv/.installed_tests: requirements-test.txt .venv/.installed_study
+.venv/.installed_tests: requirements-test.txt .venv/.installed_study .venv/.installed_mujoco
 	@echo "Installing what tests need (once) ..."
 	@$(call INSTALL,-r $<)
 	@touch $@
 
 .venv/.installed_study: requirements-study.txt $(VENV_STAMP)
+	@$(call INSTALL,-r $<)
+	@touch $@
+
+.venv/.installed_mujoco: requirements-mujoco.txt $(VENV_STAMP)
 	@$(call INSTALL,-r $<)
 	@touch $@
 
@@ -104,6 +108,10 @@ simulate: build  ## Simulate a robot program without ROS: PROGRAM=..., ROBOT=...
 	@$(RUN) folder="out/simulated_$(basename $(notdir $(PROGRAM)))$(if $(ROBOT),_$(ROBOT))_$$(date +%Y%m%d-%H%M%S)"; \
 	  exec install/robots_controller/lib/robots_controller/simulate "$(PROGRAM)" --robot "$(ROBOT)" --drive "$(DRIVE)" \
 	  --io "$(IO)" --scene "$(SCENE)" --bag "$$folder/bag" --report "$$folder/report.html"
+
+.PHONY: mujoco-example
+mujoco-example: build .venv/.installed_mujoco  ## Run a robot program on a robot in MuJoCo: PROGRAM=..., ROBOT=...
+	@$(RUN) exec python examples/welding_in_mujoco.py "$(PROGRAM)" --robot "$(ROBOT)"
 
 .PHONY: lint
 lint: .venv/.installed_tests  ## Lint, format and type checks

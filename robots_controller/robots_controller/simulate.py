@@ -80,7 +80,6 @@ def simulate(
     parts = cell_parts(
         program,
         robot=robot,
-        drive=drive,
         scene=scene,
         io=io,
         io_map=io_map,
@@ -95,7 +94,11 @@ def simulate(
         guided=guided,
     )
     cell = SimulatedCell(
-        parts, bag=None if bag is None else Path(bag), longest=longest, on_progress=on_progress
+        parts,
+        drive=drive,
+        bag=None if bag is None else Path(bag),
+        longest=longest,
+        on_progress=on_progress,
     )
     with _stopped_by_interrupt(cell):
         return cell.run()

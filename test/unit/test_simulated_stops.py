@@ -28,11 +28,11 @@ def stopped(folder: Path, text: str, fault: Fault, at: float) -> SimulationRun:
     program.write_text(text)
 
     def trip(time: float, _line: int) -> None:
-        if time >= at and not cell._controller.stops.latched:
-            cell._control.trip(fault, f'{fault.label}!')
+        if time >= at and not cell._cell.controller.stops.latched:
+            cell._cell.control.trip(fault, f'{fault.label}!')
 
-    parts = cell_parts(program, robot=ROBOT, drive='second_order')
-    cell = SimulatedCell(parts, bag=folder / 'bag', longest=20.0, on_progress=trip)
+    parts = cell_parts(program, robot=ROBOT)
+    cell = SimulatedCell(parts, drive='second_order', bag=folder / 'bag', longest=20.0, on_progress=trip)
     return cell.run()
 
 

@@ -11,8 +11,8 @@ from robots_controller.program_check.input_combinations import InputCombination,
 from robots_controller.program_check.lenient_planning import LenientPlanning
 from robots_controller.program_check.motion_problems import motion_problems, refusal
 from robots_controller.program_check.program_check import ProgramProblem
-from robots_controller.program_check.walked_cell import WalkedCell
 from robots_controller.simulation.cell_parts import cell_parts
+from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_controller.study.case_runners import worker_pool
 from robots_core.blocks.multibody.loaded_robot import loaded_robot
 from robots_core.errors import InvalidInputError
@@ -89,12 +89,12 @@ def _walk(
     combination: InputCombination, *, program: str, robot: str, scene: str, io: str, longest: float
 ) -> list[ProgramProblem]:
     """Problems of one walk, in the order in which they were met."""
-    parts = cell_parts(program, robot=robot, drive='ideal', scene=scene)
+    parts = cell_parts(program, robot=robot, scene=scene)
     planning = LenientPlanning(parts.planning)
     plc_script = combination.script(_script(io))
-    # Planning reports what collides; no guard stops the robot before it.
-    parts = replace(parts, planning=planning, plc_script=plc_script, io='', scene='')
-    cell = WalkedCell(parts, longest=longest)
+    # Planning reports what collides; no guard stops the robot before it. Where guides would lead is unknown.
+    parts = replace(parts, planning=planning, plc_script=plc_script, io='', scene='', unguided=True)
+    cell = SimulatedCell(parts, drive='ideal', longest=longest)
     run = cell.run()
     found: dict[ProgramProblem, None] = {}
     for motion in run.motions:

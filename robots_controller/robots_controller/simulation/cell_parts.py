@@ -1,4 +1,4 @@
-"""CellParts: the blocks of a simulated cell, set up as the nodes of a live one set them up."""
+"""CellParts: the blocks of a cell in one process, set up as the nodes of a live one set them up."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,10 +22,7 @@ from robots_controller.io.plc_script import PlcScript
 from robots_controller.io.zone_inputs import ZoneInputs, closing_inputs
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
-from robots_core.blocks.drives.drive_level import drive_train
-from robots_core.blocks.drives.drive_train import DriveTrain
 from robots_core.blocks.following.following_methods import METHODS
-from robots_core.blocks.multibody.payload import payload_of
 from robots_core.operating_modes import OperatingMode
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -38,15 +35,13 @@ COLLISION_MARGIN = 0.005  # m; as planning_node
 
 @dataclass(frozen=True, eq=False)
 class CellParts:
-    """Everything that one simulation needs; its blocks have a state and serve one run.
+    """Everything that one run needs but the drives; its blocks have a state and serve one run.
 
     Attributes:
         program: Path of the program.
         points_file: Taught points; None for the file beside the program.
         robot_name: As it was asked for.
         robot: The robot.
-        drive: Level of the drives.
-        drives: The drives.
         payload: What the robot carries until its program sets another payload.
         controller: The controller.
         planning: The planner, with the check for collisions.
@@ -60,14 +55,13 @@ class CellParts:
         references: What guides the robot; None for nothing.
         guided: Inverse kinematics that follows `reference_pose`, one of `METHODS`.
         period: Of the controller, s.
+        unguided: The robot stands while the program lets others guide it.
     """
 
     program: Path
     points_file: Path | None
     robot_name: str
     robot: BaseRobotModel
-    drive: str
-    drives: DriveTrain
     payload: tuple[float, ...]
     controller: Controller
     planning: PathPlanning
@@ -81,13 +75,13 @@ class CellParts:
     references: GuideRecording | None
     guided: str
     period: float
+    unguided: bool = False
 
 
 def cell_parts(
     program: Path | str,
     *,
-    robot: str,
-    drive: str,
+    robot: BaseRobotModel | str,
     scene: Path | str = '',
     io: Path | str = '',
     io_map: Path | str = '',
@@ -101,13 +95,13 @@ def cell_parts(
     references: Path | str = '',
     guided: str = METHODS[0],
 ) -> CellParts:
-    """The parts of a cell; the arguments are those of `simulate`.
+    """The parts of a cell; the arguments are those of `simulate`. The robot may be loaded already.
 
     Raises:
         RobotsError: an unknown robot or level, a file that is not valid, a number out of range.
     """
     period = 1.0 / positive(rate, 'rate', 'Hz')
-    model = load_robot_model(robot)
+    model = load_robot_model(robot) if isinstance(robot, str) else robot
     cell_io = read_cell_io(io, io_map)
     collision = CollisionDetection(model, scene=read_scene(scene) if scene else None)
     zones = collision.scene.zones
@@ -125,10 +119,8 @@ def cell_parts(
     return CellParts(
         program=Path(program),
         points_file=Path(points_file) if points_file else None,
-        robot_name=robot,
+        robot_name=robot if isinstance(robot, str) else model.name,
         robot=model,
-        drive=drive,
-        drives=drive_train(drive, model, model.home, period=period, payload=payload_of(payload)),
         payload=payload,
         controller=Controller(model.axes_data, settings, speed=speed),
         planning=PathPlanning(model, collision=collision, collision_margin=collision_margin),

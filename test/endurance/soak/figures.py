@@ -15,7 +15,7 @@ PERCENTILES: Final = (50.0, 99.0, 99.9, 99.99)
 WARM_UP: Final = 0.2  # part of the run after which memory is looked at
 MEANINGFUL: Final = 1200.0  # s of a run in which a slope of memory says something
 LARGEST_SLOPE: Final = 2.0  # MB in an hour: a goal
-# The index of a recording stays in memory until its end: 4.3 MB in an hour, with 45 topics and a chunk a second.
+# The index of a recording stays in memory until its end: 4.3 MB in an hour of 45 topics, a chunk a second.
 RECORDER, RECORDING_SLOPE = 'cell', 6.0  # a process, MB in an hour: a goal
 MOST_MISSED: Final = 1e-4  # of all periods: a goal
 

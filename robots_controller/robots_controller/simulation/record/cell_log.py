@@ -15,6 +15,7 @@ from robots_controller.simulation.cost import Cost
 from robots_controller.simulation.record import ros_messages as ros
 from robots_controller.simulation.record.events import (
     CommandStateChanged,
+    Event,
     InputChanged,
     LineReached,
     OutputChanged,
@@ -22,7 +23,7 @@ from robots_controller.simulation.record.events import (
     ProgramStateChanged,
     TextPrinted,
 )
-from robots_controller.simulation.record.recording import Recording
+from robots_controller.simulation.record.motion_records import MotionRecords
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_core.blocks.collision.collision_guard import CollisionStatus
@@ -47,7 +48,8 @@ class CellLog:
     """Called by the thread that has the turn, see `SimulatedClock`; a `ProgramObserver`.
 
     Args:
-        recording: Takes the events and the motions.
+        events: Takes the events.
+        motions: Take the motions.
         bag: Takes the messages; None for none.
         clock: Simulated time.
         cost: Takes what writing costs.
@@ -57,7 +59,8 @@ class CellLog:
 
     def __init__(
         self,
-        recording: Recording,
+        events: list[Event],
+        motions: MotionRecords,
         bag: SimulatedBag | None,
         clock: SimulatedClock,
         cost: Cost,
@@ -65,7 +68,7 @@ class CellLog:
         robot: str,
         joints: tuple[str, ...],
     ) -> None:
-        self._events, self._motions = recording.events, recording.motions
+        self._events, self._motions = events, motions
         self._bag, self._clock, self._cost = bag, clock, cost
         self._robot, self._joints = robot, joints
         self._state: RunState | None = None

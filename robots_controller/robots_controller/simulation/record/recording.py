@@ -1,4 +1,4 @@
-"""Recording: collects the samples and events of a simulated cell."""
+"""Recording: collects the samples of a simulated cell."""
 
 from typing import Final
 
@@ -6,8 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robots_controller.program.turn_clock import NANOSECONDS
-from robots_controller.simulation.record.events import Event
-from robots_controller.simulation.record.motion_records import MotionRecords
 from robots_core.validation import Array, read_only
 
 INITIAL_SIZE: Final = 4096  # samples; 16 s at 250 Hz
@@ -24,8 +22,6 @@ class Recording:
     def __init__(self, num_axes: int, *, torque: bool) -> None:
         self.count = 0
         """Number of samples k."""
-        self.events: list[Event] = []
-        self.motions = MotionRecords()
         self.nanoseconds: NDArray[np.int64] = np.zeros(INITIAL_SIZE, np.int64)
         """Times of the samples in their first k elements; so are the others."""
         self.reference: Array = np.zeros((INITIAL_SIZE, 3, num_axes))

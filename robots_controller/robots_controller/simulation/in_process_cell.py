@@ -1,0 +1,395 @@
+"""InProcessCell: the cell in one process, but for its drives and its PLC."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+from robots_controller.cell.program_host import ProgramHost
+from robots_controller.control.control_loop import ControllerRequest, ControlLoop
+from robots_controller.control.controller import NO_FEEDBACK, Controller, ControllerState
+from robots_controller.control.controller_rates import ControllerRates, cycles
+from robots_controller.control.stop_latch import StopState
+from robots_controller.control.watched_inputs import WatchedInputs
+from robots_controller.io.io_image import Channel, image_sizes
+from robots_controller.program.joint_feedback import JointFeedback
+from robots_controller.program.run_state import RunState
+from robots_controller.program.turn_clock import NANOSECONDS
+from robots_controller.simulation.cell_parts import CellParts
+from robots_controller.simulation.cost import Cost
+from robots_controller.simulation.in_process_planner import InProcessPlanner, Mail
+from robots_controller.simulation.record.cell_log import CellLog
+from robots_controller.simulation.record.events import Event
+from robots_controller.simulation.record.motion_records import MotionRecords
+from robots_controller.simulation.record.simulated_bag import SimulatedBag
+from robots_controller.simulation.simulated_clock import START, SimulatedClock
+from robots_controller.simulation.simulated_guide import SimulatedGuide
+from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGuard
+from robots_core.blocks.collision.joint_path import JointPath
+from robots_core.blocks.following.guide import Guide
+from robots_core.errors import ProgramError, RobotsError
+from robots_core.motion_result import MotionResult
+from robots_core.operating_modes import Commander
+from robots_core.validation import Array
+from robots_planning.motion_settings import MotionSettings
+from robots_planning.trajectory import Trajectory
+
+WATCH_PERIOD = 0.1  # s between looks at motions that nothing would end
+
+
+class InProcessCell:
+    """Program, planner and controller of a cell for one run of one program, on a simulated clock.
+
+    After `begin`, what has the drives and the PLC calls `measure`, `take_inputs`, `work` and `step` for each
+    period, in this order, and no `work` before the first `step`. In `step` what guides the robot acts first,
+    then the controller. Then the drives move the robot, and the PLC sets inputs. After that time stands
+    still: the program works until it waits, and the planner plans. The program's own waits end between two
+    periods, too. A lock-step run of the nodes goes through the same phases.
+
+    Args:
+        parts: Robot, program and blocks.
+        bag: Takes the messages of a live cell; None for none.
+        on_settings: Called with the modal settings whenever they are set.
+    """
+
+    def __init__(
+        self,
+        parts: CellParts,
+        *,
+        bag: SimulatedBag | None = None,
+        on_settings: Callable[[MotionSettings], None] = lambda _: None,
+    ) -> None:
+        self._parts, self._on_settings = parts, on_settings
+        self._period_ns = round(parts.period * NANOSECONDS)
+        self.clock = SimulatedClock()
+        self.cost = Cost()
+        self.records = MotionRecords()
+        self.events: list[Event] = []
+        """What has happened besides motion, in the order of time."""
+        self.log = CellLog(
+            self.events,
+            self.records,
+            bag,
+            self.clock,
+            self.cost,
+            robot=parts.robot_name,
+            joints=parts.robot.axes_data.names,
+        )
+        self._mail: Mail = Mail()
+        self.controller: Controller = parts.controller
+        self.rates = ControllerRates(1.0 / parts.period, self.controller.settings.feedback_timeout)
+        self.control = ControlLoop(self.controller, self.rates, self, progress_every=1)
+        self._authority = self.controller.speed.authority
+        link = InProcessPlanner(
+            parts.planning,
+            payload=parts.payload,
+            mail=self._mail,
+            clock=self.clock,
+            control=self.control,
+            log=self.log,
+            cost=self.cost,
+        )
+        self._planner = link.planner
+        self._host = ProgramHost(
+            parts.robot,
+            clock=self.clock,
+            robot_port=self,
+            planner=link,
+            controller=self,
+            observer=self.log,
+            io_labels=parts.io_labels,
+            fail_safe=parts.fail_safe,
+            payload=parts.payload,
+            simulated=True,
+        )
+        link.on_result = self._motion_ended
+        link.on_planned = self._motion_planned
+        link.on_settings = self._settings_changed
+        self.program = self._host.program
+        self.guide_player = SimulatedGuide(
+            parts.references,
+            parts.robot,
+            self.control,
+            self._planner,
+            method=parts.guided,
+            on_message=self.log.guided,
+            on_point=self.log.streamed,
+        )
+        self._guard = None
+        if parts.scene and parts.planning.collision is not None:
+            self._guard = CollisionGuard(parts.planning.collision, self._stop_before_collision)
+        self._look_every = cycles(1.0 / parts.period, LOOK_RATE)
+        self._watch_every = cycles(1.0 / parts.period, 1.0 / WATCH_PERIOD)
+        self._watched = WatchedInputs(self.control, parts.emergency_stop, parts.zone_inputs)
+        self._inputs: dict[str, int] = {}  # images of the inputs that were set, and their sizes
+        self._feedback: JointFeedback | None = None  # the newest
+        self._position: Array | None = None  # of this period
+        self.cycle = -1
+        """Number of the last period."""
+        self._progress = 1.0
+        self._started = False
+        self.running = False
+        """The program has not ended."""
+        self.changed = False
+        """Something has happened that the program may wait for."""
+
+    # -- the phases -------------------------------------------------------------------------------
+
+    def begin(self, inputs: Mapping[Channel, float]) -> None:
+        """Open the program.
+
+        Args:
+            inputs: Their values at the start.
+
+        Raises:
+            RobotsError: the program cannot be opened or is not Lua.
+        """
+        io, mode = self.program.io, self._authority.mode
+        for channel, value in inputs.items():
+            io.set_value(io.find(channel.name), value)
+        self._inputs = image_sizes(inputs)
+        self.log.begin(io, self._parts.io_labels, self._inputs, mode)
+        self._host.open(self._parts.program, self._parts.points_file or '')
+        self._host.permission.mode_changed(mode)
+        self._watch_inputs()
+
+    def step(self) -> Array | None:
+        """Go on to the next period, and let the controller make its step.
+
+        Returns:
+            The reference at the end of the period, (3, n): position, velocity, acceleration; None before the
+            first feedback.
+        """
+        self.cycle += 1
+        self.clock.nanoseconds = self.cycle * self._period_ns
+        before = self.cost.switch('controller')
+        if self._parts.references is not None:
+            self.guide_player.step(self.clock.stamp)
+        position = self._position if self.control.feedback_due else None
+        reference = self.control.step(self.clock.now(), position)
+        self.control.report()
+        self.cost.switch(before)
+        return reference
+
+    def measure(self, feedback: JointFeedback | None) -> None:
+        """Take what the robot measures at the end of the period, None if nothing came."""
+        self._position = None
+        if feedback is not None:
+            self._feedback, self._position = feedback, feedback.position
+            if self._guard is not None and self.cycle >= 0 and self.cycle % self._look_every == 0:
+                self.log.collision_status(self._guard.look(feedback.position, feedback.velocity))
+        self._deliver()
+
+    def take_inputs(self, changes: Sequence[tuple[Channel, float]]) -> None:
+        """Take what the PLC has set, in its order, and do what is due regularly."""
+        for channel, value in changes:
+            self._inputs[channel.image] = max(self._inputs.get(channel.image, 0), channel.index)
+            if self.program.io.set_value(channel, value):
+                self.log.input(channel, value, self._inputs[channel.image])
+                self.changed = True
+        if changes:
+            self._watch_inputs()
+        if self.cycle % self._watch_every == 0 and self.records.any_open:
+            self._host.motions.watch()
+        if self._host.reporter.due:
+            self._host.reporter.report_in_time()
+        self._deliver()
+
+    def work(self) -> None:
+        """Let the program work and the planner plan, until only time lets them go on.
+
+        The program starts with the first call: it finds a robot that stands, and its position.
+        """
+        if not self._started:
+            self._start()
+        clock = self.clock
+        while True:
+            self._deliver()
+            if self.running and not clock.waiting:
+                self._end_program()
+            if not self.changed:
+                if self.wait >= START + (self.cycle + 1) * self._period_ns:
+                    return
+                clock.nanoseconds = max(clock.nanoseconds, int(self.wait) - START)
+            self.changed = False
+            if clock.waiting:
+                self.cost.switch('program')
+                clock.let_program_work()
+                self.cost.switch('other')
+
+    def pass_over(self, until: float) -> int:
+        """Leave out periods of a robot that stands; returns how many, 0 if there are too few.
+
+        Args:
+            until: When something happens that is not of this cell, s since the start; finite.
+        """
+        # A line is reported some periods after it was reached, not after its wait.
+        if self._host.reporter.due or self.control.pending:
+            return 0
+        until = min(until, (self.wait - START) / NANOSECONDS)
+        last = math.floor(until / self._parts.period) - 1
+        # Time without feedback ends with a period that has it: it must not seem to be lost.
+        last -= last % self.rates.holding_every + 1
+        count = last - self.cycle
+        if count < self.rates.holding_every:
+            return 0
+        self.control.pass_over(count)
+        self.cycle = last
+        self.clock.nanoseconds = last * self._period_ns
+        return count
+
+    def close(self) -> None:
+        """End the program, if it still runs."""
+        self.program.stop()
+        self.clock.end()
+        if self.running:
+            self._end_program()
+
+    # -- what there is ----------------------------------------------------------------------------
+
+    @property
+    def holding(self) -> bool:
+        """The controller does not move the robot."""
+        return self.controller.state in (ControllerState.HOLDING, ControllerState.STOPPED)
+
+    @property
+    def error(self) -> ProgramError | None:
+        """Why the program has failed; None if it has not."""
+        return self.log.given_up or self.program.error
+
+    @property
+    def run_state(self) -> RunState:
+        """What the program does, or how it has ended."""
+        return RunState.FAILED if self.error is not None else self.program.run_state
+
+    @property
+    def wait(self) -> float:
+        """Until when the program waits, ns on the clock; infinite for a change alone."""
+        return self.clock.deadline_stamp if self.clock.waiting else math.inf
+
+    # -- inside -----------------------------------------------------------------------------------
+
+    def _start(self) -> None:
+        self._started = self.running = True
+        self.cost.switch('program')
+        try:
+            self._host.run()
+        except RobotsError as error:  # a fault stops the robot from the start, or no program runs in the mode
+            self.log.given_up = ProgramError(str(error), file=self.program.file)
+            self.running = False
+        self.cost.switch('other')
+
+    def _deliver(self) -> None:
+        while self._mail:
+            self._mail.popleft()()
+
+    def _end_program(self) -> None:
+        self.running = False
+        self.program.join()
+
+    def _watch_inputs(self) -> None:
+        """Stop for the digital inputs that are published, and close zones by them."""
+        bits = self.program.io.bits('digital_inputs')
+        self._watched.look(bits[: self._inputs.get('digital_inputs', 0)].tolist())
+
+    def _stop_before_collision(self, reason: str) -> bool:  # noqa: ARG002  # as ~/stop, which takes none
+        self.control.request('stop')
+        return True
+
+    def _note_start(self) -> None:
+        if self._planner.motions:
+            self.records.started(self._planner.motions[0].id, self.clock.elapsed)
+
+    def _settings_changed(self, settings: MotionSettings) -> None:
+        self._on_settings(settings)
+        self.controller.speed.set_tool(settings.tool_pose.r)
+
+    def _motion_planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory) -> None:
+        self._host.switching.planned(id_, ends, lambda: trajectory)
+        if self._guard is not None:
+            path = JointPath(
+                trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration
+            )
+            self._guard.planned(id_, path)
+
+    def _motion_ended(self, result: MotionResult) -> None:
+        if self._guard is not None:
+            self._guard.ended(result.id)
+        self.records.ended(result, self.clock.elapsed)
+        self._host.motions.result(result)
+        self.changed = True
+
+    # -- ports of the control loop ----------------------------------------------------------------
+
+    def result(self, result: MotionResult) -> None:
+        """See `ControlPort`."""
+        details = {**result.details, 'ended': f'{self.clock.now():.9f}'}
+        result = MotionResult(result.id, result.ok, result.message, details)
+        self.log.result(result)
+        self._mail.append(lambda: self._control_ended(result))
+
+    def _control_ended(self, result: MotionResult) -> None:
+        self._planner.result(result, self.clock.now())
+        self._motion_ended(result)
+
+    def progress(self, progress: float) -> None:
+        """See `ControlPort`."""
+        if progress < self._progress:  # of another motion than before
+            self._mail.append(self._note_start)
+        self._progress = progress
+        if progress in (0.0, 1.0) or self.cycle % self.rates.progress_every == 0:
+            self.log.progress(progress)
+        now = self.clock.now()
+        self._mail.append(lambda: self._host.switching.progress(now, progress))
+        if self._guard is not None:
+            self._guard.progress(progress)
+
+    def stream_refused(self, error: RobotsError, now: float) -> None:
+        """See `ControlPort`; a stopped sender goes on sending, as in a live cell."""
+
+    def stop_changed(self, state: StopState) -> None:
+        """See `ControlPort`."""
+        self.log.stop(state)
+        if state.fault is not None:
+            self._mail.append(lambda: self._stopped(state.reason))
+
+    def run_enabled(self, *, enabled: bool) -> None:
+        """See `ControlPort`; in a simulation nobody needs to hold run."""
+        self.log.value('run_enabled', enabled)
+
+    def _stopped(self, reason: str) -> None:
+        self._host.stop_changed(reason)
+        self.changed = True
+
+    # -- ports of the program ---------------------------------------------------------------------
+
+    def joint_feedback(self) -> JointFeedback:
+        """See `RobotPort`."""
+        if self._feedback is None:
+            raise RobotsError(NO_FEEDBACK)
+        return self._feedback
+
+    def guide(self, guide: Guide) -> None:
+        """See `RobotPort`."""
+        if self._parts.unguided:
+            return
+        self.guide_player.hand_over(guide, self.clock.stamp)
+        self.log.value('guide', guide.value)
+
+    def request(self, request: ControllerRequest) -> None:
+        """See `ControllerPort`."""
+        self.control.request(request)
+
+    def command(self, *, taken: bool) -> None:
+        """See `ControllerPort`; nobody else is there."""
+        if taken:
+            self._authority.take(Commander.PROGRAM, standing=self.control.at_rest)
+        else:
+            self._authority.give_back(Commander.PROGRAM)
+        self.log.value('commander', self._authority.commander.value)
+
+    def wait_for_command(self) -> None:
+        """See `ControllerPort`; it has answered."""
+
+    def set_override(self, value: float) -> None:
+        """See `ControllerPort`."""
+        self.control.set_override(value)
+        self.log.override(value)
