@@ -96,6 +96,7 @@ class RigidBodyDrive(DriveTrain):
         M, weight = np.empty((n, n)), np.empty(n)
         mass_matrix_and_bias(self._dynamics, np.array(q), np.zeros(n), M, weight)
         state[kernel.Q] = q
+        self.position, self.velocity = read_only(q), read_only(np.zeros(n))
         state[kernel.MOTOR] = q + weight / drives.stiffness
         state[kernel.TORQUE] = state[kernel.JOINT_TORQUE] = weight
         lag = np.where(np.isfinite(drives.current_frequency), drives.current_frequency, 0.0)
@@ -111,7 +112,7 @@ class RigidBodyDrive(DriveTrain):
 
     def rest(self) -> None:
         """See `DriveTrain.rest`."""
-        q = self._state[kernel.Q].copy()
+        q = self.position
         for values in (self._state, self._end, self._feed):
             values[:] = 0.0
         if self._model is not None:
@@ -125,16 +126,6 @@ class RigidBodyDrive(DriveTrain):
         if self._model is not None:
             self._model.load(self._dynamics)
         self._fixed = (self._dynamics, self._drive, self._motors)
-
-    @property
-    def position(self) -> Array:
-        """See `DriveTrain.position`."""
-        return read_only(self._state[kernel.Q])
-
-    @property
-    def velocity(self) -> Array:
-        """See `DriveTrain.velocity`."""
-        return read_only(self._state[kernel.Q_DOT])
 
     @property
     def torque(self) -> Array:
@@ -176,4 +167,5 @@ class RigidBodyDrive(DriveTrain):
             raise RobotsError(
                 f'the drives of robot {self.robot.name!r} lost their state: not finite any more'
             )
+        self.position, self.velocity = read_only(self._state[kernel.Q]), read_only(self._state[kernel.Q_DOT])
         return self.position, self.velocity
