@@ -158,12 +158,3 @@ class NeverExecuted(CallbackGroup):
         """Never."""
         del entity
         return False
-
-    def beginning_execution(self, entity: Any) -> bool:
-        """Never."""
-        del entity
-        return False
-
-    def ending_execution(self, entity: Any) -> None:
-        """Nothing to do."""
-        del entity

@@ -26,7 +26,7 @@ from robots_core.ros.lockstep.counted import (
     is_latched,
     reliable,
 )
-from robots_core.ros.lockstep.matching import unmatched
+from robots_core.ros.lockstep.matching import is_matched
 from robots_core.ros.lockstep.outbox import Outbox
 from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
 from robots_core.ros.lockstep.profiles import ALL, NO_PUBLISHER_EVENTS, NO_SUBSCRIPTION_EVENTS
@@ -354,7 +354,7 @@ class Participant:
 
     def _match(self) -> None:
         """Announce what is new, and look whether all endpoints are matched."""
-        if self._roster is not None and not self.unmatched():
+        if self._roster is not None and self._is_matched(self._roster):
             self._matched = self._roster.version
             self._matching.cancel()
         announcement = Announcement(self.name, tuple(self._endpoints), self._matched)
@@ -362,24 +362,21 @@ class Participant:
             self._announced = announcement
             self._participants.publish(String(data=announcement.to_json()))
 
-    def unmatched(self) -> str:
-        """What still has to be found in the network; '' for nothing. Releases late publishers."""
-        roster = self._roster
-        if roster is None:
-            return 'the coordinator was not found'
+    def _is_matched(self, roster: Roster) -> bool:
+        """All has been found in the network that has to be. Releases late publishers."""
         if not (
             self._reports.get_subscription_count()
             and self._go.get_publisher_count()
             and self._times.get_publisher_count()
         ):
-            return 'the coordinator is not matched'
+            return False
         for endpoint, entity in zip(list(self._endpoints), list(self._entities), strict=True):
             held = endpoint.kind == 'publisher' and entity.held
             if self._started and not held:
                 continue
-            if problem := unmatched(self.node, endpoint, entity, roster):
-                return problem
+            if not is_matched(self.node, endpoint, entity, roster):
+                return False
             if self._started:
                 entity.release()
                 self._change_busy(-1)
-        return ''
+        return True
