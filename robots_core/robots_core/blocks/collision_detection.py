@@ -7,9 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.collision.allowed_pair_sampling import find_allowed_pairs, proven_apart
-from robots_core.blocks.collision.coal_engine import CoalEngine
-from robots_core.blocks.collision.engine import CollisionEngine
-from robots_core.blocks.collision.fcl_engine import FclEngine
+from robots_core.blocks.collision.engine import CoalEngine, CollisionEngine, FclEngine
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.pair_kernels import Indices
 from robots_core.blocks.collision.path_search import RESOLUTION, closest_approach, first_approach
