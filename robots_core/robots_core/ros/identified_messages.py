@@ -79,7 +79,7 @@ class IdentifiedMessages:
             ctypes.addressof(self._info),
             None,
         )
-        self._checked = False
+        self._implementation = get_rmw_implementation_identifier().encode()
 
     def take(self) -> tuple[Any, bytes] | None:
         """The oldest message and its publisher's identity; None if there is none."""
@@ -90,18 +90,12 @@ class IdentifiedMessages:
             return None
         if code != 0:
             raise RuntimeError(f'taking a message failed with code {code}')
-        if not self._checked:
-            self._check()
+        if self._info.implementation != self._implementation:
+            raise RuntimeError(f"a message's info names {self._info.implementation!r} as the middleware")
         message = ctypes.string_at(self._bytes.buffer, self._bytes.length)
         if not self._subscription.raw:
             message = deserialize_message(message, self._subscription.msg_type)
         return message, bytes(self._info.identity)
-
-    def _check(self) -> None:
-        implementation, expected = self._info.implementation, get_rmw_implementation_identifier()
-        if implementation != expected.encode():
-            raise RuntimeError(f"a message's info names {implementation!r}, the middleware is {expected}")
-        self._checked = True
 
 
 def identify(subscription: Any) -> Any:
