@@ -17,7 +17,7 @@ from std_srvs.srv import SetBool, Trigger
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.parameter_changes import CHANGES, Change
 from robots_core.robot_choice import load_robot_model
-from robots_core.ros.identified_messages import deliver, identify, publishers_are_identified
+from robots_core.ros.identified_messages import identify, publishers_are_identified
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
@@ -261,11 +261,6 @@ class RobotNode(TimedNode):
             msg_type, topic, lambda message, identity: take(message, senders.name(identity)), qos_profile
         )
         return identify(subscription)
-
-    def deliver_waiting(self, subscription: Any) -> None:
-        """Call a subscription's callback with all messages that have come, now."""
-        while deliver(subscription):
-            pass
 
     def writer_watch(self, topic: str) -> WriterWatch | None:
         """Separates writers of a topic from others; None where none are dropped."""
