@@ -116,10 +116,8 @@ class UrdfRobotModel(BaseRobotModel):
 
     def _default_home(self) -> Array:
         axes = self._axes_data
-        inside = (axes.lower <= 0.0) & (axes.upper >= 0.0)
-        middle = np.zeros(axes.num_axes)
-        middle[~inside] = 0.5 * (axes.lower[~inside] + axes.upper[~inside])
-        return middle
+        middle, _ = axes.middle_and_half
+        return np.where((axes.lower <= 0.0) & (axes.upper >= 0.0), 0.0, middle)
 
     @property
     def name(self) -> str:

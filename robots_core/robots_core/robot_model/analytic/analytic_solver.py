@@ -52,8 +52,7 @@ class AnalyticSolver:
         lower, upper = axes.lower, axes.upper
         near = robot.home
         if not limited:
-            ends = np.where(axes.continuous, 0.0, (lower, upper))
-            near = 0.5 * (ends[0] + ends[1])
+            near, _ = axes.middle_and_half
             lower, upper = np.full(6, -np.inf), np.full(6, np.inf)
         self._robot = robot
         record, deviation = _structure(lines)
