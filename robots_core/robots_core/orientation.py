@@ -9,8 +9,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from robots_core.errors import InvalidInputError
-from robots_core.validation import Array, finite_vector, rotation_matrix
+from robots_core.validation import Array, finite_vector, one_of, rotation_matrix
 
 ORIENTATION_CONVENTIONS: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -22,6 +21,8 @@ ORIENTATION_CONVENTIONS: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 """Orientation-angle conventions: each one's name and meaning (capitals: about fixed axes)."""
+
+check_convention: Final = one_of('orientation convention', ORIENTATION_CONVENTIONS)
 
 _ROTATION_VECTOR: Final = 'rotation_vector'
 
@@ -73,19 +74,6 @@ def angles_from_orientation(T: ArrayLike, convention: str = 'zyx') -> Array:
     # T about fixed axes is the transpose of the turns back about the moved ones.
     angles = -_moved_axes_angles(T.T, *axes) if convention.isupper() else _moved_axes_angles(T, *axes)
     return angles + 0.0  # without the sign of zeros
-
-
-def check_convention(convention: str) -> None:
-    """Check a convention.
-
-    Raises:
-        InvalidInputError: none of `ORIENTATION_CONVENTIONS`.
-    """
-    if convention not in ORIENTATION_CONVENTIONS:
-        raise InvalidInputError(
-            f'unknown orientation convention {convention!r}; conventions are '
-            f'{", ".join(ORIENTATION_CONVENTIONS)}'
-        )
 
 
 def _axes(convention: str) -> tuple[int, int, int]:

@@ -139,7 +139,7 @@ def one_of(name: str, choices: Collection[str]) -> Callable[[str], str]:
 
     def check(value: str) -> str:
         if value not in choices:
-            *first, last = choices
+            *first, last = (choice or "''" for choice in choices)
             raise InvalidInputError(f'{name} {value!r} is unknown; valid are {", ".join(first)} and {last}')
         return value
 

@@ -27,8 +27,7 @@ from rich.table import Table
 
 from robots_core import BaseRobotModel, load_robot_model
 from robots_core.blocks import CollisionDetection, JointPath, Scene, read_scene
-from robots_core.blocks.collision.coal_engine import CoalEngine
-from robots_core.blocks.collision.fcl_engine import FclEngine
+from robots_core.blocks.collision.engine import CoalEngine, FclEngine
 from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
 
 SCENE = Path(__file__).parents[2] / 'programs' / 'scenes' / 'car_frame.yaml'

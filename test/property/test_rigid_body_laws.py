@@ -44,7 +44,7 @@ def swinging(robot: BaseRobotModel, seed: int, *, friction: bool) -> RigidBodyDr
         damping=data.damping * friction,
     )
     loose = RigidBodyDrive(robot, drive.position, period=PERIOD, drives=free)
-    loose._state[:] = drive._state
+    loose.position, loose.velocity, loose._state[:] = drive.position, drive.velocity, drive._state
     loose._state[5:] = 0.0  # torques and the acceleration that was
     return loose
 

@@ -199,7 +199,7 @@ def test_bad_input_is_refused(robot: BaseRobotModel, value: float):
         detection.closest_approach(path, tolerance=0.0)
     with pytest.raises(InvalidInputError, match='3 axes'):
         detection.first_approach(JointPath.straight(np.zeros(3), np.ones(3)))
-    with pytest.raises(InvalidInputError, match="'ode'; engines are fcl, coal"):
+    with pytest.raises(InvalidInputError, match="'ode' is unknown; valid are fcl and coal"):
         CollisionDetection(robot, engine='ode')
     with pytest.raises(InvalidInputError, match='no number within'):
         JointPath.straight(robot.home, q)

@@ -50,7 +50,7 @@ def test_levels_are_what_their_names_say():
 
 def test_bad_input_is_named():
     with pytest.raises(
-        InvalidInputError, match="'perfect' is unknown; levels are ideal, second_order, rigid_body"
+        InvalidInputError, match="'perfect' is unknown; valid are ideal, second_order and rigid_body"
     ):
         drive_train('perfect', ROBOT, ROBOT.home, period=0.004)
     with pytest.raises(InvalidInputError, match='bandwidth must be one number or 7'):

@@ -148,7 +148,7 @@ def test_what_is_held_by_default_follows_from_the_axes():
     assert [held_by(n) for n in (2, 3, 4, 5, 6, 7)] == ['position'] * 2 + ['directions'] * 2 + ['pose'] * 2
     assert held_by(3, 'pose') == held_by(6, 'directions') == 'pose'
     with pytest.raises(
-        InvalidInputError, match="hold = 'all' must be one of 'pose', 'directions', 'position'"
+        InvalidInputError, match="'all' is unknown; valid are '', pose, directions and position"
     ):
         MotionSettings(hold='all')
 

@@ -127,7 +127,7 @@ def test_a_polled_topic_holds_nothing_up_and_has_one_publisher():
     made.count('b', 0, 0)
     assert made.quiet
     assert made.sent('/x') == 3
-    assert made.polled == ['/x']
+    assert list(made.polled) == ['/x']
     with pytest.raises(InvalidInputError, match='published by a and by c'):
         made.join('c', (publisher,))
 

@@ -243,7 +243,7 @@ def test_number_of_axes_decides_about_joint_angles(tmp_path: Path):
     [
         ({'num_axes': 0}, 'num_axes'),
         ({'num_axes': 6, 'digital_size': 0}, 'digital'),
-        ({'num_axes': 6, 'orientation_convention': 'abc'}, 'conventions are zyx'),
+        ({'num_axes': 6, 'orientation_convention': 'abc'}, 'valid are zyx'),
         ({'num_axes': 6, 'prismatic': (True,)}, 'prismatic'),
     ],
 )

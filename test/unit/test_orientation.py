@@ -54,7 +54,7 @@ def test_each_convention_turns_as_its_makers_say():
 
 def test_unknown_convention_is_refused_with_the_known_ones():
     for call in (orientation_from_angles, lambda _, name: angles_from_orientation(np.eye(3), name)):
-        with pytest.raises(InvalidInputError, match=r"'abc'.*zyx, xyz, zyz, XYZ, rotation_vector"):
+        with pytest.raises(InvalidInputError, match=r"'abc'.*zyx, xyz, zyz, XYZ and rotation_vector"):
             call([0, 0, 0], 'abc')
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from robots_core import Pose, load_robot_model
 from robots_core.blocks.following.pose_reference import moved
+from robots_core.blocks.following.realtime_movement import RealtimeMovement
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
 from robots_core.errors import RobotsError
 
@@ -25,9 +26,8 @@ class Bench:
         self.held = False
         self.refused: list[str] = []
         self.time = 0.0
-        self.guidance = SensorGuidance(
-            ROBOT, DT, reference=lambda: self.reference, refused=self.refuse, method=method
-        )
+        movement = RealtimeMovement(ROBOT, DT, ROBOT.home, method=method)
+        self.guidance = SensorGuidance(movement, reference=lambda: self.reference, refused=self.refuse)
 
     def refuse(self, topic: str, error: RobotsError) -> None:
         self.refused.append(f'{topic}: {error}')

@@ -13,7 +13,7 @@ from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.blocks.following.following_methods import RATE
 from robots_core.blocks.following.guide import Guide
-from robots_core.blocks.following.realtime_movement import RealtimeStep
+from robots_core.blocks.following.realtime_movement import RealtimeMovement, RealtimeStep
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.periodic_schedule import PeriodicSchedule
@@ -62,9 +62,8 @@ class SimulatedGuide:
         self._sensor_times, self._jog_times = PeriodicSchedule(SENSOR_PERIOD), PeriodicSchedule(JOG_PERIOD)
         self._heard = False  # since the last step of the sensor's stream
         if recording is not None:
-            self._sensor = SensorGuidance(
-                robot, 1.0 / RATE, reference=self._reference, refused=lambda *_: None, method=method
-            )
+            movement = RealtimeMovement(robot, 1.0 / RATE, robot.home, method=method)
+            self._sensor = SensorGuidance(movement, reference=self._reference, refused=lambda *_: None)
             self._jogging = Jogging(
                 robot,
                 standing=planner.standing,

@@ -7,9 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.collision.allowed_pair_sampling import find_allowed_pairs, proven_apart
-from robots_core.blocks.collision.coal_engine import CoalEngine
-from robots_core.blocks.collision.engine import CollisionEngine
-from robots_core.blocks.collision.fcl_engine import FclEngine
+from robots_core.blocks.collision.engine import CoalEngine, CollisionEngine, FclEngine
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.pair_kernels import Indices
 from robots_core.blocks.collision.path_search import RESOLUTION, closest_approach, first_approach
@@ -22,7 +20,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.allowed_pairs import AllowedPairs
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array, finite_vector, positive, read_only
+from robots_core.validation import Array, finite_vector, one_of, positive, read_only
 
 ENGINES: Final[dict[str, type[CollisionEngine]]] = {'fcl': FclEngine, 'coal': CoalEngine}
 
@@ -59,10 +57,8 @@ class CollisionDetection:
         engine: str = 'fcl',
         allowed_pairs: AllowedPairs | None = None,
     ) -> None:
-        if engine not in ENGINES:
-            raise InvalidInputError(f'unknown engine {engine!r}; engines are {", ".join(ENGINES)}')
         self.robot = robot
-        self._engine_type = ENGINES[engine]
+        self._engine_type = ENGINES[one_of('engine', ENGINES)(engine)]
         self._body = robot_solids(robot)
         stored = robot.collision_model.allowed_pairs if allowed_pairs is None else allowed_pairs
         self.allowed_pairs = find_allowed_pairs(robot) if stored is None else stored

@@ -5,11 +5,13 @@ import io
 import socket
 from collections import deque
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import trimesh
 import viser
 
+from robots_core.blocks.collision.robot_solids import flange
 from robots_core.blocks.collision.scene import AttachedObject, Scene, SceneObject
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.tool_trace import LONGEST_TRACE, SPACING, ToolTrace
@@ -52,7 +54,6 @@ class Visualizer:
         host: Network address to serve at; '0.0.0.0' serves the whole network.
         port: First port to try; if it is busy the next free one is used; 0: chosen by the system.
         tool: Pose of the tool centre point in tool0; identity: tool0 itself.
-        title: The page's title; the robot's name by default.
 
     Raises:
         InvalidInputError: a host that this machine does not have, or a port outside 0..65535.
@@ -65,7 +66,6 @@ class Visualizer:
         host: str = '127.0.0.1',
         port: int = 8080,
         tool: Pose | None = None,
-        title: str | None = None,
     ) -> None:
         self._kinematics = DirectKinematics(robot, tool=tool)
         self._robot = robot
@@ -74,7 +74,7 @@ class Visualizer:
         first = free_port(host, port)
         # The server has no option to suppress its output.
         with contextlib.redirect_stdout(io.StringIO()):
-            self._server = viser.ViserServer(host, first, label=title or robot.name, verbose=False)
+            self._server = viser.ViserServer(host, first, label=robot.name, verbose=False)
         self._show_surroundings()
         self._frames = [
             self._server.scene.add_frame(f'/robot/{index}_{name}', show_axes=False)
@@ -90,8 +90,7 @@ class Visualizer:
         self._add_shapes(robot.visualization.shapes)
         self._collision = self._add_collision_shapes(robot.collision_model.shapes)
         self._scene: list[viser.MeshHandle] = []
-        r, T = robot.kinematic_model.frame_axes(robot.home)
-        self._flange = Pose(r[-1], T[-1]).inverse() @ Pose(*robot.direct_kinematics(robot.home))
+        self._flange = flange(robot)
         self._add_panel()
         self._shown = np.full(robot.num_axes, np.nan)
         self._unseen: deque[Array] = deque(maxlen=LONGEST_TRACE)
@@ -150,12 +149,12 @@ class Visualizer:
         ]
         shown += [(f'{last}/scene', item, self._flange @ item.pose) for item in scene.attached]
         self._scene = [
-            self._add_mesh(f'{parent}/{item.name}', item.geometry, item.colour, pose)
+            self._add_solid(f'{parent}/{item.name}', item.geometry, item.colour, pose)
             for parent, item, pose in shown
         ]
         for zone in scene.zones:
             geometry, pose = zone_solid(zone, 4.0 * self._reach)
-            self._scene.append(self._add_mesh(f'/scene/{zone.name}', geometry, ZONE_COLOUR, pose))
+            self._scene.append(self._add_solid(f'/scene/{zone.name}', geometry, ZONE_COLOUR, pose))
 
     def clear_trace(self) -> None:
         """Clear the displayed path of the tool."""
@@ -196,43 +195,41 @@ class Visualizer:
 
     def _add_shapes(self, shapes: Sequence[Shape]) -> None:
         for shape in shapes:
-            self._add_mesh(
+            self._add_solid(
                 f'{self._frames[shape.frame].name}/{shape.name}', shape.geometry, shape.colour, shape.pose
             )
 
-    def _add_mesh(
+    def _add_solid(
         self, name: str, geometry: Geometry, colour: tuple[float, float, float, float], pose: Pose
     ) -> viser.MeshHandle:
         red, green, blue, opacity = colour
-        mesh = trimesh.graph.smooth_shade(triangle_mesh(geometry), angle=CREASE)
-        return self._server.scene.add_mesh_simple(
+        return self._add_mesh(
             name,
-            np.asarray(mesh.vertices, dtype=np.float32),
-            np.asarray(mesh.faces, dtype=np.uint32),
+            trimesh.graph.smooth_shade(triangle_mesh(geometry), angle=CREASE),
+            pose,
             color=(round(255 * red), round(255 * green), round(255 * blue)),
             opacity=None if opacity >= 1.0 else opacity,
-            position=pose.r,
-            wxyz=_wxyz(pose.T),
         )
 
     def _add_collision_shapes(self, shapes: Sequence[Shape]) -> list[viser.MeshHandle]:
-        handles = []
-        for shape in shapes:
-            mesh = triangle_mesh(shape.geometry)
-            handles.append(
-                self._server.scene.add_mesh_simple(
-                    f'{self._frames[shape.frame].name}/collision/{shape.name}',
-                    np.asarray(mesh.vertices, dtype=np.float32),
-                    np.asarray(mesh.faces, dtype=np.uint32),
-                    color=COLLISION_COLOUR,
-                    wireframe=True,
-                    cast_shadow=False,
-                    visible=False,
-                    position=shape.pose.r,
-                    wxyz=_wxyz(shape.pose.T),
-                )
+        return [
+            self._add_mesh(
+                f'{self._frames[shape.frame].name}/collision/{shape.name}',
+                triangle_mesh(shape.geometry),
+                shape.pose,
+                color=COLLISION_COLOUR,
+                wireframe=True,
+                cast_shadow=False,
+                visible=False,
             )
-        return handles
+            for shape in shapes
+        ]
+
+    def _add_mesh(self, name: str, mesh: trimesh.Trimesh, pose: Pose, **look: Any) -> viser.MeshHandle:
+        vertices, faces = np.asarray(mesh.vertices, np.float32), np.asarray(mesh.faces, np.uint32)
+        return self._server.scene.add_mesh_simple(
+            name, vertices, faces, position=pose.r, wxyz=_wxyz(pose.T), **look
+        )
 
     def _add_panel(self) -> None:
         gui = self._server.gui

@@ -183,10 +183,10 @@ def matrix_message(M: Array) -> Float64MultiArray:
     return message
 
 
-def wrench_message(stamp: Time, wrench: Array, frame_id: str = 'base') -> WrenchStamped:
+def wrench_message(stamp: Time, wrench: Array) -> WrenchStamped:
     """A geometry_msgs/WrenchStamped from force (N) and moment (N m), (6,)."""
     message = WrenchStamped()
-    message.header.stamp, message.header.frame_id = stamp, frame_id
+    message.header.stamp, message.header.frame_id = stamp, 'base'
     force, moment = message.wrench.force, message.wrench.torque
     force.x, force.y, force.z, moment.x, moment.y, moment.z = wrench.tolist()
     return message

@@ -15,7 +15,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.following.following_methods import LARGEST_DEVIATION, METHODS, RATE
 from robots_core.blocks.following.guide import Guide
-from robots_core.blocks.following.realtime_movement import RealtimeStep
+from robots_core.blocks.following.realtime_movement import RealtimeMovement, RealtimeStep
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
 from robots_core.blocks.inverse_kinematics.hold import check_hold
 from robots_core.errors import RobotsError
@@ -74,15 +74,13 @@ class InverseKinematicsNode(RobotNode):
         )
         self._method, self._dt = method, 1.0 / rate
         self._timeout = timeout
+        movement = RealtimeMovement(
+            self.robot, self._dt, self.robot.home, tool=tool, method=method, hold=hold, timeout=timeout
+        )
         self._guidance = SensorGuidance(
-            self.robot,
-            self._dt,
+            movement,
             reference=self._controller_reference,
             refused=self._refuse_input,
-            tool=tool,
-            method=method,
-            hold=hold,
-            timeout=timeout,
             largest_deviation=largest_deviation,
         )
         self._names = list(self.robot.axes_data.names)

@@ -107,21 +107,17 @@ class UrdfRobotModel(BaseRobotModel):
         self._links = empty((self._n + 1, 13))
         self._tool_pose: Callable[..., bool] = self._load_tool_pose
         self._torque_sum: Callable[..., bool] = self._load_torque_sum
-        self._kinematic_model = PinocchioKinematicModel(model)
-        self._rigid_dynamics_model = PinocchioRigidDynamicsModel(model)
         self._allowed_pairs_file = path.with_name('allowed_pairs.yaml')
         self._home = read_only(
             self._axes_data.check_position(self._default_home() if home is None else home, 'home')
         )
         if not shapes_on_demand:
-            _ = self._visualization, self._collision_model
+            _ = self.visualization, self.collision_model
 
     def _default_home(self) -> Array:
         axes = self._axes_data
-        inside = (axes.lower <= 0.0) & (axes.upper >= 0.0)
-        middle = np.zeros(axes.num_axes)
-        middle[~inside] = 0.5 * (axes.lower[~inside] + axes.upper[~inside])
-        return middle
+        middle, _ = axes.middle_and_half
+        return np.where((axes.lower <= 0.0) & (axes.upper >= 0.0), 0.0, middle)
 
     @property
     def name(self) -> str:
@@ -138,25 +134,26 @@ class UrdfRobotModel(BaseRobotModel):
         """Mechanical dimensions."""
         return self._structural_data
 
-    @property
+    @cached_property
     def kinematic_model(self) -> PinocchioKinematicModel:
         """The chain of axis frames."""
-        return self._kinematic_model
+        return PinocchioKinematicModel(self._model)
 
-    @property
+    @cached_property
     def rigid_dynamics_model(self) -> PinocchioRigidDynamicsModel:
         """The chain with masses and inertias."""
-        return self._rigid_dynamics_model
+        return PinocchioRigidDynamicsModel(self._model)
 
-    @property
+    @cached_property
     def visualization(self) -> RobotVisualization:
         """The URDF's visual shapes."""
-        return self._visualization
+        return RobotVisualization(self._shapes('visual'))
 
-    @property
+    @cached_property
     def collision_model(self) -> CollisionModel:
         """The URDF's collision shapes."""
-        return self._collision_model
+        file = self._allowed_pairs_file
+        return CollisionModel(self._shapes('collision'), AllowedPairs.read(file) if file.is_file() else None)
 
     @property
     def description(self) -> str:
@@ -249,15 +246,6 @@ class UrdfRobotModel(BaseRobotModel):
     def _load_torque_sum(self, *arrays: Array) -> bool:
         self._torque_sum = import_module('robots_core.robot_model.compiled_dynamics').torque_sum
         return self._torque_sum(*arrays)
-
-    @cached_property
-    def _visualization(self) -> RobotVisualization:
-        return RobotVisualization(self._shapes('visual'))
-
-    @cached_property
-    def _collision_model(self) -> CollisionModel:
-        file = self._allowed_pairs_file
-        return CollisionModel(self._shapes('collision'), AllowedPairs.read(file) if file.is_file() else None)
 
     def _shapes(self, kind: Literal['visual', 'collision']) -> tuple[Shape, ...]:
         # Imported on demand: without shapes no mesh library is needed.

@@ -6,15 +6,14 @@ The identity is the one that `Node.get_publishers_info_by_topic` has as `endpoin
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from typing import Any, Final
 
-from rclpy.callback_groups import CallbackGroup
+from rclpy.exceptions import InvalidHandle
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 from rclpy.utilities import get_rmw_implementation_identifier
-from rclpy.waitable import NumberOfEntities, Waitable
 
 IDENTIFYING: Final = ('rmw_fastrtps_cpp', 'rmw_fastrtps_dynamic_cpp')
 """Middlewares whose messages come with the identities that the graph has."""
@@ -61,7 +60,7 @@ def publishers_are_identified() -> bool:
 
 
 class IdentifiedMessages:
-    """Takes serialized messages of a subscription.
+    """Takes the messages of a subscription.
 
     Args:
         subscription: Whose messages nothing else takes.
@@ -71,7 +70,7 @@ class IdentifiedMessages:
     """
 
     def __init__(self, subscription: Subscription) -> None:
-        self._handle = subscription.handle
+        self._subscription, self._handle = subscription, subscription.handle
         self._take, allocator = _functions()
         self._bytes, self._info = _Bytes(allocator=allocator()), _Info()
         self._arguments = (
@@ -80,81 +79,42 @@ class IdentifiedMessages:
             ctypes.addressof(self._info),
             None,
         )
-        self._checked = False
+        self._implementation = get_rmw_implementation_identifier().encode()
 
-    def take(self) -> tuple[bytes, bytes] | None:
+    def take(self) -> tuple[Any, bytes] | None:
         """The oldest message and its publisher's identity; None if there is none."""
-        with self._handle:
+        code = TAKE_FAILED
+        with suppress(InvalidHandle), self._handle:  # destroyed by another thread
             code = self._take(*self._arguments)
         if code == TAKE_FAILED:
             return None
         if code != 0:
             raise RuntimeError(f'taking a message failed with code {code}')
-        if not self._checked:
-            self._check()
-        return ctypes.string_at(self._bytes.buffer, self._bytes.length), bytes(self._info.identity)
-
-    def _check(self) -> None:
-        implementation, expected = self._info.implementation, get_rmw_implementation_identifier()
-        if implementation != expected.encode():
-            raise RuntimeError(f"a message's info names {implementation!r}, the middleware is {expected}")
-        self._checked = True
+        if self._info.implementation != self._implementation:
+            raise RuntimeError(f"a message's info names {self._info.implementation!r} as the middleware")
+        message = ctypes.string_at(self._bytes.buffer, self._bytes.length)
+        if not self._subscription.raw:
+            message = deserialize_message(message, self._subscription.msg_type)
+        return message, bytes(self._info.identity)
 
 
-class IdentifiedSubscription(Waitable):
-    """Has an executor call back with messages and their publishers' identities.
+def identify(subscription: Any) -> Any:
+    """The subscription, to which `deliver` gives messages with their publishers' identities from now on."""
+    subscription.identified = IdentifiedMessages(subscription)
+    return subscription
 
-    Args:
-        subscription: The subscription, which no executor takes messages from.
-        callback_group: Of the callbacks.
-        callback: Gets a message, and its publisher's identity.
-    """
 
-    def __init__(
-        self,
-        subscription: Subscription,
-        callback_group: CallbackGroup,
-        callback: Callable[[Any, bytes], None],
-    ) -> None:
-        super().__init__(callback_group)  # type: ignore[no-untyped-call]
-        self._subscription, self._callback = subscription, callback
-        self._messages = IdentifiedMessages(subscription)
-        self._index: int | None = None
-
-    def __enter__(self) -> None:
-        self._subscription.handle.__enter__()
-
-    def __exit__(self, *exception: object) -> None:
-        self._subscription.handle.__exit__(*exception)
-
-    def get_num_entities(self) -> NumberOfEntities:
-        """See `Waitable`."""
-        return NumberOfEntities(num_subs=1)
-
-    def add_to_wait_set(self, wait_set: Any) -> None:
-        """See `Waitable`."""
-        self._index = wait_set.add_subscription(self._subscription.handle)
-
-    def is_ready(self, wait_set: Any) -> bool:
-        """See `Waitable`."""
-        return bool(wait_set.is_ready('subscription', self._index))
-
-    def take_data(self) -> tuple[bytes, bytes] | None:
-        """See `Waitable`."""
-        return self._messages.take()
-
-    async def execute(self, taken_data: tuple[bytes, bytes] | None) -> None:
-        """See `Waitable`."""
-        if taken_data is not None:
-            self._deliver(*taken_data)
-
-    def deliver_waiting(self) -> None:
-        """Call back with all messages that have come, now."""
-        while (taken := self._messages.take()) is not None:
-            self._deliver(*taken)
-
-    def _deliver(self, data: bytes, identity: bytes) -> None:
-        subscription = self._subscription
-        self._callback(
-            data if subscription.raw else deserialize_message(data, subscription.msg_type), identity
-        )
+def deliver(subscription: Any) -> bool:
+    """Call back with the oldest message; False if there is none."""
+    identified = getattr(subscription, 'identified', None)
+    if identified is not None:
+        taken = identified.take()
+    else:
+        taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+    if taken is None:
+        return False
+    if subscription._callback_type is Subscription.CallbackType.MessageOnly:  # noqa: SLF001
+        subscription.callback(taken[0])
+    else:
+        subscription.callback(*taken)
+    return True

@@ -5,11 +5,11 @@ from typing import Any
 from rclpy.context import Context
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.node import Node
-from rclpy.subscription import Subscription
 from rclpy.task import Task
 from rclpy.utilities import timeout_sec_to_nsec
 
 from robots_core.ros.held_wait_set import HeldWaitSet
+from robots_core.ros.identified_messages import deliver
 from robots_core.ros.seldom_ready import SeldomReady
 
 
@@ -33,7 +33,7 @@ class LeanExecutor(Executor):
         self._seldom = SeldomReady(self.context, self._guard.trigger)
         self._calls = {
             'timer': _call_timer,
-            'subscription': _call_subscription,
+            'subscription': deliver,
             'guard_condition': _call_guard_condition,
             'client': self._call_client,
             'service': _call_service,
@@ -135,16 +135,6 @@ def _call_timer(timer: Any) -> None:
     if timer.handle.is_timer_ready():  # a cancelled one is not
         timer.handle.call_timer()
         timer.callback()
-
-
-def _call_subscription(subscription: Any) -> None:
-    taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
-    if taken is None:
-        return
-    if subscription._callback_type is Subscription.CallbackType.MessageOnly:  # noqa: SLF001
-        subscription.callback(taken[0])
-    else:
-        subscription.callback(*taken)
 
 
 def _call_guard_condition(guard_condition: Any) -> None:

@@ -7,7 +7,6 @@ from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
-from rclpy.serialization import deserialize_message
 
 from robots_core.ros.identified_messages import IdentifiedMessages
 from robots_core.ros.lockstep.counted import NeverExecuted
@@ -59,10 +58,9 @@ class PolledSubscription:
         subscription, deadline = self._subscription, math.inf
         if self._watch is not None:
             while (identified := self._identified.take()) is not None:
-                data, identity = identified
+                message, identity = identified
                 if self._watch.accepts(identity, self._now()):
-                    raw = subscription.raw
-                    yield data if raw else deserialize_message(data, subscription.msg_type), {}
+                    yield message, {}
             return
         while True:
             taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)

@@ -17,7 +17,7 @@ from std_srvs.srv import SetBool, Trigger
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.parameter_changes import CHANGES, Change
 from robots_core.robot_choice import load_robot_model
-from robots_core.ros.identified_messages import IdentifiedSubscription, publishers_are_identified
+from robots_core.ros.identified_messages import identify, publishers_are_identified
 from robots_core.ros.lockstep.counted import NeverExecuted
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
@@ -62,7 +62,6 @@ class RobotNode(TimedNode):
         self._was_ready = False
         self._bad_streams: dict[str, float] = {}
         self._strangers: dict[str, tuple[float, str]] = {}  # by topic: when, and what was said
-        self._identified: dict[Any, IdentifiedSubscription] = {}
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', COMMAND)
         self.create_timer(HEALTH_PERIOD, self._repeat_health, phase=Phase.OBSERVE)
 
@@ -218,7 +217,7 @@ class RobotNode(TimedNode):
         watch = self.writer_watch(topic)
         if watch is None or isinstance(options.get('callback_group'), NeverExecuted):
             return super().create_subscription(msg_type, topic, take, qos_profile, **options)
-        return self._create_identified(msg_type, topic, take_of_writers, qos_profile, **options)
+        return identify(super().create_subscription(msg_type, topic, take_of_writers, qos_profile, **options))
 
     def poll(
         self,
@@ -258,40 +257,10 @@ class RobotNode(TimedNode):
                 msg_type, topic, lambda message: take(message, ''), qos_profile
             )
         senders = PublisherNames(partial(publishers_of, self, topic))
-        return self._create_identified(
+        subscription = super().create_subscription(
             msg_type, topic, lambda message, identity: take(message, senders.name(identity)), qos_profile
         )
-
-    def _create_identified(
-        self,
-        msg_type: Any,
-        topic: str,
-        callback: Callable[[Any, bytes], None],
-        qos_profile: Any,
-        **options: Any,
-    ) -> Any:
-        group = options.pop('callback_group', None) or self.default_callback_group
-        options['callback_group'] = NeverExecuted()
-        subscription = super().create_subscription(msg_type, topic, callback, qos_profile, **options)
-        identified = IdentifiedSubscription(subscription, group, callback)
-        self._identified[subscription] = identified
-        self.add_waitable(identified)
-        return subscription
-
-    def deliver_waiting(self, subscription: Any) -> None:
-        """Call a subscription's callback with all messages that have come, now."""
-        if (identified := self._identified.get(subscription)) is not None:
-            identified.deliver_waiting()
-            return
-        handle = subscription.handle
-        while (taken := handle.take_message(subscription.msg_type, subscription.raw)) is not None:
-            subscription.callback(taken[0])
-
-    def destroy_subscription(self, subscription: Any) -> bool:
-        """As `Node.destroy_subscription`."""
-        if (identified := self._identified.pop(subscription, None)) is not None:
-            self.remove_waitable(identified)
-        return super().destroy_subscription(subscription)
+        return identify(subscription)
 
     def writer_watch(self, topic: str) -> WriterWatch | None:
         """Separates writers of a topic from others; None where none are dropped."""

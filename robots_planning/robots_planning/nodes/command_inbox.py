@@ -5,6 +5,7 @@ from collections.abc import Callable
 from builtin_interfaces.msg import Time
 from rclpy.subscription import Subscription
 
+from robots_core.ros.identified_messages import deliver
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.robot_node import RobotNode
 
@@ -58,7 +59,8 @@ class CommandInbox:
         """
         # In lock-step all has been served.
         for subscription in () if self._turn is not None else self._subscriptions:
-            self._node.deliver_waiting(subscription)
+            while deliver(subscription):
+                pass
         self.deliver()
 
     def deliver(self) -> None:

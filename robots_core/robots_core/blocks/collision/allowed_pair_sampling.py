@@ -20,9 +20,7 @@ FEW_AXES = 3
 NEVER_GAP = 1e-3  # m
 
 
-def find_allowed_pairs(
-    robot: BaseRobotModel, *, samples: int = SAMPLES, budget: int = BUDGET
-) -> AllowedPairs:
+def find_allowed_pairs(robot: BaseRobotModel) -> AllowedPairs:
     """The pairs of a robot's shapes that need no check.
 
     Pairs that are in contact at all of many random joint positions count as always in contact. Other pairs
@@ -31,8 +29,6 @@ def find_allowed_pairs(
 
     Args:
         robot: The robot.
-        samples: Number of random joint positions, the same in every run.
-        budget: Joint positions evaluated for the proofs of the pairs between two frames.
     """
     solids = robot_solids(robot)
     frames = {solid.name: solid.frame for solid in solids}
@@ -52,22 +48,22 @@ def find_allowed_pairs(
         ordered_pair(solids[i].name, solids[j].name)
         for i, j in zip(checked.first, checked.second, strict=True)
     ]
-    touching = _touching(checked, robot, samples)
+    touching = _touching(checked, robot)
     for pair in set(names):
         mine = np.array([name == pair for name in names])
         if touching[:, mine].any(axis=1).all():
             reasons[pair] = 'always'
-    reasons.update((pair, 'never') for pair in proven_apart(checked, robot, names, budget))
+    reasons.update((pair, 'never') for pair in proven_apart(checked, robot, names, BUDGET))
     return AllowedPairs(reasons)
 
 
-def _touching(solids: SolidSet, robot: BaseRobotModel, samples: int) -> NDArray[np.bool_]:
-    """Whether each pair is in contact at home and at random joint positions, (samples + 1, p) bool."""
+def _touching(solids: SolidSet, robot: BaseRobotModel) -> NDArray[np.bool_]:
+    """Whether each pair is in contact at home and at random joint positions, (SAMPLES + 1, p) bool."""
     low, high = robot.axes_data.one_turn
     every = np.arange(solids.first.size)
     none = np.zeros(every.size)
-    random = np.random.default_rng(0).uniform(low, high, (samples, robot.num_axes))
-    result = np.empty((samples + 1, every.size), dtype=bool)
+    random = np.random.default_rng(0).uniform(low, high, (SAMPLES, robot.num_axes))
+    result = np.empty((SAMPLES + 1, every.size), dtype=bool)
     for row, q in enumerate((robot.home, *random)):
         solids.place(q)
         result[row] = solids.distances(every, none) <= 0.0

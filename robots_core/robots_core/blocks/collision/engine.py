@@ -1,8 +1,12 @@
-"""CollisionEngine: contacts of solids by a collision library."""
+"""CollisionEngine: contacts of solids by a collision library, python-fcl or coal."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any, ClassVar
+
+import coal
+import fcl
+import numpy as np
 
 from robots_core.blocks.collision.solids import Solid
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Mesh, Sphere
@@ -71,3 +75,53 @@ class CollisionEngine(ABC):
     @abstractmethod
     def surface(mesh: Mesh) -> Any:
         """Any other mesh."""
+
+
+class FclEngine(CollisionEngine):
+    """python-fcl, pair by pair: its broad-phase manager calls back into Python for each, which is slower."""
+
+    library = fcl
+
+    @staticmethod
+    def hull(mesh: Mesh) -> Any:
+        """See `CollisionEngine.hull`; a face is its number of corners, then their indices."""
+        return fcl.Convex(mesh.vertices, len(mesh.faces), np.insert(mesh.faces, 0, 3, axis=1).ravel())
+
+    @staticmethod
+    def surface(mesh: Mesh) -> Any:
+        """See `CollisionEngine.surface`."""
+        model = fcl.BVHModel()
+        model.beginModel(len(mesh.faces), len(mesh.vertices))
+        model.addSubModel(mesh.vertices, mesh.faces)
+        model.endModel()
+        return model
+
+
+class CoalEngine(CollisionEngine):
+    """coal (the successor of hpp-fcl; Montaut et al. 2024), which comes with Pinocchio, pair by pair."""
+
+    library = coal
+
+    @staticmethod
+    def hull(mesh: Mesh) -> Any:
+        """See `CollisionEngine.hull`."""
+        return coal.Convex.convexHull(_points(mesh.vertices), True, 'Qt')
+
+    @staticmethod
+    def surface(mesh: Mesh) -> Any:
+        """See `CollisionEngine.surface`."""
+        triangles = coal.StdVec_Triangle()
+        for face in mesh.faces:
+            triangles.append(coal.Triangle(*map(int, face)))
+        model = coal.BVHModelOBBRSS()
+        model.beginModel(len(mesh.faces), len(mesh.vertices))
+        model.addSubModel(_points(mesh.vertices), triangles)
+        model.endModel()
+        return model
+
+
+def _points(vertices: Array) -> coal.StdVec_Vec3s:
+    points = coal.StdVec_Vec3s()
+    for vertex in vertices:
+        points.append(vertex)
+    return points

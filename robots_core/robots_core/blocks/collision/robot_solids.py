@@ -27,21 +27,21 @@ def robot_solids(robot: BaseRobotModel) -> tuple[Solid, ...]:
 
 def held_solids(robot: BaseRobotModel, scene: Scene) -> tuple[Solid, ...]:
     """The objects of a scene that are attached to the flange, as solids."""
-    flange = _flange(robot)
+    place = flange(robot)
     return tuple(
         solid
         for item in scene.attached
-        for solid in solids_of(item.name, item.geometry, robot.num_axes, flange @ item.pose)
+        for solid in solids_of(item.name, item.geometry, robot.num_axes, place @ item.pose)
     )
 
 
 def tool_solid(robot: BaseRobotModel, position: Array) -> Solid:
     """The tool centre point as a solid of one point, by its position in tool0, (3,) m."""
     point = Mesh(np.zeros((1, 3)), np.empty((0, 3), dtype=np.int64))
-    return Solid('the tool', point, robot.num_axes, _flange(robot) @ Pose(position, np.eye(3)))
+    return Solid('the tool', point, robot.num_axes, flange(robot) @ Pose(position, np.eye(3)))
 
 
-def _flange(robot: BaseRobotModel) -> Pose:
+def flange(robot: BaseRobotModel) -> Pose:
     """Pose of tool0 in the frame of the last axis."""
     r, T = robot.kinematic_model.frame_axes(robot.home)
     return Pose(r[-1], T[-1]).inverse() @ Pose(*robot.direct_kinematics(robot.home))

@@ -38,43 +38,39 @@ class SolidSet:
         # The solid that is moved by more axes comes second.
         ordered = np.where((frames[pairs[:, 0]] > frames[pairs[:, 1]])[:, None], pairs[:, ::-1], pairs)
         self.first, self.second = (np.ascontiguousarray(ordered[:, column]) for column in (0, 1))
-        self._arrays = _solid_arrays(self.solids, frames)
+        self.arrays = _solid_arrays(self.solids, frames)
+        """The solids for compiled code."""
         self._motion = _motion_arrays(robot)
         self.R, self.t = np.empty((len(solids), 3, 3)), np.empty((len(solids), 3))
         self._r, self._T = np.empty((0, 3)), np.empty((0, 3, 3))
 
-    @property
-    def arrays(self) -> SolidArrays:
-        """The solids as arrays for compiled code."""
-        return self._arrays
-
     def place(self, q: Array) -> None:
         """Place all solids for joint positions `q`, (n,)."""
         self._r, self._T = self._frame_axes(q)
-        place(self._arrays, self._r, self._T, self.R, self.t)
+        place(self.arrays, self._r, self._T, self.R, self.t)
 
     def broad_distances(self) -> Array:
         """Fast lower bounds of the distances of all pairs, (p,) m; may be below 0."""
-        return broad_distances(self._arrays, self.R, self.t, self.first, self.second)
+        return broad_distances(self.arrays, self.R, self.t, self.first, self.second)
 
     def distances(self, chosen: Indices, enough: Array) -> Array:
         """Proven lower bounds of the distances of chosen pairs, (k,) m; exact up to `enough`, (k,)."""
-        return distances(self._arrays, self.R, self.t, self.first[chosen], self.second[chosen], enough)
+        return distances(self.arrays, self.R, self.t, self.first[chosen], self.second[chosen], enough)
 
     def smallest_distance(self, chosen: Indices, limit: float) -> tuple[float, int]:
         """Smallest distance of chosen pairs, m, and which of them; `limit` and -1 if none is below."""
-        return smallest_distance(self._arrays, self.R, self.t, self.first[chosen], self.second[chosen], limit)
+        return smallest_distance(self.arrays, self.R, self.t, self.first[chosen], self.second[chosen], limit)
 
     def nearest(self, pair: int) -> Array:
         """Lower bound and distance, m, and nearest points of a pair, (8,); see `nearest_points`."""
         result = np.empty(8)
-        solid_distance(self._arrays, self.R, self.t, self.first[pair], self.second[pair], np.inf, result)
+        solid_distance(self.arrays, self.R, self.t, self.first[pair], self.second[pair], np.inf, result)
         return result
 
     def travels(self, chosen: Indices, turn: Array) -> Array:
         """Bounds on the approach of chosen pairs if the axes move by at most `turn`, (n,) rad (m); (k,) m."""
         return travels(
-            self._arrays,
+            self.arrays,
             self._motion,
             self._r,
             self._T,

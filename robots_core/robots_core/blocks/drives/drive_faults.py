@@ -76,34 +76,26 @@ class FaultInjection:
     def __init__(self, names: Sequence[str], *, seed: int = 0) -> None:
         self._names = tuple(names)
         self._rng = np.random.default_rng(seed)
-        self._faults = DriveFaults()
+        self.faults = DriveFaults()
+        """The active faults; may be set at any time."""
         self._held: dict[int, float] = {}
         self._seen: dict[int, float] = {}
 
-    @property
-    def faults(self) -> DriveFaults:
-        """The active faults; may be set at any time."""
-        return self._faults
-
-    @faults.setter
-    def faults(self, faults: DriveFaults) -> None:
-        self._faults = faults
-
     def reference(self, q_ref: Array, q_dot_ref: Array) -> tuple[Array, Array]:
         """The reference (n,) and its velocity (n,) that reach the drives."""
-        self._held = self._kept(self._faults.stopped, self._held, q_ref)
+        self._held = self._kept(self.faults.stopped, self._held, q_ref)
         if not self._held:
             return q_ref, q_dot_ref
         return _replaced(q_ref, self._held), _replaced(q_dot_ref, dict.fromkeys(self._held, 0.0))
 
     def feedback(self, q: Array, q_dot: Array) -> tuple[Array, Array, list[int]]:
         """Positions and velocities (n,) that the encoders report, and indices of the axes that do report."""
-        if self._faults.noise > 0.0:
-            q = q + self._rng.normal(0.0, self._faults.noise, q.size)
-        self._seen = self._kept(self._faults.frozen, self._seen, q)
+        if self.faults.noise > 0.0:
+            q = q + self._rng.normal(0.0, self.faults.noise, q.size)
+        self._seen = self._kept(self.faults.frozen, self._seen, q)
         if self._seen:
             q, q_dot = _replaced(q, self._seen), _replaced(q_dot, dict.fromkeys(self._seen, 0.0))
-        return q, q_dot, [i for i, name in enumerate(self._names) if name not in self._faults.lost]
+        return q, q_dot, [i for i, name in enumerate(self._names) if name not in self.faults.lost]
 
     def _kept(self, axes: frozenset[str], before: dict[int, float], values: Array) -> dict[int, float]:
         return {i: before.get(i, float(values[i])) for i, name in enumerate(self._names) if name in axes}

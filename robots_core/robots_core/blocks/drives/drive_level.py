@@ -8,11 +8,12 @@ from numpy.typing import ArrayLike
 
 from robots_core.blocks.drives.drive_train import DriveTrain, IdealDrive, SecondOrderDrive
 from robots_core.blocks.multibody.payload import NOTHING, Payload
-from robots_core.errors import InvalidInputError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import one_of
 
 DriveLevel = Literal['ideal', 'second_order', 'rigid_body']
 DRIVE_LEVELS: Final[tuple[str, ...]] = get_args(DriveLevel)
+check_level: Final = one_of('drive level', DRIVE_LEVELS)
 
 
 def drive_train(
@@ -52,14 +53,3 @@ def drive_train(
         'robots_core.blocks.drives.rigid_body_drive'
     ).RigidBodyDrive
     return rigid_body_drive(robot, q, period=period, payload=payload, feed_forward=feed_forward)
-
-
-def check_level(level: str) -> str:
-    """Pass a level on that exists.
-
-    Raises:
-        InvalidInputError: it does not.
-    """
-    if level not in DRIVE_LEVELS:
-        raise InvalidInputError(f'drive level {level!r} is unknown; levels are {", ".join(DRIVE_LEVELS)}')
-    return level

@@ -11,17 +11,15 @@ from robots_core.validation import Array, finite_vector, positive
 
 
 class DriveTrain(ABC):
-    """Drives of all axes of a robot. Implementations differ in the level of detail."""
+    """Drives of all axes of a robot. Implementations differ in the level of detail.
 
-    @property
-    @abstractmethod
-    def position(self) -> Array:
-        """Joint positions, (n,), rad (m)."""
+    Attributes:
+        position: Joint positions, (n,), rad (m).
+        velocity: Joint velocities, (n,), rad/s (m/s).
+    """
 
-    @property
-    @abstractmethod
-    def velocity(self) -> Array:
-        """Joint velocities, (n,), rad/s (m/s)."""
+    position: Array
+    velocity: Array
 
     @property
     def torque(self) -> Array | None:
@@ -64,34 +62,24 @@ class IdealDrive(DriveTrain):
 
     def __init__(self, q: ArrayLike, *, period: float) -> None:
         position = np.array(q, dtype=np.float64)
-        self._position = finite_vector(position, position.size, 'q')
-        self._velocity = np.zeros_like(self._position)
+        self.position = finite_vector(position, position.size, 'q')
+        self.velocity = np.zeros_like(position)
         self._period = positive(period, 'period', 's')
-
-    @property
-    def position(self) -> Array:
-        """See `DriveTrain.position`."""
-        return self._position
-
-    @property
-    def velocity(self) -> Array:
-        """See `DriveTrain.velocity`."""
-        return self._velocity
 
     def step(self, q_ref: ArrayLike, q_dot_ref: ArrayLike | None = None) -> tuple[Array, Array]:
         """See `DriveTrain.step`."""
-        n = self._position.size
-        before, self._position = self._position, np.array(finite_vector(q_ref, n, 'q_ref'))
-        self._velocity = (
-            (self._position - before) / self._period
+        n = self.position.size
+        before, self.position = self.position, np.array(finite_vector(q_ref, n, 'q_ref'))
+        self.velocity = (
+            (self.position - before) / self._period
             if q_dot_ref is None
             else np.array(finite_vector(q_dot_ref, n, 'q_dot_ref'))
         )
-        return self._position, self._velocity
+        return self.position, self.velocity
 
     def rest(self) -> None:
         """See `DriveTrain.rest`."""
-        self._velocity = np.zeros_like(self._position)
+        self.velocity = np.zeros_like(self.position)
 
 
 class SecondOrderDrive(DriveTrain):
@@ -113,37 +101,25 @@ class SecondOrderDrive(DriveTrain):
     def __init__(
         self, q: ArrayLike, *, period: float, bandwidth: ArrayLike = 15.0, damping: ArrayLike = 1.0
     ) -> None:
-        position = np.asarray(q, dtype=np.float64)
+        position = np.array(q, dtype=np.float64)
         n = position.size
-        self._state = np.zeros((2, n))
-        self._state[0] = finite_vector(position, n, 'q')
+        self.position, self.velocity = finite_vector(position, n, 'q'), np.zeros(n)
         positive(period, 'period', 's')
         w = 2.0 * np.pi * _per_axis(bandwidth, n, 'bandwidth')
         self._transition = _transition(w, _per_axis(damping, n, 'damping'), period)
 
-    @property
-    def position(self) -> Array:
-        """See `DriveTrain.position`."""
-        return np.asarray(self._state[0])
-
-    @property
-    def velocity(self) -> Array:
-        """See `DriveTrain.velocity`."""
-        return np.asarray(self._state[1])
-
     def step(self, q_ref: ArrayLike, q_dot_ref: ArrayLike | None = None) -> tuple[Array, Array]:
         """See `DriveTrain.step`."""
         del q_dot_ref
-        q_ref = finite_vector(q_ref, self._state.shape[1], 'q_ref')
-        state = self._state.copy()
-        state[0] -= q_ref
-        self._state = np.einsum('ijn,jn->in', self._transition, state)
-        self._state[0] += q_ref
-        return self._state[0], self._state[1]
+        q_ref = finite_vector(q_ref, self.position.size, 'q_ref')
+        state = np.array([self.position - q_ref, self.velocity])
+        self.position, self.velocity = np.einsum('ijn,jn->in', self._transition, state)
+        self.position += q_ref
+        return self.position, self.velocity
 
     def rest(self) -> None:
         """See `DriveTrain.rest`."""
-        self._state = np.array([self._state[0], np.zeros_like(self._state[0])])
+        self.velocity = np.zeros_like(self.position)
 
 
 def _transition(w: Array, D: Array, period: float) -> Array:

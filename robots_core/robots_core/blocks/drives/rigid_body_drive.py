@@ -9,11 +9,10 @@ from numpy.typing import ArrayLike
 from robots_core.blocks.drives import rigid_body_kernel as kernel
 from robots_core.blocks.drives.drive_train import DriveTrain
 from robots_core.blocks.drives.feed_forward import FeedForward
-from robots_core.blocks.multibody.base_motion import BaseMotion
-from robots_core.blocks.multibody.loaded_robot import loaded_chain
+from robots_core.blocks.multibody.loaded_robot import LoadedRobot
 from robots_core.blocks.multibody.payload import NOTHING, Payload
 from robots_core.errors import InvalidInputError, RobotsError
-from robots_core.kernels.chain_dynamics import mass_matrix_and_bias
+from robots_core.kernels.chain_dynamics import chain_dynamics_of, mass_matrix_and_bias
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.drive_data import DriveData
 from robots_core.validation import Array, finite_vector, positive, read_only
@@ -40,15 +39,13 @@ class RigidBodyDrive(DriveTrain):
         q: Joint positions at the start, (n,), rad (m), at rest and held by the motors.
         period: Time of one `step`, s.
         payload: Payload on tool0.
-        base: Orientation and linear acceleration of the base.
         drives: Controllers, motors and gears; the robot's by default.
         feed_forward: Add motor torques and positions by the robot's model, its payload and friction
             (see `FeedForward`); without, the cascade is that of RobotR3.
         longest_step: Of the integration, s, at most 1 ms; a period is divided into equal ones.
 
     Raises:
-        InvalidInputError: values out of range; a base that turns; or a robot whose own dynamics are not
-            those of its bodies.
+        InvalidInputError: values out of range, or a robot whose own dynamics are not those of its bodies.
     """
 
     def __init__(
@@ -58,7 +55,6 @@ class RigidBodyDrive(DriveTrain):
         *,
         period: float,
         payload: Payload = NOTHING,
-        base: BaseMotion | None = None,
         drives: DriveData | None = None,
         feed_forward: bool = False,
         longest_step: float = DEFAULT_STEP,
@@ -71,13 +67,9 @@ class RigidBodyDrive(DriveTrain):
             raise InvalidInputError(f'drives are for {self._drive.shape[1]} axes, the robot has {n}')
         if positive(longest_step, 'longest_step', 's') > LONGEST_STEP:
             raise InvalidInputError(f'longest_step = {longest_step:g} s must be at most {LONGEST_STEP:g} s')
-        base = BaseMotion() if base is None else base
-        if base.turns:
-            raise InvalidInputError('RigidBodyDrive does not support a base that turns')
         self._period = positive(period, 'period', 's')
         self._steps = ceil(period / longest_step * (1.0 - 1e-9))  # no step more for rounding
-        self._base = base
-        self._dynamics = loaded_chain(robot, payload, base).arrays
+        self._dynamics = chain_dynamics_of(LoadedRobot(robot, payload)).arrays
         elastic = np.isfinite(self.drives.stiffness)
         self._motors = np.where(elastic, n - 1 + np.cumsum(elastic), np.arange(n)).astype(np.int64)
         self._start, self._end, self._feed = np.zeros((3, 2, n))
@@ -96,6 +88,7 @@ class RigidBodyDrive(DriveTrain):
         M, weight = np.empty((n, n)), np.empty(n)
         mass_matrix_and_bias(self._dynamics, np.array(q), np.zeros(n), M, weight)
         state[kernel.Q] = q
+        self.position, self.velocity = read_only(q), read_only(np.zeros(n))
         state[kernel.MOTOR] = q + weight / drives.stiffness
         state[kernel.TORQUE] = state[kernel.JOINT_TORQUE] = weight
         lag = np.where(np.isfinite(drives.current_frequency), drives.current_frequency, 0.0)
@@ -111,7 +104,7 @@ class RigidBodyDrive(DriveTrain):
 
     def rest(self) -> None:
         """See `DriveTrain.rest`."""
-        q = self._state[kernel.Q].copy()
+        q = self.position
         for values in (self._state, self._end, self._feed):
             values[:] = 0.0
         if self._model is not None:
@@ -121,20 +114,10 @@ class RigidBodyDrive(DriveTrain):
 
     def load(self, payload: Payload) -> None:
         """See `DriveTrain.load`; the feed-forward includes the payload."""
-        self._dynamics = loaded_chain(self.robot, payload, self._base).arrays
+        self._dynamics = chain_dynamics_of(LoadedRobot(self.robot, payload)).arrays
         if self._model is not None:
             self._model.load(self._dynamics)
         self._fixed = (self._dynamics, self._drive, self._motors)
-
-    @property
-    def position(self) -> Array:
-        """See `DriveTrain.position`."""
-        return read_only(self._state[kernel.Q])
-
-    @property
-    def velocity(self) -> Array:
-        """See `DriveTrain.velocity`."""
-        return read_only(self._state[kernel.Q_DOT])
 
     @property
     def torque(self) -> Array:
@@ -176,4 +159,5 @@ class RigidBodyDrive(DriveTrain):
             raise RobotsError(
                 f'the drives of robot {self.robot.name!r} lost their state: not finite any more'
             )
+        self.position, self.velocity = read_only(self._state[kernel.Q]), read_only(self._state[kernel.Q_DOT])
         return self.position, self.velocity

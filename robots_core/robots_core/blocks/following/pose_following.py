@@ -1,6 +1,7 @@
 """Following of a reference pose, period by period, by each of the inverse kinematics blocks."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -19,7 +20,7 @@ from robots_core.blocks.inverse_kinematics.hold import POSE, held_by, weights_of
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array
+from robots_core.validation import Array, one_of
 
 TOLERANCES: Final = (1e-8, 1e-8)  # m and rad: below what a drive resolves
 
@@ -154,10 +155,9 @@ def pose_following(
         InvalidInputError: no such method, or a `hold` that it does not have.
         NoAnalyticInverseKinematicsError: the robot has no closed form.
     """
-    if method == 'constrained':
-        return ConstrainedFollowing(robot, dt, tool, hold)
-    if method == 'damped_least_squares':
-        return DampedLeastSquaresFollowing(robot, dt, tool, hold)
-    if method == 'analytical':
-        return AnalyticalFollowing(robot, dt, tool, hold)
-    raise InvalidInputError(f'unknown method {method!r}; methods are {", ".join(METHODS)}')
+    following: dict[str, Callable[..., PoseFollowing]] = {
+        'constrained': ConstrainedFollowing,
+        'damped_least_squares': DampedLeastSquaresFollowing,
+        'analytical': AnalyticalFollowing,
+    }
+    return following[one_of('method', METHODS)(method)](robot, dt, tool, hold)

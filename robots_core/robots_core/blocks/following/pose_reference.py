@@ -10,6 +10,7 @@ from robots_core.validation import Array, bounded_vector, positive
 # A sample is extrapolated for this many sample intervals, so that a late one does not stop the robot.
 HORIZON_INTERVALS = 1.5
 FASTEST = 1000.0  # m/s, rad/s
+JUMP = (3.0, 6.0)  # m/s, rad/s between two samples
 NO_TWIST = np.zeros(6)
 
 
@@ -17,19 +18,14 @@ class PoseReference:
     """Pose and twist of a reference, at its samples and extrapolated shortly beyond.
 
     The twist is that of the newest sample where it is given, else the difference of the last two. A
-    difference above `largest_twist` is a jump, after which the twist is 0.
+    difference above `JUMP` is a jump, after which the twist is 0.
 
     Args:
         timeout: Without a sample for this long the reference is stale, s.
-        largest_twist: Above these speeds (m/s, rad/s) two samples are a jump.
     """
 
-    def __init__(self, *, timeout: float, largest_twist: tuple[float, float] = (3.0, 6.0)) -> None:
+    def __init__(self, *, timeout: float) -> None:
         self.timeout = positive(timeout, 'timeout', 's')
-        self._largest = (
-            positive(largest_twist[0], 'largest speed', 'm/s'),
-            positive(largest_twist[1], 'largest angular speed', 'rad/s'),
-        )
         self._pose: Pose | None = None
         self._time = self._twist_time = -np.inf
         self._interval = 0.0
@@ -41,7 +37,7 @@ class PoseReference:
         interval = time - self._time
         known = self._pose is not None and 0.0 < interval <= self.timeout
         twist = self._pose.error_to(pose) / interval if known and self._pose is not None else NO_TWIST
-        jump = np.linalg.norm(twist[:3]) > self._largest[0] or np.linalg.norm(twist[3:]) > self._largest[1]
+        jump = np.linalg.norm(twist[:3]) > JUMP[0] or np.linalg.norm(twist[3:]) > JUMP[1]
         self._twist = NO_TWIST if jump else twist
         self._interval = interval if known else 0.0
         self._pose, self._time = pose, time

@@ -108,14 +108,13 @@ class RealtimeMovement:
         timeout: float = 0.2,
         tolerances: tuple[float, float] = (1e-3, 5e-3),
     ) -> None:
-        self.robot = robot
+        self.robot, self.timeout = robot, timeout
+        self.dt = positive(dt, 'dt', 's')
         self._tolerances = (
             positive(tolerances[0], 'position tolerance', 'm'),
             positive(tolerances[1], 'orientation tolerance', 'rad'),
         )
-        self._following = pose_following(
-            method, robot, positive(dt, 'dt', 's'), Pose.identity() if tool is None else tool, hold
-        )
+        self._following = pose_following(method, robot, dt, Pose.identity() if tool is None else tool, hold)
         self._reference = PoseReference(timeout=timeout)
         self.place(q)
 
@@ -150,7 +149,7 @@ class RealtimeMovement:
 
     def let_go(self) -> None:
         """Forget the reference: the robot brakes to a stop, until another one comes."""
-        self._reference = PoseReference(timeout=self._reference.timeout)
+        self._reference = PoseReference(timeout=self.timeout)
         self._integrated = None
 
     def fresh(self, now: float) -> bool:
@@ -179,12 +178,11 @@ class RealtimeMovement:
 
     def _target(self, now: float, q: Array) -> tuple[Pose, Array]:
         """Pose of the tool at the end of the period, and its twist (6,)."""
-        dt = self._following.dt
         if self._reference.fresh_pose(now):
             self._integrated = None
-            return self._reference.at(now + dt, now)
+            return self._reference.at(now + self.dt, now)
         twist = self._reference.twist(now)
-        self._integrated = moved(self._integrated or self._following.pose(q), twist, dt)
+        self._integrated = moved(self._integrated or self._following.pose(q), twist, self.dt)
         return self._integrated, twist
 
     def _brake(self) -> RealtimeStep:

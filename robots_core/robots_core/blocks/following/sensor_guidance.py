@@ -6,11 +6,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.blocks.following.following_methods import LARGEST_DEVIATION, METHODS
+from robots_core.blocks.following.following_methods import LARGEST_DEVIATION
 from robots_core.blocks.following.realtime_movement import MovementState, RealtimeMovement, RealtimeStep
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.pose import Pose
-from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 
 # How often the controller's reference is compared with the one sent; on messages a look is expensive.
@@ -24,39 +23,23 @@ class SensorGuidance:
     controller does not follow. Without fresh samples, or when the robot is taken back, it brakes and ends.
 
     Args:
-        robot: The robot.
-        dt: Period, s.
+        movement: Follows the samples.
         reference: The controller's reference (2 or more, n): positions and velocities; None for none yet.
         refused: Gets the topic and the error of what cannot be followed.
-        tool: Pose of the tool centre point in tool0, which follows the reference.
-        method: One of `METHODS`.
-        hold: What of the reference is followed, see `held_by`.
-        timeout: Without a sample for this long the reference is stale, s.
         largest_deviation: The controller's reference may be this far from the one sent, rad (m).
-
-    Raises:
-        RobotsError: see `RealtimeMovement`.
     """
 
     def __init__(
         self,
-        robot: BaseRobotModel,
-        dt: float,
+        movement: RealtimeMovement,
         *,
         reference: Callable[[], Array | None],
         refused: Callable[[str, RobotsError], None],
-        tool: Pose | None = None,
-        method: str = METHODS[0],
-        hold: str = '',
-        timeout: float = 0.2,
         largest_deviation: float = LARGEST_DEVIATION,
     ) -> None:
-        self._movement = RealtimeMovement(
-            robot, dt, robot.home, tool=tool, method=method, hold=hold, timeout=timeout
-        )
+        self._movement, self._largest_deviation = movement, largest_deviation
         self._reference, self._refused = reference, refused
-        self._timeout, self._largest_deviation = timeout, largest_deviation
-        self._every = max(1, round(1.0 / (dt * CONTROLLER_RATE)))
+        self._every = max(1, round(1.0 / (movement.dt * CONTROLLER_RATE)))
         self._cycle = 0
         self._handed_over = False
         self._last: RealtimeStep | None = None
@@ -97,7 +80,7 @@ class SensorGuidance:
         # The last point has no acceleration that the controller could extrapolate.
         self.streaming = step.state is not MovementState.IDLE
         if not self.streaming and self._handed_over:
-            self.ended = f'no reference for {self._timeout:g} s, the robot stands'
+            self.ended = f'no reference for {self._movement.timeout:g} s, the robot stands'
         return step
 
     def _start(self) -> bool:

@@ -134,7 +134,7 @@ class ConstrainedInverseKinematics:
         M, tau_aux, errors = self._M, self._tau_aux, self._errors
         if not self._dynamics:
             _, M[:], tau_aux[:] = self.robot.rigid_dynamics(q, q_dot, self._still)
-        values, active = np.empty((7, *shape)), np.empty((2, *shape), dtype=np.int64)
+        values, active = np.empty((4, *shape)), np.empty((2, *shape), dtype=np.int64)
         status = constrained_step(
             *self._fixed,
             self._dynamics,

@@ -68,7 +68,7 @@ def constrained_step(
         dynamics: A tuple of the arrays of `ChainDynamics`; if empty, M and tau_aux are those of the state.
         state: q (n,), q_dot (n,), M (n, n) and tau_aux (n,) at the start.
         reference: At the end of the period: r (3,), T (3, 3), twist (6,).
-        result: Filled: values (7, n) of `ConstrainedStep`; errors (3,): position (m), orientation (rad),
+        result: Filled: values (4, n) of `ConstrainedStep`; errors (3,): position (m), orientation (rad),
             largest relative slack; active (2, n): per axis what bounds its velocity, and whether its torque
             is bounded, the sign being the side, 0 for nothing.
 
@@ -76,10 +76,9 @@ def constrained_step(
         Status of the quadratic program, or NOT_FINITE for a state or twist that is not.
     """
     q, q_dot, M, tau_aux = state
-    values, errors, active = result
+    motion, errors, active = result
     if not (np.isfinite(q).all() and np.isfinite(q_dot).all() and np.isfinite(reference[2]).all()):
         return NOT_FINITE
-    motion, slacks = values[:4], values[4:]
     n, dt = q.size, options[0]
     if len(dynamics) > 0:
         mass_matrix_and_bias(dynamics[0], q, q_dot, M, tau_aux)
@@ -105,7 +104,7 @@ def constrained_step(
         multipliers[:] = 0.0
         w[:] = 0.0
     _fill_motion(state, limits, dt, low, high, w, motion)
-    errors[2] = _fill_slacks(motion, limits, dt, slacks)
+    errors[2] = _largest_slack(motion, limits, dt)
     _fill_active(q_dot, limits, dt, motion, multipliers, active)
     r, T = np.empty(3), np.empty((3, 3))
     pose_and_jacobian(chain, motion[0], r, T, J)
@@ -283,22 +282,18 @@ def _fill_motion(
 
 
 @compiled()
-def _fill_slacks(motion: Array, limits: Array, dt: float, slacks: Array) -> float:
+def _largest_slack(motion: Array, limits: Array, dt: float) -> float:
     largest = 0.0
     for i in range(motion.shape[1]):
         speed = motion[1, i]
         distance = braking_distance(abs(speed), limits[4, i], dt)
         over = motion[0, i] - limits[1, i] + (distance if speed > 0.0 else 0.0)
         under = limits[0, i] - motion[0, i] + (distance if speed < 0.0 else 0.0)
-        past = max(over, under)
-        slacks[0, i] = past if past > SAME else 0.0
-        fast = abs(speed) - limits[2, i]
-        slacks[1, i] = fast if fast > SAME * limits[2, i] else 0.0
-        strong = abs(motion[3, i]) - limits[5, i]
-        slacks[2, i] = strong if strong > SAME * limits[5, i] else 0.0
-        if slacks[0, i] > 0.0:
-            largest = max(largest, slacks[0, i] / (limits[1, i] - limits[0, i]))
-        largest = max(largest, slacks[1, i] / limits[2, i], slacks[2, i] / limits[5, i])
+        if max(over, under) > SAME:
+            largest = max(largest, max(over, under) / (limits[1, i] - limits[0, i]))
+        for value, limit in ((speed, limits[2, i]), (motion[3, i], limits[5, i])):
+            if abs(value) - limit > SAME * limit:
+                largest = max(largest, (abs(value) - limit) / limit)
     return largest
 
 

@@ -32,10 +32,9 @@ class ConstrainedStep:
     """Joint motion of one period with constant acceleration, with errors and slacks.
 
     Attributes:
-        values: (7, n), read-only: the rows `q`, `q_dot`, `q_ddot`, `torque`, `position_slack`,
-            `velocity_slack`, `torque_slack`. Slacks are zero unless the step began in a state from which the
-            limits cannot be kept.
-        slack: The largest of them, each relative to its limit (positions: to the range); 0 in a sound step.
+        values: (4, n), read-only: the rows `q`, `q_dot`, `q_ddot`, `torque`.
+        slack: By how much a limit of positions, velocities or torques is or will be broken at most, relative
+            to it (positions: to the range); 0 unless the step began in a state from which it cannot be kept.
         position_error: Distance to the reference at the end of the period, m.
         orientation_error: Angle to the reference at the end of the period, rad.
         solved: False if the quadratic program did not converge; the robot then brakes.
@@ -82,18 +81,3 @@ class ConstrainedStep:
     def torque(self) -> Array:
         """Torques at the start of the period, M q_ddot + tau_aux, (n,), N m."""
         return np.asarray(self.values[3])
-
-    @property
-    def position_slack(self) -> Array:
-        """How far each axis will pass its position limit, however it brakes, (n,), rad (m)."""
-        return np.asarray(self.values[4])
-
-    @property
-    def velocity_slack(self) -> Array:
-        """Speed above the limit at the end of the period, (n,), rad/s."""
-        return np.asarray(self.values[5])
-
-    @property
-    def torque_slack(self) -> Array:
-        """Torque above the limit, (n,), N m: the smallest largest overload, relative to the limits."""
-        return np.asarray(self.values[6])

@@ -4,10 +4,9 @@ from typing import Final, Protocol
 
 import numpy as np
 
-from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import Array
+from robots_core.validation import Array, one_of
 
 POSE: Final = 'pose'
 DIRECTIONS: Final = 'directions'
@@ -21,14 +20,12 @@ SMALLEST: Final = 1e-6  # ratio of singular values, rad per rad (m)
 
 
 def check_hold(hold: str, name: str = 'hold') -> str:
-    """Pass what a motion may hold; '' for what the arm can.
+    """Pass on what a motion may hold; '' for what the arm can.
 
     Raises:
         InvalidInputError: anything else.
     """
-    if hold and hold not in HOLDS:
-        raise InvalidInputError(f'{name} = {hold!r} must be one of {", ".join(map(repr, HOLDS))}')
-    return hold
+    return one_of(name, ('', *HOLDS))(hold)
 
 
 def held_by(num_axes: int, hold: str = '') -> str:

@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.errors import InvalidInputError
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.small_matrices import damped_gram, solve_lower, solve_transposed
 from robots_core.kernels.vectors import cross, dot, row_of
@@ -68,16 +67,11 @@ class Redundancy:
         if self.kind == PREFERRED_POSITIONS:
             return axes.check_position(self.preferred, 'preferred'), np.ones(n)
         if self.kind == LIMITS:
-            middle = np.where(axes.continuous, 0.0, 0.5 * (axes.lower + axes.upper))
-            width = np.where(axes.continuous, np.inf, axes.upper - axes.lower)
-            if np.isinf(width).all():
+            middle, half = axes.middle_and_half
+            if np.isinf(half).all():
                 return middle, np.zeros(n)
-            return middle, (width.min() / width) ** 2
-        if self.kind == MANIPULABILITY:
-            return np.zeros(n), np.ones(n)
-        raise InvalidInputError(
-            f'Redundancy.kind = {self.kind} is none of 1 (preferred positions), 2 (limits), 3'
-        )
+            return middle, (half.min() / half) ** 2
+        return np.zeros(n), np.ones(n)
 
 
 def redundancy_arrays(redundancy: Redundancy | None, axes: AxesData) -> RedundancyArrays:

@@ -107,11 +107,6 @@ class Dynamics(ABC):
         """Torques (n,), N m, for a motion at constant speed; friction included."""
         return self._loaded(*finite_state(q, q_dot, self._n))[1]
 
-    def friction_torques(self, q_dot: Array) -> Array:
-        """Torques (n,), N m, against the friction of moving axes; an axis at rest has none here."""
-        q_dot = finite_vector(q_dot, self._n, 'q_dot')
-        return self._friction(q_dot)
-
     def _friction(self, q_dot: Array) -> Array:
         return np.asarray(self._losses[1] * np.sign(q_dot) + self._losses[2] * q_dot)
 

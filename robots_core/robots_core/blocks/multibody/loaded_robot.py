@@ -1,17 +1,15 @@
 """LoadedRobot: a robot that carries a payload."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
-from robots_core.blocks.multibody.base_motion import BaseMotion
 from robots_core.blocks.multibody.numerical_dynamics import body_model
 from robots_core.blocks.multibody.payload import Payload, payload_of
-from robots_core.kernels.chain_dynamics import ChainDynamics, chain_dynamics_of
+from robots_core.kernels.chain_dynamics import chain_dynamics_of
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.pinocchio_models import PinocchioRigidDynamicsModel
 from robots_core.robot_model.rigid_dynamics_model import RigidDynamicsModel
 from robots_core.robot_model.wrapped_robot import WrappedRobot
-from robots_core.validation import Array, finite_motion, read_only
+from robots_core.validation import Array, finite_motion
 
 
 class LoadedRobot(WrappedRobot):
@@ -53,13 +51,3 @@ def loaded_robot(robot: BaseRobotModel, payload: Sequence[float]) -> BaseRobotMo
     """
     carried = payload_of(payload)
     return LoadedRobot(robot, carried) if carried.mass > 0.0 else robot
-
-
-def loaded_chain(robot: BaseRobotModel, payload: Payload, base: BaseMotion) -> ChainDynamics:
-    """The dynamics of a robot with its payload, for compiled code; rotation of the base is ignored.
-
-    Raises:
-        InvalidInputError: the robot's `rigid_dynamics` are not those of its bodies under gravity.
-    """
-    dynamics = chain_dynamics_of(LoadedRobot(robot, payload))
-    return replace(dynamics, gravity=read_only(base.free_fall(dynamics.gravity)))

@@ -53,26 +53,16 @@ class Payload:
 
     def __add__(self, other: Payload) -> Payload:
         """Both as one body, by the parallel-axis theorem."""
-        return Payload(
-            *united((self.mass, self.center, self.inertia), (other.mass, other.center, other.inertia))
-        )
+        mass, inertia = self.mass + other.mass, self.inertia + other.inertia
+        if mass == 0.0:
+            return Payload(0.0, self.center, inertia)
+        d = other.center - self.center
+        steiner = self.mass * other.mass / mass * (d @ d * np.eye(3) - np.outer(d, d))
+        return Payload(mass, self.center + other.mass / mass * d, inertia + steiner)
 
     def seen_from(self, pose: Pose) -> Payload:
         """The same body, where `pose` is that of tool0 in another frame; in that frame's coordinates."""
         return Payload(self.mass, pose.r + pose.T @ self.center, pose.T @ self.inertia @ pose.T.T)
-
-
-def united(
-    first: tuple[float, Array, Array], second: tuple[float, Array, Array]
-) -> tuple[float, Array, Array]:
-    """Mass, centre of mass and inertia about it of two bodies as one, by the parallel-axis theorem."""
-    (m1, c1, inertia1), (m2, c2, inertia2) = first, second
-    mass = m1 + m2
-    if mass == 0.0:
-        return 0.0, c1, inertia1 + inertia2
-    d = c2 - c1
-    steiner = m1 * m2 / mass * (d @ d * np.eye(3) - np.outer(d, d))
-    return mass, c1 + m2 / mass * d, inertia1 + inertia2 + steiner
 
 
 def payload_of(values: Sequence[float], name: str = 'payload') -> Payload:

@@ -1,7 +1,8 @@
 """AnalyticSolver: closed-form inverse kinematics of one robot, chosen by the lines of its axes."""
 
 from collections.abc import Callable
-from typing import Any, Final, Literal
+from importlib import import_module
+from typing import Any, Final
 
 import numpy as np
 
@@ -21,8 +22,7 @@ POLISHED = 1e-11  # m and rad
 POLISH_DROP = 1e-9  # guaranteed accuracy; candidates that stay above are no solutions
 SINGULAR_RATIO = 1e-7  # of singular values; directions below it are left out of Newton steps
 
-Family = Literal['spherical wrist', 'parallel axes']
-FAMILIES: Final[dict[Family, Callable[[AxisLines], tuple[Any, float]]]] = {
+FAMILIES: Final[dict[str, Callable[[AxisLines], tuple[Any, float]]]] = {
     'spherical wrist': spherical_wrist,
     'parallel axes': ur_arm,
 }
@@ -52,11 +52,10 @@ class AnalyticSolver:
         lower, upper = axes.lower, axes.upper
         near = robot.home
         if not limited:
-            ends = np.where(axes.continuous, 0.0, (lower, upper))
-            near = 0.5 * (ends[0] + ends[1])
+            near, _ = axes.middle_and_half
             lower, upper = np.full(6, -np.inf), np.full(6, np.inf)
         self._robot = robot
-        record, self.deviation, self.family = _structure(lines)
+        record, deviation = _structure(lines)
         record[0]['lower'], record[0]['upper'] = lower, upper
         record.flags.writeable = False
         self._record = record
@@ -64,9 +63,9 @@ class AnalyticSolver:
         self._near = read_only(np.clip(near, lower, upper))
         self._found = np.empty((9, 6))
         # Loading compiled code takes 0.2 s: done on first use of a closed form.
-        self._kernel = _kernel(self.family)
+        self._kernel = import_module('robots_core.robot_model.analytic.kernels').solve
         self._forward, self._upward = _senses(record[0])
-        self._exact = self.deviation <= EXACT_DEVIATION
+        self._exact = deviation <= EXACT_DEVIATION
 
     def solve(self, r: Array, T: Array, q_near: Array | None = None) -> Array:
         """See `BaseRobotModel.inverse_kinematics_analytic`."""
@@ -116,24 +115,14 @@ class AnalyticSolver:
         return np.array(kept).reshape(-1, 6)
 
 
-def _structure(lines: AxisLines) -> tuple[Any, float, Family]:
+def _structure(lines: AxisLines) -> tuple[Any, float]:
     reasons = []
     for family, derive in FAMILIES.items():
         try:
-            record, deviation = derive(lines)
+            return derive(lines)
         except NoAnalyticInverseKinematicsError as error:
             reasons.append(f'{family}: {error.details["reason"]}')
-        else:
-            return record, deviation, family
     raise no_closed_form(lines.name, '; '.join(reasons))
-
-
-def _kernel(family: Family) -> Callable[..., int]:
-    from robots_core.robot_model.analytic import kernels  # noqa: PLC0415
-
-    if family == 'spherical wrist':
-        return kernels.solve_spherical_wrist
-    return kernels.solve_parallel_axes
 
 
 def _senses(arm: Any) -> tuple[float, float]:

@@ -16,6 +16,7 @@ SLACK_PER_DEVIATION = 10.0
 # axes 1 and 2. Axes 2 and 3 turn about Z.
 ARM = np.dtype(
     [
+        ('parallel', '?'),  # axis 4 is parallel to 2 and 3; otherwise the wrist is spherical
         ('origin', 'f8', (3,)),  # a point on axis 1, base frame, m
         ('basis', 'f8', (3, 3)),  # rows a (axis 2 without its part along axis 1), b, axis 1; base frame
         ('tilt_cos', 'f8'),  # Z = tilt_cos a + tilt_sin axis 1

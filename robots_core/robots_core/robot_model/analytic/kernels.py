@@ -1,7 +1,7 @@
 """All solutions of an arm, compiled: loops over the branches of the closed forms, per family of arms."""
 
 # Compiled code takes positional arguments.
-# ruff: noqa: PLR0917, FBT001
+# ruff: noqa: PLR0917
 from math import atan2, cos, floor, hypot, pi, sin
 from typing import Any
 
@@ -194,9 +194,20 @@ def _hands_and_elbows(
     return count, any_free
 
 
-@compiled()
-def _solve(arms: Any, r: Array, T: Array, near: Array, found: Array, parallel: bool) -> int:
-    """The branches of axis 1, and of the axes behind it as the family has them."""
+@compiled(_signature, nogil=False)
+def solve(arms: Any, r: Array, T: Array, near: Array, found: Array) -> int:
+    """All solutions: the branches of axis 1, and of the axes behind it as the family of arms has them.
+
+    Args:
+        arms: Record array (1,) of `ARM`.
+        r: Position of tool0, (3,), m.
+        T: Orientation of tool0, (3, 3).
+        near: Joint positions inside the limits, (6,), for full turns and free angles.
+        found: Filled, (9, 6); the last row is scratch.
+
+    Returns:
+        Number of rows filled, or INVALID for an invalid pose.
+    """
     if unusable(r, T, arms[0].rotation_tolerance):
         return INVALID
     arm = arms[0]
@@ -212,7 +223,7 @@ def _solve(arms: Any, r: Array, T: Array, near: Array, found: Array, parallel: b
                 continue
             point = seen_from_body_1(arm, v, c, s)
             body_u, body_t = seen_from_body_1(arm, u, c, s), seen_from_body_1(arm, t, c, s)
-            if parallel:
+            if arm.parallel:
                 count, free = _hands_and_elbows(arm, point, body_u, body_t, near, found, count, try_)
             else:
                 count, free = _elbows_and_wrists(arm, point, body_u, body_t, near, found, count, try_)
@@ -220,26 +231,3 @@ def _solve(arms: Any, r: Array, T: Array, near: Array, found: Array, parallel: b
         if count > 0 or not any_free:
             break
     return count
-
-
-@compiled(_signature, nogil=False)
-def solve_spherical_wrist(arms: Any, r: Array, T: Array, near: Array, found: Array) -> int:
-    """All solutions of an arm with a spherical wrist.
-
-    Args:
-        arms: Record array (1,) of `ARM`.
-        r: Position of tool0, (3,), m.
-        T: Orientation of tool0, (3, 3).
-        near: Joint positions inside the limits, (6,), for full turns and free angles.
-        found: Filled, (9, 6); the last row is scratch.
-
-    Returns:
-        Number of rows filled, or INVALID for an invalid pose.
-    """
-    return int(_solve(arms, r, T, near, found, False))
-
-
-@compiled(_signature, nogil=False)
-def solve_parallel_axes(arms: Any, r: Array, T: Array, near: Array, found: Array) -> int:
-    """All solutions of an arm of the Universal Robots kind; as `solve_spherical_wrist`."""
-    return int(_solve(arms, r, T, near, found, True))

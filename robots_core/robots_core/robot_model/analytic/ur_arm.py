@@ -24,6 +24,7 @@ def ur_arm(lines: AxisLines) -> tuple[Any, float]:
     record, body = arm_record(lines, parallel, centre, signs, deviation)
     forearm = (body @ (lines.points[3] - lines.points[2]))[:2]
     set_forearm(record, lines, forearm, 'axes 3 and 4 are the same line')
+    record[0]['parallel'] = True
     record[0]['hand'] = (body @ (centre - lines.points[3]))[:2]
     set_wrist(record, lines, parallel, body)
     return record, deviation

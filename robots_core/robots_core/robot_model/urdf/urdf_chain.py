@@ -170,14 +170,7 @@ def _axes_data(
     for joint in moving:
         name = str(joint.get('name'))
         extra = limits.get(name, {})
-        limit = joint.find('limit')
-        given = (
-            {}
-            if limit is None
-            else {
-                str(key): _number(f'joint {name!r}', str(key), value) for key, value in limit.attrib.items()
-            }
-        )
+        given, resistance = _numbers(joint, 'limit'), _numbers(joint, 'dynamics')
         for key in ('velocity', 'effort'):
             given[key] = extra.get(f'max_{key}', given.get(key, 0.0))
             if not given[key] > 0.0:
@@ -188,7 +181,6 @@ def _axes_data(
         continuous = joint.get('type') == 'continuous'
         velocity = given['velocity']
         acceleration = extra.get('max_acceleration', velocity / DEFAULT_RAMP_TIME)
-        resistance = _dynamics(joint)
         rows.append(
             {
                 'lower': extra.get('min_position', -np.inf if continuous else given.get('lower', 0.0)),
@@ -210,15 +202,11 @@ def _axes_data(
     )
 
 
-def _dynamics(joint: etree._Element) -> dict[str, float]:
-    """Friction and damping of a joint, where the URDF has them."""
-    dynamics = joint.find('dynamics')
-    where = f'joint {str(joint.get("name"))!r}'
-    return (
-        {}
-        if dynamics is None
-        else {str(key): _number(where, str(key), value) for key, value in dynamics.attrib.items()}
-    )
+def _numbers(joint: etree._Element, tag: str) -> dict[str, float]:
+    """The attributes of an element of a joint; none where the URDF lacks it."""
+    element, where = joint.find(tag), f'joint {str(joint.get("name"))!r}'
+    attributes = {} if element is None else element.attrib
+    return {str(key): _number(where, str(key), value) for key, value in attributes.items()}
 
 
 def _transmissions(root: etree._Element) -> dict[str, float]:

@@ -83,23 +83,20 @@ class LinkTree:
             return TOOL
         link, axes = base, 0
         while True:
-            branches = [joint for joint in self._children.get(link, []) if self._axes_from(joint) > 0]
+            branches = [(self._axes_from(joint), joint) for joint in self._children.get(link, [])]
+            branches = [(count, joint) for count, joint in branches if count > 0]
             if not branches:
                 return self._end(link)
-            counts = [self._axes_from(joint) for joint in branches]
-            if len(branches) > 1 and axes > max(counts):
+            most = max(count for count, _ in branches)
+            if len(branches) > 1 and axes > most:
                 return link  # the branches are the fingers of a hand
-            if counts.count(max(counts)) > 1:
-                equal = [
-                    link_of(joint, 'child')
-                    for joint, count in zip(branches, counts, strict=True)
-                    if count == max(counts)
-                ]
+            branch, *others = [joint for count, joint in branches if count == most]
+            if others:
+                equal = [link_of(joint, 'child') for joint in (branch, *others)]
                 raise UnknownRobotError(
                     f'behind link {link!r} the URDF branches into {len(equal)} equally long chains, '
                     f'beginning with {", ".join(equal)}: choose a tip, as in urdf:/path/robot.urdf?tip=LINK'
                 )
-            branch = branches[counts.index(max(counts))]
             axes += _moves(branch)
             link = link_of(branch, 'child')
 

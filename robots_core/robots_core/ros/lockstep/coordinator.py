@@ -93,7 +93,9 @@ class Coordinator:
         # Later than any version of an earlier run, whose latched roster may still be on its way.
         self._roster = Roster(time.time_ns(), {}, ())
         self._gos: dict[str, Any] = {}
-        self._sequence, self._started, self._ended = 0, False, False
+        self.started = False
+        """All participants have joined and time may advance."""
+        self._sequence, self._ended = 0, False
         self._outstanding: set[str] = set()
         self._busy: set[str] = set()
         self._early: dict[str, dict[int, int]] = {}  # counts of endpoints that were not announced yet
@@ -112,11 +114,6 @@ class Coordinator:
     def time(self) -> int:
         """The present instant, ns."""
         return self._agenda.time
-
-    @property
-    def started(self) -> bool:
-        """All participants have joined and time may advance."""
-        return self._started
 
     @property
     def missing(self) -> list[str]:
@@ -153,7 +150,7 @@ class Coordinator:
             return
         announcement = Announcement.from_json(message.data)
         name = announcement.name
-        if self._started and name not in self._announced:
+        if self.started and name not in self._announced:
             self._node.get_logger().warning(f'{name} is too late to take part: the run has begun')
             return
         before = self._announced.get(name)
@@ -181,8 +178,7 @@ class Coordinator:
         if self._recorder is not None:  # behind all that have numbers
             endpoints = tuple(Endpoint('recorded', topic) for topic in sorted(self._recorded))
             participants[self._recorder.get_fully_qualified_name()] = endpoints
-        polled = dict.fromkeys([*self._roster.polled, *self._traffic.polled])
-        self._roster = Roster(self._roster.version + 1, participants, tuple(polled))
+        self._roster = Roster(self._roster.version + 1, participants, tuple(self._traffic.polled))
         self._rosters.publish(String(data=self._roster.to_json()))
         self._progress = time.monotonic()
 
@@ -190,14 +186,14 @@ class Coordinator:
         """The recorder's subscriptions to all topics are in the roster."""
         if self._recorder is None:
             return True
-        recorded = self._recorder.recorded(self._traffic.published)
+        recorded = self._recorder.recorded(self._traffic.publishers)
         if recorded is not None and recorded != self._recorded:
             self._recorded = recorded
             self._send_roster()
         return recorded is not None
 
     def _begin_when_matched(self) -> None:
-        if self._started or self.missing or not self._is_recorded():
+        if self.started or self.missing or not self._is_recorded():
             return
         if any(one.matched != self._roster.version for one in self._announced.values()):
             return
@@ -207,7 +203,7 @@ class Coordinator:
             return
         if any(go.get_subscription_count() == 0 for go in self._gos.values()):
             return
-        self._started = True
+        self.started = True
         self._give_turn(RELEASE, self._names)
 
     # -- running -----------------------------------------------------------------------------------------
@@ -254,7 +250,7 @@ class Coordinator:
         return not (self._outstanding or self._busy or self._early) and self._traffic.quiet
 
     def _go_on(self) -> None:
-        if not self._started or self._ended or not self._quiet:
+        if not self.started or self._ended or not self._quiet:
             return
         try:
             turn = self._agenda.next_turn(advance=not self._held)
@@ -273,7 +269,7 @@ class Coordinator:
     def _look_for_progress(self) -> None:
         self._begin_when_matched()
         idle = time.monotonic() - self._progress
-        if not self._started:
+        if not self.started:
             if idle > self._joining_patience:
                 self._fail(LockstepError(f'{self._not_joined()} within {self._joining_patience:g} s'))
         elif idle > self._patience and not self._quiet:

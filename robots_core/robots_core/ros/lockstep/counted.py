@@ -32,7 +32,8 @@ class Counter(Protocol):
 class CountedPublisher(Publisher):
     """A publisher that counts; before `release` it holds messages back, so that all of them are received."""
 
-    _held: list[Any] | None
+    held: list[Any] | None
+    """Messages that are held back."""
     _counter: Counter
     _index: int
     _lock: threading.Lock
@@ -40,28 +41,23 @@ class CountedPublisher(Publisher):
     def count(self, counter: Counter, index: int) -> None:
         """Count as endpoint `index` from now on."""
         self._counter, self._index = counter, index
-        self._held, self._lock = [], threading.Lock()
+        self.held, self._lock = [], threading.Lock()
 
     def publish(self, msg: Any) -> None:
         """Send a message, serialized or not."""
-        if self._held is not None:
+        if self.held is not None:
             with self._lock:
-                if self._held is not None:
-                    self._held.append(msg)
+                if self.held is not None:
+                    self.held.append(msg)
                     return
         # Before it is sent: it must not be received by more than have been counted.
         self._counter.sent(self._index)
         super().publish(msg)
 
-    @property
-    def held(self) -> bool:
-        """Messages are held back."""
-        return self._held is not None
-
     def release(self) -> None:
         """Send what was held back; from now on messages are sent at once."""
         with self._lock:
-            held, self._held = self._held or [], None
+            held, self.held = self.held or [], None
             for message in held:
                 self._counter.sent(self._index)
                 super().publish(message)
@@ -158,12 +154,3 @@ class NeverExecuted(CallbackGroup):
         """Never."""
         del entity
         return False
-
-    def beginning_execution(self, entity: Any) -> bool:
-        """Never."""
-        del entity
-        return False
-
-    def ending_execution(self, entity: Any) -> None:
-        """Nothing to do."""
-        del entity

@@ -26,7 +26,7 @@ from robots_core.ros.lockstep.counted import (
     is_latched,
     reliable,
 )
-from robots_core.ros.lockstep.matching import unmatched
+from robots_core.ros.lockstep.matching import is_matched
 from robots_core.ros.lockstep.outbox import Outbox
 from robots_core.ros.lockstep.phases import NANOSECONDS, NEVER, START, Phase
 from robots_core.ros.lockstep.profiles import ALL, NO_PUBLISHER_EVENTS, NO_SUBSCRIPTION_EVENTS
@@ -70,13 +70,16 @@ class Participant:
     def __init__(self, node: Node) -> None:
         self.node = node
         self.name: Final[str] = node.get_fully_qualified_name()
-        self._time, self._sequence = START, 0
+        self.time = START
+        """The present instant, ns."""
+        self.started = False
+        """The run has begun."""
+        self._sequence = 0
         self._answered = 0
         self._number: int | None = None
         self._roster: Roster | None = None
         self._polled: dict[str, int] = {}  # where a topic is counted
         self._polled_counts: tuple[int, ...] = ()
-        self._started = False
         self._matched = 0  # version of the roster
         self._announced = Announcement('', ())
         self._endpoints: list[Endpoint] = []
@@ -106,16 +109,6 @@ class Participant:
         )
 
     @property
-    def time(self) -> int:
-        """The present instant, ns."""
-        return self._time
-
-    @property
-    def started(self) -> bool:
-        """The run has begun."""
-        return self._started
-
-    @property
     def members(self) -> Mapping[str, Sequence[Endpoint]]:
         """Endpoints of all participants by their full names; empty until the coordinator was found."""
         return {} if self._roster is None else self._roster.participants
@@ -132,7 +125,7 @@ class Participant:
         publisher.count(
             self, self._add('publisher', publisher.topic_name, publisher, latched=is_latched(qos))
         )
-        if self._started:
+        if self.started:
             self._change_busy(1)
         return publisher
 
@@ -147,11 +140,11 @@ class Participant:
         qos = reliable(qos, POLLED_DEPTH if polled else DEPTH)
         options['event_callbacks'] = NO_SUBSCRIPTION_EVENTS
         kind: Kind = 'polled' if polled else 'subscription'
-        index = -1 if self._started else len(self._endpoints)
+        index = -1 if self.started else len(self._endpoints)
         if not polled:
             callback = counted_callback(callback, self, index)
         subscription = Node.create_subscription(self.node, message_type, topic, callback, qos, **options)
-        if not self._started:
+        if not self.started:
             self._add(kind, subscription.topic_name, subscription, latched=is_latched(qos))
         return subscription
 
@@ -190,14 +183,14 @@ class Participant:
     ) -> LockstepTimer:
         """A timer with a period in s; first due one period from now."""
         timer = LockstepTimer(
-            round(period * NANOSECONDS), callback, phase=phase, now=lambda: self._time, autostart=autostart
+            round(period * NANOSECONDS), callback, phase=phase, now=lambda: self.time, autostart=autostart
         )
         self._add_work(timer)
         return timer
 
     def start_loop(self, work: Callable[[float], None], *, period: float, phase: Phase) -> LockstepLoop:
         """Call `work(now)` at the multiples of a period (s) from the start on, `START` included."""
-        first = self._time + 1 if self._started else START
+        first = self.time + 1 if self.started else START
         loop = LockstepLoop(work, period=round(period * NANOSECONDS), phase=phase, first=first)
         self._add_work(loop)
         return loop
@@ -251,7 +244,7 @@ class Participant:
         self._report_unless_inside()
 
     def _report_unless_inside(self) -> None:
-        if not self._inside and self._number is not None and self._started:
+        if not self._inside and self._number is not None and self.started:
             self.outbox.send(self)
 
     def report(self) -> list[int]:
@@ -276,7 +269,7 @@ class Participant:
         self._inside += 1
         self._set_time(sequence, now, counts)
         if phase == RELEASE:
-            self._started = True
+            self.started = True
             for entity in self._entities:
                 if isinstance(entity, CountedPublisher):
                     entity.release()
@@ -286,7 +279,7 @@ class Participant:
         self.leave()
 
     def _do_what_is_due(self, phase: int) -> None:
-        now = self._time
+        now = self.time
         works = [work for work in self._works if work.phase == phase and work.due <= now]
         for work in sorted(works, key=lambda work: work.due):
             if work.due <= now:  # not cancelled by one before it
@@ -302,14 +295,14 @@ class Participant:
         if sequence < self._sequence:  # two topics need not come in the order in which they were sent
             return
         self._sequence, self._polled_counts = sequence, tuple(counts)
-        if now != self._time:
-            self._time = now
+        if now != self.time:
+            self.time = now
             self._set_clock()
 
     def _set_clock(self) -> None:
         clock = self.node.get_clock()
         assert isinstance(clock, ROSClock)
-        clock.set_ros_time_override(Time(nanoseconds=self._time, clock_type=ClockType.ROS_TIME))
+        clock.set_ros_time_override(Time(nanoseconds=self.time, clock_type=ClockType.ROS_TIME))
         if not clock.ros_time_is_active:
             clock._set_ros_time_is_active(True)  # noqa: SLF001  # as rclpy's TimeSource does
 
@@ -349,12 +342,12 @@ class Participant:
         self._roster = roster
         self._number = list(roster.participants).index(self.name)
         self._polled = {topic: place for place, topic in enumerate(roster.polled)}
-        if not self._started:
+        if not self.started:
             self._matching.reset()
 
     def _match(self) -> None:
         """Announce what is new, and look whether all endpoints are matched."""
-        if self._roster is not None and not self.unmatched():
+        if self._roster is not None and self._is_matched(self._roster):
             self._matched = self._roster.version
             self._matching.cancel()
         announcement = Announcement(self.name, tuple(self._endpoints), self._matched)
@@ -362,24 +355,21 @@ class Participant:
             self._announced = announcement
             self._participants.publish(String(data=announcement.to_json()))
 
-    def unmatched(self) -> str:
-        """What still has to be found in the network; '' for nothing. Releases late publishers."""
-        roster = self._roster
-        if roster is None:
-            return 'the coordinator was not found'
+    def _is_matched(self, roster: Roster) -> bool:
+        """All has been found in the network that has to be. Releases late publishers."""
         if not (
             self._reports.get_subscription_count()
             and self._go.get_publisher_count()
             and self._times.get_publisher_count()
         ):
-            return 'the coordinator is not matched'
+            return False
         for endpoint, entity in zip(list(self._endpoints), list(self._entities), strict=True):
-            held = endpoint.kind == 'publisher' and entity.held
-            if self._started and not held:
+            held = endpoint.kind == 'publisher' and entity.held is not None
+            if self.started and not held:
                 continue
-            if problem := unmatched(self.node, endpoint, entity, roster):
-                return problem
-            if self._started:
+            if not is_matched(self.node, endpoint, entity, roster):
+                return False
+            if self.started:
                 entity.release()
                 self._change_busy(-1)
-        return ''
+        return True

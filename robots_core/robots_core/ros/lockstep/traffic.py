@@ -27,6 +27,10 @@ class Traffic:
         self._requests: dict[str, int] = defaultdict(int)
         self._receivers: dict[str, list[_Place]] = defaultdict(list)
         self._servers: set[str] = set()
+        self.publishers: dict[str, list[str]] = defaultdict(list)
+        """The participants that publish a topic; one that has two publishers of it twice."""
+        self.polled: dict[str, None] = {}
+        """Topics that are polled, in the order in which they were announced."""
         self._late: set[_Place] = set()
 
     def join(self, participant: str, endpoints: Sequence[Endpoint]) -> None:
@@ -42,35 +46,19 @@ class Traffic:
             self._counts[place] = 0
             if endpoint.kind == 'service':
                 self._servers.add(endpoint.name)
+            elif endpoint.kind == 'publisher':
+                self.publishers[endpoint.name].append(participant)
+            elif endpoint.kind == 'polled':
+                self.polled[endpoint.name] = None
             if endpoint.kind in {'subscription', 'service'}:
                 self._receivers[endpoint.name].append(place)
-        self._check_polled()
-
-    @property
-    def published(self) -> set[str]:
-        """Topics that participants publish."""
-        endpoints = (endpoint for endpoints in self._endpoints.values() for endpoint in endpoints)
-        return {endpoint.name for endpoint in endpoints if endpoint.kind == 'publisher'}
-
-    def publishers(self, topic: str) -> list[str]:
-        """The participants that publish a topic; one that has two publishers of it twice."""
-        return [
-            participant
-            for participant, endpoints in self._endpoints.items()
-            for endpoint in endpoints
-            if endpoint.kind == 'publisher' and endpoint.name == topic
-        ]
-
-    @property
-    def polled(self) -> list[str]:
-        """Topics that are polled, in the order in which they were announced."""
-        names = (
-            endpoint.name
-            for endpoints in self._endpoints.values()
-            for endpoint in endpoints
-            if endpoint.kind == 'polled'
-        )
-        return list(dict.fromkeys(names))
+        for topic in self.polled:
+            publishers = self.publishers.get(topic, ())
+            if len(publishers) > 1:
+                raise InvalidInputError(
+                    f'{topic} is published by {" and by ".join(publishers)}; in lock-step a topic whose '
+                    'newest message is polled has one publisher'
+                )
 
     def sent(self, topic: str) -> int:
         """Messages that participants have sent on a topic."""
@@ -125,12 +113,3 @@ class Traffic:
         if endpoint.kind == 'replies':
             return self._counts[participant, index - 1] if endpoint.name in self._servers else 0
         return self._sent[endpoint.name, endpoint.latched]
-
-    def _check_polled(self) -> None:
-        for topic in self.polled:
-            publishers = self.publishers(topic)
-            if len(publishers) > 1:
-                raise InvalidInputError(
-                    f'{topic} is published by {" and by ".join(publishers)}; in lock-step a topic whose '
-                    'newest message is polled has one publisher'
-                )
