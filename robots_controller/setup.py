@@ -13,7 +13,7 @@ setup(
     package_data={package_name: ['py.typed'], f'{package_name}.report.page': ['*.js', '*.css', '*.html']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
-        (f'share/{package_name}', ['package.xml']),
+        (f'share/{package_name}', ['package.xml', 'LICENSE']),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
         (f'share/{package_name}/config', glob('config/*.yaml')),
     ],
