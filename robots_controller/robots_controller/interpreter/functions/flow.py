@@ -60,8 +60,7 @@ class Halt(Family):
 
     @lua_function(
         'halt',
-        'Holds the program where the robot stands, until an operator lets it go on; in simulated time it '
-        'goes on at once.',
+        'Holds the program until an operator resumes it; in simulated time it continues at once.',
         Argument('string', kinds.NAME, '', 'why, for the operator', optional=True),
     )
     def _halt(self, why: str | None) -> Waiting:

@@ -32,8 +32,8 @@ class Interrupts(Family):
 
     @lua_function(
         'onDigitalInput',
-        'Lets a change of an input interrupt the program: the robot brakes on its path, `handler` runs, the '
-        "motion goes on, or ends there if it returned 'abort'.",
+        'Lets a change of an input interrupt the program: the robot brakes on its path, `handler` runs, '
+        "and the motion continues, or ends there if the handler returned 'abort'.",
         DIGITAL_INPUT,
         SWITCH,
         *_HANDLER,
@@ -44,7 +44,7 @@ class Interrupts(Family):
 
     @lua_function(
         'onAnalogInput',
-        "Lets an analog input interrupt the program when the comparison comes true, as 'onDigitalInput'.",
+        'Lets an analog input interrupt the program when the comparison becomes true; see onDigitalInput.',
         ANALOG_INPUT,
         *COMPARISON,
         *_HANDLER,
@@ -60,7 +60,7 @@ class Interrupts(Family):
 
     @lua_function(
         'removeInterrupt',
-        'Takes an interrupt away.',
+        'Removes an interrupt.',
         Argument('number', kinds.COUNT, '', 'what onDigitalInput or onAnalogInput returned'),
     )
     def _remove(self, number: float) -> None:

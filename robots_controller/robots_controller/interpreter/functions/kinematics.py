@@ -26,13 +26,15 @@ _NEAR: Final = Argument(
 class Kinematics(Family):
     """Computes with the tool and base that are set."""
 
-    @lua_function('forwardKinematics', 'Computes where joint angles lead the tool.', JOINTS, returns=A_POSE)
+    @lua_function(
+        'forwardKinematics', 'Computes the pose of the tool at joint angles.', JOINTS, returns=A_POSE
+    )
     def _forward(self, *q: float) -> Result:
         return (self._run.shown(self._run.target.seen(self._run.cell.direct_kinematics(read_only(q)))),)
 
     @lua_function(
         'inverseKinematics',
-        'Computes the joint angles that ptpJointSpacePosition would lead to; fails where there are none.',
+        'Computes the joint angles with which ptpJointSpacePosition reaches a pose; fails if there are none.',
         *POSE,
         _NEAR,
         returns=JOINT_NUMBERS,
@@ -42,7 +44,7 @@ class Kinematics(Family):
 
     @lua_function(
         'isReachable',
-        'Looks whether joint angles inside the limits lead the tool to a pose.',
+        'Tests whether joint angles inside the limits reach a pose.',
         *POSE,
         _NEAR,
         returns=TRUE_OR_FALSE,

@@ -12,7 +12,7 @@ class Persistence(Family):
 
     @lua_function(
         'setPersistent',
-        'Keeps a value over runs, in a file beside the program; in simulated time until the end of the run.',
+        'Stores a value for later runs in a file beside the program; in simulated time, until the run ends.',
         Argument('name', kinds.NAME, '', 'name of the value'),
         Argument(
             'value', kinds.VALUE, '', 'number, string, boolean, list of numbers; nil for none', optional=True
@@ -23,7 +23,7 @@ class Persistence(Family):
 
     @lua_function(
         'getPersistent',
-        'Reads a value that was kept.',
+        'Reads a stored value.',
         Argument('name', kinds.NAME, '', 'name of the value'),
         Argument('default', kinds.VALUE, '', 'what is returned if there is none', optional=True),
         returns=('the value, or `default`', 'any'),

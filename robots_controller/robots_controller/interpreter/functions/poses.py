@@ -31,7 +31,7 @@ class Poses(Family):
 
     @lua_function(
         'compose',
-        'Chains poses: the last one, seen from where the first one is seen from.',
+        'Chains poses: each one is relative to the one before it.',
         Argument('pose', kinds.POSE, '', 'pose seen from the one before it', repeated=True),
         returns=A_POSE,
     )
@@ -40,7 +40,7 @@ class Poses(Family):
 
     @lua_function(
         'inverse',
-        'Inverts a pose: where it was seen from, seen from it.',
+        'Inverts a pose: compose(a, inverse(a)) is zero.',
         Argument('pose', kinds.POSE, '', 'pose of a frame'),
         returns=A_POSE,
     )

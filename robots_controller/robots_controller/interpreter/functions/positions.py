@@ -23,7 +23,7 @@ class Positions(Family):
 
     @lua_function(
         'getJointAngles',
-        'Reads where the joints are, in degrees, in metres for sliding axes.',
+        'Reads the joint positions, in degrees; in metres for sliding axes.',
         returns=JOINT_NUMBERS,
     )
     def _get_joint_angles(self) -> Waiting:
@@ -32,7 +32,7 @@ class Positions(Family):
 
     @lua_function(
         'getJointSpeeds',
-        'Reads how fast the joints move now, in degrees/s, in m/s for sliding axes; does not wait.',
+        'Reads the present joint speeds, in degrees/s, in m/s for sliding axes; does not wait.',
         returns=JOINT_NUMBERS,
     )
     def _get_joint_speeds(self) -> Result:
@@ -40,7 +40,7 @@ class Positions(Family):
 
     @lua_function(
         'getJointTorques',
-        'Reads the torques of the motors now, at the joints, in N m (N); does not wait.',
+        'Reads the present motor torques at the joints, in N m (N); does not wait.',
         returns=JOINT_NUMBERS,
     )
     def _get_joint_torques(self) -> Result:
@@ -48,14 +48,16 @@ class Positions(Family):
 
     @lua_function(
         'getCartesianPosition',
-        'Reads where the tool is, seen from the base: {x, y, z, phi1, phi2, phi3}.',
+        'Reads the pose of the tool in the base frame: {x, y, z, phi1, phi2, phi3}.',
         returns=A_POSE,
     )
     def _get_cartesian_position(self) -> Waiting:
         yield from self._run.waits.standstill()
         return (self._run.shown(self._run.tool_pose()),)
 
-    @lua_function('teach', 'Writes where the robot is to the points file under a name.', _NAME)
+    @lua_function(
+        'teach', 'Stores the present position of the robot in the points file, under a name.', _NAME
+    )
     def _teach(self, name: str) -> Waiting:
         yield from self._run.waits.standstill()
         q = self._run.cell.joint_position()

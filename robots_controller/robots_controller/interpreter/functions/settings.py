@@ -29,7 +29,9 @@ class Settings(Family):
     """Sets and reads modal settings."""
 
     @lua_function(
-        'setTool', 'Sets the tool: its tip seen from the flange (tool0); poses are of the tip.', *FRAME
+        'setTool',
+        'Sets the tool centre point, as a pose in tool0 (the flange); all poses are those of this point.',
+        *FRAME,
     )
     def _set_tool(self, *values: float) -> None:
         tool = self._run.view.pose(values)
@@ -37,7 +39,9 @@ class Settings(Family):
         self._run.target.tool = tool
 
     @lua_function(
-        'setBase', "Sets the base: a frame seen from the robot's base; poses are seen from it.", *FRAME
+        'setBase',
+        "Sets the base frame, as a pose in the robot's own base; all poses are relative to it.",
+        *FRAME,
     )
     def _set_base(self, *values: float) -> None:
         base = self._run.view.pose(values)
@@ -54,8 +58,8 @@ class Settings(Family):
 
     @lua_function(
         'setHold',
-        "Sets what motions to poses hold: 'pose'; 'directions': the position, and of the orientation what "
-        "the arm can; or 'position'. Without it an arm holds what it can.",
+        "Sets which part of a pose motions reach: 'pose', 'position', or 'directions', which is the position "
+        'and the part of the orientation that the arm can hold. The default depends on the number of axes.',
         Argument('hold', kinds.HOLD, '', f'one of {", ".join(HOLDS)}'),
     )
     def _set_hold(self, hold: str) -> None:
@@ -71,7 +75,7 @@ class Settings(Family):
 
     @lua_function(
         'getPayload',
-        'Reads what the flange carries: {mass, x, y, z}, kg and m.',
+        'Reads the payload: {mass, x, y, z}, kg and m.',
         returns=('a table of 4 numbers', 'number[]'),
     )
     def _get_payload(self) -> Result:
@@ -80,7 +84,7 @@ class Settings(Family):
 
     @lua_function(
         'setPayload',
-        'Sets what the flange carries, when the robot stands; it counts in all torques.',
+        'Sets the payload, mass and centre of mass, when the robot stands; it counts in all torques.',
         Argument('mass', kinds.NUMBER, 'kg', 'mass of what the flange carries: tool and workpiece'),
         *(
             Argument(axis, kinds.NUMBER, 'm', f'{axis} of its centre of mass, seen from tool0', optional=True)
@@ -96,7 +100,7 @@ class Settings(Family):
 
     @lua_function(
         'setOverride',
-        'Scales the speed, also of the motion under way; 0 stands still.',
+        'Scales the speed of all motions, also of the one under way; at 0 the robot stands still.',
         Argument('value', kinds.SCALE, '', 'speed scale of all motions, 0 to 1, at once'),
     )
     def _set_override(self, value: float) -> None:
@@ -121,7 +125,7 @@ class Settings(Family):
 
     @lua_function(
         'setConfiguration',
-        'Chooses the configuration that joint motions to a pose end in; without one, the nearest.',
+        'Chooses the configuration in which joint motions reach a pose; without one, the nearest.',
         Argument('configuration', kinds.CONFIGURATION, '', "as 'front/up/no_flip'", optional=True),
     )
     def _set_configuration(self, configuration: str | None) -> None:
@@ -129,7 +133,7 @@ class Settings(Family):
 
     @lua_function(
         'setJerkLimited',
-        'Keeps the jerk limits of the axes on Cartesian motions and in blended chains too, or not.',
+        'Switches jerk limits on or off for Cartesian motions and blended chains.',
         SWITCH,
     )
     def _set_jerk_limited(self, value: float) -> None:

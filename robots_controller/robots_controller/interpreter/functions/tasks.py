@@ -13,8 +13,8 @@ class Tasks(Family):
 
     @lua_function(
         'startTask',
-        'Runs a program beside this one, until it ends: with the same globals, and further arguments as '
-        '`...`, for all that neither moves the robot nor sets what holds for motions.',
+        'Runs a program beside this one, with the same globals and further arguments as `...`; it neither '
+        'moves the robot nor changes motion settings.',
         Argument('program', kinds.NAME, '', 'file of the task, seen from the folder of the main program'),
         more=True,
     )
