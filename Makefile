@@ -77,6 +77,9 @@ $(VENV_STAMP): $(REQUIREMENTS)
 	@$(call INSTALL,-r $<)
 	@touch $@
 
+.PHONY: test-requirements
+test-requirements: .venv/.installed_tests  ## Install what tests need besides
+
 .PHONY: study-requirements
 study-requirements: .venv/.installed_study  ## Install what the command `study` needs besides
 
@@ -197,6 +200,16 @@ benchmark-programs: build  ## Delays of motion calls and inputs, Lua statements 
 .PHONY: load-example-robots
 load-example-robots: build .venv/example_robots/.installed  ## Load all robots of the package example-robot-data (131 MB, once)
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/example_robots"; python test/benchmark/load_example_robots.py
+
+.venv/.installed_docs: requirements-docs.txt $(VENV_STAMP)
+	@echo "Installing what the documentation needs (once) ..."
+	@$(call INSTALL,-r $<)
+	@touch $@
+
+.PHONY: docs
+docs: .venv/.installed_docs $(BUILD_STAMP)  ## The documentation as a site that needs no network, in out/docs
+	@$(RUN) python -m sphinx --fail-on-warning --keep-going --quiet --builder html --conf-dir docs . out/docs
+	@echo "The site is in out/docs/docs/index.html"
 
 .PHONY: plots
 plots: build .venv/benchmark/.installed  ## A picture per planner, every axis over its limits, in out/plots

@@ -1,4 +1,4 @@
-# What the suite runs in: `source environment.bash`, then `ros2 run`, the executables or Python.
+# What the suite runs in: `source environment.bash`, then `cell`, `simulate`, `ros2 run` or Python.
 #
 # ROS 2 where it is installed (ROS_DISTRO_SETUP), the workspace, and .venv before both: ROS may bring another
 # Pinocchio, whose modules and libraries would be taken for the one that the suite is made for.
@@ -18,7 +18,7 @@ if [ -f "$ROS_DISTRO_SETUP" ]; then
   export PYTHONPATH="$_pinocchio/$(basename "$(dirname "$_packages")")/site-packages:$_packages${PYTHONPATH:+:$PYTHONPATH}"
   export LD_LIBRARY_PATH="$_pinocchio${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 fi
-export PATH="$_root/.venv/bin:$PATH"
+export PATH="$_root/.venv/bin:$_root/install/robots_controller/lib/robots_controller:$PATH"
 
 eval "$_options"
 unset _root _options _packages _pinocchio

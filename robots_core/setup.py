@@ -11,7 +11,7 @@ setup(
     package_data={'': ['*.pyi'], package_name: ['py.typed', 'ros/loopback.xml']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
-        (f'share/{package_name}', ['package.xml']),
+        (f'share/{package_name}', ['package.xml', 'LICENSE']),
     ],
     install_requires=['setuptools'],
     zip_safe=False,

@@ -21,7 +21,7 @@ setup(
     package_data={package_name: ['py.typed', *robot_files()]},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
-        (f'share/{package_name}', ['package.xml']),
+        (f'share/{package_name}', ['package.xml', 'LICENSE']),
     ],
     install_requires=['setuptools'],
     zip_safe=False,

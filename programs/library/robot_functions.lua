@@ -120,7 +120,7 @@ function ptpJointSpaceAnglesRelative(q1, q2, q3, q4, q5, q6, options) end
 ---@return boolean, Pose, Pose|nil # whether it held, the pose where the robot stands, the pose where it held
 function moveUntil(condition, motion, ...) end
 
----Sets the tool: its tip seen from the flange (tool0); poses are of the tip.
+---Sets the tool centre point, as a pose in tool0 (the flange); all poses are those of this point.
 ---@param x number x of the frame (m)
 ---@param y number y of the frame (m)
 ---@param z number z of the frame (m)
@@ -130,7 +130,7 @@ function moveUntil(condition, motion, ...) end
 ---@overload fun(pose: Pose|number[])
 function setTool(x, y, z, phi1, phi2, phi3) end
 
----Sets the base: a frame seen from the robot's base; poses are seen from it.
+---Sets the base frame, as a pose in the robot's own base; all poses are relative to it.
 ---@param x number x of the frame (m)
 ---@param y number y of the frame (m)
 ---@param z number z of the frame (m)
@@ -144,7 +144,7 @@ function setBase(x, y, z, phi1, phi2, phi3) end
 ---@param convention "zyx"|"xyz"|"zyz"|"XYZ"|"rotation_vector" one of zyx, xyz, zyz, XYZ, rotation_vector
 function setOrientationConvention(convention) end
 
----Sets what motions to poses hold; without it an arm holds what it can. Valid are 'pose', 'directions' (the position, and of the orientation what the arm can) and 'position'.
+---Sets which part of a pose motions reach; the default depends on the number of axes. Valid are 'pose', 'position', and 'directions', which is the position and the part of the orientation that the arm can hold.
 ---@param hold "pose"|"directions"|"position" one of pose, directions, position
 function setHold(hold) end
 
@@ -156,18 +156,18 @@ function getTool() end
 ---@return Pose # a pose
 function getBase() end
 
----Reads what the flange carries: {mass, x, y, z}, kg and m.
+---Reads the payload: {mass, x, y, z}, kg and m.
 ---@return number[] # a table of 4 numbers
 function getPayload() end
 
----Sets what the flange carries, when the robot stands; it counts in all torques.
+---Sets the payload, mass and centre of mass, when the robot stands; it counts in all torques.
 ---@param mass number mass of what the flange carries: tool and workpiece (kg)
 ---@param x? number x of its centre of mass, seen from tool0 (m)
 ---@param y? number y of its centre of mass, seen from tool0 (m)
 ---@param z? number z of its centre of mass, seen from tool0 (m)
 function setPayload(mass, x, y, z) end
 
----Scales the speed, also of the motion under way; 0 stands still.
+---Scales the speed of all motions, also of the one under way; at 0 the robot stands still.
 ---@param value number speed scale of all motions, 0 to 1, at once
 function setOverride(value) end
 
@@ -182,11 +182,11 @@ function setSpeed(fraction, cartesian, rotation) end
 ---@param cartesian? string planner of Cartesian motions
 function setPlanner(joint, cartesian) end
 
----Chooses the configuration that joint motions to a pose end in; without one, the nearest.
+---Chooses the configuration in which joint motions reach a pose; without one, the nearest.
 ---@param configuration? "front/up/no_flip"|"front/up/flip"|"front/down/no_flip"|"front/down/flip"|"back/up/no_flip"|"back/up/flip"|"back/down/no_flip"|"back/down/flip" as 'front/up/no_flip'
 function setConfiguration(configuration) end
 
----Keeps the jerk limits of the axes on Cartesian motions and in blended chains too, or not.
+---Switches jerk limits on or off for Cartesian motions and blended chains.
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
 function setJerkLimited(value) end
 
@@ -196,7 +196,7 @@ function setJerkLimited(value) end
 ---@param rotation? number angular acceleration of the tool on Cartesian paths (deg/s^2)
 function setAcceleration(fraction, cartesian, rotation) end
 
----Lets a change of an input interrupt the program. The robot brakes on its path, `handler` runs, the motion goes on, or ends there if it returned 'abort'.
+---Lets a change of an input interrupt the program. The robot brakes on its path, `handler` runs, and the motion continues, or ends there if the handler returned 'abort'.
 ---@param index integer|string number of the input, from 1, or its name
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
 ---@param handler fun(): "abort"|nil called at the change; it may return 'abort'
@@ -204,7 +204,7 @@ function setAcceleration(fraction, cartesian, rotation) end
 ---@return integer # the interrupt's number
 function onDigitalInput(index, value, handler, priority) end
 
----Lets an analog input interrupt the program when the comparison comes true, as 'onDigitalInput'.
+---Lets an analog input interrupt the program when the comparison becomes true; see onDigitalInput.
 ---@param index integer|string number of the input, from 1, or its name
 ---@param comparison "<"|"<="|">"|">="|"=="|"~=" one of < <= > >= == ~=
 ---@param value number what the input is compared with
@@ -213,7 +213,7 @@ function onDigitalInput(index, value, handler, priority) end
 ---@return integer # the interrupt's number
 function onAnalogInput(index, comparison, value, handler, priority) end
 
----Takes an interrupt away.
+---Removes an interrupt.
 ---@param number integer what onDigitalInput or onAnalogInput returned
 function removeInterrupt(number) end
 
@@ -231,32 +231,32 @@ function followReference(time, index, value) end
 ---@return boolean # true if the input ended it, false after `time`
 function jog(time, index, value) end
 
----Holds the program where the robot stands, until an operator lets it go on. In simulated time it goes on at once.
+---Holds the program until an operator resumes it. In simulated time it continues at once.
 ---@param string? string why, for the operator
 function halt(string) end
 
----Runs a program beside this one, until it ends. It has the same globals, and further arguments as `...`, for all that neither moves the robot nor sets what holds for motions.
+---Runs a program beside this one, with the same globals and further arguments as `...`. It neither moves the robot nor changes motion settings.
 ---@param program string file of the task, seen from the folder of the main program
 ---@param ... any
 function startTask(program, ...) end
 
----Reads where the joints are, in degrees, in metres for sliding axes.
+---Reads the joint positions, in degrees; in metres for sliding axes.
 ---@return number[] # a table of n numbers
 function getJointAngles() end
 
----Reads how fast the joints move now, in degrees/s, in m/s for sliding axes; does not wait.
+---Reads the present joint speeds, in degrees/s, in m/s for sliding axes; does not wait.
 ---@return number[] # a table of n numbers
 function getJointSpeeds() end
 
----Reads the torques of the motors now, at the joints, in N m (N); does not wait.
+---Reads the present motor torques at the joints, in N m (N); does not wait.
 ---@return number[] # a table of n numbers
 function getJointTorques() end
 
----Reads where the tool is, seen from the base: {x, y, z, phi1, phi2, phi3}.
+---Reads the pose of the tool in the base frame: {x, y, z, phi1, phi2, phi3}.
 ---@return Pose # a pose
 function getCartesianPosition() end
 
----Writes where the robot is to the points file under a name.
+---Stores the present position of the robot in the points file, under a name.
 ---@param name string name of the point
 function teach(name) end
 
@@ -276,12 +276,12 @@ function getTaughtPoint(name) end
 ---@overload fun(pose: Pose|number[])
 function pose(x, y, z, phi1, phi2, phi3) end
 
----Chains poses: the last one, seen from where the first one is seen from.
+---Chains poses: each one is relative to the one before it.
 ---@param ... Pose|number[] pose seen from the one before it
 ---@return Pose # a pose
 function compose(...) end
 
----Inverts a pose: where it was seen from, seen from it.
+---Inverts a pose: a pose chained with its inverse is zero.
 ---@param pose Pose|number[] pose of a frame
 ---@return Pose # a pose
 function inverse(pose) end
@@ -309,7 +309,7 @@ function offset(pose, x, y, z, phi1, phi2, phi3, frame) end
 ---@return Pose[] # a table of poses
 function grid(first, row_end, columns, column_end, rows, stack_end, layers) end
 
----Computes where joint angles lead the tool.
+---Computes the pose of the tool at joint angles.
 ---@param q1 number joint angle, in metres for a sliding axis (deg (m))
 ---@param q2 number joint angle, in metres for a sliding axis (deg (m))
 ---@param q3 number joint angle, in metres for a sliding axis (deg (m))
@@ -324,7 +324,7 @@ function grid(first, row_end, columns, column_end, rows, stack_end, layers) end
 ---@overload fun(q: number[])
 function forwardKinematics(q1, q2, q3, q4, q5, q6) end
 
----Computes the joint angles that ptpJointSpacePosition would lead to; fails where there are none.
+---Computes the joint angles with which ptpJointSpacePosition reaches a pose. It fails if there are none.
 ---@param x number x of the tool in the base frame (m)
 ---@param y number y of the tool in the base frame (m)
 ---@param z number z of the tool in the base frame (m)
@@ -336,7 +336,7 @@ function forwardKinematics(q1, q2, q3, q4, q5, q6) end
 ---@overload fun(pose: Pose|number[], near?: number[])
 function inverseKinematics(x, y, z, phi1, phi2, phi3, near) end
 
----Looks whether joint angles inside the limits lead the tool to a pose.
+---Tests whether joint angles inside the limits reach a pose.
 ---@param x number x of the tool in the base frame (m)
 ---@param y number y of the tool in the base frame (m)
 ---@param z number z of the tool in the base frame (m)
@@ -422,12 +422,12 @@ function wait(time) end
 ---@param string any any values; several are separated by tabs
 function print(string) end
 
----Keeps a value over runs, in a file beside the program. In simulated time it is kept until the end of the run.
+---Stores a value for later runs in a file beside the program. In simulated time it is stored until the run ends.
 ---@param name string name of the value
 ---@param value? number|string|boolean|number[] number, string, boolean, list of numbers; nil for none
 function setPersistent(name, value) end
 
----Reads a value that was kept.
+---Reads a stored value.
 ---@param name string name of the value
 ---@param default? number|string|boolean|number[] what is returned if there is none
 ---@return any # the value, or `default`

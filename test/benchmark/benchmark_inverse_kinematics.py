@@ -1,10 +1,10 @@
 """Inverse kinematics next to its peers, in one process, turn by turn, as one table.
 
-Run by `make benchmark-inverse-kinematics`; OPTIONS=--markdown prints the table of docs/benchmarks.md.
-Every solution is checked with the robot's own kinematics (Pinocchio), not with that of the solver. Times are
-medians over repetitions of the mean over all problems: processor time, in which other work on the machine
-does not count; by the clock for `solve_many`, which has all cores, and for the first results of a process.
-Poses are others in every run unless `--seed` repeats one.
+Run by `make benchmark-inverse-kinematics`; OPTIONS=--markdown prints the table of
+docs/explanation/benchmarks.md. Every solution is checked with the robot's own kinematics (Pinocchio), not
+with that of the solver. Times are medians over repetitions of the mean over all problems: processor time, in
+which other work on the machine does not count; by the clock for `solve_many`, which has all cores, and for
+the first results of a process. Poses are others in every run unless `--seed` repeats one.
 """
 
 from __future__ import annotations
@@ -222,7 +222,9 @@ def main() -> None:
     parser.add_argument(
         '--seed', type=int, default=None, help='of poses and starts; another one in every run'
     )
-    parser.add_argument('--markdown', action='store_true', help='print the table as in docs/benchmarks.md')
+    parser.add_argument(
+        '--markdown', action='store_true', help='print the table as in docs/explanation/benchmarks.md'
+    )
     options = parser.parse_args()
     repetitions = options.repetitions
     seed = secrets.randbits(32) if options.seed is None else options.seed

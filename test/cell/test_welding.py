@@ -72,7 +72,7 @@ def test_the_bag_holds_all_topics_as_mcap(cell: LockstepRun) -> None:
 
 
 def test_the_documentation_lists_the_topics(cell: LockstepRun) -> None:
-    page = (PROGRAMS.parent / 'docs' / 'topics.md').read_text()
+    page = (PROGRAMS.parent / 'docs' / 'reference' / 'topics.md').read_text()
     table = page[page.index('## Topics') : page.index('## Services')]
     rows = [line.split('|')[1:-1] for line in table.splitlines() if line.startswith('| `')]
     listed = {name for row in rows for name in re.findall(r'`([^`]+)`', row[0])}

@@ -260,7 +260,7 @@ def test_without_a_coordinator_nodes_follow_the_clock(ros_nodes: Any) -> None:
 
 
 def test_the_example_of_the_documentation_publishes(ros_nodes: Any) -> None:
-    page = (Path(__file__).parents[2] / 'docs' / 'lockstep.md').read_text()
+    page = (Path(__file__).parents[2] / 'docs' / 'how_to' / 'lockstep.md').read_text()
     (code,) = re.findall(r'```python\n(.*?)```', page, re.DOTALL)
     names: dict[str, Any] = {}
     exec(compile(code, 'lockstep.md', 'exec'), names)  # noqa: S102  # our own page

@@ -9,7 +9,7 @@ import pytest
 from rclpy.parameter import Parameter
 
 from robots_core.errors import InvalidInputError
-from robots_core.parameter_changes import CHANGES
+from robots_core.parameter_changes import CHANGES, Change
 from robots_core.ros.robot_node import RobotNode
 from robots_planning.nodes.planning_node import PlanningNode
 
@@ -17,6 +17,7 @@ from .bench import Bench
 from .planning_bench import PlanningBench
 from .suite_nodes import OPTIONS, suite_nodes
 
+PAGE = Path(__file__).parents[2] / 'docs' / 'reference' / 'parameter_changes.md'
 RCLPY: set[str] = {'use_sim_time', 'start_type_description_service'}
 
 
@@ -34,9 +35,11 @@ def test_the_table_has_what_a_node_lets_change(ros_nodes: Any, name: str) -> Non
 
 
 def test_the_documentation_has_the_table() -> None:
-    rows = [line for line in Path('docs/parameter_changes.md').read_text().splitlines() if '| `' in line]
-    assert rows == [
-        f'| `{node}` | `{parameter}` | {change} |'
+    said = {change: change.name.lower().replace('_', ' ') for change in Change}
+    meanings, _, parameters = PAGE.read_text().partition('## Parameters')
+    assert all(f'| {name} | {change} |' in meanings for change, name in said.items())
+    assert [line for line in parameters.splitlines() if '| `' in line] == [
+        f'| `{node}` | `{parameter}` | {said[change]} |'
         for node, changes in CHANGES.items()
         for parameter, change in changes.items()
     ]

@@ -31,7 +31,7 @@ class Step:
 
 
 def read_steps() -> list[Step]:
-    page = (ROOT / 'docs' / 'add_your_robot.md').read_text()
+    page = (ROOT / 'docs' / 'how_to' / 'add_your_robot.md').read_text()
     steps = []
     for match in BLOCK.finditer(page):
         language, text = match['language'], textwrap.dedent(match['text'])
@@ -61,13 +61,14 @@ def test_steps_lead_to_a_robot_that_keeps_the_contract(workspace: Path):
         'PYTHONPATH': os.pathsep.join([str(site), *filter(None, [os.environ.get('PYTHONPATH')])]),
         # Beside this Python's own packages, and from what is there: tests change and download nothing.
         'PIP_TARGET': str(site),
+        'PIP_UPGRADE': '1',  # the robot is installed twice
         'PIP_NO_DEPS': '1',
         'PIP_NO_BUILD_ISOLATION': '0',  # pip reads "no" into 0
         'PIP_DISABLE_PIP_VERSION_CHECK': '1',
         'PYTHONDONTWRITEBYTECODE': '1',
     }
     steps = read_steps()
-    assert [step.language for step in steps] == ['bash', 'yaml', 'python', 'bash', 'bash']
+    assert [step.language for step in steps] == ['bash', 'yaml', 'python', 'bash', 'bash', 'bash']
     for step in steps:
         if step.file is not None:
             assert (workspace / step.file).is_file(), f'step for {step.file}: the template has no such file'

@@ -243,7 +243,7 @@ def test_mistakes_in_tolerances_are_told_with_their_line(
 
 
 def test_the_example_of_the_documentation_is_valid(tmp_path: Path):
-    page = (Path(__file__).parents[2] / 'docs' / 'bags.md').read_text()
+    page = (Path(__file__).parents[2] / 'docs' / 'how_to' / 'bags.md').read_text()
     (example,) = (text for text in re.findall(r'```yaml\n(.*?)```', page, re.DOTALL) if 'align:' in text)
     (tmp_path / 't.yaml').write_text(example)
     tolerances = read_tolerances(tmp_path / 't.yaml')

@@ -13,7 +13,7 @@ from robots_core.blocks.following.guide import Guide
 from robots_core.errors import CommandRefusedError, InvalidInputError
 from robots_core.operating_modes import MODES, Commander, OperatingMode, check_command
 
-DOCS = Path(__file__).parents[2] / 'docs' / 'operating_modes.md'
+DOCS = Path(__file__).parents[2] / 'docs' / 'how_to' / 'operating_modes.md'
 SOMEBODY = [commander for commander in Commander if commander is not Commander.NOBODY]
 LAW = {
     OperatingMode.AUTOMATIC: {Commander.PROGRAM, Commander.REMOTE, Commander.SENSOR},

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robots_controller.control.faults import FEEDBACK_JUMPED, FEEDBACK_LOST, StopCategory
+from robots_controller.control.faults import Fault, StopCategory
 from robots_controller.controller_six_axes import ControllerSixAxes, ControllerStep
 from robots_controller.io.plc_script import read_plc_script
 from robots_controller.io.scripted_plc import ScriptedPlc
@@ -208,7 +208,7 @@ def test_positions_that_jump_stop_the_robot(controller_of: Callable[..., Control
     elsewhere = step.references[0] + 0.5
     while step.running and step.time < LONGEST:
         step = controller.step(elsewhere)
-    assert step.stop.fault is FEEDBACK_JUMPED
+    assert step.stop.fault is Fault.FEEDBACK_JUMPED
     assert step.stop.fault.category is StopCategory.ZERO
     assert not step.stop.drives_on
     assert step.run_state is RunState.FAILED
@@ -226,7 +226,7 @@ def test_positions_that_stop_coming_stop_the_robot(controller_of: Callable[..., 
         step = controller.step(step.references[0])
     while step.running and step.time < LONGEST:
         step = controller.step(None)
-    assert step.stop.fault is FEEDBACK_LOST
+    assert step.stop.fault is Fault.FEEDBACK_LOST
     assert step.run_state is RunState.FAILED
     assert not step.references[1:].any()
 

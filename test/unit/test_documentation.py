@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 from dataclasses import fields
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
+import yaml
 
+from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
+from robots_controller.program_check.program_check import check_program
 from robots_core import available_robot_models, load_robot_model
 from robots_planning import MotionSettings
 from robots_planning.motion_kinds import MOTION_KINDS
@@ -20,7 +25,14 @@ from .lua_signatures import signature
 ROOT = Path(__file__).parents[2]
 README = ROOT / 'README.md'
 DOCS = ROOT / 'docs'
-PAGES = [README, *sorted(DOCS.glob('*.md'))]
+INDEX = DOCS / 'index.md'
+CONTRIBUTING = ROOT / 'CONTRIBUTING.md'
+PAGES = [
+    *(ROOT / name for name in ('README.md', 'CONTRIBUTING.md', 'SECURITY.md', 'CHANGELOG.md')),
+    *sorted(DOCS.rglob('*.md')),
+]
+TUTORIALS = sorted((DOCS / 'tutorials').glob('*.md'))
+API = sorted((DOCS / 'reference').glob('python_*.md'))
 EVERYTHING = '\n'.join(page.read_text() for page in PAGES)
 
 
@@ -44,6 +56,12 @@ def table(page: Path, title: str) -> list[list[str]]:
     return rows[2:]
 
 
+def blocks(page: Path, language: str) -> list[str]:
+    """The code blocks of a page in one language, without their indentation in lists."""
+    found = re.findall(rf'^( *)```{language}\n(.*?)^ *```', page.read_text(), re.MULTILINE | re.DOTALL)
+    return [dedent(text) for _, text in found]
+
+
 def names(cell: str) -> list[str]:
     return re.findall(r'`([^`]+)`', cell)
 
@@ -61,7 +79,9 @@ def test_the_robots_are_those_that_are_installed() -> None:
 
 
 def test_the_nodes_are_the_executables() -> None:
-    listed = {(row[1], names(row[0])[0]) for row in table(DOCS / 'nodes.md', 'Nodes and executables')}
+    listed = {
+        (row[1], names(row[0])[0]) for row in table(DOCS / 'reference' / 'nodes.md', 'Nodes and executables')
+    }
     packages = ('robots_core', 'robots_planning', 'robots_controller')
     installed = {
         (point.value.split('.')[0], point.name)
@@ -72,7 +92,7 @@ def test_the_nodes_are_the_executables() -> None:
 
 
 def test_the_names_of_the_paper_lead_to_something() -> None:
-    rows = table(DOCS / 'from_the_paper.md', 'From the paper to the code')
+    rows = table(DOCS / 'explanation' / 'from_the_paper.md', 'From the paper to the code')
     assert len(rows) > 15
     for row in rows:
         for name in names(row[1]):
@@ -85,7 +105,8 @@ def test_the_names_of_the_paper_lead_to_something() -> None:
 
 def test_the_lua_functions_are_those_of_the_interpreter() -> None:
     listed = {
-        names(row[0])[0]: (row[1], row[2]) for row in table(DOCS / 'robot_programs.md', 'Robot programs')
+        names(row[0])[0]: (row[1], row[2])
+        for row in table(DOCS / 'reference' / 'robot_programs.md', 'Robot programs')
     }
     assert listed == {signature(f): (f.doc, f.result or '-') for f in LUA_FUNCTIONS.values()}
 
@@ -93,7 +114,7 @@ def test_the_lua_functions_are_those_of_the_interpreter() -> None:
 def test_the_topics_of_motion_commands_are_those_of_the_table() -> None:
     listed = {
         topic: row[1]
-        for row in table(DOCS / 'topics.md', 'Topics')
+        for row in table(DOCS / 'reference' / 'topics.md', 'Topics')
         if 'command:' in row[3]
         for topic in names(row[0])
     }
@@ -101,7 +122,9 @@ def test_the_topics_of_motion_commands_are_those_of_the_table() -> None:
 
 
 def test_the_motion_settings_are_those_of_the_planner() -> None:
-    listed = {names(row[0])[0]: row[1] for row in table(DOCS / 'planners.md', 'Motion settings')}
+    listed = {
+        names(row[0])[0]: row[1] for row in table(DOCS / 'reference' / 'planners.md', 'Motion settings')
+    }
     said = {'': 'nearest', False: 'false', 'tool': 'tool0', 'base': "the robot's base", 'payload': 'nothing'}
     said['hold'] = 'what the arm can'
     for field in fields(MotionSettings):
@@ -118,15 +141,92 @@ def test_the_ten_lines_run(capsys: pytest.CaptureFixture[str]) -> None:
     assert out.count('all limits kept') == 2
 
 
+@pytest.mark.parametrize('page', TUTORIALS, ids=lambda page: page.stem)
+def test_the_python_of_tutorials_runs(page: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for code in blocks(page, 'python'):
+        exec(compile(code, page.name, 'exec'), {'__name__': __name__})  # noqa: S102  # our own pages
+    if page.stem == 'from_moveit':
+        assert capsys.readouterr().out.count('all limits kept') == 2
+
+
+@pytest.mark.parametrize('page', PAGES, ids=lambda page: page.stem)
+def test_the_robot_programs_of_pages_are_right(page: Path, tmp_path: Path) -> None:
+    program = tmp_path / 'program.lua'
+    for code in blocks(page, 'lua'):
+        program.write_text(code)
+        assert not check_program(program, Sizes(6, 32, 8)), code
+
+
+@pytest.mark.parametrize('page', PAGES, ids=lambda page: page.stem)
+def test_the_files_in_pages_are_yaml(page: Path) -> None:
+    for text in blocks(page, 'yaml'):
+        assert isinstance(yaml.safe_load(text), dict), text
+
+
+def test_the_commands_have_the_options_that_pages_give_them(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scripts = {
+        point.name: point
+        for point in entry_points(group='console_scripts')
+        if point.value.startswith('robots_controller.') and not point.name.endswith('_node')
+    }
+    given: dict[str, set[str]] = {}
+    for line in (
+        '\n'.join(text for page in PAGES for text in blocks(page, 'bash')).replace('\\\n', ' ').splitlines()
+    ):
+        name, *words = line.removeprefix('ros2 run robots_controller ').partition(' #')[0].split() or ['']
+        if name in scripts:
+            ours = words[: words.index('--ros-args')] if '--ros-args' in words else words
+            given.setdefault(name, set()).update(word for word in ours if word.startswith('-'))
+    assert {'cell', 'simulate', 'check_program', 'report', 'study', 'check_bag'} <= set(given)
+    for name, options in given.items():
+        monkeypatch.setattr('sys.argv', [name, '--help'])
+        with pytest.raises(SystemExit):
+            scripts[name].load()()
+        described = capsys.readouterr().out
+        assert not [option for option in options if not re.search(rf'{option}\b', described)], name
+
+
+@pytest.mark.parametrize('page', API, ids=lambda page: page.stem)
+def test_the_python_reference_has_every_public_name(page: Path) -> None:
+    (title,) = re.findall(r'^# (`.*)$', page.read_text(), re.MULTILINE)
+    (module,) = names(title)
+    listed = {names(row[0])[0]: row[1] for row in table(page, title)}
+    assert listed.keys() >= set(getattr(import_module(module), '__all__', ()))
+    for name, text in listed.items():
+        where, _, attribute = f'{module}.{name}'.rpartition('.')
+        documented = inspect.getdoc(getattr(import_module(where), attribute)) or ''
+        assert text == documented.partition('\n\n')[0].replace('\n', ' '), name
+
+
 def test_what_pages_link_to_exists() -> None:
     for page in PAGES:
-        for target in re.findall(r'\]\(([^)#]+)(?:#[^)]*)?\)', page.read_text()):
-            assert '://' in target or (page.parent / target).exists(), f'{page.name}: {target}'
+        for target, heading in re.findall(r'\]\(([^)#\s]*)(?:#([^)]*))?\)', page.read_text()):
+            if '://' in target:
+                continue
+            linked = page.parent / target if target else page
+            assert linked.exists(), f'{page.name}: {target}'
+            titles = re.findall(r'^#+ (.*)$', linked.read_text(), re.MULTILINE) if heading else []
+            assert not heading or heading in map(anchor, titles), f'{page.name}: {target}#{heading}'
 
 
-def test_the_readme_leads_to_every_page() -> None:
+def anchor(title: str) -> str:
+    """The name that a heading has in links."""
+    return re.sub(r'[^\w\- ]', '', title.lower()).replace(' ', '-')
+
+
+def test_the_index_leads_to_every_page() -> None:
+    text = INDEX.read_text()
+    listed = re.findall(r'\]\(([^)]+)\)', text[text.index('## ') :])
+    assert len(listed) == len(set(listed))
+    assert {(DOCS / target).resolve() for target in listed} == {page for page in PAGES if page != INDEX}
+
+
+def test_the_readme_is_short_and_leads_to_the_index() -> None:
     text = README.read_text()
-    assert not [page.name for page in DOCS.glob('*.md') if f'](docs/{page.name})' not in text]
+    assert '](docs/index.md)' in text
+    assert text.count('\n') <= 200
 
 
 def test_the_programs_exist() -> None:
@@ -145,10 +245,9 @@ def test_the_make_targets_exist() -> None:
 
 
 def test_the_contributors_page_names_files_that_exist() -> None:
-    page = (ROOT / 'docs' / 'contributing.md').read_text()
     files = {path.as_posix() for path in ROOT.glob('robots_*/**/*.py')} | {
         path.as_posix() for path in ROOT.glob('test/**/*.py')
     }
-    for name in names(page):
+    for name in names(CONTRIBUTING.read_text()):
         if name.endswith('.py'):
             assert any(file.endswith(f'/{name}') for file in files), name

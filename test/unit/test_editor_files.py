@@ -56,7 +56,7 @@ def test_configurations_are_valid_for_the_debug_type():
 
 def test_everybody_names_the_same_port():
     (port,) = {one['debugServer'] for one in CONFIGURATIONS}
-    for file in (CODE / 'launch.json', ROOT / 'docs' / 'robot_programs.md'):
+    for file in (CODE / 'launch.json', ROOT / 'docs' / 'how_to' / 'debugging.md'):
         assert re.findall(r'--debug-port (\d+)', file.read_text()) == [str(port)]
 
 

@@ -61,6 +61,8 @@ def test_robots_in_mujoco_follow(name: str, text: str, tmp_path: Path, capsys: p
 
 
 def test_the_lines_of_the_documentation_weld(capsys: pytest.CaptureFixture[str]):
-    (code,) = re.findall(r'```python\n(.*?)```', (ROOT / 'docs' / 'own_physics.md').read_text(), re.DOTALL)
+    (code,) = re.findall(
+        r'```python\n(.*?)```', (ROOT / 'docs' / 'how_to' / 'own_physics.md').read_text(), re.DOTALL
+    )
     exec(compile(code.replace('programs/', f'{ROOT}/programs/'), 'own_physics.md', 'exec'), {})  # noqa: S102
     assert capsys.readouterr().out == 'FINISHED after 9.4 s\n'

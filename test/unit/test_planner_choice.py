@@ -26,7 +26,7 @@ from robots_planning.planner_choice import (
     planner_for,
 )
 
-PAGE = (Path(__file__).parents[2] / 'docs' / 'planners.md').read_text()
+PAGE = (Path(__file__).parents[2] / 'docs' / 'how_to' / 'add_a_planner.md').read_text()
 PLUGIN = """
 from robots_planning import LinearCartesianLimited, TrajectoryGenerator
 

@@ -243,7 +243,7 @@ def test_time_in_which_the_controller_was_held_up_loses_no_feedback(rig: Rig) ->
 
 
 def test_the_documentation_has_the_same_table() -> None:
-    text = (Path(__file__).parents[2] / 'docs' / 'stops.md').read_text()
+    text = (Path(__file__).parents[2] / 'docs' / 'reference' / 'stops.md').read_text()
     rows = re.findall(r'^\| ([a-z ]+) \| ([012]) \| (.+) \| (.+) \|$', text, re.MULTILINE)
     documented = [row for row in rows if row[0] != 'references ended']
     assert documented == [(f.label, str(f.category.value), f.reaction, f.meaning) for f in Fault]

@@ -54,9 +54,9 @@ class Halt(Family):
 
     @lua_function(Argument('string', kinds.NAME, '', 'why, for the operator', optional=True))
     def halt(self, why: str | None) -> Waiting:
-        """Holds the program where the robot stands, until an operator lets it go on.
+        """Holds the program until an operator resumes it.
 
-        In simulated time it goes on at once.
+        In simulated time it continues at once.
         """
         yield from self._run.waits.standstill()
         self._run.cell.printed(f'halt: {why}' if why else 'halt', self._run.line)

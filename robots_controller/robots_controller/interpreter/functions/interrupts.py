@@ -34,8 +34,8 @@ class Interrupts(Family):
     def onDigitalInput(self, index: float, value: float, _: Any, priority: float | None) -> Result:
         """Lets a change of an input interrupt the program.
 
-        The robot brakes on its path, `handler` runs, the motion goes on, or ends there if it returned
-        'abort'.
+        The robot brakes on its path, `handler` runs, and the motion continues, or ends there if the handler
+        returned 'abort'.
         """
         return self._add('digital', index, (index, value), lambda now: now == value, priority)
 
@@ -43,7 +43,7 @@ class Interrupts(Family):
     def onAnalogInput(
         self, index: float, comparison: str, value: float, _: Any, priority: float | None
     ) -> Result:
-        """Lets an analog input interrupt the program when the comparison comes true, as 'onDigitalInput'."""
+        """Lets an analog input interrupt the program when the comparison becomes true; see onDigitalInput."""
         compare = COMPARE[comparison]
         return self._add(
             'analog', index, (index, comparison, value), lambda now: compare(now, value), priority
@@ -51,7 +51,7 @@ class Interrupts(Family):
 
     @lua_function(Argument('number', kinds.COUNT, '', 'what onDigitalInput or onAnalogInput returned'))
     def removeInterrupt(self, number: float) -> None:
-        """Takes an interrupt away."""
+        """Removes an interrupt."""
         with self._run.state.condition:
             if not self._run.state.interrupts.remove(int(number)):
                 raise ProgramError(f'there is no interrupt {int(number)}; it was removed or replaced')

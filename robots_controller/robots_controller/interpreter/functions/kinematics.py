@@ -28,17 +28,20 @@ class Kinematics(Family):
 
     @lua_function(JOINTS, returns=A_POSE)
     def forwardKinematics(self, *q: float) -> Result:
-        """Computes where joint angles lead the tool."""
+        """Computes the pose of the tool at joint angles."""
         return (self._run.shown(self._run.target.seen(self._run.cell.direct_kinematics(read_only(q)))),)
 
     @lua_function(*POSE, _NEAR, returns=JOINT_NUMBERS)
     def inverseKinematics(self, *values: Any) -> Result:
-        """Computes the joint angles that ptpJointSpacePosition would lead to; fails where there are none."""
+        """Computes the joint angles with which ptpJointSpacePosition reaches a pose.
+
+        It fails if there are none.
+        """
         return (joints_to_program(self._joints(values), self._run.view.prismatic),)
 
     @lua_function(*POSE, _NEAR, returns=TRUE_OR_FALSE)
     def isReachable(self, *values: Any) -> Result:
-        """Looks whether joint angles inside the limits lead the tool to a pose."""
+        """Tests whether joint angles inside the limits reach a pose."""
         try:
             self._joints(values)
         except UnreachablePoseError:

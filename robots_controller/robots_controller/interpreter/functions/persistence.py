@@ -17,9 +17,9 @@ class Persistence(Family):
         ),
     )
     def setPersistent(self, name: str, value: Value | None) -> None:
-        """Keeps a value over runs, in a file beside the program.
+        """Stores a value for later runs in a file beside the program.
 
-        In simulated time it is kept until the end of the run.
+        In simulated time it is stored until the run ends.
         """
         self._run.values.set(name, value)
 
@@ -29,7 +29,7 @@ class Persistence(Family):
         returns=('the value, or `default`', 'any'),
     )
     def getPersistent(self, name: str, default: Value | None) -> Result:
-        """Reads a value that was kept."""
+        """Reads a stored value."""
         value = self._run.values.get(name, default)
         if isinstance(value, str):
             return value.encode()

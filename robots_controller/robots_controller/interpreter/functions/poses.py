@@ -29,12 +29,12 @@ class Poses(Family):
         Argument('pose', kinds.POSE, '', 'pose seen from the one before it', repeated=True), returns=A_POSE
     )
     def compose(self, *poses: Sequence[float]) -> Result:
-        """Chains poses: the last one, seen from where the first one is seen from."""
+        """Chains poses: each one is relative to the one before it."""
         return (self._run.shown(reduce(matmul, map(self._run.view.pose, poses))),)
 
     @lua_function(Argument('pose', kinds.POSE, '', 'pose of a frame'), returns=A_POSE)
     def inverse(self, pose: Sequence[float]) -> Result:
-        """Inverts a pose: where it was seen from, seen from it."""
+        """Inverts a pose: a pose chained with its inverse is zero."""
         return (self._run.shown(self._run.view.pose(pose).inverse()),)
 
     @lua_function(

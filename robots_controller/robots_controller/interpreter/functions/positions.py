@@ -23,29 +23,29 @@ class Positions(Family):
 
     @lua_function(returns=JOINT_NUMBERS)
     def getJointAngles(self) -> Waiting:
-        """Reads where the joints are, in degrees, in metres for sliding axes."""
+        """Reads the joint positions, in degrees; in metres for sliding axes."""
         yield from self._run.waits.standstill()
         return (joints_to_program(self._run.cell.joint_position(), self._run.view.prismatic),)
 
     @lua_function(returns=JOINT_NUMBERS)
     def getJointSpeeds(self) -> Result:
-        """Reads how fast the joints move now, in degrees/s, in m/s for sliding axes; does not wait."""
+        """Reads the present joint speeds, in degrees/s, in m/s for sliding axes; does not wait."""
         return (joints_to_program(self._run.cell.joint_speeds(), self._run.view.prismatic),)
 
     @lua_function(returns=JOINT_NUMBERS)
     def getJointTorques(self) -> Result:
-        """Reads the torques of the motors now, at the joints, in N m (N); does not wait."""
+        """Reads the present motor torques at the joints, in N m (N); does not wait."""
         return (tuple(self._run.cell.joint_torques().tolist()),)
 
     @lua_function(returns=A_POSE)
     def getCartesianPosition(self) -> Waiting:
-        """Reads where the tool is, seen from the base: {x, y, z, phi1, phi2, phi3}."""
+        """Reads the pose of the tool in the base frame: {x, y, z, phi1, phi2, phi3}."""
         yield from self._run.waits.standstill()
         return (self._run.shown(self._run.tool_pose()),)
 
     @lua_function(_NAME)
     def teach(self, name: str) -> Waiting:
-        """Writes where the robot is to the points file under a name."""
+        """Stores the present position of the robot in the points file, under a name."""
         yield from self._run.waits.standstill()
         q = self._run.cell.joint_position()
         points = read_points(self._run.view.points_file, self._run.state.num_axes)

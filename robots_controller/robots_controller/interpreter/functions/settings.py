@@ -30,14 +30,14 @@ class Settings(Family):
 
     @lua_function(*FRAME)
     def setTool(self, *values: float) -> None:
-        """Sets the tool: its tip seen from the flange (tool0); poses are of the tip."""
+        """Sets the tool centre point, as a pose in tool0 (the flange); all poses are those of this point."""
         tool = self._run.view.pose(values)
         self._run.change(tool=_seven(tool))
         self._run.target.tool = tool
 
     @lua_function(*FRAME)
     def setBase(self, *values: float) -> None:
-        """Sets the base: a frame seen from the robot's base; poses are seen from it."""
+        """Sets the base frame, as a pose in the robot's own base; all poses are relative to it."""
         base = self._run.view.pose(values)
         self._run.change(base=_seven(base))
         self._run.target.base = base
@@ -51,9 +51,10 @@ class Settings(Family):
 
     @lua_function(Argument('hold', kinds.HOLD, '', f'one of {", ".join(HOLDS)}'))
     def setHold(self, hold: str) -> None:
-        """Sets what motions to poses hold; without it an arm holds what it can.
+        """Sets which part of a pose motions reach; the default depends on the number of axes.
 
-        Valid are 'pose', 'directions' (the position, and of the orientation what the arm can) and 'position'.
+        Valid are 'pose', 'position', and 'directions', which is the position and the part of the orientation
+        that the arm can hold.
         """
         self._run.change(hold=hold)
 
@@ -69,7 +70,7 @@ class Settings(Family):
 
     @lua_function(returns=('a table of 4 numbers', 'number[]'))
     def getPayload(self) -> Result:
-        """Reads what the flange carries: {mass, x, y, z}, kg and m."""
+        """Reads the payload: {mass, x, y, z}, kg and m."""
         payload: Any = self._run.settings.get('payload', self._run.cell.payload)
         return (tuple(payload[:4]),)
 
@@ -81,7 +82,7 @@ class Settings(Family):
         ),
     )
     def setPayload(self, *values: float | None) -> Waiting:
-        """Sets what the flange carries, when the robot stands; it counts in all torques."""
+        """Sets the payload, mass and centre of mass, when the robot stands; it counts in all torques."""
         payload = tuple(value or 0.0 for value in values)
         payload_of(payload)
         yield from self._run.waits.standstill()
@@ -90,7 +91,7 @@ class Settings(Family):
 
     @lua_function(Argument('value', kinds.SCALE, '', 'speed scale of all motions, 0 to 1, at once'))
     def setOverride(self, value: float) -> None:
-        """Scales the speed, also of the motion under way; 0 stands still."""
+        """Scales the speed of all motions, also of the one under way; at 0 the robot stands still."""
         self._run.state.overrides = np.full(self._run.state.num_axes, value)
         self._run.cell.set_override(value)
 
@@ -110,12 +111,12 @@ class Settings(Family):
 
     @lua_function(Argument('configuration', kinds.CONFIGURATION, '', "as 'front/up/no_flip'", optional=True))
     def setConfiguration(self, configuration: str | None) -> None:
-        """Chooses the configuration that joint motions to a pose end in; without one, the nearest."""
+        """Chooses the configuration in which joint motions reach a pose; without one, the nearest."""
         self._run.change(configuration=configuration or '')
 
     @lua_function(SWITCH)
     def setJerkLimited(self, value: float) -> None:
-        """Keeps the jerk limits of the axes on Cartesian motions and in blended chains too, or not."""
+        """Switches jerk limits on or off for Cartesian motions and blended chains."""
         self._run.change(jerk_limited=bool(value))
 
     @lua_function(*_speeds('acceleration', 's^2'))

@@ -16,10 +16,9 @@ class Tasks(Family):
         more=True,
     )
     def startTask(self, program: str, *_: Any) -> Result:
-        """Runs a program beside this one, until it ends.
+        """Runs a program beside this one, with the same globals and further arguments as `...`.
 
-        It has the same globals, and further arguments as `...`, for all that neither moves the robot nor
-        sets what holds for motions.
+        It neither moves the robot nor changes motion settings.
         """
         name, text = self._run.subprogram(program)
         with self._run.state.condition:

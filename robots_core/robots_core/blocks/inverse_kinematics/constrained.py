@@ -28,7 +28,7 @@ NO_TWIST = np.zeros(6)
 class ConstrainedInverseKinematics:
     """Joint motion that follows a reference pose as closely as all limits of the axes allow.
 
-    In every period dt the velocities w that the axes have at its end minimise
+    In every period dt the velocities w that the axes have at its end minimise::
 
         |W (J w - V - k e)|^2 + rho |w - p|^2
 

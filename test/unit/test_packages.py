@@ -1,0 +1,47 @@
+"""What the ROS packages declare is what they are."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ('robots_core', 'robots_models', 'robots_planning', 'robots_controller')
+OURS = re.compile(
+    r'robots_\w+|rclpy|launch|launch_ros|ament_index_python|rosidl_generator_py|\w+_(msgs|srvs|interfaces)'
+)
+"""Modules that are ROS packages by the same name."""
+IMPORT = re.compile(r'^\s*(?:from|import) (\w+)', re.MULTILINE)
+OPTIONAL = {'control_msgs', 'tf2_msgs'}
+
+
+def manifest(package: str) -> ET.Element:
+    return ET.parse(ROOT / package / 'package.xml').getroot()  # noqa: S314  # our own file
+
+
+@pytest.mark.parametrize('package', PACKAGES)
+def test_the_licence_is_in_the_package(package: str) -> None:
+    licence = manifest(package).find('license')
+    assert licence is not None
+    assert licence.text == 'Apache-2.0'
+    assert (ROOT / package / licence.get('file', '')).read_bytes() == (ROOT / 'LICENSE').read_bytes()
+    setup = (ROOT / package / 'setup.py').read_text()
+    assert "'LICENSE'" in setup
+    assert "license='Apache-2.0'" in setup
+
+
+@pytest.mark.parametrize('package', PACKAGES)
+def test_the_version_is_that_of_the_setup(package: str) -> None:
+    (version,) = re.findall(r"version='(.*)'", (ROOT / package / 'setup.py').read_text())
+    assert manifest(package).findtext('version') == version
+
+
+@pytest.mark.parametrize('package', PACKAGES)
+def test_what_is_imported_from_ros_is_declared(package: str) -> None:
+    declared = {depend.text for depend in manifest(package).iter('exec_depend')}
+    files = [*(ROOT / package / package).rglob('*.py'), *(ROOT / package).glob('launch/*.py')]
+    imported = {name for file in files for name in IMPORT.findall(file.read_text())}
+    assert {name for name in imported if OURS.fullmatch(name)} - OPTIONAL - {package} <= declared
