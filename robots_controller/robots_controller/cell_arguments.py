@@ -92,7 +92,7 @@ def _payload(text: str) -> tuple[float, ...]:
 
 
 def take_from_program(options: argparse.Namespace) -> None:
-    """Take the robot, scene and io that were not given from the program; `options.note` is for a person.
+    """Take what of its cell was not given from the program; `options.note` is for a person.
 
     Raises:
         RobotsError: a program that does not exist.
@@ -102,8 +102,10 @@ def take_from_program(options: argparse.Namespace) -> None:
         if not Path(options.program).is_file():
             raise RobotsError(f'program {options.program!r} not found; programs are Lua files, see programs/')
         header = read_program_header(options.program)
-    chosen = header.replaced_by(robot=options.robot, scene=options.scene, io=options.io)
-    options.robot, options.scene, options.io = chosen.robot, chosen.scene, chosen.io
+    own = {name: getattr(options, name) for name in ('robot', 'scene', 'io', 'references')}
+    chosen = header.replaced_by(**own)
+    for name in own:
+        setattr(options, name, getattr(chosen, name))
     options.note = header.note(options.program, chosen.robot)
 
 

@@ -34,7 +34,12 @@ class Runs:
 def check_both_cells(lockstep: LockstepRun, drive: str, bag: Path, **options: Any) -> None:
     """Simulate what has run in lock-step, into a bag and with these options, and compare."""
     header = read_program_header(lockstep.program)
-    options |= {'robot': header.robot, 'scene': header.scene, 'io': header.io}
+    options |= {
+        'robot': header.robot,
+        'scene': header.scene,
+        'io': header.io,
+        'references': header.references,
+    }
     run = simulate(lockstep.program, drive=drive, rate=lockstep.rate, bag=bag, **options)
     assert lockstep.returncode == (0 if run.ok else 1), lockstep.text
     runs = Runs(lockstep, run, read_bag(lockstep.bag), read_bag(bag))

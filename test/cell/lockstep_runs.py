@@ -26,6 +26,8 @@ SHORTENED = {
         'ROWS, COLUMNS, LAYERS, GAP = 2, 2, 2,': 'ROWS, COLUMNS, LAYERS, GAP = 1, 2, 1,',
         'PALLET = {1.20, -1.30, 0.10,': 'PALLET = {1.20, -0.60, 0.10,',
     },
+    # Its first seconds, in which the car speeds up.
+    'motion_simulator.lua': {'TIME = 26': 'TIME = 3'},
     'press_tending.lua': {
         'PATIENCE = 2, 10': 'PATIENCE = 1, 10',
         'FEEDER = {0.30, 1.60, 0.70, 90,': 'FEEDER = {1.60, 0.80, 0.70, 30,',

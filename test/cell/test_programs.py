@@ -188,6 +188,26 @@ def test_rover_placement(lockstep_runs: LockstepRuns) -> None:
     ]
 
 
+def test_motion_simulator(lockstep_runs: LockstepRuns) -> None:
+    run = run_program(lockstep_runs, 'motion_simulator.lua', 'kuka_kr500_r2830')
+    middle, back = run.motions
+    references = read_messages(lockstep_runs.run('motion_simulator.lua').bag, ['/reference_pose'])
+    wanted = [(sent, message.pose) for sent, message in references['/reference_pose']]
+    start = wanted[0][0]
+    assert middle.end <= start < back.start
+    # Until the program takes the robot back.
+    wanted = [(sent, pose) for sent, pose in wanted if sent < start + 2.9]
+    time = np.array([sent for sent, _ in run.bag['/joint_reference']])
+    ways = []
+    for sent, pose in wanted[:: round(0.1 * 250.0)]:
+        r, _ = run.robot.direct_kinematics(run.references.position[np.searchsorted(time, sent)])
+        ways.append((r[0] - 1.6, pose.position.x - 1.6))
+    given, asked = np.array(ways).T
+    # While the car speeds up the cabin moves forward, and the robot is some periods behind it.
+    assert asked.max() > 0.02
+    np.testing.assert_allclose(given, asked, atol=5e-3)
+
+
 def test_all_programs_are_run_by_some_test(request: Any) -> None:
     folder = Path(request.path).parent
     tests = '\n'.join(file.read_text() for file in folder.glob('test_*.py'))

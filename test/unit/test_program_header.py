@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from robots_controller.cell.guide_recording import read_guide_recording
 from robots_controller.io.plc_script import read_plc_script
 from robots_controller.program.program_header import ProgramHeader, read_program_header
 from robots_controller.program_check.check_program import main as check_program
@@ -41,15 +42,19 @@ def test_only_a_line_of_the_first_comment_says_it(tmp_path: Path, text: str, rob
 
 
 def test_files_are_seen_from_the_program_s_folder(tmp_path: Path):
-    header = header_of(tmp_path, '-- Robot: ur5e  Scene: scenes/car.yaml\n-- IO: /plc.yaml\n')
-    assert header == ProgramHeader('ur5e', str(tmp_path / 'scenes/car.yaml'), '/plc.yaml')
+    header = header_of(
+        tmp_path, '-- Robot: ur5e  Scene: scenes/car.yaml\n-- IO: /plc.yaml  References: drive\n'
+    )
+    assert header == ProgramHeader(
+        'ur5e', str(tmp_path / 'scenes/car.yaml'), '/plc.yaml', str(tmp_path / 'drive')
+    )
 
 
 def test_what_is_given_takes_its_place():
     header = ProgramHeader('ur5e', 'own.yaml', 'plc.yaml')
     assert header.replaced_by() == header
-    assert header.replaced_by(robot='ur10e', scene='other.yaml') == ProgramHeader(
-        'ur10e', 'other.yaml', 'plc.yaml'
+    assert header.replaced_by(robot='ur10e', scene='other.yaml', references='bag') == ProgramHeader(
+        'ur10e', 'other.yaml', 'plc.yaml', 'bag'
     )
 
 
@@ -68,6 +73,8 @@ def test_programs_name_their_cell_and_fit_it(program: Path, capsys: pytest.Captu
         read_scene(header.scene)
     if header.io:
         read_plc_script(header.io)
+    if header.references:
+        read_guide_recording(header.references, load_robot_model(header.robot).axes_data.names)
     assert bool(header.io) == (program.parent / 'io' / f'{program.stem}.yaml').is_file()
     assert check_program([str(program)]) == 0, capsys.readouterr().out
 

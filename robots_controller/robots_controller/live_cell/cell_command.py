@@ -59,7 +59,7 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     """
     parser = argparse.ArgumentParser(prog='cell', description=__doc__)
     parser.add_argument(
-        '--program', default='', help='Lua robot program to run; its header can name robot, scene and io'
+        '--program', default='', help='Lua robot program to run; its header can name its robot and files'
     )
     parser.add_argument('--namespace', default='/', help='ROS namespace of all nodes')
     add_cell_arguments(parser)

@@ -9,27 +9,35 @@ from typing import Final
 
 from robots_controller.interpreter.lua_source import read_source
 
-_ENTRY: Final = re.compile(r'(Robot|Scene|IO): (\S+)\s*')
+_ENTRY: Final = re.compile(r'(Robot|Scene|IO|References): (\S+)\s*')
 _LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
 
 
 @dataclass(frozen=True)
 class ProgramHeader:
-    """The cell of a program, from a line of its first comment: `-- Robot: NAME  Scene: FILE  IO: FILE`.
+    """The cell of a program, from lines of its first comment.
+
+    `-- Robot: NAME  Scene: FILE  IO: FILE  References: BAG`, all or some, in one line or several.
 
     Attributes:
         robot: The robot's name; '' where nothing is said.
         scene: What the robot keeps clear of (YAML); '' for nothing.
         io: Script of the PLC that the program works with (YAML); '' for none.
+        references: Recording of what guides the robot (see `read_guide_recording`); '' for none.
     """
 
     robot: str = ''
     scene: str = ''
     io: str = ''
+    references: str = ''
 
-    def replaced_by(self, *, robot: str = '', scene: str = '', io: str = '') -> ProgramHeader:
+    def replaced_by(
+        self, *, robot: str = '', scene: str = '', io: str = '', references: str = ''
+    ) -> ProgramHeader:
         """The same with all that is given in the place of its own."""
-        return ProgramHeader(robot or self.robot, scene or self.scene, io or self.io)
+        return ProgramHeader(
+            robot or self.robot, scene or self.scene, io or self.io, references or self.references
+        )
 
     def note(self, program: Path | str, robot: str) -> str:
         """A note for a person who runs the program on a robot; '' if it is the program's own."""
@@ -55,5 +63,5 @@ def read_program_header(program: Path | str) -> ProgramHeader:
         if _LINE.fullmatch(line):
             found |= {key.lower(): value for key, value in _ENTRY.findall(line)}
     folder = source.path.resolve().parent
-    scene, io = (str(folder / found[key]) if key in found else '' for key in ('scene', 'io'))
-    return ProgramHeader(found.get('robot', ''), scene, io)
+    files = {key: str(folder / found[key]) for key in ('scene', 'io', 'references') if key in found}
+    return ProgramHeader(robot=found.get('robot', ''), **files)

@@ -39,7 +39,7 @@ class SimulatedGuide:
         planner: Of the robot's motions.
         method: Inverse kinematics that follows poses, one of `METHODS`.
         on_message: A message has come; with its type.
-        on_point: A point goes to the controller, and there is this time between two, s; returns its id.
+        on_point: A point is sent to the controller at a time, with a time between two, ns; returns its id.
 
     Raises:
         RobotsError: an unknown method, or one that the robot has not.
@@ -54,7 +54,7 @@ class SimulatedGuide:
         *,
         method: str,
         on_message: Callable[[GuidingMessage, str], None],
-        on_point: Callable[[StreamPoint, float], str],
+        on_point: Callable[[StreamPoint, int, int], str],
     ) -> None:
         self._control, self._planner = control, planner
         self._on_message, self._on_point = on_message, on_point
@@ -96,6 +96,8 @@ class SimulatedGuide:
                     f'a simulation has no {MISSING[guide]}; --references names a recording of one'
                 )
             return
+        if self._replay.start is None:
+            self._sensor_times.begin(nanoseconds + 1)  # of this instant, guidance has had its turn
         self._replay.hand_over(guide, nanoseconds)
         self._sensor.hand_over(handed_over=guide is Guide.SENSOR)
         self._jogging.use_tool(self._planner.settings.tool_pose, self._planner.settings.hold)
@@ -106,10 +108,12 @@ class SimulatedGuide:
         replay = self._replay
         if replay is None or replay.start is None or self._control.controller.reference is None:
             return
-        self._take_messages(replay, nanoseconds)
         for time in self._sensor_times.due(nanoseconds):
+            # As nodes do: a step does not use what comes after it, however rare the controller's periods are.
+            self._take_messages(replay, time)
             self._heard = False
             self._send(self._sensor.step(time / NANOSECONDS), time, SENSOR_PERIOD)
+        self._take_messages(replay, nanoseconds)
         if self._jogging.active:
             for time in self._jog_times.due(nanoseconds):
                 step = self._jogging.step(time / NANOSECONDS)
@@ -152,4 +156,4 @@ class SimulatedGuide:
         if step is not None:
             due = (time + period) / NANOSECONDS
             point = StreamPoint(step.q, step.q_dot, step.q_ddot, due)
-            self._control.stream(point, self._on_point(point, period / NANOSECONDS))
+            self._control.stream(point, self._on_point(point, time, period))

@@ -22,6 +22,11 @@ from .inverse_kinematics.damped_least_squares import DampedLeastSquares as Dampe
 from .inverse_kinematics.ik_result import IkBatch as IkBatch
 from .inverse_kinematics.ik_result import IkResult as IkResult
 from .inverse_kinematics.redundancy import Redundancy as Redundancy
+from .motion_cueing.cabin_envelope import CabinEnvelope as CabinEnvelope
+from .motion_cueing.motion_cueing import CueingStep as CueingStep
+from .motion_cueing.motion_cueing import MotionCueing as MotionCueing
+from .motion_cueing.vehicle_motion import VehicleMotion as VehicleMotion
+from .motion_cueing.washout_settings import WashoutSettings as WashoutSettings
 from .multibody.base_motion import BaseMotion as BaseMotion
 from .multibody.free_floating import FreeFloatingRobot as FreeFloatingRobot
 from .multibody.free_floating_dynamics import FreeFloatingDynamics as FreeFloatingDynamics

@@ -243,15 +243,15 @@ class CellLog:
             self._bag.write_serialized(message.topic, type_name, self._clock.nanoseconds, message.data)
             self._cost.switch(before)
 
-    def streamed(self, point: StreamPoint, period: float) -> str:
-        """A point, `period` (s) before the next one, goes to the controller; returns its id."""
-        stamp = self._clock.stamp
+    def streamed(self, point: StreamPoint, sent: int, period: int) -> str:
+        """A point was sent to the controller at `sent`, `period` before the next one (ns); returns its id."""
         if self._bag is not None:
-            after = round(ros.NANOSECONDS * period)
-            row = (after, point.position, point.velocity, point.acceleration)
-            message = ros.joint_trajectory(stamp, self._joints, [row])
-            self._write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', message)
-        return ros.id_of(stamp)
+            before = self._cost.switch('recording')
+            row = (period, point.position, point.velocity, point.acceleration)
+            message = ros.joint_trajectory(sent, self._joints, [row])
+            self._bag.write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', sent - START, message)
+            self._cost.switch(before)
+        return ros.id_of(sent)
 
     def progress(self, progress: float) -> None:
         """Done part of the current path."""
