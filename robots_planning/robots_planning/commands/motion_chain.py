@@ -21,9 +21,9 @@ from robots_planning.paths.blending import Measure, blend_with_corners, joint_di
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.planner_choice import planner_for
 from robots_planning.timing.path_start import PathStart, Smoothing
-from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits
+from robots_planning.timing.time_optimal import TimeOptimalTiming
 from robots_planning.timing.timed_path import TimedPath
-from robots_planning.timing.tool_limits import chain_limits
+from robots_planning.timing.tool_limits import PathLimits, chain_limits
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 
@@ -189,7 +189,7 @@ class MotionChain:
         )
         return blend_with_corners(paths, zones, measures=measures)
 
-    def _limits(self, commands: tuple[QueuedCommand, ...], path: JointPath, corners: Array) -> ToolLimits:
+    def _limits(self, commands: tuple[QueuedCommand, ...], path: JointPath, corners: Array) -> PathLimits:
         sections = [(command.settings, command.kind.cartesian) for command in commands]
         return chain_limits(self._robot, path, corners, sections)
 
