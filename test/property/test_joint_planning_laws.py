@@ -161,10 +161,10 @@ def test_every_axis_is_as_early_as_ruckig_knows(
     generator = LinearJointAxes(robot)
     expected = ruckig_durations(robot, np.array([q, 0.0 * q, 0.0 * q]), goal)
     found = arrivals(generator.generate(q, goal))
-    # Plans stay 1e-4 inside the limits; switches of jerk are put on common ticks, at most four of them later
-    # (of a move shorter than they, each of its three windows is one, and one is two).
+    # Moving a switch by `shortest` can cost an axis a part of its jerk, and a third of that part of its time;
+    # a move shorter than nine such pieces takes them.
     assert (found >= expected - 2e-9).all()
-    assert (found <= expected * (1.0 + 1.5e-4) + 4.0e-9 * generator.shortest).all()
+    assert (found <= 1.01 * expected + 9.0e-9 * generator.shortest).all()
 
 
 @pytest.mark.parametrize('name', ['kuka_kr210_r2700', 'bello_bot'])
