@@ -92,46 +92,28 @@ class JointSpaceGenerator(TrajectoryGenerator):
         configuration = known_configuration(settings.configuration)
         return super().from_settings(robot, settings, configuration=configuration, **options)
 
-    def generate(
-        self,
-        q_start: ArrayLike,
-        target: Target,
-        *,
-        q_dot_start: ArrayLike | None = None,
-        q_ddot_start: ArrayLike | None = None,
-    ) -> Trajectory:
-        """Plan a motion to rest, from rest or from any motion inside the limits.
+    def _plan(self, start: Array, target: Target) -> Trajectory:
+        return self.plan_to_joints(start, self.goal(start, target))
 
-        Args:
-            q_start: Joint positions to start from, (n,), rad (m).
-            target: Pose of the tool in the base frame, or joint positions (n,), rad (m).
-            q_dot_start: Joint velocities at the start, (n,), rad/s; rest by default.
-            q_ddot_start: Joint accelerations at the start, (n,), rad/s^2; zero by default.
+    def generate_moving(self, motion: tuple[ArrayLike, ArrayLike, ArrayLike], target: Target) -> Trajectory:
+        """See `TrajectoryGenerator.generate_moving`.
 
         Raises:
-            JointLimitError: start or target outside the axis limits.
-            UnreachablePoseError: no joint positions inside the limits reach the pose.
-            PlanningError: an axis moves so fast at the start that it cannot stop before its limit.
+            PlanningError: an axis moves so fast at the start that it cannot stop before its limit; or as
+                `generate`.
             InvalidInputError: wrong shapes, NaN or infinity, or a start that moves above a limit.
         """
         axes = self.robot.axes_data
-        start = axes.check_position(q_start, 'q_start')
+        start = axes.check_position(motion[0], 'q_start')
         goal = self.goal(start, target)
-        if q_dot_start is not None or q_ddot_start is not None:
-            still = np.zeros(axes.num_axes)
-            q_dot = still if q_dot_start is None else finite_vector(q_dot_start, still.size, 'q_dot_start')
-            q_ddot = (
-                still if q_ddot_start is None else finite_vector(q_ddot_start, still.size, 'q_ddot_start')
-            )
-            if q_dot.any() or q_ddot.any():
-                check_start_motion(axes, start, q_dot, q_ddot)
-                return self._from_motion(np.array([start, q_dot, q_ddot]), goal)
-        return self.plan_to_joints(start, goal)
-
-    def generate_moving(self, motion: tuple[ArrayLike, ArrayLike, ArrayLike], target: Target) -> Trajectory:
-        """See `TrajectoryGenerator.generate_moving`."""
-        q, q_dot, q_ddot = motion
-        return self.generate(q, target, q_dot_start=q_dot, q_ddot_start=q_ddot)
+        q_dot, q_ddot = (
+            finite_vector(values, axes.num_axes, name)
+            for values, name in zip(motion[1:], ('q_dot_start', 'q_ddot_start'), strict=True)
+        )
+        if not q_dot.any() and not q_ddot.any():
+            return self.plan_to_joints(start, goal)
+        check_start_motion(axes, start, q_dot, q_ddot)
+        return self._from_motion(np.array([start, q_dot, q_ddot]), goal)
 
     def joint_path(self, start: Array, target: Target) -> JointPath:
         """See `TrajectoryGenerator.joint_path`."""
