@@ -201,9 +201,7 @@ def on_common_switches(
                 while k < pieces - 1 and ends[i, k + 1] < together[row]:
                     k += 1
                 h, j = (together[row] - together[row - 1]) * NANOSECOND, corrected[i, k]
-                p += h * (v + h * (0.5 * a + h * j / 6.0))
-                v += h * (a + 0.5 * h * j)
-                a += h * j
+                p, v, a = _moved(p, v, a, j, h)
                 last = row
             q[row, i], q_dot[row, i], q_ddot[row, i] = state[0, i] + p, v, a
         if last == 0:  # at rest at its target
@@ -282,9 +280,7 @@ def _correct(ends: Instants, durations: Array, jerks: Array, state: Array, targe
                 e[row] = -a
                 row += 1
             j = jerks[k]
-            p += h * (v + h * (0.5 * a + h * j / 6.0))
-            v += h * (a + 0.5 * h * j)
-            a += h * j
+            p, v, a = _moved(p, v, a, j, h)
             C[0, k] = h**3 / 6.0 + 0.5 * h * h * rest + 0.5 * h * rest * rest
             C[1, k] = 0.5 * h * h + h * rest
             C[2, k] = h
@@ -327,18 +323,22 @@ def _keeps(
             inner[0] = -v / a
         for t in (inner[0], inner[1], inner[2], h):
             if 0.0 < t <= h:
-                position = q + t * (v + t * (0.5 * a + t * j / 6.0))
+                position, speed, _ = _moved(q, v, a, j, t)
                 if not lower - LIMIT_TOLERANCE <= position <= upper + LIMIT_TOLERANCE:
                     return LEAVES_RANGE
-                if abs(v + t * (a + 0.5 * t * j)) > fastest:
+                if abs(speed) > fastest:
                     # An axis that accelerates towards its velocity limit needs all of its jerk.
                     status = LEAVES_RANGE if rising > NEARLY * allowed[0] else BREAKS_LIMIT
-        q += h * (v + h * (0.5 * a + h * j / 6.0))
-        v += h * (a + 0.5 * h * j)
-        a += h * j
+        q, v, a = _moved(q, v, a, j, h)
         if abs(a) > strongest * (1.0 + 1e-12):
             status = BREAKS_LIMIT
     return status
+
+
+@compiled()
+def _moved(p: float, v: float, a: float, j: float, h: float) -> tuple[float, float, float]:
+    """Position, velocity and acceleration after a time h of constant jerk j."""
+    return p + h * (v + h * (0.5 * a + h * j / 6.0)), v + h * (a + 0.5 * h * j), a + h * j
 
 
 @compiled()
