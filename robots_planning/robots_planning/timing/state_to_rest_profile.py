@@ -20,8 +20,8 @@ JERK_PARTS = (1.0, 0.998, 0.995, 0.99, 0.98, 0.96, 0.93, 0.8, 0.6)
 # Motions too short for that are divided into equal pieces, of these multiples of the shortest length.
 EVEN_PIECES = (1, 2, 4, 8, 16, 32, 64)
 NO_JERK = 1e-30  # initial jerk of these pieces; 0 would mark them as cruising
-# Smallest fraction of the velocity and acceleration limits.
-SMALLEST_PART = 0.95
+# The part by which velocity and acceleration limits are lowered with that of the jerk.
+LOWERED = 0.2
 NEARLY = 0.9  # of the velocity limit, reached by the acceleration at the start alone
 WEIGHT_OF_PLATEAUS = 1e-3
 # Of the jerk limit (of the acceleration limit for an urgent axis), for removing the residual at the end.
@@ -126,7 +126,7 @@ class StateToRestProfile:
         command.current_position, command.current_velocity, command.current_acceleration = state.tolist()
         command.target_position = target.tolist()
         parts = np.array([JERK_PARTS[min(level, len(JERK_PARTS) - 1)] for level in slower])
-        reached = np.maximum(parts, SMALLEST_PART)
+        reached = 1.0 - LOWERED * (1.0 - parts)
         command.max_velocity = (limits[0] * reached).tolist()
         command.max_acceleration = (limits[1] * reached).tolist()
         command.max_jerk = (limits[2] * parts).tolist()

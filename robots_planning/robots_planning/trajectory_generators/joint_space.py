@@ -32,6 +32,7 @@ from robots_planning.trajectory_generators.base import (
     rest_trajectory,
 )
 from robots_planning.trajectory_generators.braking import check_start_motion
+from robots_planning.verification import LONGEST_MOTION
 
 SHORTEST_MOVE = 1e-9  # rad (m) of the axis that moves most; shorter ones are rounding of the target
 TURN = 2.0 * np.pi
@@ -181,7 +182,16 @@ class JointSpaceGenerator(TrajectoryGenerator):
         """See `TrajectoryGenerator.plan_to_joints`."""
         if max(map(abs, (target - start).tolist())) < SHORTEST_MOVE:
             return rest_trajectory(start, target)
-        points = self._from_rest(start, target)
+        least = float((np.abs(target - start) / self.velocity).max())
+        if least > LONGEST_MOTION:
+            raise InvalidInputError(
+                f'the motion takes {least:.6g} s or more; allowed are {LONGEST_MOTION:g} s'
+            )
+        try:
+            points = self._from_rest(start, target)
+        except NoProfileError as error:
+            still = np.zeros_like(start)
+            raise self._no_motion(error.axis, np.array([start, still, still]), target) from None
         for values in points:
             values.flags.writeable = False  # new arrays, which the trajectory takes without a copy
         return Trajectory(*points)

@@ -6,7 +6,7 @@ import numpy as np
 from ruckig import Synchronization
 
 from robots_core.validation import Array
-from robots_planning.timing.state_to_rest_profile import StateToRestProfile
+from robots_planning.timing.state_to_rest_profile import NoProfileError, StateToRestProfile
 from robots_planning.trajectory_generators.joint_space import JointSpaceGenerator
 
 
@@ -32,9 +32,12 @@ class LinearJoint(JointSpaceGenerator):
                 (values / np.abs(direction)).min(axis=1, keepdims=True)
                 for values in (self._limits, self._allowed)
             )
-        time, s, s_dot, s_ddot = self._line.plan(
-            np.zeros((3, 1)), np.array([longest]), limits, allowed, allowed
-        )
+        try:
+            time, s, s_dot, s_ddot = self._line.plan(
+                np.zeros((3, 1)), np.array([longest]), limits, allowed, allowed
+            )
+        except NoProfileError:
+            raise NoProfileError(int(np.argmax(np.abs(direction)))) from None
         q = start + s * direction
         q[-1] = target
         return time, q, s_dot * direction, s_ddot * direction
