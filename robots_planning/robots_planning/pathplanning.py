@@ -1,9 +1,9 @@
 """PathPlanning: switches between the planners by the kind of motion."""
 
 import contextlib
-from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -76,8 +76,8 @@ class PathPlanning:
         collision_margin: float = 0.0,
     ) -> None:
         self.robot = robot
-        self._loaded: dict[tuple[float, ...], BaseRobotModel] = {}
-        self._generators: OrderedDict[object, TrajectoryGenerator] = OrderedDict()
+        self._loaded = lru_cache(MOST_GENERATORS)(partial(loaded_robot, robot))
+        self._generators = lru_cache(MOST_GENERATORS)(self._make)
         self.collision = collision
         self.collision_margin = checked_margin(collision_margin)
         self._zones: ZoneDetection | None = None
@@ -244,11 +244,7 @@ class PathPlanning:
         Raises:
             InvalidInputError: the robot's dynamics are not those of its bodies, so that none can be added.
         """
-        if settings.payload not in self._loaded:
-            if len(self._loaded) >= MOST_GENERATORS:
-                self._loaded.clear()
-            self._loaded[settings.payload] = loaded_robot(self.robot, settings.payload)
-        return self._loaded[settings.payload]
+        return self._loaded(settings.payload)
 
     def generator(self, kind: MotionKind, settings: MotionSettings) -> TrajectoryGenerator:
         """The planner of a kind of motion; made once for the same settings.
@@ -256,13 +252,7 @@ class PathPlanning:
         Raises:
             InvalidInputError: settings that the robot or the planner cannot keep.
         """
-        key = (kind, settings)
-        if key not in self._generators:
-            self._generators[key] = self._make(kind, settings)
-            if len(self._generators) > MOST_GENERATORS:
-                self._generators.popitem(last=False)
-        self._generators.move_to_end(key)
-        return self._generators[key]
+        return self._generators(kind, settings)
 
     def _make(self, kind: MotionKind, settings: MotionSettings) -> TrajectoryGenerator:
         planner = planner_for(kind, settings)

@@ -47,7 +47,8 @@ def joint_motions() -> None:
     robot, start = robot_in_use(), _start()
     for joint_planner in (LinearJoint, LinearJointAxes):
         joint_planner(robot).generate(start, robot.home)
-        joint_planner(robot).generate(start, robot.home, q_dot_start=STEP * robot.axes_data.velocity)
+        slow = STEP * robot.axes_data.velocity
+        joint_planner(robot).generate_moving((start, slow, 0.0 * slow), robot.home)
 
 
 def lines_at_limited_speed() -> None:

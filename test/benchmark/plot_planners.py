@@ -89,7 +89,7 @@ def pictures(robot: BaseRobotModel) -> list[Picture]:
         Picture(
             'linear_joint_from_motion',
             'LinearJoint, a new target while the robot moves',
-            LinearJoint(robot).generate(state[0], q, q_dot_start=state[1], q_ddot_start=state[2]),
+            LinearJoint(robot).generate_moving((state[0], state[1], state[2]), q),
             jerk,
         ),
         Picture(

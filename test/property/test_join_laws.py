@@ -64,7 +64,7 @@ def test_references_stay_inside_limits_through_every_join(
         if controller.state is ControllerState.HOLDING or join_time >= trajectory.duration:
             break
         q, q_dot, q_ddot = trajectory.sample(join_time)
-        following = generator.generate(q, goal, q_dot_start=q_dot, q_ddot_start=q_ddot)
+        following = generator.generate_moving((q, q_dot, q_ddot), goal)
         controller.follow(following, str(number), now, join_time=join_time)
         trajectory, joined = following, number
         # Until it has taken the place of the one before, progress counts on that one.

@@ -47,7 +47,9 @@ def test_joint_lines_are_blended_within_zones_and_untouched_outside(
     points = np.array(corners)
     if np.abs(np.diff(points, axis=0)).max(axis=1).min() < 0.01:
         return
-    path = blend([straight(a, b) for a, b in pairwise(points)], [zone] * (len(points) - 2))
+    path, _ = blend(
+        [straight(a, b) for a, b in pairwise(points)], [(zone, joint_distance)] * (len(points) - 2)
+    )
     np.testing.assert_array_equal(path.q[0], points[0])
     np.testing.assert_allclose(path.q[-1], points[-1], atol=1e-12)
     check_smooth(path)
@@ -75,7 +77,7 @@ def test_tool_lines_are_blended_within_metres() -> None:
     def distance(a: Array, b: Array) -> float:
         return float(np.linalg.norm(kinematics.pose(a).r - kinematics.pose(b).r))
 
-    path = blend([first, second], [0.03], measure=distance)
+    path, _ = blend([first, second], [(0.03, distance)])
     check_smooth(path)
     rounded = 0
     for sample in path.evaluate(np.linspace(0.0, 1.0, 501))[0]:
@@ -98,8 +100,8 @@ def test_bad_input_is_refused() -> None:
     with pytest.raises(InvalidInputError, match='at least 1 path'):
         blend([], [])
     with pytest.raises(InvalidInputError, match=r'zones\[0\] = 0.0'):
-        blend(paths, [0.0])
+        blend(paths, [(0.0, joint_distance)])
     with pytest.raises(InvalidInputError, match='path 1 begins 1 rad from where path 0 ends'):
-        blend([paths[0], straight(c, a)], [0.1])
-    alone = blend([paths[0]], [])
+        blend([paths[0], straight(c, a)], [(0.1, joint_distance)])
+    alone, _ = blend([paths[0]], [])
     np.testing.assert_allclose(alone.evaluate(np.array([0.3]))[0], [[0.3, 0.3]], atol=1e-15)

@@ -185,8 +185,3 @@ def test_bad_input_is_refused(robot: BaseRobotModel) -> None:
 def test_options_must_be_positive(kuka: BaseRobotModel, option: str, value: float) -> None:
     with pytest.raises(InvalidInputError, match=option):
         LinearCartesianLimited(kuka, **{option: value})
-
-
-def test_a_jerk_limit_of_the_tool_needs_the_two_passes(kuka: BaseRobotModel) -> None:
-    with pytest.raises(InvalidInputError, match=r"cartesian_jerk = 5\.0 needs planner 'limited'"):
-        LinearCartesianLimited(kuka, planner='dynamic_programming', cartesian_jerk=5.0)

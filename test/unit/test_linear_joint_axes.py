@@ -125,7 +125,7 @@ def test_a_stop_from_motion_to_where_it_stands(
     robot: BaseRobotModel, planner: type[JointSpaceGenerator]
 ) -> None:
     q_dot = 0.5 * robot.axes_data.velocity
-    trajectory = planner(robot).generate(robot.home, robot.home, q_dot_start=q_dot)
+    trajectory = planner(robot).generate_moving((robot.home, q_dot, 0.0 * q_dot), robot.home)
     np.testing.assert_array_equal(trajectory.position[[0, -1]], np.stack([robot.home, robot.home]))
     np.testing.assert_array_equal(trajectory.velocity[0], q_dot)
 
@@ -137,9 +137,10 @@ def test_from_motion_axes_arrive_together_or_on_their_own(robot: BaseRobotModel)
     def last_motion(trajectory: Trajectory) -> np.ndarray:
         return np.array([trajectory.time[np.flatnonzero(v)[-1] + 1] for v in trajectory.velocity.T])
 
-    together = last_motion(LinearJoint(robot).generate(robot.home, goal, q_dot_start=q_dot))
+    motion = robot.home, q_dot, 0.0 * q_dot
+    together = last_motion(LinearJoint(robot).generate_moving(motion, goal))
     np.testing.assert_allclose(together, together[0], atol=1e-12)
-    alone = last_motion(LinearJointAxes(robot).generate(robot.home, goal, q_dot_start=q_dot))
+    alone = last_motion(LinearJointAxes(robot).generate_moving(motion, goal))
     assert alone.min() < 0.7 * alone.max()
 
 
@@ -152,16 +153,16 @@ def test_impossible_starts_are_refused_by_name(
     fast, strong = still.copy(), still.copy()
     fast[2], strong[2] = 1.01 * axes.velocity[2], -1.01 * axes.acceleration[2]
     with pytest.raises(InvalidInputError, match=f'q_dot_start of {axes.names[2]}'):
-        generator.generate(start, start, q_dot_start=fast)
+        generator.generate_moving((start, fast, still), start)
     with pytest.raises(InvalidInputError, match=f'q_ddot_start of {axes.names[2]}'):
-        generator.generate(start, start, q_ddot_start=strong)
+        generator.generate_moving((start, still, strong), start)
     with pytest.raises(PlanningError, match='before its acceleration can end'):
-        generator.generate(start, start, q_dot_start=0.99 * fast, q_ddot_start=-0.9 * strong)
+        generator.generate_moving((start, 0.99 * fast, -0.9 * strong), start)
     start[2], fast[2] = axes.upper[2] - 0.01, 0.9 * axes.velocity[2]
     with pytest.raises(PlanningError, match=f'{axes.names[2]} .* cannot stop before its limit') as caught:
-        generator.generate(start, robot.home, q_dot_start=fast)
+        generator.generate_moving((start, fast, still), robot.home)
     assert float(caught.value.details['value']) > axes.upper[2]
     with pytest.raises(InvalidInputError, match='nan'):
-        generator.generate(robot.home, robot.home, q_dot_start=np.full(robot.num_axes, np.nan))
+        generator.generate_moving((robot.home, np.full(robot.num_axes, np.nan), still), robot.home)
     with pytest.raises(InvalidInputError, match='shape'):
-        generator.generate(robot.home, robot.home, q_ddot_start=[0.0])
+        generator.generate_moving((robot.home, still, [0.0]), robot.home)

@@ -7,6 +7,7 @@ import pytest
 
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.paths.reparametrised_path import ReparametrisedPath
+from robots_planning.timing.tool_limits import LimitedRates
 
 VELOCITY, ACCELERATION = np.array([2.0, 3.0]), np.array([10.0, 8.0])
 STEP = 1e-6
@@ -60,8 +61,10 @@ def test_axes_move_evenly_however_fast_they_turn_over_s(path: JointPath) -> None
 def test_derivatives_of_others_follow(path: JointPath) -> None:
     sigma = np.linspace(0.0, 1.0, 101)
     _, first, second = even(path).evaluate(sigma)
-    given = even(path).derivatives(lambda s: path.evaluate(s)[1:], sigma)
-    np.testing.assert_array_equal(given, [first, second])
+    s, *slopes = even(path).s_of(sigma)
+    q, q_s, q_ss = path.evaluate(s)
+    given = LimitedRates(q_s, q_ss, 0.0 * q, VELOCITY, ACCELERATION).over(*slopes)
+    np.testing.assert_array_equal([given.rate, given.along], [first, second])
 
 
 def test_the_grid_increases_and_is_finer_where_the_direction_turns() -> None:

@@ -15,8 +15,9 @@ from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseK
 from robots_planning.paths.cartesian_line import CartesianLine
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.switched_time_law import SwitchedTimeLaw
-from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits, local_excess
+from robots_planning.timing.time_optimal import TimeOptimalTiming, local_excess
 from robots_planning.timing.timed_path import TooSlowError
+from robots_planning.timing.tool_limits import LimitedRates
 
 ROBOTS = ('kuka_kr210_r2700', 'ur5e', 'manutec_r3', 'bello_bot')
 FINE = 1e-4  # s
@@ -168,10 +169,10 @@ def test_one_axis_moves_in_the_time_of_a_trapezoid() -> None:
 def test_tool_limits(robot: BaseRobotModel) -> None:
     path = line_path(robot, 5)
 
-    def derivatives(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return np.broadcast_to([0.3, 0.0], (len(s), 2)), np.zeros((len(s), 2))
+    def tool(s: np.ndarray) -> LimitedRates:
+        still = np.zeros((len(s), 1))
+        return LimitedRates(still + 0.3, still, still, np.array([0.05]), np.array([np.inf]))
 
-    tool = ToolLimits(derivatives, np.array([0.05, 1.0]), np.array([np.inf, np.inf]))
     trajectory = full_timing(robot).trajectory(path, tool)
     assert trajectory.duration > 0.3 / 0.05
     start, end = (Pose(*robot.direct_kinematics(q)) for q in trajectory.position[[0, -1]])
@@ -197,7 +198,7 @@ def test_limits_are_lowered_at_every_point_from_a_passed_one_to_the_next_check(
     s = np.concatenate([np.geomspace(1e-8, 1e-3, 30), np.linspace(2e-3, 1.0, 60)])
     s = np.concatenate([[0.0], s])
     speed_squared = s * (1.0 - s)
-    law = SwitchedTimeLaw(s, speed_squared, np.zeros(len(s) - 1), 3e-4, 5e-5)
+    law = SwitchedTimeLaw(s, speed_squared, np.zeros(len(s) - 1), 2e-3)
     times = np.linspace(0.0, law.duration, 100, endpoint=False)
     use = np.full(len(times), 0.9)
     use[passed] = 1.1

@@ -5,6 +5,7 @@ import pytest
 from scipy.optimize import linprog
 
 from robots_planning.timing.speed_profile import fastest_speeds
+from robots_planning.timing.tool_limits import travel
 from robots_planning.timing.two_pass_kernel import Grid, speed_limits
 
 MotionLimits = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -30,7 +31,8 @@ def waves(seed: int, m: int = 300, axes: int = 5) -> Grid:
     phase = rate * s[None, :, None]
     q_s = (size * np.cos(phase)).sum(axis=0)
     q_ss = (-size * rate * np.sin(phase)).sum(axis=0)
-    return s, q_s, q_ss, np.zeros((m, 6)), np.zeros((m, 6))
+    still = np.zeros((m, 6))
+    return s, q_s, q_ss, travel(still, still)
 
 
 def uses(grid: Grid, limits: MotionLimits, u: np.ndarray) -> tuple[float, float]:
@@ -45,8 +47,8 @@ def uses(grid: Grid, limits: MotionLimits, u: np.ndarray) -> tuple[float, float]
 
 def test_a_straight_joint_path_is_the_trapezoid() -> None:
     m = 401
-    s, zero, still = np.linspace(0.0, 1.0, m), np.zeros((m, 1)), np.zeros((m, 6))
-    u = speeds_of((s, np.full((m, 1), 2.0), zero, still, still), (np.ones(1), np.array([1.5]), FREE))
+    s, zero, still = np.linspace(0.0, 1.0, m), np.zeros((m, 1)), np.zeros((m, 2))
+    u = speeds_of((s, np.full((m, 1), 2.0), zero, (still, still, still)), (np.ones(1), np.array([1.5]), FREE))
     # The switch of acceleration lies between grid points: at most a step of them is lost.
     assert duration_of(s, u) == pytest.approx(2.0 + 1.0 / 1.5, rel=2e-3)
 
@@ -61,7 +63,7 @@ def test_a_circle_keeps_the_length_of_the_tools_acceleration() -> None:
     still = np.zeros((m, 1))
     a = 2.0
     tool = np.array([np.inf, a, np.inf, np.inf])
-    u = speeds_of((s, still, still, x_s, x_ss), (np.ones(1), np.ones(1), tool))
+    u = speeds_of((s, still, still, travel(x_s, x_ss)), (np.ones(1), np.ones(1), tool))
     # With v dv = sqrt(a^2 - v^4) ds: v^2 = a sin(2 s), s the arc length, until v^2 = a at a quarter turn over
     # 2.
     arc_length = turn * s
@@ -84,11 +86,11 @@ def test_keeps_the_limits_it_is_given(seed: int) -> None:
 
 @pytest.mark.parametrize('seed', range(8))
 def test_is_the_same_from_the_other_end(seed: int) -> None:
-    s, q_s, q_ss, x_s, x_ss = waves(seed)
+    s, q_s, q_ss, tool = waves(seed)
     limits = np.full(5, 1.3), np.full(5, 2.1), FREE
-    forward = speeds_of((s, q_s, q_ss, x_s, x_ss), limits)
-    q_s, q_ss, x_s, x_ss = (np.ascontiguousarray(v[::-1]) for v in (-q_s, q_ss, -x_s, x_ss))
-    backward = speeds_of((1.0 - s[::-1], q_s, q_ss, x_s, x_ss), limits)
+    forward = speeds_of((s, q_s, q_ss, tool), limits)
+    q_s, q_ss = (np.ascontiguousarray(v[::-1]) for v in (-q_s, q_ss))
+    backward = speeds_of((1.0 - s[::-1], q_s, q_ss, tool), limits)
     # Where an axis turns back several profiles are nearly as fast; the passes choose by direction.
     assert duration_of(s, backward[::-1]) == pytest.approx(duration_of(s, forward), rel=1e-5)
 

@@ -17,13 +17,13 @@ from robots_planning.commands.command_queue import CommandChain, QueuedCommand
 from robots_planning.motion_kinds import LINE
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion, in_base, tool_section
-from robots_planning.paths.blending import Measure, blend_with_corners, joint_distance
+from robots_planning.paths.blending import Measure, blend, joint_distance
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.planner_choice import planner_for
 from robots_planning.timing.path_start import PathStart, Smoothing
-from robots_planning.timing.time_optimal import TimeOptimalTiming, ToolLimits
+from robots_planning.timing.time_optimal import TimeOptimalTiming
 from robots_planning.timing.timed_path import TimedPath
-from robots_planning.timing.tool_limits import chain_limits
+from robots_planning.timing.tool_limits import PathLimits, chain_limits
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 
@@ -184,12 +184,9 @@ class MotionChain:
         self, commands: tuple[QueuedCommand, ...], paths: list[JointPath]
     ) -> tuple[JointPath, Array]:
         """The path with blends, and s at its corners."""
-        zones, measures = zip(
-            *(self._zone(command.settings, command) for command in commands[:-1]), strict=True
-        )
-        return blend_with_corners(paths, zones, measures=measures)
+        return blend(paths, [self._zone(command.settings, command) for command in commands[:-1]])
 
-    def _limits(self, commands: tuple[QueuedCommand, ...], path: JointPath, corners: Array) -> ToolLimits:
+    def _limits(self, commands: tuple[QueuedCommand, ...], path: JointPath, corners: Array) -> PathLimits:
         sections = [(command.settings, command.kind.cartesian) for command in commands]
         return chain_limits(self._robot, path, corners, sections)
 

@@ -10,7 +10,6 @@ import numpy as np
 from robots_core.blocks.inverse_kinematics.closest_orientation_kernel import correct, rate
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays
-from robots_core.kernels.vectors import copy_into
 from robots_core.validation import Array
 from robots_planning.path_kinematics.pose_residual_kernel import LARGEST_JOINT_STEP, PoseResidual
 from robots_planning.paths.cartesian_path_kernel import PathArrays, pose_on_path
@@ -21,13 +20,13 @@ DIFFERENCE = 1e-5  # of the path, for q''
 
 
 @compiled()
-def correct_held(chain: ChainArrays, q: Array, residual: PoseResidual, rows: int) -> bool:
+def correct_conditions(chain: ChainArrays, q: Array, residual: PoseResidual, rows: int) -> bool:
     """Newton's method on the conditions from a close guess `q`, in place; False if it does not converge."""
     return correct(chain, q, residual.r, residual.T, rows, TOLERANCE, CORRECTION_STEPS, LARGEST_JOINT_STEP)
 
 
 @compiled()
-def derivatives_held(
+def rates_held(
     chain: ChainArrays,
     path: PathArrays,
     s: float,
@@ -52,11 +51,11 @@ def derivatives_held(
 
 
 @compiled()
-def step_held(chain: ChainArrays, q: Array, residual: PoseResidual, rows: int) -> bool:
-    """Fill the residual's step with that from `q` to where the conditions hold; False if that is far."""
-    copy_into(residual.step, q)
-    if not correct_held(chain, residual.step, residual, rows):
-        return False
+def step_held(chain: ChainArrays, q: Array, residual: PoseResidual, rows: int) -> Array:
+    """The step, (n,), from `q` to where the conditions hold; infinite if that is far."""
+    step = q.copy()
+    if not correct_conditions(chain, step, residual, rows):
+        step[0] = np.inf
     for k in range(q.size):
-        residual.step[k] -= q[k]
-    return True
+        step[k] -= q[k]
+    return step

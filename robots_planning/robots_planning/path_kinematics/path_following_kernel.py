@@ -10,15 +10,15 @@ from robots_core.kernels.compiled import compiled
 from robots_core.kernels.serial_chain import ChainArrays
 from robots_core.kernels.vectors import copy_into
 from robots_core.validation import Array
-from robots_planning.path_kinematics.held_following_kernel import correct_held, derivatives_held, step_held
+from robots_planning.path_kinematics.held_following_kernel import correct_conditions, rates_held, step_held
 from robots_planning.path_kinematics.pose_residual_kernel import (
     LARGEST_JOINT_STEP,
     PoseResidual,
     correct,
     derivatives,
     evaluate_residual,
+    place_target,
     residual_for,
-    set_target,
 )
 from robots_planning.path_kinematics.pseudo_inverse import apply_pseudo_inverse
 from robots_planning.paths.cartesian_path_kernel import PathArrays
@@ -95,28 +95,11 @@ def follow(
         possible from the last sample; OUTSIDE: one more sample is filled, at which an axis is outside its
         limits; FULL: `MAX_SAMPLES` do not reach the end.
     """
-    n = start.size
-    return _follow(chain, limits, path, free, rows, start, samples, np.empty(n), residual_for(n))
-
-
-@compiled()
-def _follow(
-    chain: ChainArrays,
-    limits: Array,
-    path: PathArrays,
-    free: FreeAxes,
-    rows: int | None,
-    start: Array,
-    samples: JointSamples,
-    guess: Array,
-    residual: PoseResidual,
-) -> tuple[int, int]:
-    """`follow` with memory for a guess (n,) and a residual."""
+    guess, residual = start.copy(), residual_for(start.size)
     s, q = samples[0], samples[1]
     s[0] = 0.0
-    for k in range(start.size):
-        q[0, k] = start[k]
-    set_target(path, 0.0, residual)
+    copy_into(q[0], start)
+    place_target(path, 0.0, residual)
     evaluate_residual(chain, start, residual)
     count, piece, guide_piece = 1, 1, 1
     if not _derivatives(chain, path, free, rows, samples, count - 1, residual):
@@ -184,17 +167,20 @@ def _advance(
     s, q = samples[0], samples[1]
     n, j = guess.size, i + 1
     _extrapolate(samples, i, guess)
-    set_target(path, s[j], residual)
+    place_target(path, s[j], residual)
     # Where the target leaves axes free, it does not determine q: the integration is repeated.
     redundant = n > (6 if rows is None else rows)
     for again in range(3 if free.pull > 0.0 else 2 if redundant else 1):
         if again:
             _integrate(samples, i, guess)
-        fine = correct(chain, guess, residual) if rows is None else correct_held(chain, guess, residual, rows)
+        fine = (
+            correct(chain, guess, residual)
+            if rows is None
+            else correct_conditions(chain, guess, residual, rows)
+        )
         if not fine:
             return -1.0
-        for k in range(n):
-            q[j, k] = guess[k]
+        copy_into(q[j], guess)
         if not _derivatives(chain, path, free, rows, samples, j, residual):
             return -1.0
     if free.pull > 0.0:
@@ -205,7 +191,7 @@ def _advance(
         if not abs(q[j, k] - q[i, k]) <= LARGEST_JOINT_STEP or not abs(bend) <= LARGEST_BEND:
             return -1.0
     _interpolate(samples, i, guess)
-    set_target(path, 0.5 * (s[i] + s[j]), residual)
+    place_target(path, 0.5 * (s[i] + s[j]), residual)
     deviation = _deviation(chain, rows, guess, residual)
     return deviation if deviation <= PATH_TOLERANCE else -1.0
 
@@ -223,16 +209,17 @@ def _derivatives(
     """Fill q' and q'' of sample i, at which the residual was evaluated; False where there are none."""
     s, q, q_s, q_ss = samples
     if rows is not None:
-        return derivatives_held(chain, path, s[i], q[i], residual, rows, q_s[i], q_ss[i])
+        return rates_held(chain, path, s[i], q[i], residual, rows, q_s[i], q_ss[i])
+    desired, desired_s = np.zeros(q.shape[1]), np.zeros(q.shape[1])
     if free.pull > 0.0:
         piece, c = interval_at(free.breaks, s[i]), free.guide
         x = s[i] - free.breaks[piece]
         for k in range(q.shape[1]):
             g = ((c[0, piece, k] * x + c[1, piece, k]) * x + c[2, piece, k]) * x + c[3, piece, k]
             g_s = (3.0 * c[0, piece, k] * x + 2.0 * c[1, piece, k]) * x + c[2, piece, k]
-            residual.desired[k] = g_s + free.pull * (g - q[i, k])
-            residual.desired_s[k] = 6.0 * c[0, piece, k] * x + 2.0 * c[1, piece, k] + free.pull * g_s
-    return derivatives(residual, free.pull, q_s[i], q_ss[i])
+            desired[k] = g_s + free.pull * (g - q[i, k])
+            desired_s[k] = 6.0 * c[0, piece, k] * x + 2.0 * c[1, piece, k] + free.pull * g_s
+    return derivatives(residual, desired, desired_s, free.pull, q_s[i], q_ss[i])
 
 
 @compiled()
@@ -275,13 +262,13 @@ def _deviation(chain: ChainArrays, rows: int | None, q: Array, residual: PoseRes
     if deviation > PATH_TOLERANCE:
         return deviation
     if rows is None:
-        apply_pseudo_inverse(residual.J, residual.error, residual.step, residual.solver)
+        step = apply_pseudo_inverse(residual.J, residual.error)
     elif rows == 3:
         return deviation
-    elif not step_held(chain, q, residual, rows):
-        return np.inf
+    else:
+        step = step_held(chain, q, residual, rows)
     for k in range(q.size):
-        deviation = max(deviation, abs(residual.step[k]) * PATH_TOLERANCE / JOINT_TOLERANCE)
+        deviation = max(deviation, abs(step[k]) * PATH_TOLERANCE / JOINT_TOLERANCE)
     return deviation
 
 
@@ -351,7 +338,7 @@ def stand_still(
         still: Filled, (k,); False also where an axis leaves its limits.
     """
     q, residual = begin.copy(), residual_for(begin.size)
-    set_target(path, s, residual)
+    place_target(path, s, residual)
     for row in range(ends.shape[0]):
         still[row] = True
         # The middle deviates most.

@@ -9,15 +9,9 @@ import numpy as np
 from robots_core.kernels.compiled import compiled
 from robots_core.kernels.jacobian_derivative import jacobian_der
 from robots_core.kernels.serial_chain import ChainArrays, error_between, pose_and_jacobian
+from robots_core.kernels.vectors import copy_into
 from robots_core.validation import Array
-from robots_planning.path_kinematics.pseudo_inverse import (
-    Scratch,
-    apply_pseudo_inverse,
-    multiply,
-    multiply_transposed,
-    pseudo_inverse,
-    scratch_for,
-)
+from robots_planning.path_kinematics.pseudo_inverse import apply_pseudo_inverse, multiply, pseudo_inverse
 from robots_planning.paths.cartesian_path_kernel import PathArrays, pose_on_path
 
 CORRECTION_TOLERANCE = 1e-13  # m and rad; of the axes, that over the smallest singular value
@@ -27,57 +21,35 @@ DERIVATIVE_TOLERANCE = 1e-7  # of |x'|, by which J q' may differ from x', as it 
 
 
 class PoseResidual(NamedTuple):
-    """A target pose on a path, the tool's pose at joint positions q, and their residual, with scratch memory.
+    """A target pose on a path, and its residual at joint positions q.
 
     Attributes:
         r: Position of the target, (3,).
         T: Its orientation, (3, 3).
         x_s: The path's first derivative over s there, (6,).
         x_ss: Its second derivative, (6,).
-        r_now: Position of the tool at q, (3,).
-        T_now: Its orientation, (3, 3).
         J: Geometric Jacobian at q, (6, n).
         error: The residual: translation and rotation vector from the tool to the target, (6,).
-        J_s: Scratch, (6, n).
-        P: Scratch, (n, 6).
-        desired: Rates of the axes that self-motion comes as close to as it can, (n,); 0 by default.
-        desired_s: Their derivative over s at a fixed q, (n,); 0 by default.
-        step: Scratch, (n,).
-        rest: Scratch, (6,).
-        twist: Scratch, (6,).
-        solver: Scratch for decompositions.
     """
 
     r: Array
     T: Array
     x_s: Array
     x_ss: Array
-    r_now: Array
-    T_now: Array
     J: Array
     error: Array
-    J_s: Array
-    P: Array
-    desired: Array
-    desired_s: Array
-    step: Array
-    rest: Array
-    twist: Array
-    solver: Scratch
 
 
 @compiled()
 def residual_for(n: int) -> PoseResidual:
     """Memory for a robot of n axes, made once per path."""
     return PoseResidual(
-        np.empty(3), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty(3), np.empty((3, 3)),
-        np.empty((6, n)), np.empty(6), np.empty((6, n)), np.empty((n, 6)), np.zeros(n), np.zeros(n),
-        np.empty(n), np.empty(6), np.empty(6), scratch_for(n),
-    )  # fmt: skip
+        np.empty(3), np.empty((3, 3)), np.empty(6), np.empty(6), np.empty((6, n)), np.empty(6)
+    )
 
 
 @compiled()
-def set_target(path: PathArrays, s: float, residual: PoseResidual) -> None:
+def place_target(path: PathArrays, s: float, residual: PoseResidual) -> None:
     """Set the target to the path's pose at `s`, with its derivatives."""
     pose_on_path(path, s, residual.r, residual.T, residual.x_s, residual.x_ss)
 
@@ -85,8 +57,9 @@ def set_target(path: PathArrays, s: float, residual: PoseResidual) -> None:
 @compiled()
 def evaluate_residual(chain: ChainArrays, q: Array, residual: PoseResidual) -> float:
     """Fill pose, Jacobian and residual at joint positions `q`, (n,); return the largest |entry|."""
-    pose_and_jacobian(chain, q, residual.r_now, residual.T_now, residual.J)
-    error_between(residual.r_now, residual.T_now, residual.r, residual.T, residual.error)
+    r, T = np.empty(3), np.empty((3, 3))
+    pose_and_jacobian(chain, q, r, T, residual.J)
+    error_between(r, T, residual.r, residual.T, residual.error)
     largest = 0.0
     for k in range(6):
         largest = max(largest, abs(residual.error[k]))
@@ -103,62 +76,65 @@ def correct(chain: ChainArrays, q: Array, residual: PoseResidual) -> bool:
     for _ in range(CORRECTION_STEPS):
         if error < CORRECTION_TOLERANCE:
             break
-        apply_pseudo_inverse(residual.J, residual.error, residual.step, residual.solver)
+        step = apply_pseudo_inverse(residual.J, residual.error)
         for k in range(q.size):
-            if not abs(residual.step[k]) <= LARGEST_JOINT_STEP:
+            if not abs(step[k]) <= LARGEST_JOINT_STEP:
                 return False
         for k in range(q.size):
-            q[k] += residual.step[k]
+            q[k] += step[k]
         error = evaluate_residual(chain, q, residual)
     return error < CORRECTION_TOLERANCE
 
 
 @compiled()
-def derivatives(residual: PoseResidual, pull: float, q_s: Array, q_ss: Array) -> bool:
+def derivatives(
+    residual: PoseResidual, desired: Array, desired_s: Array, pull: float, q_s: Array, q_ss: Array
+) -> bool:
     """Fill q' and q'', (n,), where the residual is 0; False if J q' misses x'.
 
-    q' = J^+ x', or with redundant axes h + J^+ (x' - J h), where h are the desired rates, which fall with q
-    by `pull`. q'' is the derivative of that (Golub and Pereyra 1973).
+    q' = J^+ x', or with redundant axes h + J^+ (x' - J h), where h are the desired rates of the axes, (n,),
+    which change with s by `desired_s` and fall with q by `pull`. q'' is the derivative of that (Golub and
+    Pereyra 1973).
     """
-    n = q_s.size
-    x_s, J, P, J_s, rest = residual.x_s, residual.J, residual.P, residual.J_s, residual.rest
+    n, x_s, J = q_s.size, residual.x_s, residual.J
+    P = pseudo_inverse(J) if n > 6 else J
     if n > 6:
-        pseudo_inverse(J, P, residual.solver)
-        _nearest_solution(J, P, x_s, residual.desired, q_s, rest)
+        copy_into(q_s, _nearest_solution(J, P, x_s, desired))
     else:
-        apply_pseudo_inverse(J, x_s, q_s, residual.solver)
-    multiply(J, q_s, rest)
+        copy_into(q_s, apply_pseudo_inverse(J, x_s))
+    rest = multiply(J, q_s)
     missing, whole = 0.0, 0.0
     for k in range(6):
         missing += (x_s[k] - rest[k]) ** 2
         whole += x_s[k] ** 2
     if not sqrt(missing) <= DERIVATIVE_TOLERANCE * sqrt(whole):
         return False
+    J_s = np.empty((6, n))
     jacobian_der(J, q_s, J_s)
-    multiply(J_s, q_s, rest)
+    rest = multiply(J_s, q_s)
     for k in range(6):
         rest[k] = residual.x_ss[k] - rest[k]
     if n <= 6:
-        apply_pseudo_inverse(J, rest, q_ss, residual.solver)
+        copy_into(q_ss, apply_pseudo_inverse(J, rest))
         return True
     # J^+ (x'' - J' q' - J z) + z with z = h' + J'^T J^+T (q' - h)
-    free, twist = residual.step, residual.twist
+    free = np.empty(n)
     for k in range(n):
-        free[k] = q_s[k] - residual.desired[k]
-    multiply_transposed(P, free, twist)
-    multiply_transposed(J_s, twist, free)
+        free[k] = q_s[k] - desired[k]
+    free = multiply(J_s.T, multiply(P.T, free))
     for k in range(n):
-        free[k] += residual.desired_s[k] - pull * q_s[k]
-    _nearest_solution(J, P, rest, free, q_ss, twist)
+        free[k] += desired_s[k] - pull * q_s[k]
+    copy_into(q_ss, _nearest_solution(J, P, rest, free))
     return True
 
 
 @compiled()
-def _nearest_solution(J: Array, P: Array, b: Array, z: Array, y: Array, rest: Array) -> None:
-    """Fill y (n,) with the solution of J y = b that is nearest to z (n,); `rest` (6,) is scratch."""
-    multiply(J, z, rest)
+def _nearest_solution(J: Array, P: Array, b: Array, z: Array) -> Array:
+    """The solution y (n,) of J y = b that is nearest to z (n,)."""
+    rest = multiply(J, z)
     for k in range(6):
         rest[k] = b[k] - rest[k]
-    multiply(P, rest, y)
+    y = multiply(P, rest)
     for k in range(y.size):
         y[k] += z[k]
+    return y

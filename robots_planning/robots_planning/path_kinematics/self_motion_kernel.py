@@ -12,8 +12,8 @@ from robots_planning.path_kinematics.pose_residual_kernel import (
     PoseResidual,
     correct,
     evaluate_residual,
+    place_target,
     residual_for,
-    set_target,
 )
 from robots_planning.path_kinematics.pseudo_inverse import apply_pseudo_inverse, multiply, pseudo_inverse
 from robots_planning.paths.cartesian_path_kernel import PathArrays
@@ -31,32 +31,27 @@ RELAXATION = 0.3  # of the displacement towards the smoother configuration, per 
 
 @compiled()
 def sample_layer(
-    chain: ChainArrays, limits: Array, seeds: Array, nodes: Array, residual: PoseResidual, memory: Array
+    chain: ChainArrays, limits: Array, seeds: Array, nodes: Array, residual: PoseResidual
 ) -> int:
     """Fill nodes (k, n) with configurations of the target pose connected to `seeds` (m, n); return k.
 
     From every seed, corrected to the pose, self-motion is followed in both directions until it reaches a
-    limit or a configuration that was sampled already. `memory` is (4, n).
+    limit or a configuration that was sampled already.
     """
-    q, first = memory[0], memory[1]
     count = 0
     for seed in range(seeds.shape[0]):
-        copy_into(q, seeds[seed])
+        q = seeds[seed]
         # Corrections are small: most seeds that were sampled already are recognised without one.
         if _is_sampled(nodes, count, q, 0.5 * SPACING) or not correct(chain, q, residual):
             continue
-        if not _move_inside(chain, limits, q, residual, memory[2]) or _is_sampled(
-            nodes, count, q, 0.6 * SPACING
-        ):
+        if not _move_inside(chain, limits, q, residual) or _is_sampled(nodes, count, q, 0.6 * SPACING):
             continue
         if count == nodes.shape[0]:
             break
-        copy_into(first, q)
         copy_into(nodes[count], q)
         count += 1
         for sign in (1.0, -1.0):
-            copy_into(q, first)
-            count = _sample_side(chain, limits, q, sign, nodes, count, residual, memory[2:])
+            count = _sample_side(chain, limits, q.copy(), sign, nodes, count, residual)
     return count
 
 
@@ -69,16 +64,13 @@ def _sample_side(
     nodes: Array,
     count: int,
     residual: PoseResidual,
-    memory: Array,
 ) -> int:
     """Append nodes in one direction of self-motion from `q`, which is overwritten; return the new count."""
-    direction, last = memory[0], memory[1]
     evaluate_residual(chain, q, residual)
-    _null_direction(residual, direction)
+    direction = _null_direction(residual)
     while count < nodes.shape[0]:
         for k in range(q.size):
-            last[k] = sign * direction[k]
-            q[k] += SPACING * last[k]
+            q[k] += SPACING * sign * direction[k]
         if (
             not correct(chain, q, residual)
             or not _inside(limits, q)
@@ -87,11 +79,11 @@ def _sample_side(
             break
         copy_into(nodes[count], q)
         count += 1
-        _null_direction(residual, direction)
+        last, direction = direction, _null_direction(residual)
         along = 0.0
         for k in range(q.size):
             along += last[k] * direction[k]
-        sign = 1.0 if along >= 0.0 else -1.0
+        sign = sign if along >= 0.0 else -sign
     return count
 
 
@@ -104,12 +96,10 @@ def _inside(limits: Array, q: Array) -> bool:
 
 
 @compiled()
-def _move_inside(
-    chain: ChainArrays, limits: Array, q: Array, residual: PoseResidual, direction: Array
-) -> bool:
+def _move_inside(chain: ChainArrays, limits: Array, q: Array, residual: PoseResidual) -> bool:
     """Bring axes that are slightly outside their limits back by self-motion, in place; False if that fails.
 
-    The residual is that at `q`. `direction` (n,) is scratch.
+    The residual is that at `q`.
     """
     n = q.size
     for _ in range(INSIDE_STEPS):
@@ -120,7 +110,7 @@ def _move_inside(
                 worst, excess = k, outside
         if worst == NOWHERE:
             return True
-        _null_direction(residual, direction)
+        direction = _null_direction(residual)
         goal = max(limits[0, worst] + INSIDE_ROOM, min(q[worst], limits[1, worst] - INSIDE_ROOM)) - q[worst]
         if INSIDE_MOTION * abs(direction[worst]) < abs(goal):
             return False
@@ -148,11 +138,10 @@ def _distance(p: Array, q: Array) -> float:
 
 
 @compiled()
-def _null_direction(residual: PoseResidual, direction: Array) -> None:
-    """Fill a null-space direction (n,) of the Jacobian, scaled to a largest entry of 1 rad (m)."""
-    n = direction.size
-    J, P = residual.J, residual.P
-    pseudo_inverse(J, P, residual.solver)
+def _null_direction(residual: PoseResidual) -> Array:
+    """A null-space direction (n,) of the Jacobian, scaled to a largest entry of 1 rad (m)."""
+    J = residual.J
+    P, n = pseudo_inverse(J), J.shape[1]
     # The longest column of I - J^+ J.
     axis, longest = 0, 0.0
     for k in range(n):
@@ -161,7 +150,7 @@ def _null_direction(residual: PoseResidual, direction: Array) -> None:
             square -= P[k, i] * J[i, k]
         if square > longest:
             axis, longest = k, square
-    largest = 0.0
+    direction, largest = np.empty(n), 0.0
     for k in range(n):
         direction[k] = 1.0 if k == axis else 0.0
         for i in range(6):
@@ -169,6 +158,7 @@ def _null_direction(residual: PoseResidual, direction: Array) -> None:
         largest = max(largest, abs(direction[k]))
     for k in range(n):
         direction[k] /= largest
+    return direction
 
 
 @compiled()
@@ -184,26 +174,24 @@ def follow_layers(
     counts = np.zeros(m, np.int64)
     layers[0, 0] = start
     counts[0] = 1
-    residual, memory = residual_for(n), np.empty((4, n))
+    residual = residual_for(n)
     for i in range(1, m):
         seeds = layers[i - 1, : counts[i - 1]].copy()
-        set_target(path, s[i - 1], residual)
-        _move_along(chain, s[i] - s[i - 1], seeds, residual, memory[0])
-        set_target(path, s[i], residual)
-        counts[i] = sample_layer(chain, limits, seeds, layers[i], residual, memory)
+        place_target(path, s[i - 1], residual)
+        _move_along(chain, s[i] - s[i - 1], seeds, residual)
+        place_target(path, s[i], residual)
+        counts[i] = sample_layer(chain, limits, seeds, layers[i], residual)
         if counts[i] == 0:
             return i, counts
     return m, counts
 
 
 @compiled()
-def _move_along(
-    chain: ChainArrays, interval: float, seeds: Array, residual: PoseResidual, step: Array
-) -> None:
-    """Move seeds (k, n) by an interval of s along the path, unless that is a jump; `step` (n,) is scratch."""
+def _move_along(chain: ChainArrays, interval: float, seeds: Array, residual: PoseResidual) -> None:
+    """Move seeds (k, n) by an interval of s along the path, unless that is a jump."""
     for k in range(seeds.shape[0]):
         evaluate_residual(chain, seeds[k], residual)
-        apply_pseudo_inverse(residual.J, residual.x_s, step, residual.solver)
+        step = apply_pseudo_inverse(residual.J, residual.x_s)
         largest = 0.0
         for axis in range(step.size):
             largest = max(largest, abs(step[axis]))
@@ -250,34 +238,17 @@ def relax(
     chain: ChainArrays, limits: Array, path: PathArrays, s: Array, margin: float, rounds: int, q: Array
 ) -> None:
     """Smooth q (m, n) at s (m,) by self-motion, with the first row fixed, `margin` inside the limits."""
-    n = q.shape[1]
-    _relax(chain, limits, path, s, margin, rounds, q, residual_for(n), np.empty((3, n)))
-
-
-@compiled()
-def _relax(
-    chain: ChainArrays,
-    limits: Array,
-    path: PathArrays,
-    s: Array,
-    margin: float,
-    rounds: int,
-    q: Array,
-    residual: PoseResidual,
-    memory: Array,
-) -> None:
-    desired, back, moved, reached = memory[0], memory[1], memory[2], residual.rest
     m, n = q.shape
+    desired, moved, residual = np.empty(n), np.empty(n), residual_for(n)
     for _ in range(rounds):
         for i in range(1, m):
             for k in range(n):
                 # The end is free: linear extrapolation is the smoothest there.
                 target = 0.5 * (q[i - 1, k] + q[i + 1, k]) if i < m - 1 else 2.0 * q[i - 1, k] - q[i - 2, k]
                 desired[k] = RELAXATION * (target - q[i, k])
-            set_target(path, s[i], residual)
+            place_target(path, s[i], residual)
             evaluate_residual(chain, q[i], residual)
-            multiply(residual.J, desired, reached)
-            apply_pseudo_inverse(residual.J, reached, back, residual.solver)
+            back = apply_pseudo_inverse(residual.J, multiply(residual.J, desired))
             for k in range(n):
                 moved[k] = q[i, k] + desired[k] - back[k]
             if not correct(chain, moved, residual):

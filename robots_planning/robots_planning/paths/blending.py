@@ -24,9 +24,7 @@ def joint_distance(first: Array, second: Array) -> float:
     return float(np.abs(first - second).max())
 
 
-def blend(
-    paths: Sequence[JointPath], zones: Sequence[float], *, measure: Measure = joint_distance
-) -> JointPath:
+def blend(paths: Sequence[JointPath], zones: Sequence[tuple[float, Measure]]) -> tuple[JointPath, Array]:
     """One path that follows several in turn and rounds each corner by a quintic in joint space.
 
     Position and two derivatives are continuous. Outside the zones the result equals the given paths; a blend
@@ -34,30 +32,22 @@ def blend(
 
     Args:
         paths: At least one; each begins where the one before ends.
-        zones: Size of the zone around every corner, one fewer than paths, in the unit of `measure`.
-        measure: Distance between two joint positions: of joints (rad) by default, or of the tool (m).
+        zones: Size of the zone around every corner, one fewer than paths, and the distance between two joint
+            positions that it is a size of: of joints (rad), or of the tool (m).
+
+    Returns:
+        The path, and s at the middle of every blend, (len(zones),).
 
     Raises:
         InvalidInputError: no path, another number of zones, a zone that is not above 0, or paths that do not
             join.
-    """
-    return blend_with_corners(paths, zones, measures=[measure] * len(zones))[0]
-
-
-def blend_with_corners(
-    paths: Sequence[JointPath], zones: Sequence[float], *, measures: Sequence[Measure]
-) -> tuple[JointPath, Array]:
-    """`blend` with a measure per zone, which also returns the places of the corners.
-
-    Returns:
-        The path, and s at the middle of every blend, (len(zones),).
     """
     if not paths or len(zones) != len(paths) - 1:
         raise InvalidInputError(
             f'{len(paths)} paths need {max(len(paths) - 1, 0)} zones between them, got {len(zones)}; '
             'at least 1 path is needed'
         )
-    for index, zone in enumerate(zones):
+    for index, (zone, _) in enumerate(zones):
         positive(zone, f'zones[{index}]')
         gap = joint_distance(paths[index].q[-1], paths[index + 1].q[0])
         if gap > JOINED:
@@ -67,9 +57,7 @@ def blend_with_corners(
                 index=index,
             )
     weights = [_length(path) for path in paths]
-    cuts = [
-        _cut(paths[i], paths[i + 1], weights[i : i + 2], zones[i], measures[i]) for i in range(len(zones))
-    ]
+    cuts = [_cut(paths[i], paths[i + 1], weights[i : i + 2], *zone) for i, zone in enumerate(zones)]
     first = [0.0, *(begin for _, begin in cuts)]
     last = [*(1.0 - end for end, _ in cuts), 1.0]
     starts = np.concatenate([[0.0], np.cumsum(weights)])

@@ -1,7 +1,5 @@
 """ReparametrisedPath: a joint path over a coordinate along which the axes move at about constant speed."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from robots_core.validation import Array
@@ -88,18 +86,6 @@ class ReparametrisedPath:
 
     def evaluate(self, sigma: Array) -> tuple[Array, Array, Array]:
         """Positions and their two derivatives at sigma (m,), clipped to [0, 1], each (m, n)."""
-        s, *slopes = self.s_of(sigma)
+        s, s_1, s_2 = self.s_of(sigma)
         q, q_s, q_ss = self._path.evaluate(s)
-        return q, *_chained(q_s, q_ss, *slopes)
-
-    def derivatives(
-        self, over_s: Callable[[Array], tuple[Array, Array]], sigma: Array
-    ) -> tuple[Array, Array]:
-        """First and second derivatives over sigma (m,) of a quantity, from a function of those over s."""
-        s, *slopes = self.s_of(sigma)
-        return _chained(*over_s(s), *slopes)
-
-
-def _chained(over_s: Array, twice_over_s: Array, s_1: Array, s_2: Array) -> tuple[Array, Array]:
-    """Chain rule: derivatives over sigma, (m, k), from those over s (m, k) and those of s (m,)."""
-    return over_s * s_1[:, None], twice_over_s * (s_1**2)[:, None] + over_s * s_2[:, None]
+        return q, q_s * s_1[:, None], q_ss * (s_1**2)[:, None] + q_s * s_2[:, None]

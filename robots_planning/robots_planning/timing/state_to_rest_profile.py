@@ -8,21 +8,20 @@ from numpy.typing import NDArray
 from ruckig import InputParameter, Result, Ruckig, RuckigError, Synchronization
 from ruckig import Trajectory as RuckigTrajectory
 
-from robots_core.errors import PlanningError
-from robots_core.kernels.compiled import compiled
-from robots_core.robot_model.axes_data import LIMIT_TOLERANCE, AxesData
+from robots_core.kernels.compiled import compiled, sort_in_place
+from robots_core.robot_model.axes_data import LIMIT_TOLERANCE
 from robots_core.validation import Array
-from robots_planning.timing.rest_to_rest_profile import NANOSECOND, Instants, distinct
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 
+NANOSECOND = 1e-9  # s
 # Fractions of the jerk limit that an axis is planned with, tried in turn: moving its switches of jerk onto
 # those of other axes changes its jerks relatively by about the shift over the length of a piece.
-JERK_PARTS = (1.0, 0.995, 0.98, 0.93, 0.8, 0.6)
+JERK_PARTS = (1.0, 0.998, 0.995, 0.99, 0.98, 0.96, 0.93, 0.8, 0.6)
 # Motions too short for that are divided into equal pieces, of these multiples of the shortest length.
 EVEN_PIECES = (1, 2, 4, 8, 16, 32, 64)
 NO_JERK = 1e-30  # initial jerk of these pieces; 0 would mark them as cruising
-# Smallest fraction of the velocity and acceleration limits.
-SMALLEST_PART = 0.95
+# The part by which velocity and acceleration limits are lowered with that of the jerk.
+LOWERED = 0.2
 NEARLY = 0.9  # of the velocity limit, reached by the acceleration at the start alone
 WEIGHT_OF_PLATEAUS = 1e-3
 # Of the jerk limit (of the acceleration limit for an urgent axis), for removing the residual at the end.
@@ -37,6 +36,21 @@ EXCESS = ((1.0, 1.0), (1.0, 1.0), (1.0 + 8e-4, 1.02))
 CLOSEST = 30_000  # ns
 SOUND, BREAKS_LIMIT, LEAVES_RANGE = 0, 1, 2
 
+Instants = NDArray[np.int64]
+"""Nanoseconds from the start."""
+
+
+class NoProfileError(Exception):
+    """No profile keeps the limits of an axis.
+
+    Attributes:
+        axis: Its index.
+    """
+
+    def __init__(self, axis: int) -> None:
+        super().__init__(axis)
+        self.axis = axis
+
 
 class StateToRestProfile:
     """Time-optimal motion from a state to rest; an instance keeps Ruckig's objects.
@@ -46,20 +60,20 @@ class StateToRestProfile:
     corrected by the smallest changes that reach the target again.
 
     Args:
-        axes: The limits.
+        reach: (2, n): lowest and highest positions.
         synchronization: Of Ruckig: Time (all axes end together) or No.
         shortest: Of a piece of constant jerk, ns.
     """
 
-    def __init__(self, axes: AxesData, synchronization: Synchronization, shortest: int) -> None:
-        n = axes.num_axes
-        self._axes, self._shortest = axes, shortest
+    def __init__(self, reach: Array, synchronization: Synchronization, shortest: int) -> None:
+        n = reach.shape[1]
+        self._reach, self._shortest = reach, shortest
         self._ruckig, self._input, self._found = Ruckig(n), InputParameter(n), RuckigTrajectory(n)
         self._synchronization = synchronization
         self._input.synchronization = synchronization
 
     def plan(
-        self, state: Array, target: Array, limits: Array, allowed: Array
+        self, state: Array, target: Array, limits: Array, allowed: Array, full: Array
     ) -> tuple[Array, Array, Array, Array]:
         """Times (m,), s, positions, velocities and accelerations, (m, n) each.
 
@@ -68,24 +82,24 @@ class StateToRestProfile:
             target: (n,), positions at rest at the end.
             limits: (3, n): velocity, acceleration and jerk to plan with.
             allowed: (3, n): limits that the plan must keep; a start above them is brought below.
+            full: (3, n): limits that the axes have, to brake with.
 
-        An axis that would leave its position limits brakes independently, with the full limits.
+        An axis that would leave its position limits brakes independently.
 
         Raises:
-            PlanningError: no profile keeps the limits; names the axis.
+            NoProfileError: no profile keeps the limits.
         """
-        axes = self._axes
-        full = np.array([axes.velocity, axes.acceleration, axes.jerk])
+        lower, upper = self._reach
         # Copies, also of the target: read-only arrays would be compiled for once more.
         limits, allowed, target = np.array(limits), np.array(allowed), np.array(target)
-        slower, urgent = [0] * axes.num_axes, np.zeros(axes.num_axes, dtype=np.int64)
+        slower, urgent = [0] * target.size, np.zeros(target.size, dtype=np.int64)
         axis = 0
         while True:
             segments = self._segments(state, target, limits, slower, urgent)
             if segments is None:
                 break
             status, axis, *points = on_common_switches(
-                segments[0], segments[1], state, target, allowed, full, axes.lower, axes.upper, urgent,
+                segments[0], segments[1], state, target, allowed, full, lower, upper, urgent,
                 self._shortest,
             )  # fmt: skip
             if status == SOUND:
@@ -102,15 +116,7 @@ class StateToRestProfile:
             slower[axis] += 1
             if slower[axis] == len(JERK_PARTS) + len(EVEN_PIECES):
                 break
-        name, unit = axes.names[axis], axes.unit(axis)
-        q, q_dot, q_ddot = (float(row[axis]) for row in state)
-        raise PlanningError(
-            f'no motion found from {name} at {q:.6g} {unit} with {q_dot:.6g} {unit}/s and {q_ddot:.6g} '
-            f'{unit}/s^2 to {target[axis]:.6g} {unit} inside its limits [{axes.lower[axis]:.6g}, '
-            f'{axes.upper[axis]:.6g}] {unit}',
-            joint=name,
-            value=q,
-        )
+        raise NoProfileError(axis)
 
     def _segments(
         self, state: Array, target: Array, limits: Array, slower: list[int], urgent: NDArray[np.int64]
@@ -120,7 +126,7 @@ class StateToRestProfile:
         command.current_position, command.current_velocity, command.current_acceleration = state.tolist()
         command.target_position = target.tolist()
         parts = np.array([JERK_PARTS[min(level, len(JERK_PARTS) - 1)] for level in slower])
-        reached = np.maximum(parts, SMALLEST_PART)
+        reached = 1.0 - LOWERED * (1.0 - parts)
         command.max_velocity = (limits[0] * reached).tolist()
         command.max_acceleration = (limits[1] * reached).tolist()
         command.max_jerk = (limits[2] * parts).tolist()
@@ -184,7 +190,7 @@ def on_common_switches(
         status = _keeps(ends[i], corrected[i], state[:, i], allowed[:, i], full[0, i], lower[i], upper[i])
         if status != SOUND:
             return status, i, none, empty, empty, empty
-    together = distinct(ends.ravel())
+    together = _distinct(ends.ravel())
     m = together.size
     time, q, q_dot, q_ddot = together / 1e9, np.empty((m, n)), np.empty((m, n)), np.empty((m, n))
     for i in range(n):
@@ -195,9 +201,7 @@ def on_common_switches(
                 while k < pieces - 1 and ends[i, k + 1] < together[row]:
                     k += 1
                 h, j = (together[row] - together[row - 1]) * NANOSECOND, corrected[i, k]
-                p += h * (v + h * (0.5 * a + h * j / 6.0))
-                v += h * (a + 0.5 * h * j)
-                a += h * j
+                p, v, a = _moved(p, v, a, j, h)
                 last = row
             q[row, i], q_dot[row, i], q_ddot[row, i] = state[0, i] + p, v, a
         if last == 0:  # at rest at its target
@@ -276,9 +280,7 @@ def _correct(ends: Instants, durations: Array, jerks: Array, state: Array, targe
                 e[row] = -a
                 row += 1
             j = jerks[k]
-            p += h * (v + h * (0.5 * a + h * j / 6.0))
-            v += h * (a + 0.5 * h * j)
-            a += h * j
+            p, v, a = _moved(p, v, a, j, h)
             C[0, k] = h**3 / 6.0 + 0.5 * h * h * rest + 0.5 * h * rest * rest
             C[1, k] = 0.5 * h * h + h * rest
             C[2, k] = h
@@ -321,15 +323,32 @@ def _keeps(
             inner[0] = -v / a
         for t in (inner[0], inner[1], inner[2], h):
             if 0.0 < t <= h:
-                position = q + t * (v + t * (0.5 * a + t * j / 6.0))
+                position, speed, _ = _moved(q, v, a, j, t)
                 if not lower - LIMIT_TOLERANCE <= position <= upper + LIMIT_TOLERANCE:
                     return LEAVES_RANGE
-                if abs(v + t * (a + 0.5 * t * j)) > fastest:
+                if abs(speed) > fastest:
                     # An axis that accelerates towards its velocity limit needs all of its jerk.
                     status = LEAVES_RANGE if rising > NEARLY * allowed[0] else BREAKS_LIMIT
-        q += h * (v + h * (0.5 * a + h * j / 6.0))
-        v += h * (a + 0.5 * h * j)
-        a += h * j
+        q, v, a = _moved(q, v, a, j, h)
         if abs(a) > strongest * (1.0 + 1e-12):
             status = BREAKS_LIMIT
     return status
+
+
+@compiled()
+def _moved(p: float, v: float, a: float, j: float, h: float) -> tuple[float, float, float]:
+    """Position, velocity and acceleration after a time h of constant jerk j."""
+    return p + h * (v + h * (0.5 * a + h * j / 6.0)), v + h * (a + 0.5 * h * j), a + h * j
+
+
+@compiled()
+def _distinct(instants: Instants) -> Instants:
+    """The instants, sorted and without duplicates."""
+    ordered = instants.copy()
+    sort_in_place(ordered)
+    count = 1
+    for value in ordered[1:]:
+        if value > ordered[count - 1]:
+            ordered[count] = value
+            count += 1
+    return ordered[:count].copy()

@@ -24,25 +24,17 @@ class SwitchedTimeLaw:
         s: Path grid, (m,), to 1.
         speed_squared: s_dot^2 at the grid points, (m,); 0 at the end, above 0 between start and end.
         difference: Change of s_ddot within every interval, (m - 1,).
-        window: Length of the window as a fraction of the duration; at least `shortest` is used.
-        shortest: Shortest window, s.
+        window: Length of the window, s, above 0.
         before: s_ddot before the start; 0 where it is at rest.
     """
 
     def __init__(
-        self,
-        s: Array,
-        speed_squared: Array,
-        difference: Array,
-        window: float,
-        shortest: float,
-        *,
-        before: float = 0.0,
+        self, s: Array, speed_squared: Array, difference: Array, window: float, *, before: float = 0.0
     ) -> None:
         self._t, self._pieces = np.empty(len(s)), np.empty((len(s), 5))
         law_pieces(s, speed_squared, difference, self._t, self._pieces)
         self._before = before
-        self.window = max(window * float(self._t[-1]), shortest)
+        self.window = window
         """s."""
 
     @property

@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import partial
-from weakref import WeakKeyDictionary
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
-from robots_core.errors import InvalidInputError, PlanningError
-from robots_core.kernels.chain_dynamics import ChainDynamics, bodies_of
-from robots_core.kernels.serial_chain import SerialChain
+from robots_core.errors import PlanningError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.paths.joint_path import JointPath
 from robots_planning.paths.path_grid import finer_grid
 from robots_planning.paths.reparametrised_path import ReparametrisedPath
-from robots_planning.timing.path_dynamics import memory_for, torque_rows, torque_use
 from robots_planning.timing.path_start import PathStart
 from robots_planning.timing.quintic import quintic_uses, quintics_at
 from robots_planning.timing.speed_profile import fastest_speeds
 from robots_planning.timing.switched_time_law import SwitchedTimeLaw
 from robots_planning.timing.timed_path import TimedPath, TooSlowError, slower, with_times
+from robots_planning.timing.tool_limits import LimitedRates, PathLimits
+from robots_planning.timing.torque_limits import TorqueLimits
 from robots_planning.trajectory import Trajectory
 
 # Length of the ramps of acceleration, of the duration; all of them together lengthen the motion by one ramp.
@@ -31,7 +28,7 @@ RAMP = 3e-4
 SHORTEST_RAMP = 5e-5  # s; shorter ones would magnify the rounding of positions
 LONGEST_STEP = 0.006  # s between points of the trajectory
 CHECKS_PER_STEP = 5
-TORQUE_CHECK = 2  # one in so many checks
+SPARSE = 2  # torques and the tool are checked in one of so many checks
 # Torques are checked where the profile uses more than this fraction of their limits.
 TORQUE_LOOK = 0.7
 RESERVE = 3e-4  # of the limits, at first, so that most trajectories need no second round
@@ -52,19 +49,26 @@ MARGIN_EXCESS = 1e-4  # that `LIMIT_MARGIN` covers
 
 
 @dataclass(frozen=True, eq=False)
-class ToolLimits:
-    """Limits of k quantities along a path, such as the tool's tangential and normal motion.
+class _Round:
+    """A trajectory, and how it uses the limits.
 
     Attributes:
-        derivatives: From s (m,) to their first and second derivatives over s, (m, k) each: of the travelled
-            length (m) and angle (rad), for example.
-        velocity: (k,), m/s and rad/s.
-        acceleration: (k,), m/s^2 and rad/s^2.
+        trajectory: The trajectory.
+        places: The path's own coordinate at its points, (m,).
+        law: Its time law.
+        use: Largest use of a limit but that of the jerk.
+        jerk: That of the jerk.
     """
 
-    derivatives: Callable[[Array], tuple[Array, Array]]
-    velocity: Array
-    acceleration: Array
+    trajectory: Trajectory
+    places: Array
+    law: SwitchedTimeLaw
+    use: float
+    jerk: float
+
+    def timed(self, trajectory: Trajectory) -> TimedPath:
+        """The trajectory, or a slower one, as the result."""
+        return TimedPath.of(trajectory, self.places, self.law)
 
 
 class TimeOptimalTiming:
@@ -95,18 +99,18 @@ class TimeOptimalTiming:
         jerk: Array | None = None,
         ramp: float = RAMP,
     ) -> None:
-        self._robot = robot
-        self._jerk = jerk
-        self._velocity, self._acceleration = velocity, acceleration
-        # A copy: read-only arrays would be compiled for once more.
-        self._effort = None if effort is None else np.array(effort)
+        self._velocity, self._acceleration, self._jerk = velocity, acceleration, jerk
         self._axis_limits = np.array(
             [velocity, acceleration, np.full(len(velocity), np.inf) if jerk is None else jerk]
         )
-        self._ramp = ramp
-        self._dynamics = None if effort is None else _dynamics_of(robot)
+        self._torques = None if effort is None else TorqueLimits(robot, effort)
+        self._ramp, self._windows = ramp, [SHORTEST_RAMP]
+        if jerk is not None:
+            # Ramp for a jump from one acceleration limit to the opposite one.
+            jump = float((2.0 * acceleration / jerk).max())
+            self._windows = [part * jump for part in JERK_RAMPS]
 
-    def timed(self, path: JointPath, tool: ToolLimits | None = None, longest: float = np.inf) -> TimedPath:
+    def timed(self, path: JointPath, tool: PathLimits | None = None, longest: float = np.inf) -> TimedPath:
         """The fastest trajectory from rest to rest along a path.
 
         With jerk limits, the fastest of several, each smoothed by another window.
@@ -121,59 +125,37 @@ class TimeOptimalTiming:
                 torque, limit and the part of the path.
             TooSlowError: the fastest trajectory takes longer.
         """
-        ramps = [SHORTEST_RAMP]
-        if self._jerk is not None:
-            # Ramp for a jump from one acceleration limit to the opposite one.
-            jump = float((2.0 * self._acceleration / self._jerk).max())
-            ramps = [part * jump for part in JERK_RAMPS]
-        plans = [plan for ramp in ramps for plan in self._plans(path, tool, ramp, longest)]
-        fastest = min(plans, key=lambda plan: plan.trajectory.duration, default=None)
-        if fastest is None or fastest.trajectory.duration > longest:
+        fastest: TimedPath | None = None
+        for window in self._windows:
+            for plan in self._plans(path, tool, window, longest):
+                if plan.trajectory.duration <= longest:
+                    fastest, longest = plan, plan.trajectory.duration
+        if fastest is None:
             raise TooSlowError
         return fastest
 
     def trajectory(
-        self, path: JointPath, tool: ToolLimits | None = None, longest: float = np.inf
+        self, path: JointPath, tool: PathLimits | None = None, longest: float = np.inf
     ) -> Trajectory:
         """The trajectory of `timed` alone; arguments and errors as there."""
         return self.timed(path, tool, longest).trajectory
 
     def _plans(
-        self, path: JointPath, tool: ToolLimits | None, shortest: float, longest: float
-    ) -> list[TimedPath]:
-        """Trajectories inside the limits whose ramps of acceleration last `shortest` (s) or more.
-
-        Planning stops once they are sure to take more than `longest`, s: lowering limits only makes them
-        slower.
-        """
-        even, tool = self._even(path, tool)
-        s = even.grid
-        limits, scale = self._limits(s, even, tool)
-        plans: list[TimedPath] = []
-        for number in range(ROUNDS):
-            law = self._law(s, limits, scale, even, shortest)
-            if law.duration * (1.0 - DISCRETISATION) > longest:
-                return plans
-            trajectory, places = self._sampled(even, law, limits)
-            times, use, jerk = self._use(trajectory, law, tool, limits[0])
-            worst = float(use.max())
-            if number == 0 and worst > COARSE:
-                s = finer_grid(s, law.s_of(times[use > TOO_LONG])[0])
-                limits, scale = self._limits(s, even, tool)
-                continue
-            if self._jerk is not None:
-                plans.append(TimedPath.of(self._slowed(trajectory, law, worst), places, law))
-                # Jerk is a jump of acceleration over its ramp: it falls with the acceleration limits.
-                use = np.maximum(use, jerk)
-            excess = float(use.max())
+        self, path: JointPath, tool: PathLimits | None, window: float, longest: float
+    ) -> Iterator[TimedPath]:
+        """Trajectories inside the limits; none once they are sure to take more than `longest`, s."""
+        last: _Round | None = None
+        for last in self._rounds(path, tool, window=window, longest=longest):
+            excess = max(last.use, last.jerk)
             if excess <= 1.0 + EXCESS:
-                return [*plans, TimedPath.of(slower(trajectory, excess), places, law)]
-            scale = scale / local_excess(law, times, use)
-            if float(scale.min()) < LOWEST_SCALE:
-                break
-        return [*plans, TimedPath.of(self._slowed(trajectory, law, worst), places, law)]
+                yield last.timed(slower(last.trajectory, excess))
+                return
+            if self._jerk is not None:
+                yield last.timed(self._slowed(last))
+        if last is not None and self._jerk is None:
+            yield last.timed(self._slowed(last))
 
-    def carried_on(self, path: JointPath, tool: ToolLimits | None, start: PathStart) -> TimedPath:
+    def carried_on(self, path: JointPath, tool: PathLimits | None, start: PathStart) -> TimedPath:
         """The fastest trajectory to rest along a path of a robot that moves already.
 
         It is smoothed as the time law before it. It cannot be slowed down as a whole: limits are lowered
@@ -187,87 +169,91 @@ class TimeOptimalTiming:
         Raises:
             PlanningError: as `timed`, or the start is too fast for what is ahead.
         """
-        (even, tool), smoothing = self._even(path, tool), start.smoothing
-        start, s = start.over(even), even.grid
-        first = start.before_average()[0]
-        s = np.append(first, s[s > first + CLOSEST_START])
-        limits, scale = self._limits(s, even, tool)
-        for number in range(MOST_ROUNDS):
-            law = self._law(s, limits, scale, even, smoothing.window, start=start)
-            trajectory, places = self._sampled(even, law, limits, start)
-            trajectory = slower(trajectory, smoothing.stretch)
-            times, use, jerk = self._use(trajectory, law, tool, limits[0], smoothing.stretch)
-            if self._jerk is not None:
-                use = np.maximum(use, jerk)
-            if float(use.max()) <= 1.0 + MARGIN_EXCESS:
-                return TimedPath.of(trajectory, places, law)
-            if number == 0 and float(use.max()) > COARSE:
-                s = finer_grid(s, law.s_of(times[use > TOO_LONG] / smoothing.stretch)[0])
-                limits, scale = self._limits(s, even, tool)
-                continue
-            # More from round to round: what is left gets smaller slowly.
-            use = np.where(use > 1.0 + MARGIN_EXCESS, use + MARGIN_EXCESS * 1.5**number, use)
-            scale = scale / local_excess(law, times / smoothing.stretch, use)
+        for plan in self._rounds(path, tool, start=start):
+            if max(plan.use, plan.jerk) <= 1.0 + MARGIN_EXCESS:
+                return plan.timed(plan.trajectory)
         raise PlanningError('the path begins with a speed from which the limits ahead cannot be kept')
 
-    def _slowed(self, trajectory: Trajectory, law: SwitchedTimeLaw, worst: float) -> Trajectory:
-        """The motion slowed down uniformly until it keeps the limits; `worst` is the largest use of one."""
-        for _ in range(ROUNDS):
-            if worst <= 1.0 + MARGIN_EXCESS:
+    def _rounds(
+        self,
+        path: JointPath,
+        tool: PathLimits | None,
+        *,
+        start: PathStart | None = None,
+        window: float = SHORTEST_RAMP,
+        longest: float = np.inf,
+    ) -> Iterator[_Round]:
+        """Trajectories, each with the limits lowered where the one before broke them.
+
+        Args:
+            path: The joint path.
+            tool: Limits of the tool besides those of the axes.
+            start: How a motion begins that does not begin at rest.
+            window: Shortest ramp of acceleration, s.
+            longest: There are no more once the time law takes longer, s: lowering limits makes it slower.
+        """
+        even = ReparametrisedPath(path, self._velocity, self._acceleration)
+        s, stretch = even.grid, 1.0
+        if start is not None:
+            start = start.over(even)
+            stretch, window = start.smoothing.stretch, start.smoothing.window
+            first = start.before_average()[0]
+            s = np.append(first, s[s > first + CLOSEST_START])
+        rates = None if tool is None else (lambda sigma: _rates_over(even, tool, sigma))
+        limits = self._limits(s, even, rates)
+        scale = np.full(len(s), 1.0 - RESERVE)
+        for number in range(ROUNDS if start is None else MOST_ROUNDS):
+            law = self._law(s, limits, scale, even, start)
+            law.window = max(self._ramp * law.duration, window) if start is None else window
+            if law.duration * (1.0 - DISCRETISATION) > longest:
+                return
+            trajectory, places = self._sampled(even, law, limits[0], start)
+            trajectory = slower(trajectory, stretch)
+            times, use, jerk = self._use(trajectory, law, rates, limits[0], stretch)
+            worst = float(use.max())
+            yield _Round(trajectory, places, law, worst, float(jerk.max()))
+            times = times / stretch
+            if number == 0 and worst > COARSE:
+                s = finer_grid(s, law.s_of(times[use > TOO_LONG])[0])
+                limits = self._limits(s, even, rates)
+                scale = np.full(len(s), 1.0 - RESERVE)
+                continue
+            # Jerk is a jump of acceleration over its ramp: it falls with the acceleration limits.
+            use = np.maximum(use, jerk)
+            if start is not None:
+                # More from round to round: what is left gets smaller slowly.
+                use = np.where(use > 1.0 + MARGIN_EXCESS, use + MARGIN_EXCESS * 1.5**number, use)
+            scale = scale / local_excess(law, times, use)
+            if start is None and float(scale.min()) < LOWEST_SCALE:
+                return
+
+    def _slowed(self, plan: _Round) -> Trajectory:
+        """The motion slowed down uniformly until it keeps the limits."""
+        trajectory, use, jerk = plan.trajectory, plan.use, plan.jerk
+        for _ in range(2 * ROUNDS):
+            if use <= 1.0 + MARGIN_EXCESS and jerk <= 1.0:
                 break
-            trajectory = slower(trajectory, worst)
-            worst = float(self._use(trajectory, law, None)[1].max())
-        if self._jerk is None:
-            return trajectory
-        for _ in range(ROUNDS):
-            jerk = float(self._use(trajectory, law, None)[2].max())
-            if jerk <= 1.0:
-                break
-            trajectory = slower(trajectory, jerk ** (1.0 / 3.0) * (1.0 + EXCESS))
+            # Jerk falls with the third power of time.
+            by = use if use > 1.0 + MARGIN_EXCESS else np.cbrt(jerk) * (1.0 + EXCESS)
+            trajectory = slower(trajectory, by)
+            _, uses, jerks = self._use(trajectory, plan.law, None)
+            use, jerk = float(uses.max()), float(jerks.max())
         return trajectory
 
-    def _even(self, path: JointPath, tool: ToolLimits | None) -> tuple[ReparametrisedPath, ToolLimits | None]:
-        """The path and the tool's limits over a coordinate along which the axes move evenly."""
-        even = ReparametrisedPath(path, self._velocity, self._acceleration)
-        if tool is not None:
-            tool = replace(tool, derivatives=partial(even.derivatives, tool.derivatives))
-        return even, tool
-
-    def _limits(
-        self, s: Array, path: ReparametrisedPath, tool: ToolLimits | None
-    ) -> tuple[tuple[Array, Array], Array]:
-        """Rows (m, k, 4), the highest s_dot^2 of the velocity limits, and the part to use."""
+    def _limits(self, s: Array, path: ReparametrisedPath, rates: PathLimits | None) -> tuple[Array, Array]:
+        """Rows (m, k, 4) of axes, tool and torques, and the highest s_dot^2 of the velocity limits, (m,)."""
         q, q_s, q_ss = path.evaluate(s)
-        m, n = q.shape
-        rows = np.zeros(
-            (m, n * (2 if self._effort is not None else 1) + (len(tool.acceleration) if tool else 0), 4)
-        )
-        rows[:, :n, 0], rows[:, :n, 1] = q_s / self._acceleration, q_ss / self._acceleration
-        fraction = np.abs(q_s / self._velocity).max(axis=1)
-        if tool is not None:
-            first, second = tool.derivatives(s)
-            part = slice(n, n + len(tool.acceleration))
-            rows[:, part, 0], rows[:, part, 1] = first / tool.acceleration, second / tool.acceleration
-            fraction = np.maximum(fraction, (first / tool.velocity).max(axis=1))
-        if self._effort is not None:
-            self._torque_rows(q, q_s, q_ss, rows[:, -n:, :3])
+        axes = np.zeros((*q.shape, 4))
+        axes[:, :, 0], axes[:, :, 1] = q_s / self._acceleration, q_ss / self._acceleration
+        rows, fraction = [axes], np.abs(q_s / self._velocity).max(axis=1)
+        if rates is not None:
+            found = rates(s)
+            rows.append(found.rows())
+            fraction = np.maximum(fraction, np.abs(found.rate / found.velocity).max(axis=1))
+        if self._torques is not None:
+            rows.append(self._torques.rows(q, q_s, q_ss))
         with np.errstate(divide='ignore'):
-            return (rows, 1.0 / fraction**2), np.full(m, 1.0 - RESERVE)
-
-    def _torque_rows(self, q: Array, q_s: Array, q_ss: Array, rows: Array) -> None:
-        effort = self._effort
-        assert effort is not None
-        if self._dynamics is not None:
-            filled = np.empty(rows.shape)
-            torque_rows(self._dynamics.arrays, q, q_s, q_ss, effort, filled, memory_for(len(effort)))
-            rows[:] = filled
-            return
-        still = np.zeros(q.shape[1])
-        for row, *state in zip(rows, q, q_s, q_ss, strict=True):
-            position, first, second = state
-            rest = self._robot.rigid_dynamics(position, still, still)[2]
-            tau, M, _ = self._robot.rigid_dynamics(position, first, second)
-            row[:] = np.column_stack([M @ first, tau - rest, rest]) / effort[:, None]
+            return np.concatenate(rows, axis=1), 1.0 / fraction**2
 
     def _law(
         self,
@@ -275,35 +261,29 @@ class TimeOptimalTiming:
         limits: tuple[Array, Array],
         scale: Array,
         path: ReparametrisedPath,
-        shortest: float,
-        *,
-        start: PathStart | None = None,
+        start: PathStart | None,
     ) -> SwitchedTimeLaw:
+        """The time law of the fastest profile, without ramps."""
         u, difference = np.empty(len(s)), np.empty(len(s) - 1)
         u[0] = 0.0 if start is None else start.before_average()[1] ** 2
         failed = fastest_speeds(s, limits[0], limits[1] * scale**2, scale, PASSES, u, difference)
         if failed >= 0:
+            assert self._torques is not None
             place = s[failed : failed + 1]
-            raise self._too_heavy(float(path.s_of(place)[0][0]), path.evaluate(place)[0][0])
+            raise self._torques.too_heavy(float(path.s_of(place)[0][0]), path.evaluate(place)[0][0])
         stuck = int(np.argmin(u[1:-1])) + 1
         if not u[stuck] > 0.0:
             fraction = float(path.s_of(s[stuck : stuck + 1])[0][0])
             raise PlanningError(
                 f'the limits leave no speed at {100.0 * fraction:.1f} % of the path', fraction=fraction
             )
-        if start is None:
-            return SwitchedTimeLaw(s, u, difference, self._ramp, shortest)
-        return SwitchedTimeLaw(s, u, difference, 0.0, shortest, before=start.s_ddot)
+        return SwitchedTimeLaw(s, u, difference, 0.0, before=0.0 if start is None else start.s_ddot)
 
     def _sampled(
-        self,
-        path: ReparametrisedPath,
-        law: SwitchedTimeLaw,
-        limits: tuple[Array, Array],
-        start: PathStart | None = None,
+        self, path: ReparametrisedPath, law: SwitchedTimeLaw, rows: Array, start: PathStart | None
     ) -> tuple[Trajectory, Array]:
         """The trajectory, and the path's own coordinate at its points."""
-        times = law.sample_times(LONGEST_STEP, np.abs(limits[0][:, :, 0]).max(axis=1))
+        times = law.sample_times(LONGEST_STEP, np.abs(rows[:, :, 0]).max(axis=1))
         if len(path.seams):
             times = with_times(times, law.times_of(path.seams))
         t = Trajectory.message_times(times)
@@ -321,7 +301,7 @@ class TimeOptimalTiming:
         self,
         trajectory: Trajectory,
         law: SwitchedTimeLaw,
-        tool: ToolLimits | None,
+        rates: PathLimits | None,
         rows: Array | None = None,
         stretch: float = 1.0,
     ) -> tuple[Array, Array, Array]:
@@ -337,24 +317,18 @@ class TimeOptimalTiming:
         uses = np.empty((len(points) - 1, 3))
         quintic_uses(points, coefficients, self._axis_limits, uses)
         use, jerk = (np.repeat(values, CHECKS_PER_STEP) for values in (uses[:, :2].max(axis=1), uses[:, 2]))
-        if tool is not None:
-            s, s_dot, s_ddot = law.s_of(times / stretch)
-            s_dot, s_ddot = s_dot / stretch, s_ddot / stretch**2
-            first, second = tool.derivatives(s)
-            speed, acceleration = (
-                first * s_dot[:, None],
-                second * (s_dot**2)[:, None] + first * s_ddot[:, None],
-            )
-            use = np.maximum(use, (speed / tool.velocity).max(axis=1))
-            use = np.maximum(use, np.abs(acceleration / tool.acceleration).max(axis=1))
-        if self._effort is not None:
+        if rates is not None:
+            s, s_dot, s_ddot = law.s_of(times[::SPARSE] / stretch)
+            used = rates(s).use(s_dot / stretch, s_ddot / stretch**2)
+            use[::SPARSE] = np.maximum(use[::SPARSE], used)
+        if self._torques is not None:
             # Torques follow the accelerations, which are checked everywhere.
-            some = np.arange(0, len(times), TORQUE_CHECK)
+            some = np.arange(0, len(times), SPARSE)
             if rows is not None and self._jerk is None:
                 some = some[self._heavy(law, rows[:, -trajectory.num_axes :], times[some])]
             q, q_dot, q_ddot = (np.empty((len(some), trajectory.num_axes)) for _ in range(3))
             quintics_at(points, coefficients, times[some], q, q_dot, q_ddot)
-            use[some] = np.maximum(use[some], self._torque_use(q, q_dot, q_ddot))
+            use[some] = np.maximum(use[some], self._torques.use(q, q_dot, q_ddot))
         return times, use, jerk
 
     @staticmethod
@@ -371,49 +345,11 @@ class TimeOptimalTiming:
         chosen: Array = heavy[np.clip(index, 1, len(heavy) - 2)]
         return chosen
 
-    def _torque_use(self, q: Array, q_dot: Array, q_ddot: Array) -> Array:
-        effort = self._effort
-        assert effort is not None
-        if self._dynamics is None:
-            model = self._robot.rigid_dynamics_model
-            tau = np.array([model.torques(*state) for state in zip(q, q_dot, q_ddot, strict=True)])
-            slow: Array = np.abs(tau / effort).max(axis=1)
-            return slow
-        filled = np.empty(q.shape)
-        torque_use(self._dynamics.arrays, q, q_dot, q_ddot, effort, filled, bodies_of(len(effort)))
-        use: Array = filled.max(axis=1)
-        return use
 
-    def _too_heavy(self, s: float, q: Array) -> PlanningError:
-        assert self._effort is not None
-        still = np.zeros(len(q))
-        tau = self._robot.rigid_dynamics(q, still, still)[2]
-        axis = int(np.argmax(np.abs(tau / self._effort)))
-        axes = self._robot.axes_data
-        unit = axes.unit(axis, 'torque')
-        return PlanningError(
-            f'{axes.names[axis]} cannot hold the robot at {100.0 * s:.1f} % of the path: gravity asks for '
-            f'{abs(tau[axis]):.6g} {unit}, its limit is {self._effort[axis]:.6g} {unit}; choose another '
-            'path or configuration',
-            fraction=s,
-            joint=axes.names[axis],
-            value=float(tau[axis]),
-            bound=float(self._effort[axis]),
-            unit=unit,
-        )
-
-
-_DYNAMICS: WeakKeyDictionary[BaseRobotModel, ChainDynamics | None] = WeakKeyDictionary()
-
-
-def _dynamics_of(robot: BaseRobotModel) -> ChainDynamics | None:
-    """The robot's dynamics for compiled code, cached; None if only its own methods compute them."""
-    if robot not in _DYNAMICS:
-        try:
-            _DYNAMICS[robot] = ChainDynamics.of(robot, SerialChain.of(robot))
-        except InvalidInputError:
-            _DYNAMICS[robot] = None
-    return _DYNAMICS[robot]
+def _rates_over(even: ReparametrisedPath, limits: PathLimits, sigma: Array) -> LimitedRates:
+    """The limits at values of the coordinate sigma, (m,), from those over s."""
+    s, first, second = even.s_of(sigma)
+    return limits(s).over(first, second)
 
 
 def local_excess(law: SwitchedTimeLaw, times: Array, use: Array) -> Array:

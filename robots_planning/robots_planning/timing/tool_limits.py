@@ -1,18 +1,68 @@
-"""Limits of the tool along a path, and along a blended path whose motions have different limits."""
+"""Limits of the tool along a path, and of all along a blended path whose motions have different limits."""
 
-from collections.abc import Sequence
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import sqrt
 
 import numpy as np
 
+from robots_core.kernels.compiled import compiled
+from robots_core.kernels.vectors import dot, row_of, scale, subtract
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.paths.cartesian_path import CartesianPath
 from robots_planning.paths.joint_path import JointPath
-from robots_planning.timing.time_optimal import ToolLimits
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 
 STANDSTILL = 1e-12  # m and rad per unit of s; at rest the path has no direction
+
+
+@dataclass(frozen=True, eq=False)
+class LimitedRates:
+    """How k limited quantities, such as the length that the tool has travelled, change at m places of a path.
+
+    Attributes:
+        rate: First derivatives over s, (m, k): m or rad.
+        along: Second derivatives, (m, k).
+        across: What bends of the path add at right angles, per s_dot^2, (m, k), from 0.
+        velocity: Limits, (k,) or (m, k), m/s or rad/s.
+        acceleration: Limits of either part of the acceleration, m/s^2 or rad/s^2.
+    """
+
+    rate: Array
+    along: Array
+    across: Array
+    velocity: Array
+    acceleration: Array
+
+    def over(self, s_1: Array, s_2: Array) -> LimitedRates:
+        """The same over another coordinate, from both derivatives of s with respect to it, (m,) each."""
+        first, square, second = s_1[:, None], (s_1**2)[:, None], s_2[:, None]
+        along, across = self.along * square + self.rate * second, self.across * square
+        return replace(self, rate=self.rate * first, along=along, across=across)
+
+    def rows(self) -> Array:
+        """The limits of acceleration as in `fastest_speeds`, (m, j, 4)."""
+        m, k = self.rate.shape
+        bent = np.flatnonzero(self.across.any(axis=0))
+        rows = np.zeros((m, k + len(bent), 4))
+        rows[:, :k, 0], rows[:, :k, 1] = self.rate / self.acceleration, self.along / self.acceleration
+        rows[:, k:, 1] = (self.across / self.acceleration)[:, bent]
+        return rows
+
+    def use(self, s_dot: Array, s_ddot: Array) -> Array:
+        """The largest use of a limit at the speeds and accelerations s_dot and s_ddot, (m,)."""
+        square = (s_dot**2)[:, None]
+        along, across = np.abs(self.along * square + self.rate * s_ddot[:, None]), self.across * square
+        speed, acceleration = np.abs(self.rate) * s_dot[:, None], np.maximum(along, across)
+        return np.asarray(np.maximum(speed / self.velocity, acceleration / self.acceleration).max(axis=1))
+
+
+PathLimits = Callable[[Array], LimitedRates]
+"""Limits at values of s, (m,)."""
 
 
 def path_limits(
@@ -21,8 +71,8 @@ def path_limits(
     tool_path: CartesianPath,
     tool: Array,
     turning_tool: Array | None,
-) -> ToolLimits | None:
-    """Limits along a path; the tool's tangential and normal accelerations are limited separately.
+) -> PathLimits | None:
+    """Limits of the tool along a path; None where it has none.
 
     Args:
         robot: The robot.
@@ -36,18 +86,16 @@ def path_limits(
     if np.isinf(tool).all():
         return None
 
-    def derivatives(s: Array) -> tuple[Array, Array]:
+    def limits(s: Array) -> LimitedRates:
         if turning_tool is None:
             samples = tool_path.sample(s)
             x_s, x_ss = samples.x_s, samples.x_ss
         else:
             tools = np.tile(turning_tool, (len(s), 1))
             x_s, x_ss = _tool_derivatives(robot, tools, *joint_path.evaluate(s))
-        rate, along, across = _travel(x_s, x_ss)
-        return np.hstack([rate, np.zeros_like(rate)]), np.hstack([along, across])
+        return LimitedRates(*travel(x_s, x_ss), tool[::2], tool[1::2])
 
-    speed, acceleration = tool[::2], tool[1::2]
-    return ToolLimits(derivatives, np.append(speed, [np.inf, np.inf]), np.append(acceleration, acceleration))
+    return limits
 
 
 def chain_limits(
@@ -55,8 +103,8 @@ def chain_limits(
     path: JointPath,
     corners: Array,
     sections: Sequence[tuple[MotionSettings, bool]],
-) -> ToolLimits:
-    """Limits along a chain's path, for quantities that are divided by the local limit: all bounds are 1.
+) -> PathLimits:
+    """Limits of axes and tool along a chain's path.
 
     Args:
         robot: The robot.
@@ -64,39 +112,24 @@ def chain_limits(
         corners: Values of s at which one motion ends and the next begins, (k - 1,) for k sections.
         sections: The settings of each motion, and whether the limits of the tool hold in it.
     """
-    axes = robot.axes_data
-    n = robot.num_axes
-    settings, inside = [setting for setting, _ in sections], 1.0 - LIMIT_MARGIN
-    velocity = np.array([setting.speed_fraction for setting in settings])[:, None] * axes.velocity * inside
-    acceleration = np.array([setting.acceleration_fraction for setting in settings])[:, None]
-    acceleration = acceleration * axes.acceleration * inside
-    tool_velocity, tool_acceleration = np.full((2, len(settings), 2), np.inf)
-    for row, (setting, limited) in enumerate(sections):
+    axes, n, inside = robot.axes_data, robot.num_axes, 1.0 - LIMIT_MARGIN
+    bounds = np.full((len(sections), 2, n + 2), np.inf)
+    for bound, (setting, limited) in zip(bounds, sections, strict=True):
+        bound[0, :n] = setting.speed_fraction * inside * axes.velocity
+        bound[1, :n] = setting.acceleration_fraction * inside * axes.acceleration
         if limited:
-            tool_velocity[row] = setting.cartesian_speed, setting.rotation_speed
-            tool_acceleration[row] = setting.cartesian_acceleration, setting.rotation_acceleration
-    tools = np.array([setting.tool_pose.r for setting in settings])
+            bound[0, n:] = setting.cartesian_speed, setting.rotation_speed
+            bound[1, n:] = setting.cartesian_acceleration, setting.rotation_acceleration
+    tools = np.array([setting.tool_pose.r for setting, _ in sections])
 
-    def derivatives(s: Array) -> tuple[Array, Array]:
+    def limits(s: Array) -> LimitedRates:
         section = np.searchsorted(corners, s, side='right')
         q, q_s, q_ss = path.evaluate(s)
-        x_s, x_ss = _tool_derivatives(robot, tools[section], q, q_s, q_ss)
-        still = np.zeros((len(s), n + 2))
-        rate, along, across = _travel(x_s, x_ss)
-        first = [np.abs(q_s) / velocity[section], rate / tool_velocity[section]]
-        second = [still]
-        first += [q_s / acceleration[section], rate / tool_acceleration[section], np.zeros((len(s), 2))]
-        second += [q_ss / acceleration[section]]
-        second += [part / tool_acceleration[section] for part in (along, across)]
-        return np.concatenate(first, axis=1), np.concatenate(second, axis=1)
+        of_tool = travel(*_tool_derivatives(robot, tools[section], q, q_s, q_ss))
+        rate, along, across = map(np.hstack, zip((q_s, q_ss, np.zeros_like(q)), of_tool, strict=True))
+        return LimitedRates(rate, along, across, *bounds[section].swapaxes(0, 1))
 
-    # Speeds come first, with free accelerations; then accelerations, with free speeds.
-    free, bound = np.full(n + 2, np.inf), np.ones(n + 2)
-    return ToolLimits(
-        derivatives,
-        np.concatenate([bound, np.full(n + 4, np.inf)]),
-        np.concatenate([free, np.ones(n + 4)]),
-    )
+    return limits
 
 
 def _tool_derivatives(
@@ -121,7 +154,8 @@ def _tool_derivatives(
     return first, second
 
 
-def _travel(x_s: Array, x_ss: Array) -> tuple[Array, Array, Array]:
+@compiled()
+def travel(x_s: Array, x_ss: Array) -> tuple[Array, Array, Array]:
     """Rates of arc length and angle over s, their derivatives, and the normal parts of x'', (m, 2) each.
 
     With x' = |x'| t: |x'|' = t x'', and across the path x'' - (t x'') t.
@@ -130,11 +164,14 @@ def _travel(x_s: Array, x_ss: Array) -> tuple[Array, Array, Array]:
         x_s: First derivative of the tool's pose, (m, 6): linear, then angular.
         x_ss: Second derivative, (m, 6).
     """
-    rate, along, across = (np.empty((len(x_s), 2)) for _ in range(3))
-    for column, part in enumerate((slice(0, 3), slice(3, 6))):
-        first, second = x_s[:, part], x_ss[:, part]
-        rate[:, column] = np.linalg.norm(first, axis=1)
-        direction = first / np.maximum(rate[:, column], STANDSTILL)[:, None]
-        along[:, column] = np.einsum('mi,mi->m', direction, second)
-        across[:, column] = np.linalg.norm(second - along[:, column, None] * direction, axis=1)
+    m = len(x_s)
+    rate, along, across = np.zeros((m, 2)), np.zeros((m, 2)), np.zeros((m, 2))
+    for i in range(m):
+        for part in range(2):
+            first, second = row_of(x_s[i].reshape(2, 3), part), row_of(x_ss[i].reshape(2, 3), part)
+            rate[i, part] = sqrt(dot(first, first))
+            if rate[i, part] > STANDSTILL:
+                along[i, part] = dot(first, second) / rate[i, part]
+                second = subtract(second, scale(along[i, part] / rate[i, part], first))
+            across[i, part] = sqrt(dot(second, second))
     return rate, along, across

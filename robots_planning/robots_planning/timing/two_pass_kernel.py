@@ -7,7 +7,7 @@ import numpy as np
 
 from robots_core.kernels.compiled import compiled, sort_in_place
 from robots_core.validation import Array
-from robots_planning.paths.cartesian_path_kernel import PathArrays, pose_on_path
+from robots_planning.paths.cartesian_path_kernel import PathArrays, poses_on_path
 from robots_planning.timing.quintic import (
     interval_at,
     quintic_coefficients,
@@ -16,6 +16,7 @@ from robots_planning.timing.quintic import (
 )
 from robots_planning.timing.speed_profile import fastest_speeds
 from robots_planning.timing.switched_time_law import averaged, law_pieces
+from robots_planning.timing.tool_limits import STANDSTILL, travel
 
 GRID = 240  # points of the speed profile over the path, at least
 GRID_ROUNDING = 1e-9  # of a grid interval: rounding of the samples must not add an interval
@@ -36,20 +37,18 @@ GOOD_ENOUGH = 1.002  # use of a limit at which a uniform slow-down is cheaper th
 SMOOTHING_MARGIN = 1e-3
 STRETCH_EXCESS = 1e-7  # so that rounding does not cause another round
 STRETCHES = 4
-STANDSTILL = 1e-12  # m and rad per unit of s; at rest the path has no direction
-
 Points = tuple[Array, Array, Array, Array]
 """Times (k,), positions, velocities and accelerations (k, n)."""
 
-Grid = tuple[Array, Array, Array, Array, Array]
-"""s (m,), increasing; q' and q'' of the axes, (m, n); x' and x'' of the tool, (m, 6), linear first."""
+Grid = tuple[Array, Array, Array, tuple[Array, Array, Array]]
+"""s (m,), increasing; q' and q'' of the axes, (m, n); `travel` of the tool, (m, 2) each."""
 
 TimeLaw = tuple[Array, Array]
 """Times, (m,), and pieces, (m, 5), of `law_pieces`."""
 
-PathLimits = tuple[Array, Array, float]
+PathLimits = tuple[Array, Array]
 """Velocity, acceleration and jerk of the axes, (3, n); speed, acceleration, angular speed and angular
-acceleration of the tool, (4,), each on the norm of a vector; its jerk. Infinite where there is none."""
+acceleration of the tool, (4,), each on the norm of a vector. Infinite where there is none."""
 
 
 @compiled()
@@ -82,16 +81,14 @@ def grid_of(path_s: Array, coefficients: Array, tool_path: PathArrays) -> Grid:
     q, q_s, q_ss = np.empty((m, n)), np.empty((m, n)), np.empty((m, n))
     quintics_at(path_s, coefficients, s, q, q_s, q_ss)
     x_s, x_ss = np.empty((m, 6)), np.empty((m, 6))
-    r, T = np.empty(3), np.empty((3, 3))
-    for i in range(m):
-        pose_on_path(tool_path, s[i], r, T, x_s[i], x_ss[i])
-    return s, q_s, q_ss, x_s, x_ss
+    poses_on_path(tool_path, s, np.empty((m, 3)), np.empty((m, 3, 3)), x_s, x_ss)
+    return s, q_s, q_ss, travel(x_s, x_ss)
 
 
 @compiled()
 def speed_limits(grid: Grid, axes: Array, tool: Array) -> tuple[Array, Array]:
     """Limits of axes and tool as in `fastest_speeds`: rows (m, n + 2, 4), and the highest s_dot^2, (m,)."""
-    _, q_s, q_ss, x_s, x_ss = grid
+    _, q_s, q_ss, (rate, along, across) = grid
     m, n = q_s.shape
     rows, highest = np.zeros((m, n + 2, 4)), np.full(m, inf)
     for i in range(m):
@@ -100,17 +97,12 @@ def speed_limits(grid: Grid, axes: Array, tool: Array) -> tuple[Array, Array]:
             if q_s[i, k] != 0.0:
                 highest[i] = min(highest[i], (axes[0, k] / q_s[i, k]) ** 2)
         for part in range(2):
-            first, second = x_s[i, 3 * part : 3 * part + 3], x_ss[i, 3 * part : 3 * part + 3]
-            row, limit = rows[i, n + part], tool[2 * part + 1]
-            rate = sqrt(np.sum(first * first))
-            if rate > STANDSTILL:
-                along = np.sum(first * second) / rate
-                row[0], row[1] = rate / limit, along / limit
-                second = second - along / rate * first
-                highest[i] = min(highest[i], (tool[2 * part] / rate) ** 2)
-            across = sqrt(np.sum(second * second))
-            if across > STANDSTILL:
-                row[3] = across / limit
+            row, speed, limit = rows[i, n + part], tool[2 * part], tool[2 * part + 1]
+            if rate[i, part] > STANDSTILL:
+                row[0], row[1] = rate[i, part] / limit, along[i, part] / limit
+                highest[i] = min(highest[i], (speed / rate[i, part]) ** 2)
+            if across[i, part] > STANDSTILL:
+                row[3] = across[i, part] / limit
     return rows, highest
 
 
@@ -173,14 +165,13 @@ def timed_points(
 @compiled()
 def jerk_window(grid: Grid, limits: PathLimits) -> float:
     """The smoothing window with which no jump of the unsmoothed law breaks a jerk limit, s."""
-    (s, q_s, _, x_s, _), (axes, tool, tool_jerk) = grid, limits
-    s_ddot = two_pass(s, *speed_limits(grid, axes, tool), np.ones(s.size))[1][:-1, 3]
+    s, q_s, axes = grid[0], grid[1], limits[0]
+    s_ddot = two_pass(s, *speed_limits(grid, axes, limits[1]), np.ones(s.size))[1][:-1, 3]
     window = 0.0
     for i in range(s.size):
         jump = abs((s_ddot[i] if i < s.size - 1 else 0.0) - (s_ddot[i - 1] if i > 0 else 0.0))
         for k in range(axes.shape[1]):
             window = max(window, abs(q_s[i, k]) * jump / axes[2, k])
-        window = max(window, sqrt(x_s[i, 0] ** 2 + x_s[i, 1] ** 2 + x_s[i, 2] ** 2) * jump / tool_jerk)
     return window
 
 
@@ -253,8 +244,7 @@ def _sampled(
 
     The use is the ratio to the limit of acceleration or jerk, or the squared ratio of speed.
     """
-    s, _, _, x_s, x_ss = grid
-    axes, tool, tool_jerk = limits
+    axes, tool = limits
     plan = _point_times(law, grid, limits, window)
     k, n = plan.size, axes.shape[1]
     times, path = np.empty(k), np.empty((3, k))
@@ -268,17 +258,12 @@ def _sampled(
     q, q_dot, q_ddot = np.empty((k, n)), np.empty((k, n)), np.empty((k, n))
     quintics_at(path_s, coefficients, path[0], q, q_dot, q_ddot)
     tool_use = np.empty(k)
-    linear, last_linear = np.zeros(3), np.zeros(3)
     for row in range(k):
         rate, change = path[1, row] / stretch, path[2, row] / stretch**2
         for axis in range(n):
             q_ddot[row, axis] = q_ddot[row, axis] * rate * rate + q_dot[row, axis] * change
             q_dot[row, axis] *= rate
-        tool_use[row] = _tool_use(s, x_s, x_ss, tool, path[0, row], rate, change, linear)
-        if row > 0 and tool_jerk < inf:
-            difference = sqrt(np.sum((linear - last_linear) ** 2)) / (times[row] - times[row - 1])
-            tool_use[row] = max(tool_use[row], difference / tool_jerk)
-        last_linear[:] = linear
+        tool_use[row] = _tool_use(grid, tool, path[0, row], rate, change)
     curve = np.empty((k - 1, 6, n))
     quintic_coefficients(times, q, q_dot, q_ddot, curve)
     uses = np.empty((k - 1, 3))
@@ -290,23 +275,17 @@ def _sampled(
 
 
 @compiled()
-def _tool_use(
-    s: Array, x_s: Array, x_ss: Array, tool: Array, place: float, rate: float, change: float, linear: Array
-) -> float:
-    """Largest use of the tool's limits at s = `place`; fills its linear acceleration, (3,)."""
+def _tool_use(grid: Grid, tool: Array, place: float, s_dot: float, s_ddot: float) -> float:
+    """Largest use of the tool's limits at s = `place`, the square of that of speed."""
+    s, _, _, (rate, along, across) = grid
     i = interval_at(s, place)
     part = (place - s[i]) / (s[i + 1] - s[i])
     worst = 0.0
-    for first in (0, 3):
-        speed, acceleration = 0.0, 0.0
-        for k in range(first, first + 3):
-            a = x_s[i, k] + part * (x_s[i + 1, k] - x_s[i, k])
-            b = x_ss[i, k] + part * (x_ss[i + 1, k] - x_ss[i, k])
-            vector = b * rate * rate + a * change
-            if first == 0:
-                linear[k] = vector
-            speed += (a * rate) ** 2
-            acceleration += vector * vector
-        which = first // 3 * 2
-        worst = max(worst, speed / tool[which] ** 2, sqrt(acceleration) / tool[which + 1])
+    for k in range(2):
+        first = rate[i, k] + part * (rate[i + 1, k] - rate[i, k])
+        tangential = along[i, k] + part * (along[i + 1, k] - along[i, k])
+        normal = across[i, k] + part * (across[i + 1, k] - across[i, k])
+        tangential = first * s_ddot + tangential * s_dot**2
+        length = sqrt(tangential**2 + (normal * s_dot**2) ** 2)
+        worst = max(worst, (first * s_dot / tool[2 * k]) ** 2, length / tool[2 * k + 1])
     return worst

@@ -34,7 +34,6 @@ class TwoPassTiming:
         jerk: rad/s^3 (m/s^3); None: acceleration is continuous, and jerk not limited.
         tool: Highest speed (m/s), acceleration, angular speed (rad/s) and angular acceleration of the tool,
             (4,), each on the norm of a vector; infinite for none.
-        tool_jerk: Highest jerk of the tool, m/s^3, kept where jerk is limited; infinite for none.
         smoothing: Longest smoothing of acceleration without jerk limits, s.
 
     Raises:
@@ -48,17 +47,12 @@ class TwoPassTiming:
         jerk: Array | None,
         tool: Array,
         *,
-        tool_jerk: float,
         smoothing: float,
     ) -> None:
         self._smoothing = positive(smoothing, 'smoothing', 's')
         self._jerk_limited = jerk is not None
         jerks = np.full(len(velocity), np.inf) if jerk is None else jerk
-        self._limits: PathLimits = (
-            np.array([velocity, acceleration, jerks]),
-            np.array(tool),
-            np.inf if jerk is None else tool_jerk,
-        )
+        self._limits: PathLimits = np.array([velocity, acceleration, jerks]), np.array(tool)
 
     def trajectory(
         self, joint_path: JointPath, tool_path: CartesianPath, longest: float = np.inf

@@ -54,8 +54,6 @@ class CartesianGenerator(TrajectoryGenerator):
         rotation_speed: Highest angular speed of the tool, rad/s.
         rotation_acceleration: Highest angular acceleration of the tool, rad/s^2.
         jerk_limited: Keep the axes' jerk limits too.
-        cartesian_jerk: Highest jerk of the tool, m/s^3, kept if `jerk_limited`; none by default. For planner
-            'limited' only.
         smoothing: Longest smoothing of acceleration without jerk limits, s; at most a two-hundredth of the
             duration is used, and the motion is longer by that much.
         planner: 'limited' for the two passes, 'dynamic_programming' for the fastest motion, which keeps the
@@ -79,7 +77,6 @@ class CartesianGenerator(TrajectoryGenerator):
         rotation_speed: float | None = 1.5,
         rotation_acceleration: float | None = 6.0,
         jerk_limited: bool = False,
-        cartesian_jerk: float | None = None,
         smoothing: float = 0.008,
         planner: Planner = 'limited',
         torque: bool = True,
@@ -87,25 +84,18 @@ class CartesianGenerator(TrajectoryGenerator):
     ) -> None:
         super().__init__(robot, **options)
         self.path_kinematics = PathInverseKinematics(robot, self.tool, hold=self.hold)
-        *motion, tool_jerk = (
-            np.inf if value is None else positive(value, name, unit)
-            for name, value, unit in (
-                ('cartesian_speed', cartesian_speed, 'm/s'),
-                ('cartesian_acceleration', cartesian_acceleration, 'm/s^2'),
-                ('rotation_speed', rotation_speed, 'rad/s'),
-                ('rotation_acceleration', rotation_acceleration, 'rad/s^2'),
-                ('cartesian_jerk', cartesian_jerk, 'm/s^3'),
-            )
+        motion = (
+            ('cartesian_speed', cartesian_speed, 'm/s'),
+            ('cartesian_acceleration', cartesian_acceleration, 'm/s^2'),
+            ('rotation_speed', rotation_speed, 'rad/s'),
+            ('rotation_acceleration', rotation_acceleration, 'rad/s^2'),
         )
-        self._tool_limits = np.array(motion)
+        self._tool_limits = np.array(
+            [np.inf if value is None else positive(value, name, unit) for name, value, unit in motion]
+        )
         if planner not in PLANNERS:
             raise InvalidInputError(f'planner = {planner!r} must be one of {", ".join(map(repr, PLANNERS))}')
         fastest = planner == 'dynamic_programming'
-        if fastest and cartesian_jerk is not None:
-            raise InvalidInputError(
-                f"cartesian_jerk = {cartesian_jerk!r} needs planner 'limited'; 'dynamic_programming' keeps "
-                'no jerk limits but those of the axes'
-            )
         self.keeps_torque = fastest and torque
         jerk = self.jerk if jerk_limited else None
         self._timing: TwoPassTiming | TimeOptimalTiming
@@ -115,7 +105,6 @@ class CartesianGenerator(TrajectoryGenerator):
                 self.acceleration,
                 jerk,
                 self._tool_limits,
-                tool_jerk=tool_jerk,
                 smoothing=smoothing,
             )
             return

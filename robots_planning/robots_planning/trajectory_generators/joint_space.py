@@ -1,6 +1,5 @@
 """JointSpaceGenerator: the base class of point-to-point motions of the axes."""
 
-from abc import abstractmethod
 from functools import cached_property
 from typing import Any, ClassVar, Self, cast
 
@@ -24,8 +23,7 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector
 from robots_planning.motion_settings import MotionSettings, known_configuration
 from robots_planning.paths.joint_path import JointPath
-from robots_planning.timing.rest_to_rest_profile import NANOSECOND, inside
-from robots_planning.timing.state_to_rest_profile import StateToRestProfile
+from robots_planning.timing.state_to_rest_profile import NANOSECOND, NoProfileError, StateToRestProfile
 from robots_planning.trajectory import Trajectory, one_after_another
 from robots_planning.trajectory_generators.base import (
     LIMIT_MARGIN,
@@ -34,6 +32,7 @@ from robots_planning.trajectory_generators.base import (
     rest_trajectory,
 )
 from robots_planning.trajectory_generators.braking import check_start_motion
+from robots_planning.verification import LONGEST_MOTION
 
 SHORTEST_MOVE = 1e-9  # rad (m) of the axis that moves most; shorter ones are rounding of the target
 TURN = 2.0 * np.pi
@@ -78,6 +77,9 @@ class JointSpaceGenerator(TrajectoryGenerator):
             )
         axes = robot.axes_data
         self._limits = np.array([self.velocity, self.acceleration, self.jerk])
+        self._full = np.array([axes.velocity, axes.acceleration, axes.jerk])
+        fractions = self.speed_fraction, self.acceleration_fraction, self.acceleration_fraction
+        self._allowed = np.array(fractions)[:, None] * self._full
         self._continuous = axes.continuous if axes.continuous.any() else None
         # Rounding of the positions at both ends enters the quintic's jerk times 60 / h^3.
         largest = np.where(axes.continuous, LARGEST_ANGLE, np.maximum(np.abs(axes.lower), np.abs(axes.upper)))
@@ -91,46 +93,28 @@ class JointSpaceGenerator(TrajectoryGenerator):
         configuration = known_configuration(settings.configuration)
         return super().from_settings(robot, settings, configuration=configuration, **options)
 
-    def generate(
-        self,
-        q_start: ArrayLike,
-        target: Target,
-        *,
-        q_dot_start: ArrayLike | None = None,
-        q_ddot_start: ArrayLike | None = None,
-    ) -> Trajectory:
-        """Plan a motion to rest, from rest or from any motion inside the limits.
+    def _plan(self, start: Array, target: Target) -> Trajectory:
+        return self.plan_to_joints(start, self.goal(start, target))
 
-        Args:
-            q_start: Joint positions to start from, (n,), rad (m).
-            target: Pose of the tool in the base frame, or joint positions (n,), rad (m).
-            q_dot_start: Joint velocities at the start, (n,), rad/s; rest by default.
-            q_ddot_start: Joint accelerations at the start, (n,), rad/s^2; zero by default.
+    def generate_moving(self, motion: tuple[ArrayLike, ArrayLike, ArrayLike], target: Target) -> Trajectory:
+        """See `TrajectoryGenerator.generate_moving`.
 
         Raises:
-            JointLimitError: start or target outside the axis limits.
-            UnreachablePoseError: no joint positions inside the limits reach the pose.
-            PlanningError: an axis moves so fast at the start that it cannot stop before its limit.
+            PlanningError: an axis moves so fast at the start that it cannot stop before its limit; or as
+                `generate`.
             InvalidInputError: wrong shapes, NaN or infinity, or a start that moves above a limit.
         """
         axes = self.robot.axes_data
-        start = self._inside(q_start, 'q_start')
+        start = axes.check_position(motion[0], 'q_start')
         goal = self.goal(start, target)
-        if q_dot_start is not None or q_ddot_start is not None:
-            still = np.zeros(axes.num_axes)
-            q_dot = still if q_dot_start is None else finite_vector(q_dot_start, still.size, 'q_dot_start')
-            q_ddot = (
-                still if q_ddot_start is None else finite_vector(q_ddot_start, still.size, 'q_ddot_start')
-            )
-            if q_dot.any() or q_ddot.any():
-                check_start_motion(axes, start, q_dot, q_ddot)
-                return self._from_motion(np.array([start, q_dot, q_ddot]), goal)
-        return self.plan_to_joints(start, goal)
-
-    def generate_moving(self, motion: tuple[ArrayLike, ArrayLike, ArrayLike], target: Target) -> Trajectory:
-        """See `TrajectoryGenerator.generate_moving`."""
-        q, q_dot, q_ddot = motion
-        return self.generate(q, target, q_dot_start=q_dot, q_ddot_start=q_ddot)
+        q_dot, q_ddot = (
+            finite_vector(values, axes.num_axes, name)
+            for values, name in zip(motion[1:], ('q_dot_start', 'q_ddot_start'), strict=True)
+        )
+        if not q_dot.any() and not q_ddot.any():
+            return self.plan_to_joints(start, goal)
+        check_start_motion(axes, start, q_dot, q_ddot)
+        return self._from_motion(np.array([start, q_dot, q_ddot]), goal)
 
     def joint_path(self, start: Array, target: Target) -> JointPath:
         """See `TrajectoryGenerator.joint_path`."""
@@ -150,46 +134,45 @@ class JointSpaceGenerator(TrajectoryGenerator):
         if isinstance(target, Pose):
             goal = self.reach(target, start)
         else:
-            goal = self._inside(cast('ArrayLike', target), 'target')
+            goal = self.robot.axes_data.check_position(cast('ArrayLike', target), 'target')
         if self._continuous is not None:
             displacement = np.remainder(goal - start + np.pi, TURN) - np.pi
             goal = np.where(self._continuous, start + displacement, goal)
         return goal
 
-    def _inside(self, q: ArrayLike, name: str) -> Array:
-        """`q` as (n,) array inside the limits; the fast check skips composing an error message."""
-        axes = self.robot.axes_data
-        if (
-            type(q) is np.ndarray
-            and q.dtype == np.float64
-            and q.shape == axes.lower.shape
-            and q.flags.c_contiguous
-            and inside(q, axes.lower, axes.upper)
-        ):
-            return q
-        return axes.check_position(q, name)
-
     def _from_motion(self, state: Array, goal: Array) -> Trajectory:
         """Plan from a moving state (3, n)."""
-        axes, waypoint, error = self.robot.axes_data, goal, None
+        axes, waypoint = self.robot.axes_data, goal
+        first: NoProfileError | None = None
         # An axis that brakes just before its limit may have to reverse first, whatever its target is.
         for _ in range(axes.num_axes + 1):
             try:
-                points = self._moving.plan(state, waypoint, self._limits, self._allowed)
-            except PlanningError as caught:
-                error = error or caught
-                axis = axes.names.index(str(caught.details['joint']))
+                points = self._profile.plan(state, waypoint, self._limits, self._allowed, self._full)
+            except NoProfileError as error:
+                axis, first = error.axis, first or error
                 if waypoint[axis] != goal[axis] or self._middles[axis] is None:
                     break
                 waypoint = waypoint.copy()
                 waypoint[axis] = self._middles[axis]
                 continue
-            first = Trajectory(*points)
-            if waypoint is goal:
-                return first
-            return one_after_another([first, self.plan_to_joints(waypoint, goal)])
-        assert error is not None
-        raise error
+            away = Trajectory(*points)
+            return (
+                away if waypoint is goal else one_after_another([away, self.plan_to_joints(waypoint, goal)])
+            )
+        assert first is not None
+        raise self._no_motion(first.axis, state, goal)
+
+    def _no_motion(self, axis: int, state: Array, goal: Array) -> PlanningError:
+        axes = self.robot.axes_data
+        name, unit = axes.names[axis], axes.unit(axis)
+        q, q_dot, q_ddot = (float(row[axis]) for row in state)
+        return PlanningError(
+            f'no motion found from {name} at {q:.6g} {unit} with {q_dot:.6g} {unit}/s and {q_ddot:.6g} '
+            f'{unit}/s^2 to {goal[axis]:.6g} {unit} inside its limits [{axes.lower[axis]:.6g}, '
+            f'{axes.upper[axis]:.6g}] {unit}',
+            joint=name,
+            value=q,
+        )
 
     def plan_to_pose(self, start: Array, target: Pose) -> Trajectory:
         """See `TrajectoryGenerator.plan_to_pose`."""
@@ -199,25 +182,25 @@ class JointSpaceGenerator(TrajectoryGenerator):
         """See `TrajectoryGenerator.plan_to_joints`."""
         if max(map(abs, (target - start).tolist())) < SHORTEST_MOVE:
             return rest_trajectory(start, target)
-        # Read-only arrays have another Numba type, for which the code would be compiled again.
-        ends = np.array(start), np.array(target)
-        points = self._points(*ends, self._limits, self.shortest)
+        least = float((np.abs(target - start) / self.velocity).max())
+        if least > LONGEST_MOTION:
+            raise InvalidInputError(
+                f'the motion takes {least:.6g} s or more; allowed are {LONGEST_MOTION:g} s'
+            )
+        try:
+            points = self._from_rest(start, target)
+        except NoProfileError as error:
+            still = np.zeros_like(start)
+            raise self._no_motion(error.axis, np.array([start, still, still]), target) from None
         for values in points:
             values.flags.writeable = False  # new arrays, which the trajectory takes without a copy
         return Trajectory(*points)
 
-    @abstractmethod
-    def _points(
-        self, start: Array, target: Array, limits: Array, shortest: int
-    ) -> tuple[Array, Array, Array, Array]:
-        """Times (m,), positions, velocities and accelerations (m, n) from rest to rest.
-
-        Args:
-            start: (n,), rad (m).
-            target: (n,), not the start.
-            limits: (3, n): velocity, acceleration and jerk.
-            shortest: Of a piece of constant jerk, ns.
-        """
+    def _from_rest(self, start: Array, target: Array) -> tuple[Array, Array, Array, Array]:
+        """Times (m,), positions, velocities and accelerations (m, n) from rest to rest at another place."""
+        still = np.zeros_like(start)
+        state = np.array([start, still, still])
+        return self._profile.plan(state, target, self._limits, self._allowed, self._full)
 
     def reach(self, pose: Pose, q_start: Array) -> Array:
         """See `TrajectoryGenerator.reach`; in the configuration that is set, or that is nearest in time."""
@@ -247,17 +230,6 @@ class JointSpaceGenerator(TrajectoryGenerator):
             return None
 
     @cached_property
-    def _allowed(self) -> Array:
-        axes = self.robot.axes_data
-        return np.array(
-            [
-                axes.velocity * self.speed_fraction,
-                axes.acceleration * self.acceleration_fraction,
-                axes.jerk * self.acceleration_fraction,
-            ]
-        )
-
-    @cached_property
     def _middles(self) -> list[float | None]:
         """The middles of the axes' ranges; None for an axis without limits."""
         axes = self.robot.axes_data
@@ -265,5 +237,7 @@ class JointSpaceGenerator(TrajectoryGenerator):
         return [0.5 * (low + high) if np.isfinite(low) else None for low, high in ranges]
 
     @cached_property
-    def _moving(self) -> StateToRestProfile:
-        return StateToRestProfile(self.robot.axes_data, self.synchronization, self.shortest)
+    def _profile(self) -> StateToRestProfile:
+        axes = self.robot.axes_data
+        reach = np.array([axes.lower, axes.upper])
+        return StateToRestProfile(reach, self.synchronization, self.shortest)

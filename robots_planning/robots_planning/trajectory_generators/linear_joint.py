@@ -1,9 +1,12 @@
 """LinearJoint: point-to-point on a straight line in joint space."""
 
+from functools import cached_property
+
+import numpy as np
 from ruckig import Synchronization
 
 from robots_core.validation import Array
-from robots_planning.timing.rest_to_rest_profile import line
+from robots_planning.timing.state_to_rest_profile import NoProfileError, StateToRestProfile
 from robots_planning.trajectory_generators.joint_space import JointSpaceGenerator
 
 
@@ -11,7 +14,7 @@ class LinearJoint(JointSpaceGenerator):
     """All axes start and stop together on a straight joint-space line, as fast as the slowest axis can.
 
     The line is q = q_start + s (q_target - q_start). Velocity, acceleration and jerk limits of every axis
-    bound those of s, whose time-optimal motion from rest to rest has a closed form (`rest_to_rest_profile`).
+    bound those of s, whose time-optimal motion from rest to rest is Ruckig's.
 
     From a moving start there is no such line. Then all axes arrive together, in the shortest time possible
     for all of them, each on a profile of its own (Ruckig's time synchronisation; Berscheid and Kroeger 2021).
@@ -20,7 +23,25 @@ class LinearJoint(JointSpaceGenerator):
 
     synchronization = Synchronization.Time
 
-    def _points(
-        self, start: Array, target: Array, limits: Array, shortest: int
-    ) -> tuple[Array, Array, Array, Array]:
-        return line(start, target, limits, 1, shortest)
+    def _from_rest(self, start: Array, target: Array) -> tuple[Array, Array, Array, Array]:
+        # The path coordinate is the longest displacement, so that short moves keep their precision.
+        longest = np.abs(target - start).max()
+        direction = (target - start) / longest
+        with np.errstate(divide='ignore'):
+            limits, allowed = (
+                (values / np.abs(direction)).min(axis=1, keepdims=True)
+                for values in (self._limits, self._allowed)
+            )
+        try:
+            time, s, s_dot, s_ddot = self._line.plan(
+                np.zeros((3, 1)), np.array([longest]), limits, allowed, allowed
+            )
+        except NoProfileError:
+            raise NoProfileError(int(np.argmax(np.abs(direction)))) from None
+        q = start + s * direction
+        q[-1] = target
+        return time, q, s_dot * direction, s_ddot * direction
+
+    @cached_property
+    def _line(self) -> StateToRestProfile:
+        return StateToRestProfile(np.array([[-np.inf], [np.inf]]), self.synchronization, self.shortest)
