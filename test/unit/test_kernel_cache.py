@@ -49,10 +49,10 @@ NEW_LINE = 10
 own_module = sys.modules[__name__]
 
 
-def run(folder: Path) -> list[str]:
+def run(folder: Path, code: str = RUN) -> list[str]:
     """The result of `whole`, and for each function whether it was compiled."""
     return subprocess.run(
-        [sys.executable, '-c', RUN], cwd=folder, capture_output=True, text=True, check=True
+        [sys.executable, '-c', code], cwd=folder, capture_output=True, text=True, check=True
     ).stdout.split()
 
 
@@ -87,6 +87,36 @@ def test_an_edit_compiles_what_depends_on_it(
     source = folder / file
     source.write_text(source.read_text().replace(old, new))
     assert run(folder) == expected
+
+
+def test_a_function_that_moved_to_another_file_is_compiled(folder: Path):
+    (folder / 'callee.py').rename(folder / 'moved.py')
+    source = folder / 'caller.py'
+    source.write_text(source.read_text().replace('from callee', 'from moved'))
+    assert run(folder) == ['21.0', NEW, KEPT]
+
+
+def test_a_function_whose_argument_has_another_type_is_compiled(tmp_path: Path):
+    source = tmp_path / 'caller.py'
+    text = """
+from typing import NamedTuple
+from robots_core.kernels.compiled import compiled
+
+class Old(NamedTuple):
+    value: float
+
+@compiled()
+def whole(x: Old):
+    return x.value
+
+@compiled()
+def apart(x):
+    return x
+"""
+    call = RUN.replace('whole(10.0)', 'whole(Old(10.0))').replace('import apart', 'import Old, apart')
+    for name in ('Old', 'New'):
+        source.write_text(text.replace('Old', name))
+        assert run(tmp_path, call.replace('Old', name)) == ['10.0', NEW, NEW if name == 'Old' else KEPT]
 
 
 class Side(Enum):

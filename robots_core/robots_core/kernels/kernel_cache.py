@@ -31,7 +31,11 @@ class KernelContent:
     """
 
     def __init__(self, function: Callable[..., Any], **options: object) -> None:
-        self.own = _digest(function.__qualname__, sorted(options.items()), *_code(function))
+        # Kept code names the modules of its functions and the types of their arguments, and cannot be read
+        # without them.
+        types_of = {name: str(annotation) for name, annotation in function.__annotations__.items()}
+        place = function.__module__, function.__qualname__
+        self.own = _digest(place, types_of, sorted(options.items()), *_code(function))
         self._function = function
         self._whole = ''
 
@@ -136,7 +140,7 @@ def _value(name: str, value: object) -> object:
     elif isinstance(value, tuple):
         content = [_value(name, item) for item in value]
     elif isinstance(value, type) and issubclass(value, tuple):
-        content = value.__qualname__, getattr(value, '_fields', ())
+        content = value.__module__, value.__qualname__, getattr(value, '_fields', ())
     elif home.partition('.')[0] in LIBRARIES:
         content = home if is_module else (home, getattr(value, '__qualname__', repr(value)))
     elif not isinstance(value, int | float | str | None):
