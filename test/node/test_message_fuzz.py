@@ -12,13 +12,13 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rcl_interfaces.srv import ListParameters
-from rclpy.executors import SingleThreadedExecutor, TimeoutException
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 
 from counted_cases import count_cases
 from robots_core import load_robot_model
+from robots_core.ros.lean_executor import LeanExecutor
 from robots_core.ros.lockstep.phases import NANOSECONDS
 from robots_core.ros.robot_node import RobotNode
 
@@ -48,7 +48,7 @@ class FuzzBench:
             context=context, parameter_overrides=[Parameter(name, value=one) for name, one in values.items()]
         )
         self.peer = rclpy.create_node('fuzz', context=context)
-        self.executor = SingleThreadedExecutor(context=context)
+        self.executor = LeanExecutor(context=context)
         self.executor.add_node(self.node)
         self.executor.add_node(self.peer)
         self._clock = self.peer.create_publisher(Clock, '/clock', 1)
@@ -74,31 +74,23 @@ class FuzzBench:
         """Spin until a condition is true."""
         end = self.peer.get_clock().now().nanoseconds + PATIENCE * NANOSECONDS
         while not condition():
-            self._spin(0.01)
+            self.executor.spin_once(0.01)
             assert self.peer.get_clock().now().nanoseconds < end
 
-    def _spin(self, timeout: float = 0.0) -> bool:
-        """Call one callback; False if none is ready."""
-        try:
-            handler, _, _ = self.executor.wait_for_ready_callbacks(timeout_sec=timeout)
-        except TimeoutException:
-            return False
-        handler()
-        if handler.exception() is not None:
-            raise handler.exception()
-        return True
+    def _drain(self) -> None:
+        """Let the node handle what has come: in each round, a message of each topic."""
+        for _ in range(2 * MOST):
+            self.executor.spin_once(0.0)
 
     def tick(self, time: float = TICK) -> None:
         """Let the node handle what came, advance its clock, and let it handle what that makes due."""
-        while self._spin():
-            pass
+        self._drain()
         self._time += round(time * NANOSECONDS)
         message = Clock()
         message.clock.sec, message.clock.nanosec = divmod(self._time, NANOSECONDS)
         self._clock.publish(message)
         self.until(lambda: self.node.get_clock().now().nanoseconds == self._time)
-        while self._spin():
-            pass
+        self._drain()
 
     def send(self, subscription: Any, messages: list[Any]) -> None:
         """Publish a batch; the node serves a request after it."""
