@@ -197,8 +197,8 @@ def test_the_commands_have_the_options_that_pages_give_them() -> None:
     assert {'cell', 'simulate', 'check_program', 'report', 'study', 'check_bag'} <= set(given)
     helps = subprocess.run(
         [sys.executable, '-c', HELP_OF_ALL, *given], capture_output=True, text=True, check=True
-    ).stdout.split('\f')
-    for (name, options), described in zip(given.items(), helps, strict=False):
+    ).stdout.split('\f')[:-1]
+    for (name, options), described in zip(given.items(), helps, strict=True):
         assert not [option for option in options if not re.search(rf'{option}\b', described)], name
 
 
