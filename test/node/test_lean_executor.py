@@ -106,11 +106,18 @@ def test_a_cancelled_request_is_not_answered(ros_nodes: Any) -> None:
     assert bench.call('ask').message == '1'
     client = bench.peer.create_client(Trigger, 'ask')
     bench.wait(client.service_is_ready, 'the service')
-    future = client.call_async(Trigger.Request())
-    client.remove_pending_request(future)
+
+    futures: list[Any] = []
+
+    def ask_and_cancel() -> None:
+        futures.append(client.call_async(Trigger.Request()))
+        client.remove_pending_request(futures[0])
+
+    # In the thread that takes answers: none can come in between.
+    ros_nodes.call(ask_and_cancel)
     assert bench.call('ask').message in ('2', '3')
     bench.wait(lambda: len(asked) == 3, 'three requests')
-    assert not future.done()
+    assert not futures[0].done()
 
 
 def test_a_coroutine_waits_without_holding_up_others(ros_nodes: Any) -> None:
