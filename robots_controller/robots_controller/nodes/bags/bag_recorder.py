@@ -13,6 +13,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosbags.interfaces import Connection, Qos
 from rosbags.typesys import Stores, get_typestore
+from rosgraph_msgs.msg import Clock
 
 from robots_controller.nodes.bags.lockstep_times import LockstepTimes, Sent
 from robots_controller.recording.bag_qos import bag_qos
@@ -65,7 +66,10 @@ class BagRecorder(Node):
         self._closed = threading.Event()
         self.problem = ''
         """Why the bag ends early; '' if it does not."""
-        self._times = LockstepTimes(self) if lockstep else None
+        self._times: LockstepTimes | None = None
+        if lockstep:
+            clock = PolledSubscription(self, Clock, '/clock', QoSProfile(depth=QUEUE_DEPTH))
+            self._times = LockstepTimes(clock)
         # A topic may be found while the bag is being closed; then it comes too late.
         self._discovering = threading.Lock()
         self._thread = threading.Thread(target=self._write, name='bag writer', daemon=True)

@@ -1,17 +1,14 @@
 """LockstepTimes: the simulated time at which each message of a lock-step run was sent."""
 
 from bisect import bisect_right
-from collections.abc import Iterable
-from typing import Final
+from collections.abc import Iterable, Mapping
+from typing import Final, Protocol
 
-from rclpy.node import Node
-from rclpy.qos import QoSProfile
 from rosbags.interfaces import Connection
 from rosgraph_msgs.msg import Clock
 
 from robots_core.ros.lockstep.phases import START
 from robots_core.ros.messages import nanoseconds
-from robots_core.ros.polled_subscription import PolledSubscription
 
 QUEUE_DEPTH: Final = 5000
 
@@ -19,17 +16,26 @@ Sent = tuple[int, Connection, bytes]
 """Time of the system's clock or simulated time, ns; connection; serialized message."""
 
 
+class Clocks(Protocol):
+    """A subscription to `/clock`."""
+
+    def take_all(self) -> Iterable[tuple[Clock, Mapping[str, int]]]:
+        """What came since the last call, with its `source_timestamp`, ns."""
+
+
 class LockstepTimes:
     """Takes each message for sent at the last instant whose `/clock` was sent before it.
 
-    Messages of one instant follow each other by a nanosecond, in the order in which they were sent.
+    Messages of one instant follow each other by a nanosecond, in the order in which they were sent. Topics
+    are looked at one after the other: a message may be seen after others that were sent later. So all wait
+    until the next look at the topics.
 
     Args:
-        node: Subscribes to `/clock`.
+        clock: Takes `/clock`, with what the middleware says of each message.
     """
 
-    def __init__(self, node: Node) -> None:
-        self._clock = PolledSubscription(node, Clock, '/clock', QoSProfile(depth=QUEUE_DEPTH))
+    def __init__(self, clock: Clocks) -> None:
+        self._clock = clock
         self._sent: list[int] = []  # when the clock of an instant was sent, ns of the system's clock
         self._instants: list[int] = []
         self._waiting: list[Sent] = []
@@ -43,13 +49,14 @@ class LockstepTimes:
             last: Nothing follows.
         """
         messages = sorted([*self._waiting, *came], key=lambda message: message[0])
+        # Sent before it, a message was there when this look at the topics began.
+        complete = self._sent[-1] if self._sent else 0
         for clock, info in self._clock.take_all():
             self._sent.append(info['source_timestamp'])
             self._instants.append(nanoseconds(clock.clock))
         known = len(messages)
         if not last:
-            newest = self._sent[-1] if self._sent else 0
-            known = bisect_right(messages, newest, key=lambda message: message[0])
+            known = bisect_right(messages, complete, key=lambda message: message[0])
         self._waiting = messages[known:]
         for sent, connection, data in messages[:known]:
             place = bisect_right(self._sent, sent)

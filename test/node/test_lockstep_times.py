@@ -1,0 +1,55 @@
+"""The simulated times of recorded messages, however late a topic is looked at."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from rosgraph_msgs.msg import Clock
+
+from robots_controller.nodes.bags.lockstep_times import LockstepTimes
+
+TICK: Final = 4_000_000  # ns, simulated
+START: Final = 1_000_000_000  # ns, simulated
+GAP: Final = 1_000  # ns of the system's clock between two instants
+
+
+class Clocks:
+    """`/clock` of instants 0, 1, ..., each sent `GAP` after the one before."""
+
+    def __init__(self) -> None:
+        self.sent, self._taken = 0, 0
+
+    def take_all(self) -> list[tuple[Clock, dict[str, int]]]:
+        found = []
+        for instant in range(self._taken, self.sent):
+            message = Clock()
+            message.clock.sec, message.clock.nanosec = divmod(START + instant * TICK, 1_000_000_000)
+            found.append((message, {'source_timestamp': instant * GAP}))
+        self._taken = self.sent
+        return found
+
+
+def message(instant: int, after: int) -> Any:
+    """A message that is sent so many ns after the clock of an instant."""
+    return instant * GAP + after, None, f'{instant} {after}'.encode()
+
+
+def test_a_topic_that_is_looked_at_before_the_others_keeps_its_instants() -> None:
+    clocks = Clocks()
+    times = LockstepTimes(clocks)
+    clocks.sent = 2
+    found = [*times.stamped([message(0, 1)], last=False)]
+    # Before this look at a second topic and at the clock two instants have passed, and the first topic, which
+    # was looked at already, has sent.
+    clocks.sent = 4
+    found += times.stamped([message(2, 7), message(3, 7)], last=False)
+    clocks.sent = 5
+    found += times.stamped([message(1, 5), message(2, 5)], last=False)
+    found += times.stamped([], last=True)
+    assert [(stamp // TICK * TICK, data.decode()) for stamp, _, data in found] == [
+        (START, '0 1'),
+        (START + TICK, '1 5'),
+        (START + 2 * TICK, '2 5'),
+        (START + 2 * TICK, '2 7'),
+        (START + 3 * TICK, '3 7'),
+    ]
