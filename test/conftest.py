@@ -6,6 +6,7 @@ import gc
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import pytest
@@ -81,25 +82,35 @@ def ros_context(ros_domain: int) -> Iterator[Context]:
     Nodes whose start was refused are in the network until they are collected as garbage: the next test in
     this domain would meet them.
     """
-    import rclpy  # noqa: PLC0415, TID251  # tests without ROS need no rclpy
-
-    gc.freeze()  # collecting what the test makes alone takes milliseconds
-    context = rclpy.Context()
-    rclpy.init(context=context, domain_id=ros_domain)
-    yield context
-    context.try_shutdown()
-    gc.collect()
-    gc.unfreeze()
+    with _context(ros_domain) as context:
+        yield context
 
 
 @pytest.fixture
 def ros_nodes(ros_context: Context) -> Iterator[NodeRunner]:
     """Runs nodes in the background; ends and destroys them after the test."""
-    runner = NodeRunner(ros_context)
-    try:
+    with closing(NodeRunner(ros_context)) as runner:
         yield runner
-    finally:
-        runner.close()
+
+
+@pytest.fixture(scope='module')
+def module_ros_nodes(module_ros_domain: int) -> Iterator[NodeRunner]:
+    """The same for what all tests of a module share."""
+    with _context(module_ros_domain) as context, closing(NodeRunner(context)) as runner:
+        yield runner
+
+
+@contextmanager
+def _context(domain: int) -> Iterator[Context]:
+    import rclpy  # noqa: PLC0415, TID251  # tests without ROS need no rclpy
+
+    gc.freeze()  # collecting what the test makes alone takes milliseconds
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=domain)
+    yield context
+    context.try_shutdown()
+    gc.collect()
+    gc.unfreeze()
 
 
 class NodeRunner:

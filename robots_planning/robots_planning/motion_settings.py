@@ -116,6 +116,11 @@ def frame(values: tuple[float, ...], name: str) -> Pose:
     return Pose(numbers[:3], rotation_from_quaternion(numbers[3:] / norm))
 
 
+def frame_numbers(pose: Pose) -> tuple[float, ...]:
+    """Inverse of `frame`."""
+    return (*pose.r.tolist(), *pose.quaternion().tolist())
+
+
 def known_configuration(text: str, name: str = 'configuration') -> Configuration | None:
     """The configuration of a setting; None for '', which is the nearest.
 

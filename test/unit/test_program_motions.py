@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,7 @@ class Cell:
         self.ended: list[tuple[str, MotionCommand, str]] = []
         self.motions = ProgramMotions(
             self,
-            self,
+            partial(self.requests.append, 'stop'),
             self,  # type: ignore[arg-type]  # no program waits
             planner_timeout=TIMEOUT,
             on_sent=lambda id_, _: self.sent.append(id_),
@@ -72,12 +73,6 @@ class Cell:
 
     def followers(self) -> Mapping[bytes, str]:
         return self.present
-
-    def request(self, request: str) -> None:
-        self.requests.append(request)
-
-    def set_override(self, value: float) -> None:
-        raise AssertionError(value)
 
     # -- the program's side -------------------------------------------------------------------------
 

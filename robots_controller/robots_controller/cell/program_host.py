@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
@@ -95,7 +95,7 @@ class ProgramHost:
         self.switching = PathSwitching(robot.direct_kinematics, self.program.switch_output)
         self.motions = ProgramMotions(
             planner,
-            controller,
+            partial(controller.request, 'stop'),
             clock,
             planner_timeout=planner_timeout,
             on_sent=self._sent,

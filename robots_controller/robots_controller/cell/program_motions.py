@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
-from robots_controller.cell.ports import ControllerPort, PlannerPort
+from robots_controller.cell.ports import PlannerPort
 from robots_controller.program.clock import Clock
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import PlanningError, RobotsError
@@ -28,7 +28,7 @@ class ProgramMotions:
 
     Args:
         planner: The planner.
-        controller: Stopped with the motions.
+        stop: Stops the robot and gives up the controller's motions.
         clock: The program's time.
         planner_timeout: Longest wait for a planner, s.
         on_sent: A motion is being sent, with its id.
@@ -39,14 +39,14 @@ class ProgramMotions:
     def __init__(
         self,
         planner: PlannerPort,
-        controller: ControllerPort,
+        stop: Callable[[], object],
         clock: Clock,
         *,
         planner_timeout: float,
         on_sent: Callable[[str, MotionCommand], None],
         on_result: Callable[[str, MotionCommand, RobotsError | None], None],
     ) -> None:
-        self._planner, self._controller, self._clock = planner, controller, clock
+        self._planner, self._stop, self._clock = planner, stop, clock
         self._planner_timeout = planner_timeout
         self._on_sent, self._on_result = on_sent, on_result
         # Entered again by an answer of the planner that is there at once.
@@ -93,7 +93,7 @@ class ProgramMotions:
             unsent = list(self._unsent)
             self._unsent.clear()
             self._configuring = None
-        self._controller.request('stop')
+        self._stop()
         for command in unsent:
             self._on_result('', command, PlanningError('stopped before it began'))
 
@@ -126,7 +126,7 @@ class ProgramMotions:
         if problem:
             self._give_up(problem)
         elif stopping:
-            self._controller.request('stop')
+            self._stop()
 
     def lose_planner(self, reason: str) -> None:
         """No planner plans and ends motions: give up all, and those that are commanded before it is back.
@@ -146,7 +146,7 @@ class ProgramMotions:
             self._configuring, self._stopping = None, False
         for id_, command in given_up:
             self._on_result(id_, command, PlanningError(reason))
-        self._controller.request('stop')
+        self._stop()
 
     # -- inside, locked -------------------------------------------------------------------------
 

@@ -13,7 +13,7 @@ from robots_controller.interpreter.lua_sandbox import Result, Waiting
 from robots_core.blocks.inverse_kinematics.hold import HOLDS
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.orientation import ORIENTATION_CONVENTIONS
-from robots_core.pose import Pose
+from robots_planning.motion_settings import frame_numbers
 
 
 def _speeds(what: str, unit: str) -> tuple[Argument, ...]:
@@ -32,14 +32,14 @@ class Settings(Family):
     def setTool(self, *values: float) -> None:
         """Sets the tool centre point, as a pose in tool0 (the flange); all poses are those of this point."""
         tool = self._run.view.pose(values)
-        self._run.change(tool=_seven(tool))
+        self._run.change(tool=frame_numbers(tool))
         self._run.target.tool = tool
 
     @lua_function(*FRAME)
     def setBase(self, *values: float) -> None:
         """Sets the base frame, as a pose in the robot's own base; all poses are relative to it."""
         base = self._run.view.pose(values)
-        self._run.change(base=_seven(base))
+        self._run.change(base=frame_numbers(base))
         self._run.target.base = base
 
     @lua_function(
@@ -132,7 +132,3 @@ class Settings(Family):
 def _given(**settings: Any) -> dict[str, Any]:
     """Settings without those that were left out."""
     return {name: value for name, value in settings.items() if value is not None}
-
-
-def _seven(pose: Pose) -> tuple[float, ...]:
-    return (*pose.r.tolist(), *pose.quaternion().tolist())
