@@ -20,7 +20,7 @@ from robots_core.errors import RobotsError
 from robots_core.ros.lockstep.phases import START
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.timed_node import TimedNode
-from written_bags import BAG_TYPES, write_bag
+from written_bags import BAG_TYPES, write_bag, write_plant_bag
 
 from .bench import Bench
 
@@ -152,3 +152,15 @@ def test_topics_without_a_subscriber_are_named(ros_domain: int, bag: Path):
     output, _ = process.communicate(timeout=END_DEADLINE)
     assert process.returncode == 0
     assert output.startswith('no subscribers to /mode, /level\n')
+
+
+def test_topics_of_types_that_are_not_installed_are_named(ros_domain: int, tmp_path: Path):
+    del ros_domain
+    bag = write_plant_bag(tmp_path / 'bag', [1.0])
+    process = replay(bag, '--wait', 0.1)
+    output, errors = process.communicate(timeout=END_DEADLINE)
+    assert process.returncode == 0
+    assert 'no subscribers to /trigger' in output
+    assert "/level is not published: plant_msgs/msg/Level: the package 'plant_msgs' cannot" in errors
+    with pytest.raises(RobotsError, match='has no topic of a message type that is installed'):
+        replay_bag([str(write_plant_bag(tmp_path / 'level', [1.0], trigger=False))])

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from robots_controller.recording.bag_qos import bag_qos
 
@@ -68,3 +68,38 @@ def no_file_larger_than(size: int) -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+PLANT_TYPE: Final = 'plant_msgs/msg/Level'
+"""A message type that is not installed."""
+
+
+def write_plant_bag(
+    path: Path, levels: Iterable[float], *, defined: bool = True, trigger: bool = True
+) -> Path:
+    """Write a bag with `/trigger` (Bool), and `/level` of `PLANT_TYPE`, a message each 0.1 s.
+
+    Args:
+        path: Its folder; must not exist.
+        levels: What `/level` holds.
+        defined: The bag has a definition of the type that can be read.
+        trigger: It has the topic `/trigger`.
+
+    Returns:
+        The path.
+    """
+    store = get_typestore(Stores.ROS2_JAZZY)
+    store.register(get_types_from_msg('float64 data', PLANT_TYPE))
+    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        if trigger:
+            kind = 'std_msgs/msg/Bool'
+            data = store.serialize_cdr(store.types[kind](data=True), kind)
+            writer.write(writer.add_connection('/trigger', kind, typestore=store), BAG_START, data)
+        connection = writer.add_connection('/level', PLANT_TYPE, typestore=store)
+        for index, level in enumerate(levels):
+            data = store.serialize_cdr(store.types[PLANT_TYPE](level), PLANT_TYPE)
+            writer.write(connection, BAG_START + round(0.1 * index * _SECOND), data)
+    if not defined:
+        file = path / f'{path.name}.mcap'
+        file.write_bytes(file.read_bytes().replace(b'float64 data', b'float64 [dat'))
+    return path

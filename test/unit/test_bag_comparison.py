@@ -19,7 +19,7 @@ from robots_controller.recording.bag_tolerances import BagTolerances, TopicToler
 from robots_controller.recording.check_bag import check_bag
 from robots_controller.testing import assert_bag_matches
 from robots_core.errors import InvalidInputError, RobotsError
-from written_bags import BAG_START, BAG_TYPES, write_bag
+from written_bags import BAG_START, BAG_TYPES, write_bag, write_plant_bag
 
 SECOND = 1_000_000_000
 ANOTHER_DAY = BAG_START + 987_654_321_012  # ns
@@ -337,3 +337,16 @@ def test_one_changed_field_of_one_message_is_found(tmp_path: Path, index: int, d
     assert comparison.first is not None
     assert comparison.first.field == field
     assert comparison.first.time == pytest.approx(time, abs=1e-9)  # ns
+
+
+def test_messages_of_unknown_types_are_compared_byte_by_byte(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    first, same, other = (
+        write_plant_bag(tmp_path / name, levels, defined=False)
+        for name, levels in (('first', [1.0, 2.0]), ('same', [1.0, 2.0]), ('other', [1.0, 3.0]))
+    )
+    assert check_bag([str(same), '--against', str(first)]) == 0
+    assert 'compared byte by byte, as their types are not known: /level' in capsys.readouterr().out
+    assert check_bag([str(other), '--against', str(first)]) == 1
+    assert '/level at 0.1000 s' in capsys.readouterr().out

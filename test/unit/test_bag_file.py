@@ -9,12 +9,11 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from robots_controller.recording.bag_file import read_bag
 from robots_core.errors import RobotsError
-from written_bags import BAG_START, BAG_TYPES, write_bag
+from written_bags import BAG_START, BAG_TYPES, write_bag, write_plant_bag
 
 SECOND = 1_000_000_000
 
@@ -90,14 +89,33 @@ def test_a_split_bag_is_read_in_order(tmp_path: Path):
 
 
 def test_types_are_those_of_the_bag(tmp_path: Path):
-    own = get_typestore(Stores.ROS2_JAZZY)
-    own.register(get_types_from_msg('float64 data\nstring unit', 'plant_msgs/msg/Level'))
-    kind = own.types['plant_msgs/msg/Level']
-    with Writer(tmp_path / 'bag', version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        connection = writer.add_connection('/level', 'plant_msgs/msg/Level', typestore=own)
-        writer.write(connection, BAG_START, own.serialize_cdr(kind(2.5, 'bar'), 'plant_msgs/msg/Level'))
-    ((_, message),) = read_bag(tmp_path / 'bag').deserialized(['/level'])['/level']
-    assert (message.data, message.unit) == (2.5, 'bar')
+    bag = read_bag(write_plant_bag(tmp_path / 'bag', [2.5]))
+    assert bag.defines('/level')
+    ((_, message),) = bag.deserialized(['/level'])['/level']
+    assert message.data == 2.5
+
+
+def test_a_definition_that_is_not_valid_leaves_the_other_topics_readable(tmp_path: Path):
+    bag = read_bag(write_plant_bag(tmp_path / 'bag', [2.5], defined=False))
+    assert bag.problem == ''
+    assert bag.deserialized(['/trigger'])['/trigger'][0][1].data
+    assert not bag.defines('/level')
+    with pytest.raises(RobotsError, match='Level, which neither the bag nor Jazzy defines'):
+        bag.deserialized(['/level'])
+
+
+@pytest.mark.parametrize('storage', [StoragePlugin.MCAP, StoragePlugin.SQLITE3])
+@pytest.mark.parametrize('compression', [CompressionMode.NONE, CompressionMode.FILE, CompressionMode.MESSAGE])
+def test_metadata_with_another_qos_than_the_file_hides_no_message(
+    tmp_path: Path, storage: Any, compression: Any
+):
+    path = write_bag(tmp_path / 'bag', MESSAGES, latched=['/mode'], storage=storage, compression=compression)
+    metadata = path / 'metadata.yaml'
+    text = metadata.read_text()
+    assert 'depth: 1' in text
+    metadata.write_text(text.replace('depth: 1', 'depth: 7'))
+    assert values(path) == EXPECTED
+    assert len(read_bag(path).messages) == len(MESSAGES)
 
 
 def test_a_file_that_was_cut_off_is_read_up_to_the_cut_and_told(tmp_path: Path):

@@ -12,7 +12,8 @@ from robots_controller.report.page.page import report_page
 from robots_controller.report.run_report import RunReport, run_report
 from robots_controller.report.run_signals import energy
 from robots_core.errors import RobotsError
-from written_bags import BAG_TYPES, write_bag
+from robots_core.robot_choice import load_robot_model
+from written_bags import BAG_START, BAG_TYPES, write_bag
 
 from .recorded_program import PERIOD, RecordedProgram
 from .report_bags import HEARD, LINE_SPEED, WAIT, tending_bag
@@ -154,7 +155,32 @@ def test_a_program_that_fails_at_once_is_reported(tmp_path: Path, report: RunRep
     assert 'no' in report_page(found)
 
 
-def test_a_bag_without_references_is_refused(tmp_path: Path):
+def test_the_bag_of_a_driver_is_reported_by_its_feedback(tmp_path: Path):
+    types, robot = BAG_TYPES.types, load_robot_model('kuka_kr210_r2700')
+    names, none = list(robot.axes_data.names), np.array([])
+    messages = []
+    for k in range(501):  # q = 0.1 - 0.1 cos(2 t) of each axis
+        t = 0.004 * k
+        nanoseconds = BAG_START + round(1e9 * t)
+        header = types['std_msgs/msg/Header'](
+            types['builtin_interfaces/msg/Time'](*divmod(nanoseconds, 1_000_000_000)), ''
+        )
+        q, q_dot = (np.full(6, value) for value in (0.1 - 0.1 * np.cos(2.0 * t), 0.2 * np.sin(2.0 * t)))
+        messages.append(
+            (t, '/joint_states', types['sensor_msgs/msg/JointState'](header, names, q, q_dot, none))
+        )
+    found = run_report(write_bag(tmp_path / 'bag', messages), robot=robot.name)
+    run = found.run
+    assert run.period == pytest.approx(0.004)
+    assert run.duration == pytest.approx(2.0)
+    np.testing.assert_array_equal(run.reference[0], run.feedback[0])
+    # A difference over two periods differs from the derivative by 1/6 h^2 of the third one, at ends by h.
+    np.testing.assert_allclose(run.reference[2][1:-1, 0], 0.4 * np.cos(2.0 * run.time[1:-1]), atol=1e-5)
+    assert found.problems == ('it holds no joint_reference; references are computed from the feedback',)
+    assert 'references are computed from the feedback' in report_page(found)
+
+
+def test_a_bag_without_feedback_is_refused(tmp_path: Path):
     bag = write_bag(tmp_path / 'bag', [(0.0, '/trigger', BAG_TYPES.types['std_msgs/msg/Bool'](data=True))])
-    with pytest.raises(RobotsError, match=r'no /joint_reference.*holds /trigger'):
+    with pytest.raises(RobotsError, match=r'no /joint_states.*holds /trigger'):
         run_report(bag)

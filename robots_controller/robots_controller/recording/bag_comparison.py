@@ -62,10 +62,12 @@ class Comparison:
     Attributes:
         topics: Of the expected bag, in order of name, without those that are ignored.
         unexpected: Topics of the recorded bag alone; they do not count.
+        unknown: Topics of types that are not defined, whose messages were compared byte by byte.
     """
 
     topics: tuple[TopicResult, ...]
     unexpected: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -122,7 +124,12 @@ def compare_bags(recorded: Bag, expected: Bag, tolerances: BagTolerances | None 
     if not per_topic:
         raise RobotsError(f'{expected.path} has no topic to compare')
     zero = {bag.path: _zero(bag, per_topic, tolerances.align) for bag in (expected, recorded)}
-    wanted, found = (bag.deserialized(per_topic) for bag in (expected, recorded))
+    both = expected, recorded
+    unknown = [t for t in per_topic if not all(bag.defines(t) for bag in both if t in bag.topics)]
+    known = [topic for topic in per_topic if topic not in unknown]
+    wanted, found = (
+        bag.deserialized(known) | {topic: bag.serialized(topic) for topic in unknown} for bag in both
+    )
     results = []
     for topic, tolerance in per_topic.items():
         latched = expected.topics[topic].latched
@@ -136,7 +143,7 @@ def compare_bags(recorded: Bag, expected: Bag, tolerances: BagTolerances | None 
         if topic not in expected.topics
         and tolerances.of_topic(topic, latched=description.latched).mode != 'ignore'
     )
-    return Comparison(tuple(results), tuple(unexpected))
+    return Comparison(tuple(results), tuple(unexpected), tuple(unknown))
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Bag: all messages of a ROS 2 bag of any kind, also of one that was cut off."""
 
 from collections.abc import Collection, Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import Any, Final
 
 from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinitionFormat, QosDurability
 from rosbags.rosbag2 import Reader
+from rosbags.rosbag2.reader import DirectoryReader
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
@@ -55,14 +57,18 @@ class Bag:
     def typestore(self) -> Typestore:
         """The message types as they were when the bag was recorded; Jazzy's where it does not say.
 
-        Raises:
-            RobotsError: a definition in the bag that is not valid.
+        Types whose definition is not valid, as those of events of services can be, are left out.
         """
         definitions = {(t.type, t.definition, t.definition_format) for t in self.topics.values()}
-        try:
-            return _typestore(tuple(sorted(definitions)))
-        except Exception as error:  # the parser has no error of its own for every text
-            raise RobotsError(f'{self.path}: its message definitions are not valid: {error}') from error
+        return _typestore(tuple(sorted(definitions)))
+
+    def defines(self, topic: str) -> bool:
+        """The type of a topic is known, so that its messages can be read."""
+        return topic in self.topics and self.topics[topic].type in self.typestore().types
+
+    def serialized(self, topic: str) -> list[tuple[int, bytes]]:
+        """Messages of a topic: (time of sending in ns, serialized message)."""
+        return [(stamp, data) for name, stamp, data in self.messages if name == topic]
 
     def deserialized(self, topics: Collection[str]) -> dict[str, list[tuple[int, Any]]]:
         """Messages of some topics: (time of sending in ns, message); none where the bag lacks the topic.
@@ -94,8 +100,9 @@ def _typestore(definitions: tuple[tuple[str, str, str], ...]) -> Typestore:
     store = get_typestore(Stores.EMPTY if described else Stores.ROS2_JAZZY)
     for name, text, kind in definitions:
         if text and name not in store.types:
-            types = get_types_from_idl(text) if kind == 'idl' else get_types_from_msg(text, name)
-            store.register({key: fields for key, fields in types.items() if key not in store.types})
+            with suppress(Exception):  # the parser has no error of its own for every text
+                types = get_types_from_idl(text) if kind == 'idl' else get_types_from_msg(text, name)
+                store.register({key: fields for key, fields in types.items() if key not in store.types})
     return store
 
 
@@ -127,7 +134,11 @@ Message = tuple[str, int, bytes]
 
 def _read(path: Path) -> tuple[dict[str, BagTopic], tuple[Message, ...]]:
     with Reader(path) as reader:
-        return _topics(reader.connections), _in_order(reader.messages())
+        written = reader.connections
+        if isinstance(reader.storage, DirectoryReader):
+            # Those in metadata.yaml can differ from them, as in their QoS, and would find no message.
+            written = [one for storage in reader.storage.storages for one in storage.connections]
+        return _topics([*reader.connections, *written]), _in_order(reader.messages(written))
 
 
 def _topics(connections: Iterable[Connection]) -> dict[str, BagTopic]:

@@ -51,6 +51,8 @@ def check_bag(arguments: Sequence[str]) -> int:
             print(f'{bag.path} is incomplete: {bag.problem}')
     comparison = compare_bags(recorded, expected, tolerances)
     print(comparison.describe())
+    if comparison.unknown:
+        print(f'compared byte by byte, as their types are not known: {", ".join(comparison.unknown)}')
     if comparison.unexpected:
         print(f'not compared, as not in {options.against}: {", ".join(comparison.unexpected)}')
     if options.junit:

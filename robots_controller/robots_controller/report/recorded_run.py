@@ -120,13 +120,17 @@ def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/', source: 
     found = recorded.deserialized([*(prefix + topic for topic in topics), PARAMETERS])
     parameters = [message for _, message in found[PARAMETERS]]
     messages = {topic: found[prefix + topic] for topic in topics}
-    if not any(topic == f'{prefix}joint_reference' for topic, _, _ in recorded.messages):
+    if f'{prefix}joint_states' not in {topic for topic, _, _ in recorded.messages}:
         there = ', '.join(sorted(recorded.topics)) or 'nothing'
-        raise RobotsError(f'{bag} holds no {prefix}joint_reference; a report needs it. It holds {there}')
+        raise RobotsError(f'{bag} holds no {prefix}joint_states; a report needs them. It holds {there}')
     model = load_robot_model(robot or _robot_name(recorded, messages))
     references, states = (
         joint_rows(recorded, prefix + topic, model) for topic in ('joint_reference', 'joint_states')
     )
+    problem = recorded.problem
+    if not references.sent.size:
+        references = _references_of(states)
+        problem = problem or 'it holds no joint_reference; references are computed from the feedback'
     origin = _program_start(messages['program_status'], int(references.sent[0]))
     program = _program(messages['program_status'], origin)
     motions = recorded_motions(_since(messages, origin), model)
@@ -160,7 +164,7 @@ def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/', source: 
         duration=float(end),
         program_state=last.get('state', UNKNOWN_STATE),
         program_error=last.get('error', ''),
-        problem=recorded.problem,
+        problem=problem,
     )
 
 
@@ -222,9 +226,24 @@ def _references(rows: JointRows, origin: int) -> tuple[Array, Array, tuple[Array
     return time[keep], late_references(rows)[keep], (position[keep], velocity[keep], acceleration[keep])
 
 
+def _references_of(states: JointRows) -> JointRows:
+    """The motion that was measured, where a robot's own controller records no references."""
+    keep = np.concatenate([[True], np.diff(np.maximum.accumulate(states.stamp)) > 0])
+    stamp, (position, velocity, _) = states.stamp[keep], states.values
+    if position is None:
+        raise RobotsError('joint_states lack positions; a report needs them')
+    time = NANOSECONDS * (stamp - stamp[0])
+    velocity = _derivative(position[keep], time) if velocity is None else velocity[keep]
+    period = float(np.median(np.diff(time))) if time.size > 1 else NANOSECONDS
+    rows = position[keep], velocity, _derivative(velocity, time)
+    return JointRows(states.sent[keep], stamp, rows, period)
+
+
+def _derivative(values: Array, time: Array) -> Array:
+    return np.gradient(values, time, axis=0) if time.size > 1 else np.zeros_like(values)
+
+
 def _feedback(rows: JointRows, origin: int, time: Array) -> tuple[Array, Array, Array | None]:
-    if not rows.sent.size:
-        raise RobotsError('the bag holds no joint_states; a report needs them')
     at = _due(rows, origin)
     order = np.argsort(at, kind='stable')
 
@@ -238,7 +257,7 @@ def _feedback(rows: JointRows, origin: int, time: Array) -> tuple[Array, Array, 
     if q is None:
         raise RobotsError('joint_states lack positions; a report needs them')
     if q_dot is None:
-        q_dot = read_only(np.gradient(q, time, axis=0) if time.size > 1 else np.zeros_like(q))
+        q_dot = read_only(_derivative(q, time))
     return q, q_dot, effort
 
 

@@ -9,9 +9,10 @@ from pathlib import Path
 
 from robots_controller.cell_arguments import EXIT_INTERRUPTED, exit_code
 from robots_controller.nodes.bags.bag_player import BagPlayer
-from robots_controller.recording.bag_file import read_bag
+from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.recording.bag_replay import replay_plan
-from robots_core.errors import RobotsError
+from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.ros.message_class import message_class
 from robots_core.ros.run import run
 
 
@@ -54,7 +55,7 @@ def replay_bag(arguments: Sequence[str]) -> int:
         bag,
         rate=options.rate,
         start=options.start,
-        topics=options.topics,
+        topics=options.topics or _installed(bag),
         remaps=dict(_remap(text) for text in options.remap),
     )
     players: list[BagPlayer] = []
@@ -65,6 +66,21 @@ def replay_bag(arguments: Sequence[str]) -> int:
 
     code = run(make_player, list(arguments[len(ours) :]))
     return code or (0 if players[0].complete else EXIT_INTERRUPTED)
+
+
+def _installed(bag: Bag) -> list[str]:
+    """The topics whose message types are installed here; prints the others."""
+    found = []
+    for name, topic in bag.topics.items():
+        try:
+            message_class(topic.type)
+        except InvalidInputError as error:
+            print(f'{name} is not published: {error}', file=sys.stderr)
+        else:
+            found.append(name)
+    if not found:
+        raise RobotsError(f'{bag.path} has no topic of a message type that is installed here')
+    return found
 
 
 def _remap(text: str) -> tuple[str, str]:
