@@ -151,6 +151,33 @@ def test_an_interrupt_ends_a_node_that_is_still_being_made(ros_domain: int) -> N
     assert output == ''
 
 
+def test_a_node_that_hangs_at_its_end_is_ended(ros_domain: int) -> None:
+    del ros_domain
+    lines = (
+        'import sys, threading',
+        'from robots_core.ros import run',
+        'from robots_core.ros.timed_node import TimedNode',
+        'run.END_DEADLINE = 0.1',
+        'class Hanging(TimedNode):',
+        '    def destroy_node(self):',
+        '        threading.Event().wait()  # as Fast DDS can',
+        'def make_node():',
+        '    node = Hanging("hanging")',
+        '    node.context.try_shutdown()',
+        '    return node',
+        'sys.exit(run.run(make_node))',
+    )
+    process = subprocess.run(
+        [sys.executable, '-c', '\n'.join(lines)],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=DEADLINE,
+    )
+    assert process.returncode == 70
+    assert process.stderr == 'error: the nodes have not ended within 0.1 s\n'
+
+
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize('package', PACKAGES)
 def test_an_interrupt_ends_a_node_that_is_still_being_loaded(

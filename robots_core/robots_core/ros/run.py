@@ -5,6 +5,7 @@ import gc
 import inspect
 import os
 import sys
+import threading
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
@@ -21,6 +22,8 @@ from robots_core.ros.middleware import choose_transports
 from robots_core.ros.timed_node import TimedNode
 
 EXIT_BAD_INPUT = 2
+EXIT_HANGS = 70
+END_DEADLINE = 20.0  # s
 
 
 def run(make_node: Callable[[], TimedNode], args: list[str] | None = None) -> int:
@@ -38,7 +41,8 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
         args: Command line; `sys.argv` by default.
 
     Returns:
-        Exit code: 0 after Ctrl-C or terminate, 2 if a node cannot start as configured.
+        Exit code: 0 after Ctrl-C or terminate, 2 if a node cannot start as configured. The process ends with
+        70 if the nodes hang at their end.
     """
     # A process that ends need not look through all that it has loaded: that takes half a second.
     atexit.register(gc.freeze)
@@ -47,6 +51,8 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
     nodes: list[TimedNode] = []
     executor: LeanExecutor | None = None
     heartbeats: list[Heartbeat] = []
+    hangs = threading.Timer(END_DEADLINE, _give_up)
+    hangs.daemon = True
 
     def wake() -> None:
         if executor is None:
@@ -75,8 +81,16 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
             print(f'error: {error}', file=sys.stderr)
             return EXIT_BAD_INPUT
         finally:
+            hangs.start()
             _end(nodes, heartbeats, executor)
+            hangs.cancel()
     return 0
+
+
+def _give_up() -> None:
+    # Fast DDS can wait for itself without end when it is shut down (github.com/eProsima/Fast-DDS/issues/6502).
+    print(f'error: the nodes have not ended within {END_DEADLINE:g} s', file=sys.stderr, flush=True)
+    os._exit(EXIT_HANGS)
 
 
 def _reported_together(nodes: Sequence[TimedNode]) -> Callable[[], AbstractContextManager[None]]:
