@@ -239,6 +239,7 @@ outputs:
     plc.repeat('analog_outputs', Float64MultiArray(data=[1.0, 2.0]), STATE)
     wanted = [0.0, 2.0]
     plc.wait(lambda: arrays and [pose.position.y for pose in arrays[-1].poses] == wanted, 'the array')
+    assert arrays[-1].header.stamp.sec > 0
     plc.publish('b', arrays[-1])
     plc.wait_for_health(DiagnosticStatus.OK, 'ready')
 

@@ -144,6 +144,7 @@ class _OutputTopic:
 
     def __init__(self, node: RobotNode, rows: list[IoRow], safe: FailSafe) -> None:
         self._safe = safe
+        self._clock = node.get_clock()
         self._rows = [(row, _field_type(row)) for row in rows]
         self._message = message_class(rows[0].type)()
         for row in rows:
@@ -208,7 +209,7 @@ class _OutputTopic:
         fields = [row.path.get(self._message) for row, _ in self._rows]
         if fields != self._sent:
             self._sent = fields
-            self._publisher.publish(self._message)
+            self._publish()
 
     def _on_matched(self, change: Any) -> None:
         """Send the newest values to a PLC that starts later, or again."""
@@ -217,7 +218,12 @@ class _OutputTopic:
 
     def _repeat(self) -> None:
         if self._sent is not None:
-            self._publisher.publish(self._message)
+            self._publish()
+
+    def _publish(self) -> None:
+        if hasattr(self._message, 'header'):
+            self._message.header.stamp = self._clock.now().to_msg()
+        self._publisher.publish(self._message)
 
 
 def _field_type(row: IoRow) -> str:

@@ -88,7 +88,7 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
 
 
 def _give_up() -> None:
-    # Fast DDS can wait for itself without end when it is shut down (github.com/eProsima/Fast-DDS/issues/6502).
+    # Fast DDS can wait for itself without end (github.com/eProsima/Fast-DDS/issues/6502).
     print(f'error: the nodes have not ended within {END_DEADLINE:g} s', file=sys.stderr, flush=True)
     os._exit(EXIT_HANGS)
 
