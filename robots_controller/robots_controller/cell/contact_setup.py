@@ -125,9 +125,9 @@ def _soil(value: Any) -> Soil:
 
 
 def _control(section: YamlSection) -> ForceControlSettings:
-    vectors = {name: _vector(section, name) for name in VECTORS}
+    vectors: dict[str, Any] = {name: _vector(section, name) for name in VECTORS}
     names = [field.name for field in fields(ForceControlSettings) if field.name not in VECTORS]
-    numbers = {name: section.number(name) for name in names}
+    numbers: dict[str, Any] = {name: section.number(name) for name in names}
     return _made(section, lambda: ForceControlSettings(**vectors, **numbers))
 
 

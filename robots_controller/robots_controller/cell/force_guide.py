@@ -27,12 +27,20 @@ class ForceGuide:
         setup: Force control, and the outputs that command it.
         robot: The robot.
         on_problem: Gets what must stop the robot, once; '' when it is over.
+        share: See `Watchdog`.
     """
 
-    def __init__(self, setup: ContactSetup, robot: BaseRobotModel, on_problem: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        setup: ContactSetup,
+        robot: BaseRobotModel,
+        on_problem: Callable[[str], None],
+        *,
+        share: Callable[[], float] = lambda: 1.0,
+    ) -> None:
         self._setup, self._robot, self._on_problem = setup, robot, on_problem
         self._control = ForceControl(setup.control, PERIOD)
-        self._watch = ForceWatch(setup.control)
+        self._watch = ForceWatch(setup.control, share=share)
         self._handed_over = False
         self._problem = ''
 
@@ -42,19 +50,18 @@ class ForceGuide:
             self._control.begin()
         self._handed_over = handed_over
 
-    def measured(self, wrench: Array, q: Array, now: float) -> None:
-        """Take what was measured at a time, s.
+    def measured(self, wrench: Array, q: Array) -> None:
+        """Take what was measured.
 
         Args:
             wrench: On the tool, in tool0, (6,) N and N m.
             q: Joint positions, (n,), rad (m).
-            now: s.
 
         Raises:
             InvalidInputError: another shape, or NaN or infinity.
         """
         _, T = self._robot.direct_kinematics(q)
-        self._watch.measured(T @ wrench[:3], now)
+        self._watch.measured(T @ wrench[:3])
 
     def step(self, now: float, outputs: Mapping[Channel, float]) -> Array | None:
         """Twist of the tool for the next period, (6,), m/s and rad/s, base frame; None for no guidance.

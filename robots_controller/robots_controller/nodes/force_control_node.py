@@ -14,6 +14,7 @@ from robots_controller.cell.force_guide import PERIOD, ForceGuide
 from robots_controller.nodes.io_images import OutputImages
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import InvalidInputError
+from robots_core.realtime import processor_share
 from robots_core.ros.joint_state_reader import JointStateReader
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import diagnostic_status
@@ -43,7 +44,8 @@ class ForceControlNode(RobotNode):
             self.ready('ready; parameter contact is empty, nothing is controlled')
 
     def _open(self, setup: ContactSetup) -> None:
-        self._guide = ForceGuide(setup, self.robot, self._report)
+        share = {} if self.simulated_time else {'share': processor_share}
+        self._guide = ForceGuide(setup, self.robot, self._report, **share)
         self._channels = (setup.load, setup.speed, setup.slip)
         self._outputs = OutputImages(self, self._channels, lambda: None)
         self._joints = JointStateReader(self.robot.axes_data.names)
@@ -78,7 +80,7 @@ class ForceControlNode(RobotNode):
                 self._position = self._joints.position(raw)
         if message is not None and self._position is not None:
             with self.refusing('measured_wrench'):
-                self._guide.measured(_wrench(message), self._position, now)
+                self._guide.measured(_wrench(message), self._position)
         self._guide.hand_over(handed_over=self._handed_over)
         outputs = {channel: self._outputs.value(channel) or 0.0 for channel in self._channels}
         twist = self._guide.step(now, outputs)

@@ -8,6 +8,7 @@ from sensor_msgs.msg import JointState
 
 from robots_controller.cell.contact_setup import ContactSetup, read_contact
 from robots_controller.nodes.io_images import OutputImages
+from robots_core.errors import InvalidInputError
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import joint_motion
 from robots_core.ros.qos import SENSOR, STATE
@@ -38,6 +39,8 @@ class WheelSoilNode(RobotNode):
 
     def _measure(self, message: JointState) -> None:
         q, q_dot, _ = joint_motion(message, self._names)
+        if q_dot is None:
+            raise InvalidInputError('joint_states have no velocities; how fast the wheel rolls is not known')
         self._contact.slip = self._outputs.value(self._setup.slip) or 0.0
         values = self._contact.of_robot(self.robot, q, q_dot).wrench.tolist()
         wrench = WrenchStamped()

@@ -68,7 +68,7 @@ class SimulatedContact:
         for time in self._times.due(now):
             seconds = time / NANOSECONDS
             if self._measured is not None:
-                self._guide.measured(*self._measured, seconds)
+                self._guide.measured(*self._measured)
             outputs = {channel: self._io.value(channel) for channel in (setup.load, setup.speed, setup.slip)}
             twist = self._guide.step(seconds, outputs)
             if twist is not None:

@@ -124,7 +124,7 @@ class ForceControl:
         """
         self.check(wanted, speed)
         settings = self.settings
-        measured = -float(finite_vector(force, 3, 'force') @ settings.press)
+        measured = 0.0 - float(finite_vector(force, 3, 'force') @ settings.press)
         most = settings.acceleration * self._dt
         self._driven += min(max(speed - self._driven, -most), most)
         pressing = settings.gain * (wanted - measured)

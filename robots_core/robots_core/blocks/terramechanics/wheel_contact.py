@@ -42,7 +42,7 @@ class SoilBed:
         finite_vector([self.height], 1, 'height')
         for name in ('lower', 'upper'):
             object.__setattr__(self, name, read_only(finite_vector(getattr(self, name), 2, name)))
-        for axis, side in zip('xy', self.upper - self.lower, strict=True):
+        for axis, side in zip('xy', (self.upper - self.lower).tolist(), strict=True):
             positive(side, f'{axis} side of the soil bed', 'm')
 
 
