@@ -32,6 +32,8 @@ setup(
             'cell = robots_controller.live_cell.command_line:main',
             'composed_nodes = robots_controller.live_cell.composed_nodes:main',
             'io_bridge_node = robots_controller.nodes.io_bridge_node:main',
+            'force_control_node = robots_controller.nodes.force_control_node:main',
+            'wheel_soil_node = robots_controller.nodes.wheel_soil_node:main',
             'guide_player_node = robots_controller.nodes.guide_player_node:main',
             'plc_node = robots_controller.nodes.plc_node:main',
             'check_bag = robots_controller.recording.check_bag:main',

@@ -36,10 +36,11 @@ SHORTENED = {
         'ptpJointSpaceAngles(0, -100, 110, 0, 80, 0)': 'ptpJointSpaceAngles(0, -100, 110, 0, 80, -180)',
     },
     'three_axis_grasp.lua': {'setSpeed(0.3)': 'setSpeed(0.8)', 'wait(1)': 'wait(0.3)'},
-    'wheel_test.lua': {
-        'TRACK, RAMP = 0.80, 0.05': 'TRACK, RAMP = 0.10, 0.05',
-        'LIFT = 1.80, 0.70, 0.15': 'LIFT = 1.80, 0.70, 0.05',
-        'ipairs {0, 0.2}': 'ipairs {0.2}',
+    # One run, nearer to the soil and as far as the forces become steady.
+    'wheel_laboratory.lua': {
+        '{0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8}': '{0.2}',
+        'PRESSING, DRIVING = 3.5, 7': 'PRESSING, DRIVING = 1.7, 3',
+        'NEAR, ABOVE = 0.02, 0.10': 'NEAR, ABOVE = 0.003, 0.03',
     },
     'rover_placement.lua': {
         'LIFT = 0.10': 'LIFT = 0.05',

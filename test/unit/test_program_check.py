@@ -17,7 +17,7 @@ from robots_core import load_robot_model
 PROGRAMS = Path(__file__).parents[2] / 'programs'
 ROBOTS = {
     'bello_bot_tour.lua': 'bello_bot',
-    'wheel_test.lua': 'kuka_kr210_r3100',
+    'wheel_laboratory.lua': 'kuka_kr210_r3100',
     'three_axis_grasp.lua': 'debris_arm',
     'rover_placement.lua': 'kinova_j2n6s300',
 }

@@ -38,7 +38,7 @@ class GuidingMessage:
         topic: One of `GUIDES`.
         time: When it came.
         valid: When what it says was so, by its stamp.
-        data: The whole message, serialized.
+        data: The whole message, serialized; b'' for one that was not recorded.
         value: A `Pose`, a twist (6,) in m/s and rad/s, or the joints' velocities (n,) in rad/s (m/s).
         frame: Of a twist to jog with.
     """

@@ -19,6 +19,7 @@ class GuideReplay:
 
     def __init__(self, recording: GuideRecording) -> None:
         self.recording = recording
+        self.types = recording.types
         self._messages = deque(recording.messages)
         self._guide = Guide.NONE
         self.start: int | None = None

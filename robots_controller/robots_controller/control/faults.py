@@ -68,6 +68,11 @@ class Fault(Enum):
         'one look: 20 ms; one period when a zone is closed',
         'tool or bodies are across the border of a zone that is closed; they may move back after a reset',
     )
+    CONTACT = (
+        StopCategory.ONE,
+        'one period of force control: 4 ms',
+        'force control reports a force beyond its limit, contact that was not planned, or no force',
+    )
     FOREIGN_WRITER = (
         StopCategory.ONE,
         '0.1 s',

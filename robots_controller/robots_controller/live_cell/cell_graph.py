@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
+from robots_controller.cell.contact_setup import check_one_guide, read_contact
 from robots_controller.control.frame_speed_limit import checked_speed_limit
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.emergency_inputs import emergency_stop_texts
@@ -96,6 +97,7 @@ def cell_graph(
     scene: str = '',
     guided: str = '',
     references: str = '',
+    contact: str = '',
     debug_port: int = 0,
     debug_token: str = '',
     lockstep: bool = False,
@@ -123,6 +125,8 @@ def cell_graph(
         guided: Inverse kinematics that follows `reference_pose` in `followReference`, one of `METHODS`;
             none by default.
         references: Recording of what guides or jogs the robot (see `read_guide_recording`); none by default.
+        contact: What the tool touches, and force control that guides the robot there (see `read_contact`), in
+            the place of a recording; none by default.
         debug_port: Port on this machine where editors debug the program; 0 for none.
         debug_token: What editors must give there; the program node makes one if it is empty.
         lockstep: All nodes take part in a lock-step run.
@@ -132,6 +136,9 @@ def cell_graph(
         RobotsError: no such level or method, a file that is not valid, or both set inputs of the same kind.
     """
     check_level(drive)
+    check_one_guide(references, contact)
+    if contact:
+        read_contact(contact)
     watched = {'watchdog': checked_watchdog(watchdog)}
     # In lock-step the controller is that of a simulation.
     feedback = {} if lockstep else {'feedback_timeout': watchdog or LONGEST}
@@ -189,6 +196,14 @@ def cell_graph(
         node('robots_core', 'visualizer_node', port=port, scene=scene),
         *([node('robots_core', 'inverse_kinematics_node', method=guided)] if guided else []),
         *([node('robots_controller', 'guide_player_node', references=references)] if references else []),
+        *(
+            [
+                node('robots_controller', name, contact=contact)
+                for name in ('wheel_soil_node', 'force_control_node')
+            ]
+            if contact
+            else []
+        ),
         *([node('robots_core', 'collision_node', scene=scene)] if scene else []),
         *([node('robots_controller', 'plc_node', script=io, **plc_cycle)] if io else []),
         *([bridge] if io_map else []),

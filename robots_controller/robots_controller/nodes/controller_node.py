@@ -170,6 +170,7 @@ class ControllerNode(RobotNode):
         self.serve('emergency_stop', self._stop_at_once)
         self.serve('reset', self._reset)
         subscribe_state(self, Bool, 'emergency_stop', self._on_emergency_stop)
+        subscribe_state(self, DiagnosticStatus, 'contact_status', self._on_contact)
         stopping: EmergencyInputs = self.parameter(
             'emergency_stop_inputs',
             [''],
@@ -337,6 +338,10 @@ class ControllerNode(RobotNode):
         self._control.watch(
             Fault.EMERGENCY_STOP, 'emergency stop by topic emergency_stop' if message.data else ''
         )
+
+    def _on_contact(self, message: DiagnosticStatus) -> None:
+        if message.level != DiagnosticStatus.OK:
+            self._control.trip(Fault.CONTACT, message.message)
 
     def _stop_at_once(self) -> str:
         self._control.trip(Fault.EMERGENCY_STOP, 'emergency stop by ~/emergency_stop')

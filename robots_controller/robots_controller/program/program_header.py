@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
 from robots_controller.interpreter.lua_source import read_source
 
-_ENTRY: Final = re.compile(r'(Robot|Scene|IO|References): (\S+)\s*')
+_ENTRY: Final = re.compile(r'(Robot|Scene|IO|References|Contact): (\S+)\s*')
 _LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
 
 
@@ -17,27 +17,26 @@ _LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
 class ProgramHeader:
     """The cell of a program, from lines of its first comment.
 
-    `-- Robot: NAME  Scene: FILE  IO: FILE  References: BAG`, all or some, in one line or several.
+    `-- Robot: NAME  Scene: FILE  IO: FILE  References: BAG  Contact: FILE`, all or some, in one
+    line or several.
 
     Attributes:
         robot: The robot's name; '' where nothing is said.
         scene: What the robot keeps clear of (YAML); '' for nothing.
         io: Script of the PLC that the program works with (YAML); '' for none.
         references: Recording of what guides the robot (see `read_guide_recording`); '' for none.
+        contact: What its tool touches, and force control there (see `read_contact`); '' for nothing.
     """
 
     robot: str = ''
     scene: str = ''
     io: str = ''
     references: str = ''
+    contact: str = ''
 
-    def replaced_by(
-        self, *, robot: str = '', scene: str = '', io: str = '', references: str = ''
-    ) -> ProgramHeader:
-        """The same with all that is given in the place of its own."""
-        return ProgramHeader(
-            robot or self.robot, scene or self.scene, io or self.io, references or self.references
-        )
+    def replaced_by(self, **given: str) -> ProgramHeader:
+        """The same with all that is given, and not '', in the place of its own."""
+        return replace(self, **{name: value for name, value in given.items() if value})
 
     def note(self, program: Path | str, robot: str) -> str:
         """A note for a person who runs the program on a robot; '' if it is the program's own."""
@@ -63,5 +62,7 @@ def read_program_header(program: Path | str) -> ProgramHeader:
         if _LINE.fullmatch(line):
             found |= {key.lower(): value for key, value in _ENTRY.findall(line)}
     folder = source.path.resolve().parent
-    files = {key: str(folder / found[key]) for key in ('scene', 'io', 'references') if key in found}
+    files = {
+        key: str(folder / found[key]) for key in ('scene', 'io', 'references', 'contact') if key in found
+    }
     return ProgramHeader(robot=found.get('robot', ''), **files)

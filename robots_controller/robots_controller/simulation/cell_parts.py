@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from robots_controller.cell.contact_setup import ContactSetup, check_one_guide, read_contact
 from robots_controller.cell.guide_recording import GuideRecording, read_guide_recording
 from robots_controller.control.command_authority import CommandAuthority
 from robots_controller.control.controller import Controller
@@ -53,6 +54,7 @@ class CellParts:
         scene: Path of the scene, '' for none.
         io: Path of the PLC's script, '' for none.
         references: What guides the robot; None for nothing.
+        contact: What its tool touches, and the force control that guides it then; None for nothing.
         guided: Inverse kinematics that follows `reference_pose`, one of `METHODS`.
         period: Of the controller, s.
         unguided: The robot stands while the program lets others guide it.
@@ -73,6 +75,7 @@ class CellParts:
     scene: str
     io: str
     references: GuideRecording | None
+    contact: ContactSetup | None
     guided: str
     period: float
     unguided: bool = False
@@ -93,6 +96,7 @@ def cell_parts(
     collision_margin: float = COLLISION_MARGIN,
     points_file: Path | str = '',
     references: Path | str = '',
+    contact: Path | str = '',
     guided: str = METHODS[0],
 ) -> CellParts:
     """The parts of a cell; the arguments are those of `simulate`. The robot may be loaded already.
@@ -101,6 +105,7 @@ def cell_parts(
         RobotsError: an unknown robot or level, a file that is not valid, a number out of range.
     """
     period = 1.0 / positive(rate, 'rate', 'Hz')
+    check_one_guide(references, contact)
     model = load_robot_model(robot) if isinstance(robot, str) else robot
     cell_io = read_cell_io(io, io_map)
     collision = CollisionDetection(model, scene=read_scene(scene) if scene else None)
@@ -132,6 +137,7 @@ def cell_parts(
         scene=str(scene),
         io=str(io),
         references=read_guide_recording(references, model.axes_data.names) if references else None,
+        contact=read_contact(contact) if contact else None,
         guided=guided,
         period=period,
     )

@@ -1,14 +1,13 @@
-"""SimulatedGuide: a recorded sensor or person guides the simulated robot, as in a live cell."""
+"""SimulatedGuide: a sensor or a person guides the simulated robot, as in a live cell."""
 
 import contextlib
 import math
-from collections.abc import Callable
-from typing import Final
+from collections.abc import Callable, Iterator, Mapping
+from typing import Final, Protocol
 
 import numpy as np
 
-from robots_controller.cell.guide_recording import GUIDES, NANOSECONDS, GuideRecording, GuidingMessage
-from robots_controller.cell.guide_replay import GuideReplay
+from robots_controller.cell.guide_recording import GUIDES, NANOSECONDS, GuidingMessage
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.streamed_reference import StreamPoint
 from robots_core.blocks.following.following_methods import RATE
@@ -29,11 +28,36 @@ JOG_PERIOD: Final = round(NANOSECONDS / JOG_RATE)  # ns
 MISSING: Final = {Guide.SENSOR: 'sensor', Guide.PERSON: 'teach box'}
 
 
+class GuideSource(Protocol):
+    """Where messages that guide the robot come from; times are in ns."""
+
+    types: Mapping[str, str]
+    """package/msg/Name by topic."""
+
+    @property
+    def start(self) -> int | None:
+        """Since when messages come; None for not yet."""
+
+    @property
+    def next_time(self) -> float:
+        """When the next one comes; infinite for never."""
+
+    def hand_over(self, guide: Guide, now: int) -> None:
+        """The program hands the robot over, or takes it back.
+
+        Raises:
+            RobotsError: there is nothing of it.
+        """
+
+    def due(self, now: int) -> Iterator[GuidingMessage]:
+        """The messages that have come until `now`."""
+
+
 class SimulatedGuide:
-    """Plays a recording from when the program hands its robot over for the first time.
+    """Passes on what comes from a source to the block that follows it, and its references to the controller.
 
     Args:
-        recording: What guides the robot; None for nothing.
+        source: What guides the robot; None for nothing.
         robot: The robot.
         control: Follows the references.
         planner: Of the robot's motions.
@@ -47,7 +71,7 @@ class SimulatedGuide:
 
     def __init__(
         self,
-        recording: GuideRecording | None,
+        source: GuideSource | None,
         robot: BaseRobotModel,
         control: ControlLoop,
         planner: MotionPlanner,
@@ -58,10 +82,10 @@ class SimulatedGuide:
     ) -> None:
         self._control, self._planner = control, planner
         self._on_message, self._on_point = on_message, on_point
-        self._replay = None if recording is None else GuideReplay(recording)
+        self._source = source
         self._sensor_times, self._jog_times = PeriodicSchedule(SENSOR_PERIOD), PeriodicSchedule(JOG_PERIOD)
         self._heard = False  # since the last step of the sensor's stream
-        if recording is not None:
+        if source is not None:
             movement = RealtimeMovement(robot, 1.0 / RATE, robot.home, method=method)
             self._sensor = SensorGuidance(movement, reference=self._reference, refused=lambda *_: None)
             self._jogging = Jogging(
@@ -74,11 +98,11 @@ class SimulatedGuide:
     @property
     def next_time(self) -> float:
         """When something happens next, s: now while a stream moves the robot; infinite for never."""
-        if self._replay is None or self._replay.start is None:
+        if self._source is None or self._source.start is None:
             return math.inf
         if self._heard or self._sensor.streaming or self._jogging.active:
             return 0.0
-        return self._replay.next_time / NANOSECONDS
+        return self._source.next_time / NANOSECONDS
 
     def hand_over(self, guide: Guide, nanoseconds: int) -> None:
         """The program hands the robot over, or takes it back.
@@ -90,30 +114,32 @@ class SimulatedGuide:
         Raises:
             RobotsError: nothing of it is recorded.
         """
-        if self._replay is None:
+        source = self._source
+        if source is None:
             if guide is not Guide.NONE:
                 raise PlanningError(
                     f'a simulation has no {MISSING[guide]}; --references names a recording of one'
                 )
             return
-        if self._replay.start is None:
+        if source.start is None:
             self._sensor_times.begin(nanoseconds + 1)  # of this instant, guidance has had its turn
-        self._replay.hand_over(guide, nanoseconds)
+        self.step(nanoseconds)  # what was due before the program came to this
+        source.hand_over(guide, nanoseconds)
         self._sensor.hand_over(handed_over=guide is Guide.SENSOR)
         self._jogging.use_tool(self._planner.settings.tool_pose, self._planner.settings.hold)
-        self._take_messages(self._replay, nanoseconds)
+        self._take_messages(source, nanoseconds)
 
     def step(self, nanoseconds: int) -> None:
         """Take what has come until now and send the controller what to follow; ns on the simulated clock."""
-        replay = self._replay
-        if replay is None or replay.start is None or self._control.controller.reference is None:
+        source = self._source
+        if source is None or source.start is None or self._control.controller.reference is None:
             return
         for time in self._sensor_times.due(nanoseconds):
             # As nodes do: a step does not use what comes after it, however rare the controller's periods are.
-            self._take_messages(replay, time)
+            self._take_messages(source, time)
             self._heard = False
             self._send(self._sensor.step(time / NANOSECONDS), time, SENSOR_PERIOD)
-        self._take_messages(replay, nanoseconds)
+        self._take_messages(source, nanoseconds)
         if self._jogging.active:
             for time in self._jog_times.due(nanoseconds):
                 step = self._jogging.step(time / NANOSECONDS)
@@ -125,13 +151,13 @@ class SimulatedGuide:
     def _reference(self) -> Array | None:
         return self._control.controller.reference
 
-    def _take_messages(self, replay: GuideReplay, nanoseconds: int) -> None:
-        for message in replay.due(nanoseconds):
+    def _take_messages(self, source: GuideSource, nanoseconds: int) -> None:
+        for message in source.due(nanoseconds):
             if message.topic in GUIDES[Guide.PERSON]:
                 self._jog(message)
             else:
                 self._follow(message)
-            self._on_message(message, replay.recording.types[message.topic])
+            self._on_message(message, source.types[message.topic])
 
     def _follow(self, message: GuidingMessage) -> None:
         self._heard = True

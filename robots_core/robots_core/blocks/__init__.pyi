@@ -14,6 +14,9 @@ from .drives.drive_train import DriveTrain as DriveTrain
 from .drives.drive_train import IdealDrive as IdealDrive
 from .drives.drive_train import SecondOrderDrive as SecondOrderDrive
 from .drives.rigid_body_drive import RigidBodyDrive as RigidBodyDrive
+from .force_control.force_control import ForceControl as ForceControl
+from .force_control.force_control import ForceControlSettings as ForceControlSettings
+from .force_control.force_watch import ForceWatch as ForceWatch
 from .inverse_kinematics.analytical import AnalyticalInverseKinematic as AnalyticalInverseKinematic
 from .inverse_kinematics.constrained import ConstrainedInverseKinematics as ConstrainedInverseKinematics
 from .inverse_kinematics.constrained_step import ActiveLimit as ActiveLimit
@@ -33,6 +36,14 @@ from .multibody.free_floating_dynamics import FreeFloatingDynamics as FreeFloati
 from .multibody.function_dynamics import FunctionDynamics as FunctionDynamics
 from .multibody.numerical_dynamics import NumericalDynamics as NumericalDynamics
 from .multibody.payload import Payload as Payload
+from .terramechanics.soil import SOILS as SOILS
+from .terramechanics.soil import Soil as Soil
+from .terramechanics.wheel_contact import ContactStep as ContactStep
+from .terramechanics.wheel_contact import SoilBed as SoilBed
+from .terramechanics.wheel_contact import WheelContact as WheelContact
+from .terramechanics.wheel_soil_model import Wheel as Wheel
+from .terramechanics.wheel_soil_model import WheelForces as WheelForces
+from .terramechanics.wheel_soil_model import WheelSoilModel as WheelSoilModel
 from .zones.zone import HalfSpace as HalfSpace
 from .zones.zone import PlacedBox as PlacedBox
 from .zones.zone import Zone as Zone

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
+import numpy as np
+
 from robots_controller.cell.guide_recording import GuidingMessage
 from robots_controller.control.stop_latch import StopState
 from robots_controller.control.streamed_reference import StreamPoint
@@ -31,6 +33,7 @@ from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander, OperatingMode
+from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings, settings_as_text
 from robots_planning.pathplanning import PlannedMotion
 from robots_planning.robot_command_state import RobotCommandState
@@ -240,7 +243,8 @@ class CellLog:
         """A message that guides the robot has arrived."""
         if self._bag is not None:
             before = self._cost.switch('recording')
-            self._bag.write_serialized(message.topic, type_name, self._clock.nanoseconds, message.data)
+            data = message.data or _serialized_twist(message, type_name)
+            self._bag.write_serialized(message.topic, type_name, self._clock.nanoseconds, data)
             self._cost.switch(before)
 
     def streamed(self, point: StreamPoint, sent: int, period: int) -> str:
@@ -252,6 +256,15 @@ class CellLog:
             self._bag.write('joint_trajectory', 'trajectory_msgs/msg/JointTrajectory', sent - START, message)
             self._cost.switch(before)
         return ros.id_of(sent)
+
+    def wrench(self, wrench: Array) -> None:
+        """A force/torque sensor has measured a wrench (6,), N and N m, on the tool."""
+        if self._bag is not None:
+            self._bag.wrench(self._clock.nanoseconds, wrench)
+
+    def contact(self, problem: str) -> None:
+        """Force control has a problem, or '' for none any more."""
+        self._status('contact_status', problem or 'none', {}, level=ros.ERROR if problem else ros.OK)
 
     def progress(self, progress: float) -> None:
         """Done part of the current path."""
@@ -292,6 +305,11 @@ class CellLog:
         self._latest = max(self._latest, self._clock.nanoseconds, nanoseconds)
         self._bag.write(topic, type_name, self._latest, message)
         self._cost.switch(before)
+
+
+def _serialized_twist(message: GuidingMessage, type_name: str) -> memoryview:
+    assert isinstance(message.value, np.ndarray)
+    return ros.typestore().serialize_cdr(ros.twist_stamped(message.valid, message.value), type_name)
 
 
 def _nanoseconds(id_: str) -> int:

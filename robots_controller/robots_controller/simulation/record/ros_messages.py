@@ -16,6 +16,7 @@ from robots_planning.trajectory import Trajectory
 
 NANOSECONDS: Final = 1_000_000_000
 BASE_FRAME: Final = 'base'
+TOOL_FRAME: Final = 'tool0'
 OK, WARN, ERROR = 0, 1, 2  # levels of diagnostic_msgs/DiagnosticStatus
 STRING_ARRAY: Final = 9  # type of rcl_interfaces/ParameterValue
 INFO: Final = 20  # level of rcl_interfaces/Log
@@ -71,6 +72,22 @@ def pose_stamped(nanoseconds: int, pose: Pose) -> Any:
     quaternion = message('geometry_msgs/msg/Quaternion', *map(float, pose.quaternion()))
     body = message('geometry_msgs/msg/Pose', point, quaternion)
     return message('geometry_msgs/msg/PoseStamped', header(nanoseconds, BASE_FRAME), body)
+
+
+def twist_stamped(nanoseconds: int, twist: Array) -> Any:
+    """geometry_msgs/TwistStamped in the base frame, of (6,)."""
+    body = message('geometry_msgs/msg/Twist', *_vectors(twist))
+    return message('geometry_msgs/msg/TwistStamped', header(nanoseconds, BASE_FRAME), body)
+
+
+def wrench_stamped(nanoseconds: int, wrench: Array) -> Any:
+    """geometry_msgs/WrenchStamped on the tool, in its axes, of (6,)."""
+    body = message('geometry_msgs/msg/Wrench', *_vectors(wrench))
+    return message('geometry_msgs/msg/WrenchStamped', header(nanoseconds, TOOL_FRAME), body)
+
+
+def _vectors(values: Array) -> list[Any]:
+    return [message('geometry_msgs/msg/Vector3', *row) for row in values.reshape(2, 3).tolist()]
 
 
 def path(nanoseconds: int, poses: Sequence[Pose]) -> Any:

@@ -59,6 +59,7 @@ class SimulatedBag:
         self._recording = recording
         self._written = 0
         self._progress: list[tuple[int, float]] = []
+        self._wrenches: list[tuple[int, Array]] = []
         self._names = robot.axes_data.names
         self._tcp_every = max(1, round(1.0 / (TCP_RATE * period)))
         self._connections: dict[str, Connection] = {}
@@ -97,6 +98,10 @@ class SimulatedBag:
         """Write done part of the current path, with the samples."""
         self._progress.append((nanoseconds, progress))
 
+    def wrench(self, nanoseconds: int, wrench: Array) -> None:
+        """Write a measured wrench (6,), N and N m, with the samples."""
+        self._wrenches.append((nanoseconds, wrench))
+
     def write_samples_in_time(self) -> None:
         """Write the samples if many wait."""
         if self._recording.count - self._written >= MOST_WAITING:
@@ -119,6 +124,10 @@ class SimulatedBag:
         positions = state[every, 0]
         if len(positions):
             self._write_rows('tcp_pose', stamps[every], self._tcp_poses(positions))
+        if self._wrenches:
+            times, wrenches = zip(*self._wrenches, strict=True)
+            self._wrenches.clear()
+            self._write_rows('measured_wrench', START + np.array(times), [np.array(wrenches)])
         if self._progress:
             times, values = zip(*self._progress, strict=True)
             self._progress.clear()
@@ -166,6 +175,7 @@ class SimulatedBag:
         store, rows = ros.typestore(), [marks(n, i) for i in range(3)]
         reference = ros.joint_trajectory(0, self._names, [(round(1e9 * period), rows[0], rows[1], rows[2])])
         states = rows[: self._recording.state.shape[1]]
+        wrench = marks(6, 0)
         mark = marks(1, 0)
         number = ros.message('std_msgs/msg/Float64', float(mark[0]))
         progress = MessageRows(store, 'std_msgs/msg/Float64', number, [mark], stamped=False)
@@ -178,6 +188,7 @@ class SimulatedBag:
             'joint_reference': ('trajectory_msgs/msg/JointTrajectory', reference, rows),
             'joint_states': ('sensor_msgs/msg/JointState', ros.joint_state(0, self._names, *states), states),
             'tcp_pose': ('geometry_msgs/msg/PoseStamped', tcp, [pose]),
+            'measured_wrench': ('geometry_msgs/msg/WrenchStamped', ros.wrench_stamped(0, wrench), [wrench]),
         }
         return {
             topic: (type_name, MessageRows(store, type_name, message, groups))

@@ -1,0 +1,138 @@
+"""ContactSetup: a wheel on soil and the force control that presses it, read from a file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+import numpy as np
+
+from robots_controller.io.io_image import Channel
+from robots_controller.io.io_signals import channel_at
+from robots_core.blocks.force_control.force_control import ForceControlSettings
+from robots_core.blocks.terramechanics.soil import SOILS, Soil
+from robots_core.blocks.terramechanics.wheel_contact import SoilBed, WheelContact
+from robots_core.blocks.terramechanics.wheel_soil_model import Wheel, WheelSoilModel
+from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.validation import Array, finite_vector
+from robots_core.yaml_section import YamlSection, read_yaml
+
+VECTORS: Final = ('press', 'drive')
+Made = TypeVar('Made')
+
+
+@dataclass(frozen=True, eq=False)
+class ContactSetup:
+    """What a file says.
+
+    Attributes:
+        wheel: The wheel.
+        soil: The soil.
+        bed: Where it is.
+        hub: Of the wheel in tool0, (3,) m.
+        forward: Where it rolls to, in tool0, (3,).
+        control: How it is pressed.
+        load: Analog output of the load, N.
+        speed: Analog output of the speed along `control.drive`, m/s.
+        slip: Analog output of the slip that the wheel's drive keeps.
+    """
+
+    wheel: Wheel
+    soil: Soil
+    bed: SoilBed
+    hub: Array
+    forward: Array
+    control: ForceControlSettings
+    load: Channel
+    speed: Channel
+    slip: Channel
+
+    def contact(self) -> WheelContact:
+        """The wheel on its soil."""
+        return WheelContact(
+            WheelSoilModel(self.wheel, self.soil), self.bed, hub=self.hub, forward=self.forward
+        )
+
+
+def read_contact(path: Path | str) -> ContactSetup:
+    """The setup of a YAML file; `docs/how_to/wheel_laboratory.md` describes it.
+
+    Raises:
+        InvalidInputError: a file that is missing or not such a setup; names the file and the line.
+    """
+    section = read_yaml(path)
+    wheel, bed, control, outputs = (
+        _section(section, key) for key in ('wheel', 'bed', 'force_control', 'outputs')
+    )
+    x, y, height = _vector(bed, 'x', 2), _vector(bed, 'y', 2), bed.number('height')
+    radius, width = wheel.number('radius'), wheel.number('width')
+    setup = ContactSetup(
+        wheel=_made(wheel, lambda: Wheel(radius=radius, width=width)),
+        soil=section.made('soil', _soil),
+        bed=_made(bed, lambda: SoilBed(height, np.array([x[0], y[0]]), np.array([x[1], y[1]]))),
+        hub=_vector(wheel, 'hub'),
+        forward=_vector(wheel, 'forward'),
+        control=_control(control),
+        **{name: _output(outputs, name) for name in ('load', 'speed', 'slip')},
+    )
+    for part in (wheel, bed, control, outputs, section):
+        part.finish()
+    _made(wheel, setup.contact)
+    return setup
+
+
+def check_one_guide(references: Path | str, contact: Path | str) -> None:
+    """Check that a cell has one sensor that guides its robot.
+
+    Raises:
+        RobotsError: it has a recording and force control.
+    """
+    if references and contact:
+        raise RobotsError(
+            f'{references} and {contact} both guide the robot: give a recording or a contact, not both'
+        )
+
+
+def _section(section: YamlSection, key: str) -> YamlSection:
+    below = section.section(key)
+    if below is None:
+        raise section.error(f'{key} is missing')
+    return below
+
+
+def _made(section: YamlSection, make: Callable[[], Made]) -> Made:
+    """What `make` returns; its errors get the section's line."""
+    try:
+        return make()
+    except InvalidInputError as error:
+        raise section.error(error.message) from error
+
+
+def _vector(section: YamlSection, key: str, size: int = 3) -> Array:
+    return section.made(key, lambda value: finite_vector(value, size, key))
+
+
+def _soil(value: Any) -> Soil:
+    if isinstance(value, str) and value in SOILS:
+        return SOILS[value]
+    names = [field.name for field in fields(Soil)]
+    if not isinstance(value, dict) or set(value) != set(names):
+        raise InvalidInputError(f'soil is one of {", ".join(SOILS)}, or a mapping of {", ".join(names)}')
+    numbers = finite_vector([value[name] for name in names], len(names), 'soil')
+    return Soil(**dict(zip(names, numbers.tolist(), strict=True)))
+
+
+def _control(section: YamlSection) -> ForceControlSettings:
+    vectors: dict[str, Any] = {name: _vector(section, name) for name in VECTORS}
+    names = [field.name for field in fields(ForceControlSettings) if field.name not in VECTORS]
+    numbers: dict[str, Any] = {name: section.number(name) for name in names}
+    return _made(section, lambda: ForceControlSettings(**vectors, **numbers))
+
+
+def _output(section: YamlSection, key: str) -> Channel:
+    channel = channel_at(section, section.text(key), section.line_of(key), {})
+    if channel.image != 'analog_outputs':
+        raise section.error(f'{key} is {channel.name}; valid is an analog output', key)
+    return channel

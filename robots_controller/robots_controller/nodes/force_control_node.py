@@ -1,0 +1,110 @@
+"""force_control_node: presses the robot's tool by the force that a sensor measures."""
+
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import TwistStamped, WrenchStamped
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from robots_controller.cell.contact_setup import ContactSetup, read_contact
+from robots_controller.cell.force_guide import PERIOD, ForceGuide
+from robots_controller.nodes.io_images import OutputImages
+from robots_core.blocks.following.guide import Guide
+from robots_core.errors import InvalidInputError
+from robots_core.realtime import processor_share
+from robots_core.ros.joint_state_reader import JointStateReader
+from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.messages import diagnostic_status
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import COMMAND, SENSOR, STATE, subscribe_state
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.run import run
+from robots_core.validation import Array
+
+FRAME: Final = 'tool0'
+
+
+class ForceControlNode(RobotNode):
+    """Publishes `reference_twist` while the program lets a sensor guide the robot.
+
+    What must stop the robot stands on `contact_status`, at all times.
+    """
+
+    phase = Phase.ENVIRONMENT
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('force_control_node', **options)
+        path = self.parameter('contact', '', 'wheel, soil and force control (YAML)')
+        if path:
+            self._open(read_contact(path))
+        else:
+            self.ready('ready; parameter contact is empty, nothing is controlled')
+
+    def _open(self, setup: ContactSetup) -> None:
+        share = {} if self.simulated_time else {'share': processor_share}
+        self._guide = ForceGuide(setup, self.robot, self._report, **share)
+        self._channels = (setup.load, setup.speed, setup.slip)
+        self._outputs = OutputImages(self, self._channels, lambda: None)
+        self._joints = JointStateReader(self.robot.axes_data.names)
+        self._position: Array | None = None
+        self._status = self.create_publisher(DiagnosticStatus, 'contact_status', STATE)
+        self._twists = self.create_publisher(TwistStamped, 'reference_twist', COMMAND)
+        self._states = PolledSubscription(self, JointState, 'joint_states', SENSOR, raw=True)
+        self._wrenches = PolledSubscription(self, WrenchStamped, 'measured_wrench', SENSOR)
+        self._handed_over = False
+        subscribe_state(self, String, 'guide', self._on_guide)
+        self._report('')
+        self.start_loop(self._step, period=PERIOD, name='force control')
+
+    def _on_guide(self, message: String) -> None:
+        self._handed_over = message.data == Guide.SENSOR
+
+    def _report(self, problem: str) -> None:
+        level = DiagnosticStatus.ERROR if problem else DiagnosticStatus.OK
+        self._status.publish(
+            diagnostic_status('contact', problem or 'none', level=level, hardware_id=self.robot_name)
+        )
+        if problem:
+            self.report_health(DiagnosticStatus.WARN, problem)
+            self.journal.error(problem)
+        else:
+            self.ready()
+
+    def _step(self, now: float) -> None:
+        raw, message = self._states.take(), self._wrenches.take()
+        if raw is not None:
+            with self.refusing('joint_states'):
+                self._position = self._joints.position(raw)
+        if message is not None and self._position is not None:
+            with self.refusing('measured_wrench'):
+                self._guide.measured(_wrench(message), self._position)
+        self._guide.hand_over(handed_over=self._handed_over)
+        outputs = {channel: self._outputs.value(channel) or 0.0 for channel in self._channels}
+        twist = self._guide.step(now, outputs)
+        if twist is not None:
+            self._publish(twist)
+
+    def _publish(self, values: Array) -> None:
+        twist = TwistStamped()
+        twist.header.stamp, twist.header.frame_id = self.get_clock().now().to_msg(), 'base'
+        v, w = twist.twist.linear, twist.twist.angular
+        v.x, v.y, v.z, w.x, w.y, w.z = values.tolist()
+        self._twists.publish(twist)
+
+
+def _wrench(message: WrenchStamped) -> Array:
+    """The wrench (6,) of a message.
+
+    Raises:
+        InvalidInputError: it is in another frame than tool0.
+    """
+    if message.header.frame_id != FRAME:
+        raise InvalidInputError(f'frame {message.header.frame_id!r}: the wrench must be in {FRAME}')
+    f, m = message.wrench.force, message.wrench.torque
+    return np.array([f.x, f.y, f.z, m.x, m.y, m.z])
+
+
+main: Final = partial(run, ForceControlNode)

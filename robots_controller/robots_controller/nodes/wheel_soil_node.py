@@ -1,0 +1,53 @@
+"""wheel_soil_node: a wheel on simulated soil, in the place of a force/torque sensor at a real tool."""
+
+from functools import partial
+from typing import Any, Final
+
+from geometry_msgs.msg import WrenchStamped
+from sensor_msgs.msg import JointState
+
+from robots_controller.cell.contact_setup import ContactSetup, read_contact
+from robots_controller.nodes.io_images import OutputImages
+from robots_core.errors import InvalidInputError
+from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.messages import joint_motion
+from robots_core.ros.qos import SENSOR, STATE
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.run import run
+
+TOOL_FRAME: Final = 'tool0'
+
+
+class WheelSoilNode(RobotNode):
+    """Publishes `measured_wrench` for every `joint_states`."""
+
+    phase = Phase.ENVIRONMENT
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('wheel_soil_node', **options)
+        path = self.parameter('contact', '', 'wheel, soil and force control (YAML)')
+        if path:
+            self._open(read_contact(path))
+        self.ready('ready' if path else 'ready; parameter contact is empty, nothing is measured')
+
+    def _open(self, setup: ContactSetup) -> None:
+        self._setup, self._contact = setup, setup.contact()
+        self._names = list(self.robot.axes_data.names)
+        self._outputs = OutputImages(self, [setup.slip], lambda: None)
+        self._publisher = self.create_publisher(WrenchStamped, 'measured_wrench', STATE)
+        self.create_subscription(JointState, 'joint_states', self._measure, SENSOR)
+
+    def _measure(self, message: JointState) -> None:
+        q, q_dot, _ = joint_motion(message, self._names)
+        if q_dot is None:
+            raise InvalidInputError('joint_states have no velocities; how fast the wheel rolls is not known')
+        self._contact.slip = self._outputs.value(self._setup.slip) or 0.0
+        values = self._contact.of_robot(self.robot, q, q_dot).wrench.tolist()
+        wrench = WrenchStamped()
+        wrench.header.stamp, wrench.header.frame_id = message.header.stamp, TOOL_FRAME
+        f, m = wrench.wrench.force, wrench.wrench.torque
+        f.x, f.y, f.z, m.x, m.y, m.z = values
+        self._publisher.publish(wrench)
+
+
+main: Final = partial(run, WheelSoilNode)

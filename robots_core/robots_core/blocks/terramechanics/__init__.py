@@ -1,0 +1,1 @@
+"""Terramechanics: a wheel on soft soil."""
