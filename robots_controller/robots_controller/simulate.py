@@ -35,6 +35,7 @@ def simulate(
     collision_margin: float = COLLISION_MARGIN,
     points_file: Path | str = '',
     references: Path | str = '',
+    orbit: Path | str = '',
     guided: str = METHODS[0],
     longest: float = LONGEST_TIME,
     on_progress: Callable[[float, int], None] | None = None,
@@ -65,6 +66,8 @@ def simulate(
         points_file: Taught points; '' for the file beside the program.
         references: Bag of what guides the robot where the program lets others guide it, see
             `read_guide_recording`; '' for nothing.
+        orbit: Orbit in which the robot's base floats, and what it is to grasp there (YAML, see `read_orbit`);
+            '' for a robot that stands.
         guided: Inverse kinematics that follows its `reference_pose`, one of `METHODS`.
         longest: The program fails if it has not ended after this simulated time, s.
         on_progress: Called about 25 times a simulated second with the time in s and the line of the program.
@@ -91,6 +94,7 @@ def simulate(
         collision_margin=collision_margin,
         points_file=points_file,
         references=references,
+        orbit=orbit,
         guided=guided,
     )
     cell = SimulatedCell(

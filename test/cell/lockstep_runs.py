@@ -35,7 +35,6 @@ SHORTENED = {
         # The wrist stays as it is at all three places.
         'ptpJointSpaceAngles(0, -100, 110, 0, 80, 0)': 'ptpJointSpaceAngles(0, -100, 110, 0, 80, -180)',
     },
-    'three_axis_grasp.lua': {'setSpeed(0.3)': 'setSpeed(0.8)', 'wait(1)': 'wait(0.3)'},
     'wheel_test.lua': {
         'TRACK, RAMP = 0.80, 0.05': 'TRACK, RAMP = 0.10, 0.05',
         'LIFT = 1.80, 0.70, 0.15': 'LIFT = 1.80, 0.70, 0.05',

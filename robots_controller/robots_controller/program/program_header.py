@@ -9,7 +9,7 @@ from typing import Final
 
 from robots_controller.interpreter.lua_source import read_source
 
-_ENTRY: Final = re.compile(r'(Robot|Scene|IO|References): (\S+)\s*')
+_ENTRY: Final = re.compile(r'(Robot|Scene|IO|References|Orbit): (\S+)\s*')
 _LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
 
 
@@ -17,26 +17,33 @@ _LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
 class ProgramHeader:
     """The cell of a program, from lines of its first comment.
 
-    `-- Robot: NAME  Scene: FILE  IO: FILE  References: BAG`, all or some, in one line or several.
+    `-- Robot: NAME  Scene: FILE  IO: FILE  References: BAG  Orbit: FILE`, all or some, in one line or in
+    several.
 
     Attributes:
         robot: The robot's name; '' where nothing is said.
         scene: What the robot keeps clear of (YAML); '' for nothing.
         io: Script of the PLC that the program works with (YAML); '' for none.
         references: Recording of what guides the robot (see `read_guide_recording`); '' for none.
+        orbit: Orbit in which the robot's base floats (YAML); '' for a robot that stands.
     """
 
     robot: str = ''
     scene: str = ''
     io: str = ''
     references: str = ''
+    orbit: str = ''
 
     def replaced_by(
-        self, *, robot: str = '', scene: str = '', io: str = '', references: str = ''
+        self, *, robot: str = '', scene: str = '', io: str = '', references: str = '', orbit: str = ''
     ) -> ProgramHeader:
         """The same with all that is given in the place of its own."""
         return ProgramHeader(
-            robot or self.robot, scene or self.scene, io or self.io, references or self.references
+            robot or self.robot,
+            scene or self.scene,
+            io or self.io,
+            references or self.references,
+            orbit or self.orbit,
         )
 
     def note(self, program: Path | str, robot: str) -> str:
@@ -63,5 +70,5 @@ def read_program_header(program: Path | str) -> ProgramHeader:
         if _LINE.fullmatch(line):
             found |= {key.lower(): value for key, value in _ENTRY.findall(line)}
     folder = source.path.resolve().parent
-    files = {key: str(folder / found[key]) for key in ('scene', 'io', 'references') if key in found}
+    files = {key: str(folder / found[key]) for key in ('scene', 'io', 'references', 'orbit') if key in found}
     return ProgramHeader(robot=found.get('robot', ''), **files)

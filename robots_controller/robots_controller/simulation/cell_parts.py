@@ -53,6 +53,7 @@ class CellParts:
         scene: Path of the scene, '' for none.
         io: Path of the PLC's script, '' for none.
         references: What guides the robot; None for nothing.
+        orbit: Path of the orbit in which the robot's base floats, '' for none.
         guided: Inverse kinematics that follows `reference_pose`, one of `METHODS`.
         period: Of the controller, s.
         unguided: The robot stands while the program lets others guide it.
@@ -73,6 +74,7 @@ class CellParts:
     scene: str
     io: str
     references: GuideRecording | None
+    orbit: str
     guided: str
     period: float
     unguided: bool = False
@@ -93,6 +95,7 @@ def cell_parts(
     collision_margin: float = COLLISION_MARGIN,
     points_file: Path | str = '',
     references: Path | str = '',
+    orbit: Path | str = '',
     guided: str = METHODS[0],
 ) -> CellParts:
     """The parts of a cell; the arguments are those of `simulate`. The robot may be loaded already.
@@ -102,7 +105,7 @@ def cell_parts(
     """
     period = 1.0 / positive(rate, 'rate', 'Hz')
     model = load_robot_model(robot) if isinstance(robot, str) else robot
-    cell_io = read_cell_io(io, io_map)
+    cell_io = read_cell_io(io, io_map, orbit=orbit)
     collision = CollisionDetection(model, scene=read_scene(scene) if scene else None)
     zones = collision.scene.zones
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
@@ -132,6 +135,7 @@ def cell_parts(
         scene=str(scene),
         io=str(io),
         references=read_guide_recording(references, model.axes_data.names) if references else None,
+        orbit=str(orbit),
         guided=guided,
         period=period,
     )

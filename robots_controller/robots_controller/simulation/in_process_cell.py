@@ -109,6 +109,7 @@ class InProcessCell:
             parts.robot,
             self.control,
             self._planner,
+            sensed=bool(parts.orbit),
             method=parts.guided,
             on_message=self.log.guided,
             on_point=self.log.streamed,
@@ -161,7 +162,7 @@ class InProcessCell:
         self.cycle += 1
         self.clock.nanoseconds = self.cycle * self._period_ns
         before = self.cost.switch('controller')
-        if self._parts.references is not None:
+        if self._parts.references is not None or self._parts.orbit:
             self.guide_player.step(self.clock.stamp)
         position = self._position if self.control.feedback_due else None
         reference = self.control.step(self.clock.now(), position)

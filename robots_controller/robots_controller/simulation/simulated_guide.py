@@ -37,6 +37,7 @@ class SimulatedGuide:
         robot: The robot.
         control: Follows the references.
         planner: Of the robot's motions.
+        sensed: What the robot moves among measures poses itself, see `measured`.
         method: Inverse kinematics that follows poses, one of `METHODS`.
         on_message: A message has come; with its type.
         on_point: A point is sent to the controller at a time, with a time between two, ns; returns its id.
@@ -52,6 +53,7 @@ class SimulatedGuide:
         control: ControlLoop,
         planner: MotionPlanner,
         *,
+        sensed: bool,
         method: str,
         on_message: Callable[[GuidingMessage, str], None],
         on_point: Callable[[StreamPoint, int, int], str],
@@ -61,7 +63,10 @@ class SimulatedGuide:
         self._replay = None if recording is None else GuideReplay(recording)
         self._sensor_times, self._jog_times = PeriodicSchedule(SENSOR_PERIOD), PeriodicSchedule(JOG_PERIOD)
         self._heard = False  # since the last step of the sensor's stream
-        if recording is not None:
+        self._sensed, self._began = sensed, False
+        self.guide = Guide.NONE
+        """What the program lets guide the robot."""
+        if recording is not None or sensed:
             movement = RealtimeMovement(robot, 1.0 / RATE, robot.home, method=method)
             self._sensor = SensorGuidance(movement, reference=self._reference, refused=lambda *_: None)
             self._jogging = Jogging(
@@ -74,11 +79,11 @@ class SimulatedGuide:
     @property
     def next_time(self) -> float:
         """When something happens next, s: now while a stream moves the robot; infinite for never."""
-        if self._replay is None or self._replay.start is None:
+        if not self._began:
             return math.inf
         if self._heard or self._sensor.streaming or self._jogging.active:
             return 0.0
-        return self._replay.next_time / NANOSECONDS
+        return math.inf if self._replay is None else self._replay.next_time / NANOSECONDS
 
     def hand_over(self, guide: Guide, nanoseconds: int) -> None:
         """The program hands the robot over, or takes it back.
@@ -90,30 +95,38 @@ class SimulatedGuide:
         Raises:
             RobotsError: nothing of it is recorded.
         """
-        if self._replay is None:
+        if self._replay is None and not (self._sensed and guide is not Guide.PERSON):
             if guide is not Guide.NONE:
                 raise PlanningError(
                     f'a simulation has no {MISSING[guide]}; --references names a recording of one'
                 )
             return
-        if self._replay.start is None:
+        if not self._began:
             self._sensor_times.begin(nanoseconds + 1)  # of this instant, guidance has had its turn
-        self._replay.hand_over(guide, nanoseconds)
+            self._began = guide is not Guide.NONE
+        if self._replay is not None:
+            self._replay.hand_over(guide, nanoseconds)
+        self.guide = guide
         self._sensor.hand_over(handed_over=guide is Guide.SENSOR)
         self._jogging.use_tool(self._planner.settings.tool_pose, self._planner.settings.hold)
-        self._take_messages(self._replay, nanoseconds)
+        self._take_messages(nanoseconds)
+
+    def measured(self, pose: Pose, twist: Array, nanoseconds: int) -> None:
+        """Take a reference pose and its twist (6,), measured now; ns on the simulated clock."""
+        self._heard = True
+        self._sensor.put(pose, nanoseconds / NANOSECONDS)
+        self._sensor.put_twist(twist, nanoseconds / NANOSECONDS)
 
     def step(self, nanoseconds: int) -> None:
         """Take what has come until now and send the controller what to follow; ns on the simulated clock."""
-        replay = self._replay
-        if replay is None or replay.start is None or self._control.controller.reference is None:
+        if not self._began or self._control.controller.reference is None:
             return
         for time in self._sensor_times.due(nanoseconds):
             # As nodes do: a step does not use what comes after it, however rare the controller's periods are.
-            self._take_messages(replay, time)
+            self._take_messages(time)
             self._heard = False
             self._send(self._sensor.step(time / NANOSECONDS), time, SENSOR_PERIOD)
-        self._take_messages(replay, nanoseconds)
+        self._take_messages(nanoseconds)
         if self._jogging.active:
             for time in self._jog_times.due(nanoseconds):
                 step = self._jogging.step(time / NANOSECONDS)
@@ -125,7 +138,10 @@ class SimulatedGuide:
     def _reference(self) -> Array | None:
         return self._control.controller.reference
 
-    def _take_messages(self, replay: GuideReplay, nanoseconds: int) -> None:
+    def _take_messages(self, nanoseconds: int) -> None:
+        replay = self._replay
+        if replay is None:
+            return
         for message in replay.due(nanoseconds):
             if message.topic in GUIDES[Guide.PERSON]:
                 self._jog(message)
