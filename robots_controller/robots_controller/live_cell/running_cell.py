@@ -63,6 +63,7 @@ class RunningCell:
         self._waiting = set(processes.names)
         self._failed = False
         self._motion: str | None = None
+        self._streaming = False  # results of streams have the id of their first point
         self._ended = False
         self._settled = math.inf
         self._recording_ended = False
@@ -202,8 +203,8 @@ class RunningCell:
             case NodeHealth(node=node) if event.ok or event.works:
                 self._waiting.discard(node)
             case MotionPlanned(id_):
-                self._motion = id_
-            case MotionResult(id_) if id_ == self._motion:
+                self._motion, self._streaming = id_, event.streamed
+            case MotionResult(id_) if id_ == self._motion or self._streaming:
                 self._motion = None
             case ProgramStatus(state):
                 self._restarts.program_reported(event)
