@@ -219,6 +219,10 @@ plots: build .venv/benchmark/.installed  ## A picture per planner, every axis ov
 plots-motion-simulator: build .venv/benchmark/.installed  ## What a person in the cabin of the motion simulator feels, in out/motion_simulator; OPTIONS='--run BAG'
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/programs:$$PWD/.venv/benchmark"; python -m motion_simulator.plots $(OPTIONS)
 
+.PHONY: plots-debris-removal
+plots-debris-removal: build .venv/benchmark/.installed  ## Attitude and momentum while a satellite grasps a target, in out/debris_removal; OPTIONS='--run BAG'
+	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/programs:$$PWD/.venv/benchmark"; python -m debris_removal.plots $(OPTIONS)
+
 .PHONY: clean
 clean:  ## Remove what was built; .venv stays
 	@rm -rf build install log out

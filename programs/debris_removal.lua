@@ -16,7 +16,7 @@ end
 
 onDigitalInput(REFUSED, true, function() return "abort" end)
 setSpeed(0.5)
-ptpJointSpaceAngles(0, 20, 75) -- before the target
+ptpJointSpaceAngles(6, 28, 90) -- before the target
 setDigitalOutput(1, 1)
 wait(0.1)
 check_grasp() -- what tumbles too fast is not approached

@@ -35,6 +35,12 @@ SHORTENED = {
         # The wrist stays as it is at all three places.
         'ptpJointSpaceAngles(0, -100, 110, 0, 80, 0)': 'ptpJointSpaceAngles(0, -100, 110, 0, 80, -180)',
     },
+    'debris_removal.lua': {'ptpJointSpaceAngles(6, 28, 90)': 'ptpJointSpaceAngles(5, 36, 75)'},
+    # The target is close before the gripper, and wheels of more torque steady it.
+    'debris_removal/orbit.yaml': {
+        'distance: 0.3,': 'distance: 0.04,',
+        'torque: 0.4, capacity: 12, time_constant: 2.5': 'torque: 9, capacity: 12, time_constant: 0.5',
+    },
     'wheel_test.lua': {
         'TRACK, RAMP = 0.80, 0.05': 'TRACK, RAMP = 0.10, 0.05',
         'LIFT = 1.80, 0.70, 0.15': 'LIFT = 1.80, 0.70, 0.05',
@@ -120,10 +126,12 @@ def run_cell_with(path: Path, out: Path, *options: str) -> tuple[str, int, str, 
 
 def _copy(folder: Path, program: str) -> Path:
     shutil.copytree(PROGRAMS, folder)
-    path = folder / program
-    text = path.read_text()
-    for old, new in SHORTENED.get(program, {}).items():
-        assert text.count(old) == 1
-        text = text.replace(old, new)
-    path.write_text(text)
-    return path
+    own = program.removesuffix('.lua') + '/'
+    for name in (program, *(name for name in SHORTENED if name.startswith(own))):
+        path = folder / name
+        text = path.read_text()
+        for old, new in SHORTENED.get(name, {}).items():
+            assert text.count(old) == 1
+            text = text.replace(old, new)
+        path.write_text(text)
+    return folder / program

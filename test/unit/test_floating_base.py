@@ -74,7 +74,9 @@ def test_it_moves_as_the_robot_that_torques_drive():
         tau = np.array([60.0, 90.0, 40.0]) * (q - driven.position) + 60.0 * (q_dot - driven.velocity)
         base.step(*driven.step(tau, PERIOD), PERIOD)
         if k > 0:
-            np.testing.assert_allclose(base.torque, tau, atol=0.05)  # of the acceleration half a period before
+            np.testing.assert_allclose(
+                base.torque, tau, atol=0.05
+            )  # of the acceleration half a period before
     for found, expected in zip(base.pose.distance_to(driven.base_pose), (0.0, 0.0), strict=True):
         assert found == pytest.approx(expected, abs=1e-9)
     np.testing.assert_allclose(base.twist, driven.base_twist, atol=1e-10)
@@ -122,7 +124,9 @@ def test_what_it_takes_brings_its_momentum_along():
     tool, before = base.tool
     held = Pose(np.array([0.1, 0.2, 0.9]), Rotation.from_rotvec([0.3, 0.2, 0.1]).as_matrix())
     body = Payload(220.0, np.array([0.1, 0.0, 0.0]), np.diag([30.0, 60.0, 75.0]))
-    target = TumblingBody(body, tool @ held, velocity=[0.02, -0.01, 0.03], angular_velocity=[0.04, 0.02, 0.01])
+    target = TumblingBody(
+        body, tool @ held, velocity=[0.02, -0.01, 0.03], angular_velocity=[0.04, 0.02, 0.01]
+    )
     loose, caught = base.momentum, target.momentum
     place, twist = base.pose, base.twist
     base.take(body.seen_from(held), caught)
@@ -147,7 +151,7 @@ def test_what_it_takes_brings_its_momentum_along():
 
 
 def test_bad_input_is_named():
-    with pytest.raises(InvalidInputError, match=r"gravity \[0.0, 0.0, -9.81\] .* debris_arm\?gravity=0,0,0"):
+    with pytest.raises(InvalidInputError, match=r'gravity \[0.0, 0.0, -9.81\] .* debris_arm\?gravity=0,0,0'):
         FloatingBase(load_robot_model('debris_arm'), ROBOT.home)
     with pytest.raises(InvalidInputError, match='has no mass or no inertia'):
         FloatingBase(load_robot_model('manutec_r3?gravity=0,0,0'), np.zeros(6))

@@ -28,10 +28,9 @@ def before_the_tool(*, spin: float = 0.02, away: float = 0.0, capacity: float = 
     """A target whose ring is before tool0 by a distance, m, and that turns about its x, rad/s."""
     r, _ = ROBOT.direct_kinematics(Q)
     ring = Pose(np.array([-0.9, 0.0, 0.0]), np.eye(3))
-    place = Pose(r + [0.9 + away, 0.0, 0.0], np.eye(3))
-    target = Target(
-        Payload(220.0, inertia=np.diag([30.0, 60.0, 75.0])), place, STILL, np.array([spin, 0.0, 0.0]), ring, 0.7
-    )
+    place = Pose(r + np.array([0.9 + away, 0.0, 0.0]), np.eye(3))
+    body, turn = Payload(220.0, inertia=np.diag([30.0, 60.0, 75.0])), np.array([spin, 0.0, 0.0])
+    target = Target(body, place, STILL, turn, ring, 0.7)
     return Orbit(target, Gripper(0.005, 0.05, 0.06), Wheels(2.0, capacity, 1.0), Approach(0.4, 0.03, 4.0))
 
 
@@ -75,7 +74,7 @@ def test_what_cannot_be_held_is_refused_with_its_numbers():
     np.testing.assert_allclose(heavy.momentum, momentum, atol=1e-12)
     moving = Rendezvous(ROBOT, Q, before_the_tool(), period=PERIOD)
     moving.close(closing=True)
-    moving.step(Q + [0.0, 0.0, 1e-3], [0.0, 0.0, 0.1])
+    moving.step(Q + np.array([0.0, 0.0, 1e-3]), np.array([0.0, 0.0, 0.1]))
     assert 'the gripper holds 0.05 m/s' in moving.report
     moving.close(closing=False)
     assert not moving.refused
@@ -87,7 +86,7 @@ def test_contact_that_was_not_planned_is_named():
     bodies.close(closing=True)
     bodies.step(Q, STILL)
     assert bodies.refused
-    assert bodies.report.startswith("grasp refused: contact where none was planned: the arm behind J3 is 0.")
+    assert bodies.report.startswith('grasp refused: contact where none was planned: the arm behind J3 is 0.')
     assert bodies.report.endswith("from the target's centre, which needs 0.7 m")
 
 
@@ -98,7 +97,7 @@ def test_the_camera_measures_what_it_sees_while_it_leads():
     seen = []
     for k in range(50):
         angle = 0.1 * np.sin(0.02 * k)
-        bodies.step(Q + [angle, 0.0, 0.0], np.array([0.002 * np.cos(0.02 * k) / PERIOD, 0.0, 0.0]))
+        bodies.step(Q + np.array([angle, 0.0, 0.0]), np.array([0.002 * np.cos(0.02 * k) / PERIOD, 0.0, 0.0]))
         assert bodies.reference is not None
         seen.append(bodies.reference)
     for (before, _), (now, twist), (after, _) in zip(seen, seen[1:], seen[2:], strict=False):
@@ -141,7 +140,7 @@ def test_the_base_moves_on_while_brakes_hold_the_joints(tmp_path: Path):
         ('speed: 0.05', 'speed: -1', 'speed is -1'),
         ('gripper:', 'griper:', 'gripper is missing'),
         ('radius: 0.7', 'radios: 0.7', 'radius is missing'),
-        ('torque: 0.2', 'torque: 0.2, size: 3', "unknown key 'size'"),
+        ('torque: 0.4', 'torque: 0.4, size: 3', "unknown key 'size'"),
         ('[220, 0, 0, 0, 30', '[220, 0, 0, 0, 300', 'no body has principal moments'),
     ],
 )
