@@ -223,6 +223,10 @@ plots-motion-simulator: build .venv/benchmark/.installed  ## What a person in th
 plots-wheel-laboratory: build .venv/benchmark/.installed  ## What the wheel laboratory measures over slip and time, in out/wheel_laboratory; OPTIONS='--run BAG'
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/programs:$$PWD/.venv/benchmark"; python -m wheel_laboratory.plots $(OPTIONS)
 
+.PHONY: plots-debris-removal
+plots-debris-removal: build .venv/benchmark/.installed  ## Attitude and momentum while a satellite grasps a target, in out/debris_removal; OPTIONS='--run BAG'
+	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/programs:$$PWD/.venv/benchmark"; python -m debris_removal.plots $(OPTIONS)
+
 .PHONY: clean
 clean:  ## Remove what was built; .venv stays
 	@rm -rf build install log out

@@ -20,7 +20,7 @@ from robots_core.blocks import MotionCueing, VehicleMotion
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import InvalidInputError
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import pose_stamped_message
+from robots_core.ros.messages import pose_stamped_message, twist_stamped_message
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, STREAM, subscribe_state
 from robots_core.ros.run import run
@@ -61,11 +61,7 @@ class Cockpit(TimedNode):
         step = self._cueing.step(None if message is None else self._motion(message))
         stamp = self.get_clock().now().to_msg()
         self._poses.publish(pose_stamped_message(stamp, flange(step)))
-        twist = TwistStamped()
-        twist.header.stamp, twist.header.frame_id = stamp, 'base'
-        v, w = twist.twist.linear, twist.twist.angular
-        v.x, v.y, v.z, w.x, w.y, w.z = flange_twist(step).tolist()
-        self._twists.publish(twist)
+        self._twists.publish(twist_stamped_message(stamp, flange_twist(step)))
         if step.limits:
             self.journal.info('; '.join(step.limits), throttle_duration_sec=REASON_SHOWN)
 

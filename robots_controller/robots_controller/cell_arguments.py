@@ -21,7 +21,7 @@ from robots_planning.motion_settings import NOTHING
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 CELL_OPTIONS: Final = (
     *('robot', 'drive', 'scene', 'io', 'io_map', 'rate', 'goal_tolerance', 'tool_speed_limit'),
-    *('operating_mode', 'payload', 'references', 'contact', 'guided'),
+    *('operating_mode', 'payload', 'references', 'contact', 'orbit', 'guided'),
 )
 """Names of the options that say what a cell is made of."""
 LOG_WIDTH: Final = 160  # characters; a log file has no width of its own, and tables need this much
@@ -81,6 +81,12 @@ def add_cell_arguments(parser: argparse.ArgumentParser) -> None:
         help='what the tool touches, and force control that guides the robot there (YAML)',
     )
     parser.add_argument(
+        '--orbit',
+        default='',
+        metavar='FILE',
+        help="what the robot's base floats with in orbit: a target, a gripper, reaction wheels (YAML)",
+    )
+    parser.add_argument(
         '--guided',
         default='',
         choices=METHODS,
@@ -108,10 +114,16 @@ def take_from_program(options: argparse.Namespace) -> None:
         if not Path(options.program).is_file():
             raise RobotsError(f'program {options.program!r} not found; programs are Lua files, see programs/')
         header = read_program_header(options.program)
-    own = {name: getattr(options, name) for name in ('robot', 'scene', 'io', 'references', 'contact')}
+    own = {
+        name: getattr(options, name) for name in ('robot', 'scene', 'io', 'references', 'contact', 'orbit')
+    }
     chosen = header.replaced_by(**own)
     for name in own:
         setattr(options, name, getattr(chosen, name))
+    if options.orbit and options.references:
+        raise RobotsError(
+            f'{options.orbit} and {options.references} would both guide the robot: give one of them'
+        )
     options.note = header.note(options.program, chosen.robot)
 
 

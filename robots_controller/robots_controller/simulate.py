@@ -36,6 +36,7 @@ def simulate(
     points_file: Path | str = '',
     references: Path | str = '',
     contact: Path | str = '',
+    orbit: Path | str = '',
     guided: str = METHODS[0],
     longest: float = LONGEST_TIME,
     on_progress: Callable[[float, int], None] | None = None,
@@ -68,6 +69,8 @@ def simulate(
             `read_guide_recording`; '' for nothing.
         contact: What the robot's tool touches, and force control that guides it there (YAML, see
             `read_contact`), in the place of a recording; '' for nothing.
+        orbit: Orbit in which the robot's base floats, and what it is to grasp there (YAML, see `read_orbit`);
+            '' for a robot that stands.
         guided: Inverse kinematics that follows its `reference_pose`, one of `METHODS`.
         longest: The program fails if it has not ended after this simulated time, s.
         on_progress: Called about 25 times a simulated second with the time in s and the line of the program.
@@ -95,6 +98,7 @@ def simulate(
         points_file=points_file,
         references=references,
         contact=contact,
+        orbit=orbit,
         guided=guided,
     )
     cell = SimulatedCell(

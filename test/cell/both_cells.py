@@ -40,6 +40,7 @@ def check_both_cells(lockstep: LockstepRun, drive: str, bag: Path, **options: An
         'io': header.io,
         'references': header.references,
         'contact': header.contact,
+        'orbit': header.orbit,
     }
     run = simulate(lockstep.program, drive=drive, rate=lockstep.rate, bag=bag, **options)
     assert lockstep.returncode == (0 if run.ok else 1), lockstep.text

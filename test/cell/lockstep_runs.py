@@ -35,12 +35,17 @@ SHORTENED = {
         # The wrist stays as it is at all three places.
         'ptpJointSpaceAngles(0, -100, 110, 0, 80, 0)': 'ptpJointSpaceAngles(0, -100, 110, 0, 80, -180)',
     },
-    'three_axis_grasp.lua': {'setSpeed(0.3)': 'setSpeed(0.8)', 'wait(1)': 'wait(0.3)'},
     # One run, nearer to the soil and as far as the forces become steady.
     'wheel_laboratory.lua': {
         '{0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8}': '{0.2}',
         'PRESSING, DRIVING = 3.5, 7': 'PRESSING, DRIVING = 1.7, 3',
         'NEAR, ABOVE = 0.02, 0.10': 'NEAR, ABOVE = 0.003, 0.03',
+    },
+    'debris_removal.lua': {'ptpJointSpaceAngles(6, 28, 90)': 'ptpJointSpaceAngles(5, 36, 75)'},
+    # The target is close before the gripper, and wheels of more torque steady it.
+    'debris_removal/orbit.yaml': {
+        'distance: 0.3,': 'distance: 0.04,',
+        'torque: 0.4, capacity: 12, time_constant: 2.5': 'torque: 9, capacity: 12, time_constant: 0.5',
     },
     'rover_placement.lua': {
         'LIFT = 0.10': 'LIFT = 0.05',
@@ -122,10 +127,12 @@ def run_cell_with(path: Path, out: Path, *options: str) -> tuple[str, int, str, 
 
 def _copy(folder: Path, program: str) -> Path:
     shutil.copytree(PROGRAMS, folder)
-    path = folder / program
-    text = path.read_text()
-    for old, new in SHORTENED.get(program, {}).items():
-        assert text.count(old) == 1
-        text = text.replace(old, new)
-    path.write_text(text)
-    return path
+    own = program.removesuffix('.lua') + '/'
+    for name in (program, *(name for name in SHORTENED if name.startswith(own))):
+        path = folder / name
+        text = path.read_text()
+        for old, new in SHORTENED.get(name, {}).items():
+            assert text.count(old) == 1
+            text = text.replace(old, new)
+        path.write_text(text)
+    return folder / program

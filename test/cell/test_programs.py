@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from debris_removal.recorded_bodies import read_bodies
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.recording.motion_record import MOTION_TOPICS, MotionRecord, recorded_motions
 from robots_controller.report.run_report import RunReport, run_report
@@ -163,18 +164,24 @@ def test_wheel_test(lockstep_runs: LockstepRuns) -> None:
     assert drive[1][0] > motion.end
 
 
-def test_three_axis_grasp(lockstep_runs: LockstepRuns) -> None:
-    run = run_program(lockstep_runs, 'three_axis_grasp.lua', 'debris_arm?gravity=0,0,0')
-    program = 'three_axis_grasp.lua'
-    approach, pull = (
-        run.line_of(text, program) for text in ('ptpCartesianSpace(ring_at(10 + S', 'ptpJointSpaceAnglesR')
-    )
-    assert run.switched_between() == [(1, 1.0, approach, pull)]
-    steps = [m for m in run.motions if f'{m.file}:{m.line}' == approach]
-    assert len(steps) == 8
-    # The last step ends where the ring has drifted to meanwhile.
-    ring = np.array([2.30, 0.60, 1.90]) + np.array([-0.004, -0.012, 0.003]) * (10 + 0.53 * 8)
-    np.testing.assert_allclose(steps[-1].pose.r, ring, atol=1e-3)
+def test_debris_removal(lockstep_runs: LockstepRuns) -> None:
+    run_program(lockstep_runs, 'debris_removal.lua', 'debris_arm?gravity=0,0,0')
+    bodies = read_bodies(lockstep_runs.run('debris_removal.lua').bag)
+    held, refused, at_rest = bodies.inputs
+    assert held is not None
+    assert at_rest is not None
+    assert held < at_rest
+    assert refused is None
+    assert 'impulse on the target' in bodies.report
+    # Nothing acts from outside; the target had all of the momentum, and the wheels have it now.
+    assert np.abs(bodies.drift).max() < 1e-9
+    np.testing.assert_allclose(bodies.momentum[0, 1], bodies.momentum[-1, 2], atol=0.03)
+    assert np.abs(bodies.rates(bodies.target)[0]).max() == pytest.approx(0.035, rel=0.01)
+    for poses in (bodies.base, bodies.target):
+        assert np.abs(bodies.rates(poses)[-1]).max() < 2e-4
+    away = [(bodies.tool(k).inverse() @ bodies.target[k]).r for k in range(len(bodies.time))]
+    after = np.array(away)[bodies.time > held + 0.1]
+    np.testing.assert_allclose(after, after[[0]].repeat(len(after), axis=0), atol=1e-3)
 
 
 def test_rover_placement(lockstep_runs: LockstepRuns) -> None:

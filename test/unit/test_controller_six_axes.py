@@ -64,7 +64,7 @@ def printed(steps: list[ControllerStep]) -> list[str]:
 @pytest.mark.parametrize(
     ('robot', 'program', 'axes'),
     [
-        ('debris_arm?gravity=0,0,0', 'three_axis_grasp', 3),
+        ('debris_arm', 'language/three_axes', 3),
         (ROBOT, 'welding', 6),
         ('bello_bot', 'bello_bot_tour', 7),
     ],

@@ -18,7 +18,7 @@ PROGRAMS = Path(__file__).parents[2] / 'programs'
 ROBOTS = {
     'bello_bot_tour.lua': 'bello_bot',
     'wheel_laboratory.lua': 'kuka_kr210_r3100',
-    'three_axis_grasp.lua': 'debris_arm',
+    'debris_removal.lua': 'debris_arm',
     'rover_placement.lua': 'kinova_j2n6s300',
 }
 SIZES = Sizes(6, 32, 8)

@@ -34,7 +34,7 @@ HALF_A_MEGABYTE = 500_000
 # The motion through the pillar is refused.
 FAIL = ('welding_collision',)
 # Opened in browsers: a long one, one that ends early, one of another kind of robot.
-OPENED = ('palletizing', 'welding_collision', 'three_axis_grasp')
+OPENED = ('palletizing', 'welding_collision', 'debris_removal')
 
 
 def simulated(folder: Path, program: Path, *options: str) -> int:

@@ -83,15 +83,16 @@ def read_contact(path: Path | str) -> ContactSetup:
     return setup
 
 
-def check_one_guide(references: Path | str, contact: Path | str) -> None:
-    """Check that a cell has one sensor that guides its robot.
+def check_one_guide(*guides: Path | str) -> None:
+    """Check that one sensor at most guides the robot of a cell: a recording, force control, or a camera.
 
     Raises:
-        RobotsError: it has a recording and force control.
+        RobotsError: there are more.
     """
-    if references and contact:
+    given = [str(guide) for guide in guides if guide]
+    if len(given) > 1:
         raise RobotsError(
-            f'{references} and {contact} both guide the robot: give a recording or a contact, not both'
+            f'{" and ".join(given)} both guide the robot: give a recording, a contact or an orbit, not two'
         )
 
 

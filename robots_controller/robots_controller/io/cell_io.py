@@ -37,16 +37,17 @@ class CellIo(ChannelDeclarations):
         return replace(self.script, initial=MappingProxyType({**self.script.initial, **silent}))
 
 
-def read_cell_io(io: Path | str = '', io_map: Path | str = '') -> CellIo:
+def read_cell_io(io: Path | str = '', io_map: Path | str = '', *, orbit: Path | str = '') -> CellIo:
     """Read the files of a cell's inputs and outputs.
 
     Args:
         io: Script of a PLC that is played (see `plc_script`); '' for none.
         io_map: Map of channels to topics of a PLC (see `io_map`); '' for none.
+        orbit: Orbit in which the robot works (see `read_orbit`), whose gripper sets inputs; '' for none.
 
     Raises:
-        RobotsError: a file that is not valid; or both set inputs of the same kind, give one name to two
-            channels, or one output two fail-safe values.
+        RobotsError: a file that is not valid; two that set inputs, give one name to two channels, or one
+            output two fail-safe values.
     """
     script = read_plc_script(io) if io else PlcScript(())
     rows = read_io_map(io_map) if io_map else IoMap()
@@ -55,6 +56,9 @@ def read_cell_io(io: Path | str = '', io_map: Path | str = '') -> CellIo:
         raise RobotsError(
             f'{io} and {io_map} both set {", ".join(sorted(both))}; only one can publish that topic'
         )
+    setting = io if script.inputs else io_map if rows.inputs else ''
+    if orbit and setting:
+        raise RobotsError(f'{orbit} and {setting} both set inputs; in orbit the gripper alone does')
     declared = {}
     for section in vars(ChannelDeclarations()):
         one, other = getattr(script, section), getattr(rows, section)

@@ -37,7 +37,7 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.ros.middleware import choose_transports
 from robots_core.watchdog import WATCHDOG
 
-FILES = ('program', 'io', 'io_map', 'scene', 'references', 'contact')  # options
+FILES = ('program', 'io', 'io_map', 'scene', 'references', 'contact', 'orbit')  # options
 GRAPH_OPTIONS = (*CELL_OPTIONS, 'program', 'watchdog', 'port', 'debug_port', 'lockstep', 'composed')
 
 
@@ -105,7 +105,8 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     take_from_program(options)
     options.robot = options.robot or DEFAULT_ROBOT
     options.namespace = '/' + options.namespace.strip('/')
-    options.guided = options.guided or (METHODS[0] if options.references or options.contact else '')
+    others = options.references or options.contact or options.orbit
+    options.guided = options.guided or (METHODS[0] if others else '')
     for name in FILES:
         path = getattr(options, name)
         setattr(options, name, str(Path(path).resolve()) if path else '')

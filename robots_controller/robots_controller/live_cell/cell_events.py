@@ -57,10 +57,11 @@ class MotionCommanded:
 
 @dataclass(frozen=True)
 class MotionPlanned:
-    """A motion was planned; duration in s."""
+    """A motion was planned, duration in s; or a point of a stream was sent."""
 
     id: str
     duration: float
+    streamed: bool = False
 
 
 @dataclass(frozen=True)

@@ -98,6 +98,7 @@ def cell_graph(
     guided: str = '',
     references: str = '',
     contact: str = '',
+    orbit: str = '',
     debug_port: int = 0,
     debug_token: str = '',
     lockstep: bool = False,
@@ -127,6 +128,8 @@ def cell_graph(
         references: Recording of what guides or jogs the robot (see `read_guide_recording`); none by default.
         contact: What the tool touches, and force control that guides the robot there (see `read_contact`), in
             the place of a recording; none by default.
+        orbit: Orbit in which the robot's base floats (see `read_orbit`), whose camera publishes what guides
+            the robot; none by default.
         debug_port: Port on this machine where editors debug the program; 0 for none.
         debug_token: What editors must give there; the program node makes one if it is empty.
         lockstep: All nodes take part in a lock-step run.
@@ -136,7 +139,7 @@ def cell_graph(
         RobotsError: no such level or method, a file that is not valid, or both set inputs of the same kind.
     """
     check_level(drive)
-    check_one_guide(references, contact)
+    check_one_guide(references, contact, orbit)
     if contact:
         read_contact(contact)
     watched = {'watchdog': checked_watchdog(watchdog)}
@@ -149,12 +152,13 @@ def cell_graph(
     held = {'hold_timeout': 0.0} if lockstep else {}
     mode = {'operating_mode': OperatingMode(operating_mode).value, **held}
     capped = {'tool_speed_limit': checked_speed_limit(tool_speed_limit)} if tool_speed_limit else {}
-    cell_io = read_cell_io(io, io_map)
+    cell_io = read_cell_io(io, io_map, orbit=orbit)
     stopping = {'emergency_stop_inputs': emergency_stop_texts(cell_io.emergency_stop) or ['']}
     labels, fail_safe = cell_io.labels, fail_safe_texts(cell_io.fail_safe) or ['']
     names = {f'{image.removesuffix("s")}_names': list(names) for image, names in labels.items()}
     zones = read_scene(scene).zones if scene else ()
     zoned = {'scene': scene, 'zone_inputs': closing_texts(closing_inputs(zones, cell_io.signals)) or ['']}
+    drives = {'rate': rate, 'level': drive, 'payload': list(payload)} | ({'orbit': orbit} if orbit else {})
     plc_cycle = {'cycle': 1.0 / rate} if lockstep else {}
 
     def node(package: str, executable: str, **parameters: Any) -> NodeDescription:
@@ -165,7 +169,7 @@ def cell_graph(
 
     bridge = node('robots_controller', 'io_bridge_node', io_map=io_map, fail_safe=fail_safe, **watched)
     return (
-        node('robots_core', 'drive_node', rate=rate, level=drive, payload=list(payload), **watched),
+        node('robots_core', 'drive_node', **drives, **watched),
         node(
             'robots_controller',
             'controller_node',

@@ -190,4 +190,5 @@ def _command(kind: str, message: JointState | PoseStamped | Path) -> Iterable[Ev
 def _planned(message: JointTrajectory) -> Iterable[Event]:
     if message.points:
         end = message.points[-1].time_from_start
-        yield MotionPlanned(stamp_id(message.header.stamp), end.sec + 1e-9 * end.nanosec)
+        streamed = len(message.points) == 1
+        yield MotionPlanned(stamp_id(message.header.stamp), end.sec + 1e-9 * end.nanosec, streamed)

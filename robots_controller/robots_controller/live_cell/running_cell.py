@@ -63,6 +63,8 @@ class RunningCell:
         self._waiting = set(processes.names)
         self._failed = False
         self._motion: str | None = None
+        # Results of streams have the id of their first point, and may overtake their last ones.
+        self._streaming, self._stream_end = False, 0.0
         self._ended = False
         self._settled = math.inf
         self._recording_ended = False
@@ -201,10 +203,10 @@ class RunningCell:
         match event:
             case NodeHealth(node=node) if event.ok or event.works:
                 self._waiting.discard(node)
-            case MotionPlanned(id_):
-                self._motion = id_
-            case MotionResult(id_) if id_ == self._motion:
-                self._motion = None
+            case MotionPlanned(id_) if not event.streamed or float(id_) > self._stream_end:
+                self._motion, self._streaming = id_, event.streamed
+            case MotionResult(id_) if id_ == self._motion or self._streaming:
+                self._motion, self._stream_end = None, float(event.details.get('ended', 0.0))
             case ProgramStatus(state):
                 self._restarts.program_reported(event)
                 self.program_ended = state in ('FINISHED', 'FAILED', 'STOPPED')

@@ -55,6 +55,7 @@ class CellParts:
         io: Path of the PLC's script, '' for none.
         references: What guides the robot; None for nothing.
         contact: What its tool touches, and the force control that guides it then; None for nothing.
+        orbit: Path of the orbit in which the robot's base floats, '' for none.
         guided: Inverse kinematics that follows `reference_pose`, one of `METHODS`.
         period: Of the controller, s.
         unguided: The robot stands while the program lets others guide it.
@@ -76,6 +77,7 @@ class CellParts:
     io: str
     references: GuideRecording | None
     contact: ContactSetup | None
+    orbit: str
     guided: str
     period: float
     unguided: bool = False
@@ -97,6 +99,7 @@ def cell_parts(
     points_file: Path | str = '',
     references: Path | str = '',
     contact: Path | str = '',
+    orbit: Path | str = '',
     guided: str = METHODS[0],
 ) -> CellParts:
     """The parts of a cell; the arguments are those of `simulate`. The robot may be loaded already.
@@ -105,9 +108,9 @@ def cell_parts(
         RobotsError: an unknown robot or level, a file that is not valid, a number out of range.
     """
     period = 1.0 / positive(rate, 'rate', 'Hz')
-    check_one_guide(references, contact)
+    check_one_guide(references, contact, orbit)
     model = load_robot_model(robot) if isinstance(robot, str) else robot
-    cell_io = read_cell_io(io, io_map)
+    cell_io = read_cell_io(io, io_map, orbit=orbit)
     collision = CollisionDetection(model, scene=read_scene(scene) if scene else None)
     zones = collision.scene.zones
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
@@ -138,6 +141,7 @@ def cell_parts(
         io=str(io),
         references=read_guide_recording(references, model.axes_data.names) if references else None,
         contact=read_contact(contact) if contact else None,
+        orbit=str(orbit),
         guided=guided,
         period=period,
     )

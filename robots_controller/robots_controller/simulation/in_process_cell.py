@@ -51,6 +51,7 @@ class InProcessCell:
         parts: Robot, program and blocks.
         bag: Takes the messages of a live cell; None for none.
         on_settings: Called with the modal settings whenever they are set.
+        camera: Measures what guides the robot, and records that itself; None for none.
     """
 
     def __init__(
@@ -59,6 +60,7 @@ class InProcessCell:
         *,
         bag: SimulatedBag | None = None,
         on_settings: Callable[[MotionSettings], None] = lambda _: None,
+        camera: GuideSource | None = None,
     ) -> None:
         self._parts, self._on_settings = parts, on_settings
         self._period_ns = round(parts.period * NANOSECONDS)
@@ -108,7 +110,7 @@ class InProcessCell:
         link.on_settings = self._settings_changed
         self.program = self._host.program
         self._contact = None
-        source: GuideSource | None = None
+        source = camera
         if parts.contact is not None:
             io = self.program.io
             source = self._contact = SimulatedContact(parts.contact, parts.robot, io, self._contact_problem)
@@ -120,7 +122,7 @@ class InProcessCell:
             self.control,
             self._planner,
             method=parts.guided,
-            on_message=self.log.guided,
+            on_message=self.log.guided if camera is None else lambda *_: None,
             on_point=self.log.streamed,
         )
         self._guard = None

@@ -15,6 +15,7 @@ from robots_controller.simulation.in_process_cell import InProcessCell
 from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START
+from robots_controller.simulation.simulated_rendezvous import SimulatedRendezvous
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.drives.drive_level import drive_train
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
@@ -53,18 +54,25 @@ class SimulatedCell:
         robot, period = parts.robot, parts.period
         self._period_ns = round(period * NANOSECONDS)
         payload = payload_of(parts.payload)
-        self._drives = drive_train(drive, robot, robot.home, period=period, payload=payload)
+        self._drives = drive_train(
+            drive, robot, robot.home, period=period, payload=payload, orbit=parts.orbit
+        )
         self._supervised = SupervisedDrives(self._drives, robot.axes_data, period=period)
         self._recording = Recording(robot.num_axes, torque=self._drives.torque is not None)
         self._bag = (
             None if bag is None else SimulatedBag(bag, robot, period=period, recording=self._recording)
         )
         carried = CarriedPayload(self._drives.load, parts.payload)
+        bodies = self._drives.rendezvous
+        self._bodies = None if bodies is None else SimulatedRendezvous(bodies)
         self._cell = InProcessCell(
-            parts, bag=self._bag, on_settings=lambda settings: carried.carry(settings.payload)
+            parts,
+            bag=self._bag,
+            on_settings=lambda settings: carried.carry(settings.payload),
+            camera=self._bodies,
         )
         self._plc = ScriptedPlc(parts.plc_script, self._cell.clock.now())
-        self._cell.log.on_output = self._plc.output
+        self._cell.log.on_output = self._plc.output if self._bodies is None else self._bodies.output
         self._settled = False
         self._deadlocks = DeadlockDetection(longest, self._recording)
         self._interrupted = self._over = False
@@ -84,7 +92,7 @@ class SimulatedCell:
             RobotsError: the program cannot be opened or is not Lua, or the bag cannot be written.
         """
         try:
-            self._cell.begin(self._plc.inputs)
+            self._cell.begin(self._plc.inputs if self._bodies is None else self._bodies.inputs)
             self._measure()
             self._step()
             self._cell.cost.begin()
@@ -142,7 +150,8 @@ class SimulatedCell:
         now = cell.clock.elapsed
         reason = self._deadlocks.reason(
             now,
-            expected=min(math.inf if cell.clock.busy else cell.wait, self._next_event) < math.inf,
+            expected=self._bodies is not None
+            or min(math.inf if cell.clock.busy else cell.wait, self._next_event) < math.inf,
             at_rest=self._at_rest,
             waiting=cell.clock.waiting,
             busy=cell.clock.busy,
@@ -172,15 +181,20 @@ class SimulatedCell:
         self._supervised.power(on=cell.controller.stops.state.drives_on)
         q, q_dot = self._supervised.step(cell.clock.now(), reference[0], reference[1])
         cost.switch('recording')
-        self._settled = self._stands and not q_dot.any() and np.array_equal(q, position)
+        self._settled = (
+            self._bodies is None and self._stands and not q_dot.any() and np.array_equal(q, position)
+        )
         self._recording.add(cell.clock.nanoseconds, reference, q, q_dot, drives.torque)
         if self._bag is not None:
             self._bag.write_samples_in_time()
         cost.switch('other')
+        if self._bodies is not None:
+            self._bodies.after_step(self._cell)
         self._measure()
         now = cell.clock.now()
         changes = self._plc.step(now) if self._plc.next_time <= now else []
-        cell.take_inputs([(change.channel, change.value) for change in changes])
+        inputs = [(change.channel, change.value) for change in changes]
+        cell.take_inputs(inputs if self._bodies is None else [*inputs, *self._bodies.changes()])
         if self._on_progress is not None and cell.cycle % cell.rates.progress_every == 0:
             self._on_progress(cell.clock.elapsed, cell.program.line)
 

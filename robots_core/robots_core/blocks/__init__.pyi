@@ -14,6 +14,11 @@ from .drives.drive_train import DriveTrain as DriveTrain
 from .drives.drive_train import IdealDrive as IdealDrive
 from .drives.drive_train import SecondOrderDrive as SecondOrderDrive
 from .drives.rigid_body_drive import RigidBodyDrive as RigidBodyDrive
+from .floating_base.floating_base import FloatingBase as FloatingBase
+from .floating_base.orbit import Orbit as Orbit
+from .floating_base.orbit import read_orbit as read_orbit
+from .floating_base.rendezvous import Rendezvous as Rendezvous
+from .floating_base.tumbling_body import TumblingBody as TumblingBody
 from .force_control.force_control import ForceControl as ForceControl
 from .force_control.force_control import ForceControlSettings as ForceControlSettings
 from .force_control.force_watch import ForceWatch as ForceWatch

@@ -15,6 +15,7 @@ from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
+from robots_core.nodes.rendezvous_topics import RendezvousTopics
 from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import watchdog_parameter
 from robots_core.ros.joint_trajectories import single_point
@@ -62,6 +63,9 @@ class DriveNode(RobotNode):
         start = self.parameter(
             'initial_position', [float('nan')], "joint positions at start, rad; the robot's home by default"
         )
+        orbit = self.parameter(
+            'orbit', '', 'ideal, second_order: orbit in which the base floats (YAML); empty: it stands'
+        )
         axes = self.robot.axes_data
         q = self.robot.home if np.isnan(start).all() else axes.check_position(start, 'initial_position')
         self._period = 1.0 / rate
@@ -74,6 +78,7 @@ class DriveNode(RobotNode):
             damping=damping,
             payload=payload,
             feed_forward=feed_forward,
+            orbit=orbit,
         )
         self._carried = CarriedPayload(self._drives.load)
         self._settings = PolledSubscription(self, DiagnosticStatus, 'motion_settings', STATE)
@@ -90,6 +95,8 @@ class DriveNode(RobotNode):
         )
         self._problem = ''
         self._figures = {'rate': rate, 'drives': level}
+        bodies = self._drives.rendezvous
+        self._bodies = None if bodies is None else RendezvousTopics(self, bodies, self._report_grasp)
         self._power = PolledSubscription(self, Bool, 'drives_on', STATE)
         self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', REFERENCE)
         self._message = JointState(name=list(axes.names))
@@ -134,13 +141,23 @@ class DriveNode(RobotNode):
         power = self._power.take()
         if power is not None:
             self._supervised.power(on=power.data)
+        if self._bodies is not None:
+            self._bodies.before_step()
         message = self._references.take()
         reference: tuple[Array | None, Array | None, float | None] = None, None, None
         if message is not None:
             with self.refusing('joint_reference'):
                 reference = self._read(message)
         self._report(*self._supervised.step(now, *reference))
+        if self._bodies is not None:
+            self._bodies.after_step()
         self._report_problem()
+
+    def _report_grasp(self, report: str, refused: bool) -> None:  # noqa: FBT001  # a callback
+        if refused:
+            self.journal.warning(report)
+        elif report:
+            self.journal.info(report)
 
     def _report_problem(self) -> None:
         problem = self._supervised.problem

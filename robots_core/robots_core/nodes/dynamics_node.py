@@ -11,7 +11,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import WrenchStamped
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray, MultiArrayDimension
+from std_msgs.msg import Float64MultiArray
 from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
 
 from robots_core.blocks.multibody.base_motion import BaseMotion
@@ -23,7 +23,7 @@ from robots_core.nodes.base_motion_message import base_motion_from_message
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.pose import Pose
 from robots_core.ros.joint_trajectories import single_point
-from robots_core.ros.messages import doubles, joint_motion, seconds
+from robots_core.ros.messages import doubles, joint_motion, matrix_message, seconds
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, SENSOR, STATE, subscribe_state
 from robots_core.ros.robot_node import RobotNode
@@ -141,7 +141,7 @@ class DynamicsNode(RobotNode):
             state = JointState(name=self._names, effort=doubles(torques))
             state.header.stamp = message.header.stamp
             publisher.publish(state)
-        self._mass_matrix.publish(matrix_message(M))
+        self._mass_matrix.publish(matrix_message(M, 'torque', 'acceleration'))
         stamp = message.header.stamp
         pushed = -self._dynamics.base_wrench(q, q_dot, q_ddot)
         self._base_wrench.publish(wrench_message(stamp, pushed))
@@ -170,17 +170,6 @@ class DynamicsNode(RobotNode):
                 self._load(payload_of(parameter.value))
             elif parameter.name == 'base_orientation':
                 self._move_base(BaseMotion(_orientation(parameter.value)))
-
-
-def matrix_message(M: Array) -> Float64MultiArray:
-    """A mass matrix row by row, its dimensions labelled `torque` (rows) and `acceleration` (columns)."""
-    rows, columns = M.shape
-    message = Float64MultiArray(data=doubles(M))
-    message.layout.dim = [
-        MultiArrayDimension(label='torque', size=rows, stride=rows * columns),
-        MultiArrayDimension(label='acceleration', size=columns, stride=columns),
-    ]
-    return message
 
 
 def wrench_message(stamp: Time, wrench: Array) -> WrenchStamped:

@@ -12,8 +12,9 @@ import numpy as np
 from builtin_interfaces.msg import Duration, Time
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Pose as PoseMessage
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray, MultiArrayDimension
 
 from robots_core.errors import InvalidInputError, JointNamesError
 from robots_core.motion_result import MotionResult
@@ -150,6 +151,26 @@ def pose_stamped_message(stamp: Time, pose: Pose, frame_id: str = 'base') -> Pos
     message = PoseStamped(pose=pose_message(pose))
     message.header.stamp = stamp
     message.header.frame_id = frame_id
+    return message
+
+
+def twist_stamped_message(stamp: Time, twist: Array) -> TwistStamped:
+    """A geometry_msgs/TwistStamped in the base frame from m/s and rad/s, (6,)."""
+    message = TwistStamped()
+    message.header.stamp, message.header.frame_id = stamp, 'base'
+    v, w = message.twist.linear, message.twist.angular
+    v.x, v.y, v.z, w.x, w.y, w.z = twist.tolist()
+    return message
+
+
+def matrix_message(values: Array, *labels: str) -> Float64MultiArray:
+    """A matrix row by row, its dimensions labelled."""
+    rows, columns = values.shape
+    message = Float64MultiArray(data=doubles(values))
+    message.layout.dim = [
+        MultiArrayDimension(label=labels[0], size=rows, stride=rows * columns),
+        MultiArrayDimension(label=labels[1], size=columns, stride=columns),
+    ]
     return message
 
 

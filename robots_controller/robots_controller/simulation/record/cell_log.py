@@ -29,10 +29,12 @@ from robots_controller.simulation.record.motion_records import MotionRecords
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
 from robots_core.blocks.collision.collision_guard import CollisionStatus
+from robots_core.blocks.floating_base.rendezvous import WORLD_FRAME, Rendezvous
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander, OperatingMode
+from robots_core.pose import Pose
 from robots_core.validation import Array
 from robots_planning.motion_settings import MotionSettings, settings_as_text
 from robots_planning.pathplanning import PlannedMotion
@@ -265,6 +267,31 @@ class CellLog:
     def contact(self, problem: str) -> None:
         """Force control has a problem, or '' for none any more."""
         self._status('contact_status', problem or 'none', {}, level=ros.ERROR if problem else ros.OK)
+
+    # -- bodies in orbit --------------------------------------------------------------------------
+
+    def reference(self, pose: Pose, twist: Array) -> None:
+        """The camera of a robot in orbit has measured where the tool is to be, and its twist (6,)."""
+        if self._bag is not None:
+            stamp = self._clock.stamp
+            self._write('reference_pose', 'geometry_msgs/msg/PoseStamped', ros.pose_stamped(stamp, pose))
+            self._write('reference_twist', 'geometry_msgs/msg/TwistStamped', ros.twist_stamped(stamp, twist))
+
+    def bodies(self, bodies: Rendezvous) -> None:
+        """Where the bodies in orbit are, and their momentum."""
+        if self._bag is not None:
+            stamp = self._clock.stamp
+            for topic, pose in (('base_pose', bodies.base.pose), ('target_pose', bodies.target.pose)):
+                message = ros.pose_stamped(stamp, pose, WORLD_FRAME)
+                self._write(topic, 'geometry_msgs/msg/PoseStamped', message)
+            message = ros.matrix(bodies.momentum, 'part', 'momentum')
+            self._write('momentum', 'std_msgs/msg/Float64MultiArray', message)
+
+    def grasp(self, words: str, *, refused: bool) -> None:
+        """What became of a grasp in orbit."""
+        self._status('grasp_status', words, {}, level=ros.ERROR if refused else ros.OK)
+
+    # -- the rest ---------------------------------------------------------------------------------
 
     def progress(self, progress: float) -> None:
         """Done part of the current path."""

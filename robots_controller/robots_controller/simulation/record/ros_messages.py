@@ -66,16 +66,27 @@ def joint_state(nanoseconds: int, names: Sequence[str], *values: Array) -> Any:
     return message('sensor_msgs/msg/JointState', header(nanoseconds), list(names), *given)
 
 
-def pose_stamped(nanoseconds: int, pose: Pose) -> Any:
-    """geometry_msgs/PoseStamped in the base frame."""
+def pose_stamped(nanoseconds: int, pose: Pose, frame: str = BASE_FRAME) -> Any:
+    """geometry_msgs/PoseStamped, by default in the base frame."""
     point = message('geometry_msgs/msg/Point', *map(float, pose.r))
     quaternion = message('geometry_msgs/msg/Quaternion', *map(float, pose.quaternion()))
     body = message('geometry_msgs/msg/Pose', point, quaternion)
-    return message('geometry_msgs/msg/PoseStamped', header(nanoseconds, BASE_FRAME), body)
+    return message('geometry_msgs/msg/PoseStamped', header(nanoseconds, frame), body)
+
+
+def matrix(values: Array, *labels: str) -> Any:
+    """std_msgs/Float64MultiArray of a matrix, row by row, its dimensions labelled."""
+    strides = (values.size, values.shape[1])
+    dimensions = [
+        message('std_msgs/msg/MultiArrayDimension', *one)
+        for one in zip(labels, values.shape, strides, strict=True)
+    ]
+    layout = message('std_msgs/msg/MultiArrayLayout', dimensions, 0)
+    return message('std_msgs/msg/Float64MultiArray', layout, np.array(values.ravel(), np.float64))
 
 
 def twist_stamped(nanoseconds: int, twist: Array) -> Any:
-    """geometry_msgs/TwistStamped in the base frame, of (6,)."""
+    """geometry_msgs/TwistStamped of m/s and rad/s, (6,), in the base frame."""
     body = message('geometry_msgs/msg/Twist', *_vectors(twist))
     return message('geometry_msgs/msg/TwistStamped', header(nanoseconds, BASE_FRAME), body)
 

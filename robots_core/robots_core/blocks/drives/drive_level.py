@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from importlib import import_module
+from pathlib import Path
 from typing import Final, Literal, get_args
 
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.drives.drive_train import DriveTrain, IdealDrive, SecondOrderDrive
 from robots_core.blocks.multibody.payload import NOTHING, Payload
+from robots_core.errors import InvalidInputError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import one_of
 
@@ -26,6 +28,7 @@ def drive_train(
     damping: ArrayLike = 1.0,
     payload: Payload = NOTHING,
     feed_forward: bool = True,
+    orbit: Path | str = '',
 ) -> DriveTrain:
     """Drives of a robot.
 
@@ -39,11 +42,23 @@ def drive_train(
         damping: Damping ratio of `second_order`, one number or (n,).
         payload: Payload on tool0, for `rigid_body`.
         feed_forward: Feed-forward by the model of robot and payload, for `rigid_body` (see `RigidBodyDrive`).
+        orbit: Orbit in which the robot's base floats (YAML, see `read_orbit`); '' for one that stands.
 
     Raises:
-        InvalidInputError: no such level, or values out of range.
+        InvalidInputError: no such level, a file that is no orbit, or values out of range.
     """
     check_level(level)
+    if orbit:
+        if level == 'rigid_body':
+            raise InvalidInputError(
+                'drives of level rigid_body move a robot that stands; with an orbit, valid are ideal and '
+                'second_order'
+            )
+        joints = drive_train(level, robot, q, period=period, bandwidth=bandwidth, damping=damping)
+        floating_drive: Callable[..., DriveTrain] = import_module(
+            'robots_core.blocks.drives.floating_drive'
+        ).floating_drive
+        return floating_drive(joints, robot, orbit, period=period, payload=payload)
     if level == 'ideal':
         return IdealDrive(q, period=period)
     if level == 'second_order':

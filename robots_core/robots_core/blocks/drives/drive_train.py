@@ -1,6 +1,9 @@
 """DriveTrain: the interface of simulated drives, and ideal and second-order ones."""
 
+from __future__ import annotations
+
 from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,6 +11,9 @@ from numpy.typing import ArrayLike
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import InvalidInputError
 from robots_core.validation import Array, finite_vector, positive
+
+if TYPE_CHECKING:
+    from robots_core.blocks.floating_base.rendezvous import Rendezvous
 
 
 class DriveTrain(ABC):
@@ -20,6 +26,8 @@ class DriveTrain(ABC):
 
     position: Array
     velocity: Array
+    rendezvous: Rendezvous | None = None
+    """What moves with the drives of a robot in orbit; None for a robot that stands."""
 
     @property
     def torque(self) -> Array | None:
@@ -44,6 +52,10 @@ class DriveTrain(ABC):
     @abstractmethod
     def rest(self) -> None:
         """Stand still where the axes are: brakes hold them."""
+
+    def hold(self) -> tuple[Array, Array]:
+        """Stand still for one period, held by the brakes; returns positions and velocities (n,)."""
+        return self.position, self.velocity
 
     def load(self, payload: Payload) -> None:  # noqa: B027  # most drives have no masses
         """Carry this payload from now on; it counts in drives with masses."""

@@ -111,7 +111,7 @@ class SupervisedDrives:
         else:
             self._silent += 1
             if self.state is DriveState.BRAKED:
-                return self.drives.position, self.drives.velocity
+                return self.drives.hold()
             if self._silent <= MAX_EXTRAPOLATED and self._on:
                 self._target = self._inside(self._target + self._period * self._target_dot)
             else:

@@ -1,0 +1,89 @@
+"""SimulatedRendezvous: the bodies in orbit, their camera and gripper, in a simulated cell."""
+
+import math
+from collections import deque
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+
+from robots_controller.cell.guide_recording import GuidingMessage
+from robots_controller.io.io_image import Channel
+from robots_controller.simulation.in_process_cell import InProcessCell
+from robots_core.blocks.floating_base.rendezvous import CLOSE, Rendezvous
+from robots_core.blocks.following.guide import Guide
+from robots_core.errors import PlanningError
+
+POSE, TWIST = 'reference_pose', 'reference_twist'
+
+
+class SimulatedRendezvous:
+    """A `GuideSource`, whose camera measures the target; takes the gripper's output and sets the inputs.
+
+    Args:
+        rendezvous: The bodies, stepped with the drives.
+    """
+
+    types: Mapping[str, str] = MappingProxyType(
+        {POSE: 'geometry_msgs/msg/PoseStamped', TWIST: 'geometry_msgs/msg/TwistStamped'}
+    )
+    start: int | None = 0
+
+    def __init__(self, rendezvous: Rendezvous) -> None:
+        self._rendezvous = rendezvous
+        self._measured: deque[GuidingMessage] = deque()
+        self._set = self.inputs
+        self._report: str | None = None
+
+    @property
+    def next_time(self) -> float:
+        """See `GuideSource`."""
+        return 0.0 if self._rendezvous.guided else math.inf
+
+    def hand_over(self, guide: Guide, now: int) -> None:  # noqa: ARG002  # as of a recording
+        """See `GuideSource`."""
+        if guide is Guide.PERSON:
+            raise PlanningError('a simulation has no teach box; --references names a recording of one')
+        self._rendezvous.guided = guide is Guide.SENSOR
+
+    def due(self, now: int) -> Iterator[GuidingMessage]:
+        """See `GuideSource`."""
+        while self._measured and self._measured[0].time <= now:
+            yield self._measured.popleft()
+
+    @property
+    def inputs(self) -> Mapping[Channel, float]:
+        """Values of the inputs that it sets."""
+        values = {'digital': self._rendezvous.digital_inputs, 'analog': self._rendezvous.measured}
+        return {
+            Channel(kind, 'input', index): float(value)  # type: ignore[arg-type]
+            for kind, row in values.items()
+            for index, value in enumerate(row, 1)
+        }
+
+    def output(self, name: str, value: float) -> None:
+        """Take the value of an output such as 'digital_output.1'."""
+        if name == f'digital_output.{CLOSE}':
+            self._rendezvous.close(closing=bool(value))
+
+    def after_step(self, cell: InProcessCell) -> None:
+        """Measure and record, after the drives have moved."""
+        bodies, now = self._rendezvous, cell.clock.stamp
+        reference = bodies.reference
+        if reference is not None:
+            cell.log.reference(*reference)
+            pose, twist = reference
+            self._measured += [
+                GuidingMessage(POSE, now, now, b'', pose),
+                GuidingMessage(TWIST, now, now, b'', twist),
+            ]
+        if bodies.report != self._report:
+            self._report = bodies.report
+            cell.log.grasp(bodies.report, refused=bodies.refused)
+        if bodies.shown:
+            cell.log.bodies(bodies)
+
+    def changes(self) -> Iterator[tuple[Channel, float]]:
+        """The inputs that have changed, with their values."""
+        before, self._set = self._set, self.inputs
+        for channel, value in self._set.items():
+            if value != before[channel]:
+                yield channel, value

@@ -1,0 +1,65 @@
+"""FloatingDrive: drives of an arm whose base floats."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robots_core.blocks.drives.drive_train import DriveTrain
+from robots_core.blocks.floating_base.orbit import read_orbit
+from robots_core.blocks.floating_base.rendezvous import Rendezvous
+from robots_core.blocks.multibody.payload import Payload
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array, read_only
+
+
+class FloatingDrive(DriveTrain):
+    """Drives of any level without masses, and the bodies in orbit that they move.
+
+    The base reacts to the motion of the joints, and the torques are those that this motion takes. What the
+    arm carries changes by a grasp alone: a payload that a program sets counts in its plans.
+
+    Args:
+        drives: The drives of the joints.
+        rendezvous: The bodies, at the same joint positions.
+    """
+
+    rendezvous: Rendezvous
+
+    def __init__(self, drives: DriveTrain, rendezvous: Rendezvous) -> None:
+        self._drives, self.rendezvous = drives, rendezvous
+        self.position, self.velocity = drives.position, drives.velocity
+        self._torque = read_only(np.zeros_like(drives.position))
+
+    @property
+    def torque(self) -> Array:
+        """See `DriveTrain.torque`; without friction and rotors."""
+        return self._torque
+
+    def step(self, q_ref: ArrayLike, q_dot_ref: ArrayLike | None = None) -> tuple[Array, Array]:
+        """See `DriveTrain.step`."""
+        return self._move(*self._drives.step(q_ref, q_dot_ref))
+
+    def hold(self) -> tuple[Array, Array]:
+        """See `DriveTrain.hold`; the base moves on."""
+        return self._move(self._drives.position, np.zeros_like(self._drives.position))
+
+    def rest(self) -> None:
+        """See `DriveTrain.rest`; the base takes over the momentum of the arm."""
+        self._drives.rest()
+        self.velocity = self._drives.velocity
+        self.rendezvous.base.stop_joints()
+
+    def _move(self, q: Array, q_dot: Array) -> tuple[Array, Array]:
+        self.rendezvous.step(q, q_dot)
+        self.position, self.velocity = q, q_dot
+        self._torque = read_only(self.rendezvous.base.torque)
+        return q, q_dot
+
+
+def floating_drive(
+    drives: DriveTrain, robot: BaseRobotModel, orbit: Path | str, *, period: float, payload: Payload
+) -> FloatingDrive:
+    """Drives of the joints and the bodies of an orbit's file; see `drive_train`."""
+    bodies = Rendezvous(robot, drives.position, read_orbit(orbit), period=period, payload=payload)
+    return FloatingDrive(drives, bodies)

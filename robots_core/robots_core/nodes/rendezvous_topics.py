@@ -1,0 +1,85 @@
+"""RendezvousTopics: the bodies in orbit that drive_node moves, as topics."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import PoseStamped, TwistStamped
+from std_msgs.msg import Float64MultiArray, String, UInt8MultiArray
+
+from robots_core.blocks.floating_base.rendezvous import CLOSE, WORLD_FRAME, Rendezvous
+from robots_core.blocks.following.guide import Guide
+from robots_core.ros.messages import (
+    diagnostic_status,
+    doubles,
+    matrix_message,
+    pose_stamped_message,
+    twist_stamped_message,
+)
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.robot_node import RobotNode
+
+
+class RendezvousTopics:
+    """Takes the gripper's output and the guide; publishes inputs, measured poses, poses and momentum.
+
+    Args:
+        node: The node of the drives.
+        rendezvous: The bodies, stepped with the drives.
+        on_report: Gets what became of a grasp, and whether it was refused.
+    """
+
+    def __init__(
+        self, node: RobotNode, rendezvous: Rendezvous, on_report: Callable[[str, bool], None]
+    ) -> None:
+        self._node, self._rendezvous, self._on_report = node, rendezvous, on_report
+        self._guides = PolledSubscription(node, String, 'guide', STATE)
+        self._outputs = PolledSubscription(node, UInt8MultiArray, 'digital_outputs', STATE)
+        self._digital = node.create_publisher(UInt8MultiArray, 'digital_inputs', STATE)
+        self._analog = node.create_publisher(Float64MultiArray, 'analog_inputs', STATE)
+        self._references = node.create_publisher(PoseStamped, 'reference_pose', COMMAND)
+        self._twists = node.create_publisher(TwistStamped, 'reference_twist', COMMAND)
+        self._base = node.create_publisher(PoseStamped, 'base_pose', STATE)
+        self._target = node.create_publisher(PoseStamped, 'target_pose', STATE)
+        self._momentum = node.create_publisher(Float64MultiArray, 'momentum', STATE)
+        self._status = node.create_publisher(DiagnosticStatus, 'grasp_status', STATE)
+        self._set: tuple[Any, Any] = (None, None)
+        self._report: str | None = None
+        self._publish_inputs()
+
+    def before_step(self) -> None:
+        """Take what has come, before the drives move."""
+        guide = self._guides.take()
+        if guide is not None:
+            self._rendezvous.guided = guide.data == Guide.SENSOR
+        outputs = self._outputs.take()
+        if outputs is not None:
+            self._rendezvous.close(closing=len(outputs.data) >= CLOSE and bool(outputs.data[CLOSE - 1]))
+
+    def after_step(self) -> None:
+        """Publish, after the drives have moved."""
+        bodies, stamp = self._rendezvous, self._node.get_clock().now().to_msg()
+        if (reference := bodies.reference) is not None:
+            self._references.publish(pose_stamped_message(stamp, reference[0]))
+            self._twists.publish(twist_stamped_message(stamp, reference[1]))
+        if bodies.report != self._report:
+            self._report = bodies.report
+            level = DiagnosticStatus.ERROR if bodies.refused else DiagnosticStatus.OK
+            name = self._node.robot.name
+            self._status.publish(diagnostic_status('grasp', bodies.report, level=level, hardware_id=name))
+            self._on_report(bodies.report, bodies.refused)
+        if bodies.shown:
+            self._base.publish(pose_stamped_message(stamp, bodies.base.pose, WORLD_FRAME))
+            self._target.publish(pose_stamped_message(stamp, bodies.target.pose, WORLD_FRAME))
+            self._momentum.publish(matrix_message(bodies.momentum, 'part', 'momentum'))
+        self._publish_inputs()
+
+    def _publish_inputs(self) -> None:
+        digital, analog = self._rendezvous.digital_inputs, self._rendezvous.measured
+        if digital != self._set[0]:
+            self._digital.publish(UInt8MultiArray(data=bytes(digital)))
+        if analog != self._set[1]:
+            self._analog.publish(Float64MultiArray(data=doubles(np.array(analog))))
+        self._set = digital, analog
