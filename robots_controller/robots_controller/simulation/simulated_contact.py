@@ -57,8 +57,7 @@ class SimulatedContact:
     def measure(self, feedback: JointFeedback) -> Array:
         """Wrench (6,) that the sensor measures at the end of a period, N and N m, in tool0."""
         self._contact.slip = self._io.value(self._setup.slip)
-        assert feedback.velocity is not None
-        wrench = self._contact.of_robot(self._robot, feedback.position, feedback.velocity).wrench
+        wrench = self._contact.of_robot(self._robot, feedback.position).wrench
         self._measured = wrench, feedback.position
         return wrench
 
