@@ -152,9 +152,10 @@ def test_wheel_laboratory(lockstep_runs: LockstepRuns) -> None:
     driven = wheel.time > wheel.driving
     assert np.abs(wheel.load[driven] - wheel.wanted).max() < 3.0
     assert wheel.steady('speed').mean() == pytest.approx(0.03, rel=1e-2)
-    assert (np.diff(wheel.drawbar_pull[driven]) >= -1e-6).all()
+    moving = driven & (wheel.speed > 0.02)  # it swings back a little when it stops
+    assert (np.diff(wheel.drawbar_pull[moving]) > 0.0).all()
     way = up.pose.r - down.pose.r
-    assert way[1] == pytest.approx(0.03 * 3.0, abs=5e-3)
+    assert way[1] == pytest.approx(0.03 * (3.0 - 0.5 * 0.6), abs=2e-3)  # 0.6 s to gain its speed
     (on, *_), (off, *_) = changes(run.bag, 'digital_outputs')
     assert down.end < on < off < up.start
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from robots_core import Pose
-from robots_core.blocks import SOILS, ContactStep, SoilBed, Wheel, WheelContact, WheelSoilModel
+from robots_core.blocks import ContactStep, SoilBed, Wheel, WheelContact, WheelSoilModel
+from robots_core.blocks.terramechanics.soil import SOILS
 from robots_core.errors import InvalidInputError
 from robots_core.validation import Array
 

@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from robots_core.blocks import SOILS, Soil, Wheel, WheelSoilModel
+from robots_core.blocks import Soil, Wheel, WheelSoilModel
+from robots_core.blocks.terramechanics.soil import SOILS
 from robots_core.errors import InvalidInputError
 
 WHEEL = Wheel(radius=0.09, width=0.11)
