@@ -18,12 +18,14 @@ from matplotlib.figure import Figure
 
 from robots_controller.cell.contact_setup import ContactSetup, read_contact
 from robots_controller.simulate import simulate
+from robots_core.blocks import WheelSoilModel
+from wheel_laboratory.published import LOAD, MEASURED, SOIL, WHEEL
 from wheel_laboratory.recorded_wheel import ROBOT, WheelRun, read_runs
 
 PROGRAMS: Final = Path(__file__).parents[1]
 PROGRAM: Final = PROGRAMS / 'wheel_laboratory.lua'
 CONTACT: Final = PROGRAMS / 'wheel_laboratory' / 'regolith_simulant.yaml'
-MEASURED, MODEL, WANTED = '#e08a2c', '#2f6fb0', '#9aa3ad'
+SENSOR, MODEL, WANTED = '#e08a2c', '#2f6fb0', '#9aa3ad'
 COLOURS: Final = ('#2f6fb0', '#3d9a5f', '#8aa13a', '#e0b02c', '#e08a2c', '#c8434a', '#7b63a8', '#5b6672')
 STRESS_SLIPS: Final = (0.1, 0.4, 0.8)
 STYLE: Final = {
@@ -61,7 +63,7 @@ def slip_figure(runs: Sequence[WheelRun], setup: ContactSetup) -> Figure:
             means,
             spread,
             fmt='o',
-            color=MEASURED,
+            color=SENSOR,
             capsize=3,
             label='measured by the force/torque sensor, steady part',
         )
@@ -71,6 +73,27 @@ def slip_figure(runs: Sequence[WheelRun], setup: ContactSetup) -> Figure:
     rows[2].set_ylim(0.0, 1.15e3 * max(sinkages))
     wheel = setup.wheel
     _finish(figure, rows, f'A wheel of {wheel.radius:g} x {wheel.width:g} m over its slip', ncols=2)
+    return figure
+
+
+def published_figure() -> Figure:
+    """A published single-wheel test, and the model with parameters that were identified from it."""
+    model, slips = WheelSoilModel(WHEEL, SOIL), np.linspace(0.0, 0.6, 61)
+    sinkages = [model.sinkage(LOAD, slip) for slip in slips]
+    forces = [model.forces(*row) for row in zip(sinkages, slips, strict=True)]
+    curves = (
+        ('drawbar pull, N', [one.drawbar_pull for one in forces]),
+        ('torque, N m', [one.torque for one in forces]),
+        ('sinkage, mm', [1e3 * one for one in sinkages]),
+    )
+    slip, *measured = np.array(MEASURED).T
+    figure, rows = plt.subplots(1, 3, figsize=(11.0, 4.2), layout='constrained')
+    for row, (label, curve), points in zip(rows, curves, measured, strict=True):
+        row.plot(slips, curve, color=MODEL, label='Wong-Reece model, parameters identified here')
+        row.plot(slip, points, 's', color=COLOURS[1], label='measured, Ding et al. 2011')
+        row.set(xlabel='slip', ylabel=label)
+    rows[2].set_ylim(0.0, None)
+    _finish(figure, rows, f'A published single-wheel test: smooth wheel at {LOAD:g} N', ncols=2)
     return figure
 
 
@@ -149,6 +172,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             'slip': slip_figure(runs, setup),
             'time': time_figure(runs),
             'stress': stress_figure(runs, setup),
+            'published': published_figure(),
         }
         for name, figure in figures.items():
             path = options.folder / f'{name}.png'

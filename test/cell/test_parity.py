@@ -60,6 +60,23 @@ def test_an_emergency_stop_does_the_same_in_both_cells(lockstep_runs: LockstepRu
     check_both_cells(run, 'second_order', tmp_path / 'bag')
 
 
+def test_contact_that_nobody_planned_stops_both_cells_alike(
+    lockstep_runs: LockstepRuns, tmp_path: Path
+) -> None:
+    program = tmp_path / 'program.lua'
+    program.write_text(
+        f'-- Robot: kuka_kr210_r3100  Contact: {PROGRAMS}/wheel_laboratory/regolith_simulant.yaml\n'
+        'setTool(0, 0, 0.39, 0, 0, 0)\n'
+        'ptpJointSpacePosition(1.8, 0, 0.63, 90, 0, 180)\n'
+        'setSpeed(nil, 0.1)\n'
+        'linearRelative(0, 0, -0.1, 0, 0, 0)\n'
+    )
+    run = lockstep_runs.run_file(program)
+    assert run.returncode == 1
+    assert 'contact that was not planned: the force on the tool is ' in run.text
+    check_both_cells(run, 'second_order', tmp_path / 'bag')
+
+
 ZONES = PRESS_ZONE + '    closed_by: {press_open: off}\n'
 
 

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from counted_cases import count_cases
+from robots_controller.cell.contact_setup import read_contact
 from robots_controller.io.io_map import read_io_map
 from robots_controller.io.plc_script import read_plc_script
 from robots_controller.program_check.check_program import main as check_program
@@ -77,6 +78,7 @@ joint_limits:
   two: {max_velocity: 2, rotor_inertia: 0.001, coulomb_friction: 1}
 """
 IO_MAPS = [path.read_text() for path in sorted(Path('robots_controller/config').glob('*.yaml'))]
+CONTACT = Path('programs/wheel_laboratory/regolith_simulant.yaml').read_text()
 PLC_SCRIPTS = [path.read_text() for path in sorted(Path('programs/io').glob('*.yaml'))]
 PROGRAMS = [path.read_text() for path in sorted(Path('programs/language').glob('*.lua'))]
 SIMULATED = 3.0  # s
@@ -149,6 +151,11 @@ def test_damaged_limits(folder: Path, data: bytes):
 @given(data=st.sampled_from(IO_MAPS).flatmap(damaged))
 def test_damaged_io_maps(folder: Path, data: bytes):
     refused(read_io_map, folder / 'map.yaml', data)
+
+
+@given(data=damaged(CONTACT))
+def test_damaged_contacts(folder: Path, data: bytes):
+    refused(read_contact, folder / 'contact.yaml', data)
 
 
 @given(data=st.sampled_from(PLC_SCRIPTS).flatmap(damaged))

@@ -11,8 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from robots_core.blocks import SOILS, Soil, Wheel, WheelSoilModel
+from robots_core.blocks import Soil, Wheel, WheelSoilModel
+from robots_core.blocks.terramechanics.soil import SOILS
 from robots_core.errors import InvalidInputError
+from wheel_laboratory import published
 
 WHEEL = Wheel(radius=0.09, width=0.11)
 REGOLITH, SAND = SOILS['regolith_simulant'], SOILS['dry_sand']
@@ -141,6 +143,20 @@ def test_a_driven_wheel_behaves_as_single_wheel_tests_show_it() -> None:
     entry, _, leave = model.angles(sinkage[-1], 0.8)
     area = WHEEL.radius * WHEEL.width * (entry - leave)
     assert pull[-1] < LOAD * tan(REGOLITH.friction) + area * REGOLITH.cohesion
+
+
+def test_a_published_single_wheel_test_is_reproduced_but_for_its_slip_sinkage() -> None:
+    model = WheelSoilModel(published.WHEEL, published.SOIL)
+    slip, pull, torque, sinkage = np.array(published.MEASURED).T
+    depth = np.array([model.sinkage(published.LOAD, one) for one in slip])
+    found = np.array([(f.drawbar_pull, f.torque) for f in map(model.forces, depth, slip)])
+    # Of a pull of 15 N and a torque of 5 N m, over which the numbers are given in steps of 0.5 N and 0.1 N m.
+    np.testing.assert_allclose(found[:, 0], pull, atol=2.5)
+    np.testing.assert_allclose(found[:, 1], torque, atol=1.0)
+    np.testing.assert_allclose(found[1:, 1], torque[1:], atol=0.4)
+    # An exponent that does not change with slip gives half of what a wheel digs itself in by.
+    np.testing.assert_allclose(1e3 * depth[:3], sinkage[:3], atol=1.5)
+    assert 0.5 < 1e3 * depth[-1] / sinkage[-1] < 0.7
 
 
 @settings(max_examples=50)

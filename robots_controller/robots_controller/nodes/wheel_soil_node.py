@@ -8,9 +8,8 @@ from sensor_msgs.msg import JointState
 
 from robots_controller.cell.contact_setup import ContactSetup, read_contact
 from robots_controller.nodes.io_images import OutputImages
-from robots_core.errors import InvalidInputError
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import joint_motion
+from robots_core.ros.messages import joint_values
 from robots_core.ros.qos import SENSOR, STATE
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
@@ -38,11 +37,9 @@ class WheelSoilNode(RobotNode):
         self.create_subscription(JointState, 'joint_states', self._measure, SENSOR)
 
     def _measure(self, message: JointState) -> None:
-        q, q_dot, _ = joint_motion(message, self._names)
-        if q_dot is None:
-            raise InvalidInputError('joint_states have no velocities; how fast the wheel rolls is not known')
+        q = joint_values(message.name, message.position, self._names, 'joint_states')
         self._contact.slip = self._outputs.value(self._setup.slip) or 0.0
-        values = self._contact.of_robot(self.robot, q, q_dot).wrench.tolist()
+        values = self._contact.of_robot(self.robot, q).wrench.tolist()
         wrench = WrenchStamped()
         wrench.header.stamp, wrench.header.frame_id = message.header.stamp, TOOL_FRAME
         f, m = wrench.wrench.force, wrench.wrench.torque

@@ -8,7 +8,6 @@ from robots_controller.cell.program_host import ProgramHost
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
 from robots_controller.control.controller import NO_FEEDBACK, Controller, ControllerState
 from robots_controller.control.controller_rates import ControllerRates, cycles
-from robots_controller.control.faults import Fault
 from robots_controller.control.stop_latch import StopState
 from robots_controller.control.watched_inputs import WatchedInputs
 from robots_controller.io.io_image import Channel, image_sizes
@@ -23,7 +22,7 @@ from robots_controller.simulation.record.events import Event
 from robots_controller.simulation.record.motion_records import MotionRecords
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
-from robots_controller.simulation.simulated_contact import SimulatedContact
+from robots_controller.simulation.simulated_contact import contact_of_cell
 from robots_controller.simulation.simulated_guide import GuideSource, SimulatedGuide
 from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGuard
 from robots_core.blocks.collision.joint_path import JointPath
@@ -109,15 +108,10 @@ class InProcessCell:
         link.on_planned = self._motion_planned
         link.on_settings = self._settings_changed
         self.program = self._host.program
-        self._contact = None
-        source = camera
-        if parts.contact is not None:
-            io = self.program.io
-            source = self._contact = SimulatedContact(parts.contact, parts.robot, io, self._contact_problem)
-        elif parts.references is not None:
-            source = GuideReplay(parts.references)
+        self._contact = contact_of_cell(parts, self.program.io, self.control, self.log)
+        replay = None if parts.references is None else GuideReplay(parts.references)
         self.guide_player = SimulatedGuide(
-            source,
+            camera or self._contact or replay,
             parts.robot,
             self.control,
             self._planner,
@@ -159,8 +153,6 @@ class InProcessCell:
             io.set_value(io.find(channel.name), value)
         self._inputs = image_sizes(inputs)
         self.log.begin(io, self._parts.io_labels, self._inputs, mode)
-        if self._contact is not None:
-            self.log.contact('')
         self._host.open(self._parts.program, self._parts.points_file or '')
         self._host.permission.mode_changed(mode)
         self._watch_inputs()
@@ -188,7 +180,7 @@ class InProcessCell:
         if feedback is not None:
             self._feedback, self._position = feedback, feedback.position
             if self._contact is not None:
-                self.log.wrench(self._contact.measure(feedback))
+                self._contact.measure(feedback)
             if self._guard is not None and self.cycle >= 0 and self.cycle % self._look_every == 0:
                 self.log.collision_status(self._guard.look(feedback.position, feedback.velocity))
         self._deliver()
@@ -308,11 +300,6 @@ class InProcessCell:
     def _stop_before_collision(self, reason: str) -> bool:  # noqa: ARG002  # as ~/stop, which takes none
         self.control.request('stop')
         return True
-
-    def _contact_problem(self, problem: str) -> None:
-        if problem:
-            self.control.trip(Fault.CONTACT, problem)
-        self.log.contact(problem)
 
     def _note_start(self) -> None:
         if self._planner.motions:

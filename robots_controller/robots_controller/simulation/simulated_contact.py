@@ -1,15 +1,19 @@
 """SimulatedContact: the simulated robot's wheel on its soil, its force sensor, and force control."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Final
 
 from robots_controller.cell.contact_setup import ContactSetup
 from robots_controller.cell.force_guide import PERIOD, ForceGuide
 from robots_controller.cell.guide_recording import NANOSECONDS, GuidingMessage
+from robots_controller.control.control_loop import ControlLoop
+from robots_controller.control.faults import Fault
 from robots_controller.io.io_image import IoImage
 from robots_controller.program.joint_feedback import JointFeedback
+from robots_controller.simulation.cell_parts import CellParts
+from robots_controller.simulation.record.cell_log import CellLog
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import PlanningError
 from robots_core.periodic_schedule import PeriodicSchedule
@@ -26,21 +30,24 @@ class SimulatedContact:
         setup: What the tool touches, and how it presses.
         robot: The robot.
         io: The program's outputs.
-        on_problem: See `ForceGuide`.
+        control: Stopped by what must stop the robot.
+        log: Takes what is measured, and what is wrong.
     """
 
     types: Mapping[str, str] = MappingProxyType({TOPIC: 'geometry_msgs/msg/TwistStamped'})
     start: int | None = 0
 
     def __init__(
-        self, setup: ContactSetup, robot: BaseRobotModel, io: IoImage, on_problem: Callable[[str], None]
+        self, setup: ContactSetup, robot: BaseRobotModel, io: IoImage, control: ControlLoop, log: CellLog
     ) -> None:
         self._setup, self._robot, self._io = setup, robot, io
         self._contact = setup.contact()
-        self._guide = ForceGuide(setup, robot, on_problem)
+        self._control, self._log = control, log
+        self._guide = ForceGuide(setup, robot, self._report)
         self._times = PeriodicSchedule(round(PERIOD * NANOSECONDS))
         self._handed_over = False
         self._measured: tuple[Array, Array] | None = None
+        self._report('')
 
     @property
     def next_time(self) -> float:
@@ -54,13 +61,12 @@ class SimulatedContact:
         self._handed_over = guide is Guide.SENSOR
         self._guide.hand_over(handed_over=self._handed_over)
 
-    def measure(self, feedback: JointFeedback) -> Array:
-        """Wrench (6,) that the sensor measures at the end of a period, N and N m, in tool0."""
+    def measure(self, feedback: JointFeedback) -> None:
+        """Measure the wrench at the end of a period."""
         self._contact.slip = self._io.value(self._setup.slip)
-        assert feedback.velocity is not None
-        wrench = self._contact.of_robot(self._robot, feedback.position, feedback.velocity).wrench
+        wrench = self._contact.of_robot(self._robot, feedback.position).wrench
         self._measured = wrench, feedback.position
-        return wrench
+        self._log.wrench(wrench)
 
     def due(self, now: int) -> Iterator[GuidingMessage]:
         """See `GuideSource`."""
@@ -73,3 +79,15 @@ class SimulatedContact:
             twist = self._guide.step(seconds, outputs)
             if twist is not None:
                 yield GuidingMessage(TOPIC, time, time, b'', twist)
+
+    def _report(self, problem: str) -> None:
+        if problem:
+            self._control.trip(Fault.CONTACT, problem)
+        self._log.contact(problem)
+
+
+def contact_of_cell(
+    parts: CellParts, io: IoImage, control: ControlLoop, log: CellLog
+) -> SimulatedContact | None:
+    """What the tool of a cell touches; None for nothing. The arguments are those of `SimulatedContact`."""
+    return None if parts.contact is None else SimulatedContact(parts.contact, parts.robot, io, control, log)

@@ -41,7 +41,6 @@ from .multibody.free_floating_dynamics import FreeFloatingDynamics as FreeFloati
 from .multibody.function_dynamics import FunctionDynamics as FunctionDynamics
 from .multibody.numerical_dynamics import NumericalDynamics as NumericalDynamics
 from .multibody.payload import Payload as Payload
-from .terramechanics.soil import SOILS as SOILS
 from .terramechanics.soil import Soil as Soil
 from .terramechanics.wheel_contact import ContactStep as ContactStep
 from .terramechanics.wheel_contact import SoilBed as SoilBed

@@ -13,7 +13,8 @@ from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, positive, read_only
 
-STANDING: Final = 1e-4  # m/s, below which the sense of rolling stays
+# A wheel that rolls back less than this, as a robot does when it stops, still pulls as before.
+BACKLASH: Final = 1e-3  # m
 LARGEST_SLIP: Final = 0.95  # that a wheel's drive can be asked for
 UP: Final = read_only([0.0, 0.0, 1.0])
 AIR: Final = read_only(np.zeros(6))
@@ -54,14 +55,12 @@ class ContactStep:
         wrench: Force (N) and torque (N m) of the soil on the tool, (6,), at tool0 in its axes.
         forces: On the wheel.
         sinkage: m; negative above the soil or beside it.
-        speed: Of the hub, forward, m/s.
         slip: Of the wheel while it touches.
     """
 
     wrench: Array
     forces: WheelForces
     sinkage: float
-    speed: float
     slip: float
 
 
@@ -93,13 +92,14 @@ class WheelContact:
         self._touched: Array | None = None  # where the hub was when the wheel touched down
         self._rolled = 0.0  # part of the transition to rolling that is done
         self._sense = 1.0  # of rolling
+        self._farthest = 0.0  # way in this sense, m
 
-    def of_robot(self, robot: BaseRobotModel, q: Array, q_dot: Array) -> ContactStep:
-        """The contact of a robot at joint positions (n,), rad, with velocities (n,), rad/s."""
-        return self.step(Pose(*robot.direct_kinematics(q)), robot.jacobian(q) @ q_dot)
+    def of_robot(self, robot: BaseRobotModel, q: Array) -> ContactStep:
+        """The contact of a robot at joint positions (n,), rad (m)."""
+        return self.step(Pose(*robot.direct_kinematics(q)))
 
-    def step(self, tool: Pose, twist: Array) -> ContactStep:
-        """The contact of a tool in the base frame that moves with a twist (6,), m/s and rad/s, base frame.
+    def step(self, tool: Pose) -> ContactStep:
+        """The contact of a tool at its next pose in the base frame.
 
         A wheel that is deeper than its radius is held as one at its radius. One whose direction is straight
         up or down does not roll.
@@ -107,19 +107,19 @@ class WheelContact:
         arm = tool.T @ self.hub
         hub = tool.r + arm
         ahead = self._ahead(tool.T)
-        speed = float(ahead @ (twist[:3] + _cross(twist[3:], arm)))
         sinkage = self._sinkage(hub)
         if sinkage <= 0.0:
-            self._touched, self._rolled, self._sense = None, 0.0, 1.0
-            return ContactStep(AIR, NO_FORCES, sinkage, speed, 0.0)
-        if abs(speed) > STANDING:
-            self._sense = 1.0 if speed > 0.0 else -1.0
-        forces, slip = self._forces(hub, sinkage)
+            self._touched, self._rolled = None, 0.0
+            return ContactStep(AIR, NO_FORCES, sinkage, 0.0)
+        if self._touched is None:
+            self._touched, self._sense, self._farthest = hub[:2], 1.0, 0.0
+        self._take_sense(float(ahead[:2] @ (hub[:2] - self._touched)))
+        forces, slip = self._forces(math.hypot(*(hub[:2] - self._touched)), sinkage)
         ahead = ahead * self._sense
         force = forces.load * UP + forces.drawbar_pull * ahead
         torque = _cross(arm, force) - forces.torque * _cross(UP, ahead)
         wrench = np.concatenate([tool.T.T @ force, tool.T.T @ torque])
-        return ContactStep(read_only(wrench), forces, sinkage, speed, slip)
+        return ContactStep(read_only(wrench), forces, sinkage, slip)
 
     def _ahead(self, T: Array) -> Array:
         level = T @ self.forward
@@ -133,14 +133,18 @@ class WheelContact:
         sinkage = self.bed.height - (float(hub[2]) - radius)
         return sinkage if inside else min(sinkage, -radius)
 
-    def _forces(self, hub: Array, sinkage: float) -> tuple[WheelForces, float]:
+    def _take_sense(self, way: float) -> None:
+        """Find out to which side the wheel rolls; its way is counted from where it touched down, m."""
+        self._farthest = self._sense * max(self._sense * self._farthest, self._sense * way)
+        if self._sense * (self._farthest - way) > BACKLASH:
+            self._sense, self._farthest = -self._sense, way
+
+    def _forces(self, way: float, sinkage: float) -> tuple[WheelForces, float]:
         depth = min(sinkage, self.model.wheel.radius)
         slip = min(max(self.slip, 0.0), LARGEST_SLIP)
-        if self._touched is None:
-            self._touched = hub[:2]
         entry, _, leave = self.model.angles(depth, slip)
         length = self.model.wheel.radius * (entry - leave)
-        self._rolled = max(self._rolled, min(1.0, math.hypot(*(hub[:2] - self._touched)) / length))
+        self._rolled = max(self._rolled, min(1.0, way / length))
         parts = []
         if self._rolled < 1.0:
             parts.append((1.0 - self._rolled, self.model.standing(depth)))

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Final
 
 import numpy as np
-from scipy.optimize import brentq
 
 from robots_core.blocks.terramechanics.soil import Soil
 from robots_core.errors import InvalidInputError
@@ -142,6 +142,8 @@ class WheelSoilModel:
             raise InvalidInputError(
                 f'load = {load!r} N must be in [0, {most:.6g}] N, where the wheel sinks to its hub'
             )
+        # Imported on demand: it takes long to load, and only the inverse needs it.
+        brentq = import_module('scipy.optimize').brentq
         return float(
             brentq(lambda z: self.forces(z, slip).load - load, 0.0, self.wheel.radius, xtol=RESOLUTION)
         )
