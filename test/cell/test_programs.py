@@ -61,7 +61,7 @@ class Run:
         return f'{program}:{number}'
 
 
-def run_program(lockstep_runs: LockstepRuns, program: str, robot: str) -> Run:
+def run_program(lockstep_runs: LockstepRuns, program: str, robot: str, *, streamed: bool = False) -> Run:
     """Run a program to its end; check what holds for every program."""
     cell = lockstep_runs.run(program)
     assert cell.returncode == 0, cell.text
@@ -72,7 +72,9 @@ def run_program(lockstep_runs: LockstepRuns, program: str, robot: str) -> Run:
     assert report.ok
     assert not [one for one in report.motions if one.passing is not None and one.passing.distance <= 0.0]
     motions = recorded_motions({topic[1:]: rows for topic, rows in bag.items()}, model)
-    return Run(model, bag, motions, report, check_references(bag, model, 1.0 / cell.rate), 1.0 / cell.rate)
+    period = 1.0 / cell.rate
+    references = check_references(bag, model, period, streamed=streamed)
+    return Run(model, bag, motions, report, references, period)
 
 
 def test_palletizing(lockstep_runs: LockstepRuns) -> None:
@@ -165,7 +167,7 @@ def test_wheel_test(lockstep_runs: LockstepRuns) -> None:
 
 
 def test_debris_removal(lockstep_runs: LockstepRuns) -> None:
-    run_program(lockstep_runs, 'debris_removal.lua', 'debris_arm?gravity=0,0,0')
+    run_program(lockstep_runs, 'debris_removal.lua', 'debris_arm?gravity=0,0,0', streamed=True)
     bodies = read_bodies(lockstep_runs.run('debris_removal.lua').bag)
     held, refused, at_rest = bodies.inputs
     assert held is not None
@@ -175,7 +177,8 @@ def test_debris_removal(lockstep_runs: LockstepRuns) -> None:
     assert 'impulse on the target' in bodies.report
     # Nothing acts from outside; the target had all of the momentum, and the wheels have it now.
     assert np.abs(bodies.drift).max() < 1e-9
-    np.testing.assert_allclose(bodies.momentum[0, 1], bodies.momentum[-1, 2], atol=0.03)
+    # Both count as standing at 1e-4 rad/s, and have up to 1500 kg m^2.
+    np.testing.assert_allclose(bodies.momentum[0, 1], bodies.momentum[-1, 2], atol=0.15)
     assert np.abs(bodies.rates(bodies.target)[0]).max() == pytest.approx(0.035, rel=0.01)
     for poses in (bodies.base, bodies.target):
         assert np.abs(bodies.rates(poses)[-1]).max() < 2e-4
