@@ -16,9 +16,23 @@ local function hand(closed)
   end
 end
 
+local function over_deck() ptpJointSpaceAngles(0.274, 4.8, 226.1, 79.7, -10, 39, -44.2) end
+local function over_ground() ptpJointSpaceAngles(0.177, -120.1, 272.9, 102.2, -177.3, -10.7, 123.9) end
+
 hand(false)
-ptpJointSpaceAngles(0.38, -84.5, 167.4, 57.6, -119.5, 82.9, 75.5)
-print("mast up")
-ptpJointSpaceAngles(0.30, 5, 222, 80, -13, 45, 66) -- over the deck
-local before = getCartesianPosition()
-print(string.format("%.2f %.2f %.2f", before[1], before[2], before[3]))
+over_deck()
+print("mast and arm over the deck")
+setSpeed(nil, 0.1, 20)
+linearRelative(0, 0, -DOWN, 0, 0, 0)
+hand(true)
+linearRelative(0, 0, DOWN, 0, 0, 0)
+print("package lifted")
+
+setSpeed(0.5) -- it swings with the rover's springs
+over_ground()
+linearRelative(0, 0, -DOWN, 0, 0, 0)
+local place = getCartesianPosition()
+hand(false)
+print(string.format("package placed at (%.2f, %.2f) m", place[1], place[2]))
+linearRelative(0, 0, DOWN, 0, 0, 0)
+ptpJointSpaceAngles(0.2, -84.5, 167.4, 57.6, -119.5, 82.9, 75.5)
