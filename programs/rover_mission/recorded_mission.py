@@ -97,10 +97,10 @@ def describe(mission: RecordedMission) -> list[str]:
     used = np.abs(mission.torque) / mission.robot.axes_data.effort
     axis = int(used.max(axis=0).argmax())
     tilt = np.linalg.norm(mission.ground[:, 3:5], axis=1)
+    low, high = mission.ground[:, 2].min(), mission.ground[:, 2].max()
     return [
         f'largest torque: {mission.robot.axes_data.names[axis]} at {100.0 * used.max():.0f} % of its limit',
-        f'ground on the rover: {mission.ground[:, 2].min():.0f} to {mission.ground[:, 2].max():.0f} N, '
-        f'tilting moment at most {tilt.max():.0f} N m about the middle of the wheels',
+        f'ground on the rover: {low:.0f} to {high:.0f} N; tilting moment at most {tilt.max():.0f} N m',
         f'payload: 0 to {mission.mass.max():g} kg',
         f'arm and package come as close as {1e3 * mission.clearance.min():.1f} mm to rover, ground and rock',
     ]

@@ -47,8 +47,7 @@ SHORTENED = {
         'ipairs {0, 0.2}': 'ipairs {0.2}',
     },
     'rover_placement.lua': {
-        'LIFT = 0.10': 'LIFT = 0.05',
-        'wait(1) --': 'wait(0.3) --',
+        'DOWN, PATIENCE = 0.15, 3': 'DOWN, PATIENCE = 0.05, 3',
         'setSpeed(nil, 0.05, 20)': 'setSpeed(nil, 0.1, 20)',
         'setSpeed(0.5) --': 'setSpeed(1) --',
     },

@@ -16,6 +16,7 @@ from robots_controller.recording.motion_record import MOTION_TOPICS, MotionRecor
 from robots_controller.report.run_report import RunReport, run_report
 from robots_core import BaseRobotModel, load_robot_model
 from robots_planning import Trajectory
+from rover_mission.recorded_mission import read_mission
 
 from .bag_checks import Messages, changes, check_references, read_messages
 from .lockstep_runs import PROGRAMS, LockstepRuns
@@ -188,14 +189,22 @@ def test_debris_removal(lockstep_runs: LockstepRuns) -> None:
 
 
 def test_rover_placement(lockstep_runs: LockstepRuns) -> None:
-    run = run_program(lockstep_runs, 'rover_placement.lua', 'kinova_j2n6s300')
-    lines = (PROGRAMS / 'rover_placement.lua').read_text().splitlines()
-    numbers = [number for number, line in enumerate(lines, 1) if line.startswith('linearRelative')]
+    run = run_program(lockstep_runs, 'rover_placement.lua', 'rover_jaco')
     name = 'rover_placement.lua'
-    assert run.switched_between() == [
-        (1, 1.0, f'{name}:{numbers[0]}', f'{name}:{numbers[1]}'),
-        (1, 0.0, f'{name}:{numbers[2]}', f'{name}:{numbers[3]}'),
-    ]
+    lines = (PROGRAMS / name).read_text().splitlines()
+    down, up, lower, raise_ = (
+        f'{name}:{number}' for number, line in enumerate(lines, 1) if line.startswith('linearRelative')
+    )
+    assert run.switched_between() == [(1, 1.0, down, up), (1, 0.0, lower, raise_)]
+    # The package weighs from when the hand has it until it is released.
+    carried = [motion.settings.payload[0] for motion in run.motions]
+    assert carried == [0.0, 0.0, 1.4, 1.4, 1.4, 0.0, 0.0]
+    mission = read_mission(lockstep_runs.run(name).bag, PROGRAMS / 'scenes' / 'rover_placement.yaml')
+    assert mission.clearance.min() > 5e-3
+    # At rest the ground carries everything.
+    bodies = sum(run.robot.rigid_dynamics_model.masses)
+    still = np.abs(mission.ground[[0, -1], 2])
+    np.testing.assert_allclose(still, 9.81 * bodies, rtol=1e-3)
 
 
 def test_motion_simulator(lockstep_runs: LockstepRuns) -> None:
