@@ -48,7 +48,6 @@ SHORTENED = {
     },
     'rover_placement.lua': {
         'DOWN, PATIENCE = 0.15, 3': 'DOWN, PATIENCE = 0.05, 3',
-        'setSpeed(nil, 0.05, 20)': 'setSpeed(nil, 0.1, 20)',
         'setSpeed(0.5) --': 'setSpeed(1) --',
     },
 }
