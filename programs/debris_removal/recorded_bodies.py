@@ -91,7 +91,7 @@ def read_bodies(run: Path | str) -> RecordedBodies:
     ]
     return RecordedBodies(
         robot,
-        1e-9 * (stamps - start),
+        np.asarray(1e-9 * (stamps - start), np.float64),
         [_pose(message) for _, message in found['/base_pose'][:count]],
         [_pose(message) for _, message in found['/target_pose'][:count]],
         position[at],

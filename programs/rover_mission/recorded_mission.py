@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.recording.joint_rows import joint_rows
@@ -78,11 +79,16 @@ def read_mission(run: Path | str, scene: Path | str) -> RecordedMission:
         np.array([torque for torque, _ in found]),
         np.array([wrench for _, wrench in found]),
         np.array([values[0] for values in payloads]),
-        np.array([collision.distance(row).distance for row in q]),
+        np.array([_clearance(collision, row) for row in q]),
     )
 
 
-def _payloads(bag: Bag, stamps: Array) -> list[tuple[float, ...]]:
+def _clearance(collision: CollisionDetection, q: Array) -> float:
+    closest = collision.distance(q)
+    return np.inf if closest is None else closest.distance
+
+
+def _payloads(bag: Bag, stamps: NDArray[np.int64]) -> list[tuple[float, ...]]:
     """What the settings said that the arm carries, at each of the stamps (k,), ns."""
     set_at, values = [0], [tuple(NOTHING)]
     for stamp, message in bag.deserialized(['/motion_settings'])['/motion_settings']:
