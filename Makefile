@@ -227,6 +227,10 @@ plots-wheel-laboratory: build .venv/benchmark/.installed  ## What the wheel labo
 plots-debris-removal: build .venv/benchmark/.installed  ## Attitude and momentum while a satellite grasps a target, in out/debris_removal; OPTIONS='--run BAG'
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/programs:$$PWD/.venv/benchmark"; python -m debris_removal.plots $(OPTIONS)
 
+.PHONY: plots-rover-placement
+plots-rover-placement: build .venv/benchmark/.installed  ## Forces on arm and rover while a package is unloaded, in out/rover_placement; OPTIONS='--run BAG'
+	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/programs:$$PWD/.venv/benchmark"; python -m rover_mission.plots $(OPTIONS)
+
 .PHONY: clean
 clean:  ## Remove what was built; .venv stays
 	@rm -rf build install log out

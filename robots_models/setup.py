@@ -42,6 +42,7 @@ setup(
             'kuka_lbr_iiwa14 = robots_models.kuka_lbr_iiwa14.model:KukaLbrIiwa14',
             'manutec_r3 = robots_models.manutec_r3.model:ManutecR3',
             'mitsubishi_rv7frl = robots_models.mitsubishi_rv7frl.model:MitsubishiRv7frl',
+            'rover_jaco = robots_models.rover_jaco.model:RoverJaco',
             'staubli_rx160 = robots_models.staubli_rx160.model:StaubliRx160',
             'staubli_tx2_90 = robots_models.staubli_tx2_90.model:StaubliTx290',
             'ur10e = robots_models.ur10e.model:Ur10e',

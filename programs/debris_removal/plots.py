@@ -66,8 +66,9 @@ def momentum_figure(bodies: RecordedBodies) -> Figure:
         total = bodies.momentum[:, :, 3 + axis].sum(axis=1)
         row.plot(bodies.time, total, color='#303840', linewidth=2.2, alpha=0.5, label='total')
         row.set_ylabel(f'about {"xyz"[axis]}, N m s')
-    for columns, name in ((slice(3), 'linear, 1e-15 N s'), (slice(3, 6), 'angular, 1e-15 N m s')):
-        rows[3].plot(bodies.time, 1e15 * np.linalg.norm(bodies.drift[:, columns], axis=1), label=name)
+    names = ('linear, 1e-15 N s', 'angular, 1e-15 N m s')
+    for values, name in zip(np.split(bodies.drift, 2, axis=1), names, strict=True):
+        rows[3].plot(bodies.time, 1e15 * np.linalg.norm(values, axis=1), label=name)
     rows[3].set_ylabel('change of the total')
     rows[3].legend(frameon=False, loc='upper left', ncols=2)
     _finish(figure, rows, bodies, "Angular momentum about the world's origin", ncols=4)

@@ -17,6 +17,7 @@ from robots_core.errors import InvalidInputError, PlanningError, RobotsError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_planning.holding import check_weight
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE, MotionKind
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.planner_choice import planner_for
@@ -181,7 +182,7 @@ class PathPlanning:
         """A trajectory that has passed verification and the check for collisions; arguments as for `verify`.
 
         Raises:
-            PlanningError: it breaks a limit.
+            PlanningError: it breaks a limit, or the axes cannot hold the payload.
             CollisionError: it collides, or comes closer to something than the margin.
             ZoneError: it crosses the border of a zone that nothing opens.
         """
@@ -199,6 +200,7 @@ class PathPlanning:
         if not report.ok:
             what = f'the plan of {kind.title}' if kind is not None else 'the trajectory'
             raise PlanningError(f'{what} breaks a limit: {report.describe()}')
+        check_weight(trajectory, self.loaded(settings), settings.payload[0])
         alone = ToolSection(trajectory.duration, settings.tool_pose.r, np.inf, np.inf)
         self.check_collisions(trajectory, tools or [alone])
         return PlannedMotion(trajectory, kind, report)

@@ -48,9 +48,7 @@ SHORTENED = {
         'torque: 0.4, capacity: 12, time_constant: 2.5': 'torque: 9, capacity: 12, time_constant: 0.5',
     },
     'rover_placement.lua': {
-        'LIFT = 0.10': 'LIFT = 0.05',
-        'wait(1) --': 'wait(0.3) --',
-        'setSpeed(nil, 0.05, 20)': 'setSpeed(nil, 0.1, 20)',
+        'DOWN, PATIENCE = 0.15, 3': 'DOWN, PATIENCE = 0.05, 3',
         'setSpeed(0.5) --': 'setSpeed(1) --',
     },
 }

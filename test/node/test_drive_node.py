@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import PoseStamped
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, Float64MultiArray, String, UInt8MultiArray
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core import load_robot_model
@@ -24,6 +26,7 @@ from robots_core.ros.qos import STATE
 
 from .bench import Bench
 
+ORBIT = Path(__file__).parents[2] / 'programs' / 'debris_removal' / 'orbit.yaml'
 NAME = 'kuka_kr210_r2700'
 ROBOT = load_robot_model(NAME)
 NAMES = list(ROBOT.axes_data.names)
@@ -88,6 +91,35 @@ class DriveBench(Bench):
 
         self.wait(lambda: len(sent()) == count, f'{count} states')
         return sent()
+
+
+def test_a_base_floats_live_and_its_momentum_stays(ros_nodes: Any):
+    robot = load_robot_model('debris_arm?gravity=0,0,0')
+    home = np.array(robot.home)
+    bench = Bench(ros_nodes)
+    states = bench.collect('joint_states', JointState)
+    momenta, poses = bench.collect('momentum', Float64MultiArray), bench.collect('base_pose', PoseStamped)
+    inputs = bench.collect('digital_inputs', UInt8MultiArray)
+    seen = bench.collect('reference_pose', PoseStamped)
+    options = {'watchdog': 20.0, 'realtime_priority': 0, 'level': 'ideal', 'orbit': str(ORBIT)}
+    drive = bench.start_node(DriveNode, robot_model='debris_arm?gravity=0,0,0', **options)
+    bench.wait(lambda: states and poses, 'the robot and its base')
+    bench.publisher('guide', String, STATE).publish(String(data='SENSOR'))
+    target = home + np.array([0.003, 0.0, 0.0])  # so near that its brakes open at once
+    point = JointTrajectoryPoint(positions=doubles(target), velocities=doubles(np.zeros(3)))
+    reference = JointTrajectory(joint_names=list(robot.axes_data.names), points=[point])
+    sent = bench.publisher('joint_reference', JointTrajectory, STATE)
+    bench.peer.create_timer(0.01, lambda: sent.publish(reference))
+    bench.wait(lambda: abs(states[-1].position[0] - target[0]) < 1e-6 and seen, 'the arm to move')
+    count = len(poses)
+    bench.wait(lambda: len(poses) > count and len(momenta) > count, 'a pose of after the motion')
+    # The base has turned against the arm, and the camera has seen the ring meanwhile.
+    assert poses[-1].pose.orientation.z < -1e-4
+    assert len(states[-1].effort) == 3
+    total = np.array([np.reshape(m.data, (3, 6)).sum(axis=0) for m in momenta])
+    np.testing.assert_allclose(total, total[[0]].repeat(len(total), axis=0), atol=1e-9)
+    assert bytes(inputs[-1].data) == b'\0\0\0'
+    assert drive._drives.rendezvous is not None
 
 
 @pytest.mark.parametrize('level', DRIVE_LEVELS)

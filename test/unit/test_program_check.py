@@ -19,7 +19,7 @@ ROBOTS = {
     'bello_bot_tour.lua': 'bello_bot',
     'wheel_laboratory.lua': 'kuka_kr210_r3100',
     'debris_removal.lua': 'debris_arm',
-    'rover_placement.lua': 'kinova_j2n6s300',
+    'rover_placement.lua': 'rover_jaco',
 }
 SIZES = Sizes(6, 32, 8)
 

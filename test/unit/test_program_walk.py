@@ -56,7 +56,7 @@ def test_every_bad_motion_is_told_with_its_line_not_only_the_first(tmp_path: Pat
 def test_torques_are_those_with_the_payload(tmp_path: Path):
     stretch = 'ptpJointSpaceAngles(0, -30, 40, 0, 30, 0)\nptpJointSpaceAngles(0, -10, 20, 0, 30, 0)\n'
     assert walk(tmp_path, stretch).ok
-    first, second = told(walk(tmp_path, 'setPayload(210, 0.05, 0, 0.3)\n' + stretch))
+    first, second = told(walk(tmp_path, 'setPayload(170, 0.05, 0, 0.3)\n' + stretch))
     assert first.startswith('p.lua:2: ptpJointSpaceAngles: limit: A2 torque')
     assert second.startswith('p.lua:3: ptpJointSpaceAngles: limit: A2 torque')
 

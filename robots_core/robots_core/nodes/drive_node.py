@@ -1,7 +1,10 @@
 """drive_node: simulated drives that follow `joint_reference` and report `joint_states`."""
 
+from __future__ import annotations
+
 from functools import partial
-from typing import Any, Final
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -15,7 +18,6 @@ from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
-from robots_core.nodes.rendezvous_topics import RendezvousTopics
 from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import watchdog_parameter
 from robots_core.ros.joint_trajectories import single_point
@@ -26,6 +28,9 @@ from robots_core.ros.qos import REFERENCE, STATE
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
+
+if TYPE_CHECKING:
+    from robots_core.nodes.rendezvous_topics import RendezvousTopics
 
 FAULTS = {
     'fault_stopped': 'axes whose drives do not follow any more',
@@ -96,7 +101,10 @@ class DriveNode(RobotNode):
         self._problem = ''
         self._figures = {'rate': rate, 'drives': level}
         bodies = self._drives.rendezvous
-        self._bodies = None if bodies is None else RendezvousTopics(self, bodies, self._report_grasp)
+        self._bodies: RendezvousTopics | None = None
+        if bodies is not None:  # imported on demand: only a base that floats needs it
+            topics = import_module('robots_core.nodes.rendezvous_topics')
+            self._bodies = topics.RendezvousTopics(self, bodies, self._report_grasp)
         self._power = PolledSubscription(self, Bool, 'drives_on', STATE)
         self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', REFERENCE)
         self._message = JointState(name=list(axes.names))

@@ -1,0 +1,1 @@
+"""Kinova Jaco 2 (j2n6s300)."""
