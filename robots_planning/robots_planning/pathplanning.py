@@ -1,7 +1,7 @@
 """PathPlanning: switches between the planners by the kind of motion."""
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 
@@ -81,6 +81,8 @@ class PathPlanning:
         self.collision = collision
         self.collision_margin = checked_margin(collision_margin)
         self._zones: ZoneDetection | None = None
+        self.cancelled: Callable[[], bool] = lambda: False
+        """Whether the motion that is being planned was given up; asked now and then by plans that take long."""
 
     def plan(
         self,
@@ -252,7 +254,12 @@ class PathPlanning:
         Raises:
             InvalidInputError: settings that the robot or the planner cannot keep.
         """
-        return self._generators(kind, settings)
+        generator = self._generators(kind, settings)
+        generator.surround(self.collision, self.collision_margin, self._is_cancelled)
+        return generator
+
+    def _is_cancelled(self) -> bool:
+        return self.cancelled()
 
     def _make(self, kind: MotionKind, settings: MotionSettings) -> TrajectoryGenerator:
         planner = planner_for(kind, settings)
