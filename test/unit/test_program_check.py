@@ -98,9 +98,9 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
         ('local t = {f = function() x = 1 end, y = 2} wait(x) wait(y)', 'y has no value'),
         (
             'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {blnd = 0.1})',
-            'options has no blnd; valid are blend (m) and on_path',
+            'options has no blnd; valid are blend (m), avoid and on_path',
         ),
-        ('ptpJointSpaceAngles(1, 2, 3, 4, 5, 6, {blend = 1})', 'valid are jointBlend (deg) and on_path'),
+        ('ptpJointSpaceAngles(1, 2, 3, 4, 5, 6, {blend = 1})', 'valid are jointBlend (deg), avoid and on_path'),
         (
             'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {blend = 0})',
             'options.blend = 0 m; valid is a finite number above 0',

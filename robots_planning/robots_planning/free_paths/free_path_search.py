@@ -85,10 +85,17 @@ class FreePathSearch:
             SearchCancelledError: it was given up.
         """
         certificate, margins = self._detection.certificate(start, margin=self._margin)
-        certificate.work[0] = 0
         for target in targets:
             if certificate.line(start, target, margins) == FREE:
                 return FreeWay(np.array([start, target]), certificate, margins)
+        return self.way_around(start, targets, cancelled)
+
+    def way_around(
+        self, start: Array, targets: Array, cancelled: Callable[[], bool] = lambda: False
+    ) -> FreeWay:
+        """`way` where no line is free: arguments and errors as there."""
+        certificate, margins = self._detection.certificate(start, margin=self._margin)
+        certificate.work[0] = 0
         random: Random = np.array([self._seed], dtype=np.uint64)
         path = self._searched(certificate, margins, start, targets, random, cancelled)
         path = shorten(
