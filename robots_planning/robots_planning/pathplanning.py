@@ -83,7 +83,7 @@ class PathPlanning:
         self.collision_margin = checked_margin(collision_margin)
         self._zones: ZoneDetection | None = None
         self.cancelled: Callable[[], bool] = lambda: False
-        """Whether the motion that is being planned was given up; asked now and then by plans that take long."""
+        """Whether the motion that is being planned was given up; plans that take long ask now and then."""
 
     def plan(
         self,

@@ -1,7 +1,7 @@
 """Problems of collision-free planning, made from seeds: shelf, bin, cage, cluttered table and car frame.
 
-After the scenes of MotionBenchMaker (Chamzas et al. 2022), scaled to the reach of the arm: from one posture to
-another, both free, with the tool inside or close to what stands around it.
+After the scenes of MotionBenchMaker (Chamzas et al. 2022), scaled to the reach of the arm: from one posture
+to another, both free, with the tool inside or close to what stands around it.
 """
 
 from __future__ import annotations
@@ -53,12 +53,14 @@ def _jittered(rng: Rng, pose: Pose, way: float, turn: float) -> Pose:
     return Pose(r, rotation_from_vector(rng.uniform(-turn, turn, 3)) @ pose.T)
 
 
-def shelf(rng: Rng, reach: float, height: float) -> tuple[list[SceneObject], Places, Places]:
+def shelf(rng: Rng, height: float) -> tuple[list[SceneObject], Places, Places]:
     """Three boards between two sides; from one compartment to another."""
     x, depth, width, wall = rng.uniform(0.55, 0.65), 0.35, rng.uniform(0.7, 0.9), 0.02
     boards = height - 0.35 + np.arange(4) * rng.uniform(0.32, 0.36)
     middle = 0.5 * (boards[0] + boards[-1])
-    items = [_box(f'board_{k}', (depth, width, wall), (x + 0.5 * depth, 0.0, z)) for k, z in enumerate(boards)]
+    items = [
+        _box(f'board_{k}', (depth, width, wall), (x + 0.5 * depth, 0.0, z)) for k, z in enumerate(boards)
+    ]
     tall = boards[-1] - boards[0] + wall
     items += [
         _box(f'side_{side}', (depth, wall, tall), (x + 0.5 * depth, sign * 0.5 * width, middle))
@@ -78,7 +80,7 @@ def shelf(rng: Rng, reach: float, height: float) -> tuple[list[SceneObject], Pla
     return items, inside(int(first)), inside(int(last))
 
 
-def bin_(rng: Rng, reach: float, height: float) -> tuple[list[SceneObject], Places, Places]:
+def bin_(rng: Rng, height: float) -> tuple[list[SceneObject], Places, Places]:
     """A box that is open above; from beside it to its bottom."""
     size, deep, wall = rng.uniform(0.30, 0.38), rng.uniform(0.25, 0.35), 0.015
     x, y, floor = rng.uniform(0.48, 0.55), rng.uniform(-0.2, 0.2), height - 0.35
@@ -99,7 +101,7 @@ def bin_(rng: Rng, reach: float, height: float) -> tuple[list[SceneObject], Plac
     return items, beside, inside
 
 
-def cage(rng: Rng, reach: float, height: float) -> tuple[list[SceneObject], Places, Places]:
+def cage(rng: Rng, height: float) -> tuple[list[SceneObject], Places, Places]:
     """A crate of bars; from in front of it to its inside, past the bars."""
     x, size, bar = rng.uniform(0.42, 0.48), rng.uniform(0.42, 0.48), 0.025
     low, y = height - 0.25, rng.uniform(-0.1, 0.1)
@@ -109,8 +111,7 @@ def cage(rng: Rng, reach: float, height: float) -> tuple[list[SceneObject], Plac
             at = (x + dx * size, y + 0.5 * dy * size, low + 0.5 * size)
             items.append(_box(f'post_{k}', (bar, bar, size), at))
     for k, z in enumerate((low, low + size)):
-        for dx in (0.0, 1.0):
-            items.append(_box(f'rail_{k}{dx:.0f}', (bar, size, bar), (x + dx * size, y, z)))
+        items += [_box(f'rail_{k}{dx}', (bar, size, bar), (x + dx * size, y, z)) for dx in range(2)]
         for dy in (-1.0, 0.0, 1.0):
             at = (x + 0.5 * size, y + 0.5 * dy * size, z)
             items.append(_box(f'beam_{k}{dy:.0f}', (size, bar, bar), at))
@@ -128,12 +129,12 @@ def cage(rng: Rng, reach: float, height: float) -> tuple[list[SceneObject], Plac
     return items, outside, inside
 
 
-def table(rng: Rng, reach: float, height: float) -> tuple[list[SceneObject], Places, Places]:
+def table(rng: Rng, height: float) -> tuple[list[SceneObject], Places, Places]:
     """A table with a dozen objects; from one place between them to another."""
     top = height - 0.35
     items = [_box('table', (0.7, 1.2, 0.04), (0.65, 0.0, top - 0.02))]
     spots: list[np.ndarray] = []
-    for k in range(200):
+    for _ in range(200):
         at = np.array([rng.uniform(0.38, 0.85), rng.uniform(-0.5, 0.5)])
         if all(np.linalg.norm(at - other) > 0.15 for other in spots):
             spots.append(at)
@@ -153,7 +154,7 @@ def table(rng: Rng, reach: float, height: float) -> tuple[list[SceneObject], Pla
     return items, spot(0), spot(1)
 
 
-def car_frame(rng: Rng, reach: float, height: float) -> tuple[list[SceneObject], Places, Places]:
+def car_frame(rng: Rng, height: float) -> tuple[list[SceneObject], Places, Places]:
     """The frame of a car; from in front of one window to the inside behind another."""
     scale, x = 1.0 / 2.7, 0.02
     items = []
@@ -208,7 +209,7 @@ def problems(robot: BaseRobotModel, family: str, count: int) -> Iterator[Problem
     while count > 0:
         seed += 1
         rng = np.random.default_rng([seed, list(FAMILIES).index(family)])
-        items, *places = FAMILIES[family](rng, 1.0, SHOULDER[name])
+        items, *places = FAMILIES[family](rng, SHOULDER[name])
         scene = Scene(tuple(_scaled(item, reach) for item in items), (finger,))
         detection = CollisionDetection(robot, scene=scene)
         ends = [_free_posture(robot, detection, rng, place, tool, reach) for place in places]
@@ -217,7 +218,7 @@ def problems(robot: BaseRobotModel, family: str, count: int) -> Iterator[Problem
             yield Problem(scene, ends[0], ends[1])
 
 
-def _free_posture(
+def _free_posture(  # noqa: PLR0917
     robot: BaseRobotModel,
     detection: CollisionDetection,
     rng: Rng,

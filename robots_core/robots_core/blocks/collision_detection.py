@@ -231,7 +231,7 @@ class CollisionDetection:
         `first_approach` finds nothing on a path of pieces that are certified with these distances.
 
         Args:
-            start: Joint positions, (n,) rad (m). Bodies that are closer there may separate, see `first_approach`.
+            start: Joint positions, (n,) rad (m). Bodies that are closer there may separate.
             margin: m, from 0.
 
         Raises:

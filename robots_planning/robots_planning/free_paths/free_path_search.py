@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from robots_core.blocks.collision.pair_kernels import Indices
 from robots_core.blocks.collision.path_certificate import FREE, PathCertificate
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.errors import PlanningError
@@ -70,9 +71,7 @@ class FreePathSearch:
         # In this norm, a way's length is about its time.
         self._weights = self._axes.velocity.max() / self._axes.velocity
 
-    def way(
-        self, start: Array, targets: Array, cancelled: Callable[[], bool] = lambda: False
-    ) -> FreeWay:
+    def way(self, start: Array, targets: Array, cancelled: Callable[[], bool] = lambda: False) -> FreeWay:
         """A short way from a free posture to one of several, the first that a free line leads to if any.
 
         Args:
@@ -97,7 +96,7 @@ class FreePathSearch:
         certificate, margins = self._detection.certificate(start, margin=self._margin)
         certificate.work[0] = 0
         random: Random = np.array([self._seed], dtype=np.uint64)
-        path = self._searched(certificate, margins, start, targets, random, cancelled)
+        path = self._searched((certificate, margins), np.vstack([start, targets]), random, cancelled)
         path = shorten(
             certificate.body,
             certificate.placed,
@@ -112,18 +111,18 @@ class FreePathSearch:
 
     def _searched(
         self,
-        certificate: PathCertificate,
-        margins: Array,
-        start: Array,
-        targets: Array,
+        kept: tuple[PathCertificate, Array],
+        ends: Array,
         random: Random,
         cancelled: Callable[[], bool],
     ) -> Array:
-        trees = _tree(start[None], CAPACITY), _tree(targets, CAPACITY)
-        counts = np.array([1, len(targets)])
-        blocked = np.zeros(margins.size, dtype=np.int64)
+        """Postures with free lines between them; `ends` are the start and the targets."""
+        certificate, margins = kept
+        trees = _tree(ends[:1], CAPACITY), _tree(ends[1:], CAPACITY)
+        counts: Indices = np.array([1, len(ends) - 1])
+        blocked: Indices = np.zeros(margins.size, dtype=np.int64)
         closest = np.array([np.inf, 0.0, 0.0])
-        domain, work = self._domain(start, targets), certificate.work
+        domain, work = self._domain(ends), certificate.work
         most = int(self._budget * POSTURES_PER_SECOND)
         while work[0] < most:
             if cancelled():
@@ -146,18 +145,18 @@ class FreePathSearch:
                 return np.concatenate([_branch(trees[0], a)[::-1], _branch(trees[1], b)])
             capacity = len(trees[0][1])
             if int(counts.max()) >= capacity - 1:
-                trees = _tree(trees[0][0], 2 * capacity, trees[0][1]), _tree(
-                    trees[1][0], 2 * capacity, trees[1][1]
+                trees = (
+                    _tree(trees[0][0], 2 * capacity, trees[0][1]),
+                    _tree(trees[1][0], 2 * capacity, trees[1][1]),
                 )
         raise self._none(trees, blocked, closest)
 
-    def _domain(self, start: Array, targets: Array) -> Array:
+    def _domain(self, ends: Array) -> Array:
         """Lowest and highest posture of samples, (2, n): inside the limits, a turn where they are wide."""
-        ends = np.vstack([start, targets])
         low = np.maximum(self._axes.lower, ends.min(axis=0) - AROUND)
         return np.array([low, np.minimum(self._axes.upper, ends.max(axis=0) + AROUND)])
 
-    def _none(self, trees: tuple[Tree, Tree], blocked: Array, closest: Array) -> NoFreePathError:
+    def _none(self, trees: tuple[Tree, Tree], blocked: Indices, closest: Array) -> NoFreePathError:
         names: dict[tuple[str, str], int] = {}
         for pair in np.flatnonzero(blocked):
             pair_names = self._detection.names(int(pair))
@@ -168,15 +167,15 @@ class FreePathSearch:
         name, unit = self._axes.names[axis], self._axes.unit(axis)
         blocking = ', '.join(f'{a} by {b}' for a, b in most)
         return NoFreePathError(
-            f'no free way found within a budget of {self._budget:g} s: the searches from start and target come '
-            f'within {way[axis]:.4g} {unit} of {name}; most often blocked is {blocking or "nothing"}',
+            f'no free way found within a budget of {self._budget:g} s: the searches from start and target '
+            f'come within {way[axis]:.4g} {unit} of {name}; most often blocked is {blocking or "nothing"}',
             joint=name,
             gap=float(way[axis]),
             blocking='; '.join(f'{a} - {b}' for a, b in most),
         )
 
 
-def _tree(postures: Array, capacity: int, parents: Array | None = None) -> Tree:
+def _tree(postures: Array, capacity: int, parents: Indices | None = None) -> Tree:
     """A tree with these postures first."""
     rows, parent = np.empty((capacity, postures.shape[1])), np.full(capacity, -1, dtype=np.int64)
     rows[: len(postures)] = postures

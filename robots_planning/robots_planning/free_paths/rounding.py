@@ -12,6 +12,7 @@ from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.quintic import quintic_coefficients
 
 LARGEST_CUT: Final = 0.49  # of a line at one of its ends; the rest separates two corners
+SHORTEST: Final = 1e-9  # rad (m) of the axis that moves most; shorter lines are rounding
 NARROWER: Final = 0.7
 TRIES: Final = 30  # the last corner is a 30 000th of its line
 
@@ -24,14 +25,17 @@ def rounded(way: FreeWay) -> JointPath:
     Raises:
         PlanningError: a corner cannot be rounded, because its posture only just keeps its distances.
     """
-    q = way.postures
+    moving = np.abs(np.diff(way.postures, axis=0)).max(axis=1) > SHORTEST
+    moving[0] = True
+    # The last posture takes the place of one that it is equal to.
+    q = np.concatenate([way.postures[:-1][moving], way.postures[-1:]])
     steps = np.diff(q, axis=0)
     lengths = np.linalg.norm(steps, axis=1)
     directions = steps / lengths[:, None]
     along = np.concatenate([[0.0], np.cumsum(lengths)])
     places, rows, slopes = [0.0], [q[0]], [directions[0]]
     for k in range(1, len(q) - 1):
-        cut = _cut(way, k, directions, LARGEST_CUT * min(lengths[k - 1], lengths[k]))
+        cut = _cut(way, q[k], directions[k - 1 : k + 1], LARGEST_CUT * min(lengths[k - 1], lengths[k]))
         places += [along[k] - cut, along[k] + cut]
         rows += [q[k] - cut * directions[k - 1], q[k] + cut * directions[k]]
         slopes += [directions[k - 1], directions[k]]
@@ -41,9 +45,9 @@ def rounded(way: FreeWay) -> JointPath:
     return JointPath(s, np.array([*rows, q[-1]]), q_s, np.zeros_like(q_s), s[1:-1])
 
 
-def _cut(way: FreeWay, k: int, directions: Array, cut: float) -> float:
-    """Length of both lines at posture k that a free corner replaces."""
-    p, before, after = way.postures[k], directions[k - 1], directions[k]
+def _cut(way: FreeWay, p: Array, directions: Array, cut: float) -> float:
+    """Length of both lines at posture p, (n,), with their directions (2, n), that a free corner replaces."""
+    before, after = directions
     coefficients = np.empty((1, 6, p.size))
     for _ in range(TRIES):
         ends = np.array([p - cut * before, p + cut * after])
@@ -53,4 +57,4 @@ def _cut(way: FreeWay, k: int, directions: Array, cut: float) -> float:
         if way.certificate.piece(over_unit, way.margins) == FREE:
             return cut
         cut *= NARROWER
-    raise PlanningError(f'the way around obstacles has a corner (posture {k}) that cannot be rounded freely')
+    raise PlanningError('the way around obstacles has a corner that cannot be rounded freely')

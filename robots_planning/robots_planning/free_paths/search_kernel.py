@@ -2,8 +2,8 @@
 """Search for a free way between postures by two trees, compiled.
 
 RRT-Connect (Kuffner and LaValle 2000) whose edges are all certified. Random numbers are integer arithmetic
-(splitmix64; Steele, Lea and Flood 2014), and postures are made of sums and products alone, so that a search is
-the same on every machine.
+(splitmix64; Steele, Lea and Flood 2014), and postures are made of sums and products alone, so that a search
+is the same on every machine.
 """
 
 from math import inf, sqrt
@@ -17,7 +17,7 @@ from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
 
 Tree = tuple[Array, Indices]
-"""Postures (c, n), and the row that each was reached from, (c,), below 0 for a root; the first rows are used."""
+"""Postures (c, n), and the row that each was reached from, (c,), below 0 for a root; rows beyond are free."""
 Random = NDArray[np.uint64]
 """State of a generator of random numbers, (1,)."""
 
@@ -62,7 +62,7 @@ def _nearest(tree: Tree, count: int, weights: Array, q: Array) -> tuple[int, flo
 
 @compiled()
 def _add(tree: Tree, counts: Indices, which: int, q: Array, parent: int) -> int:
-    row = counts[which]
+    row = int(counts[which])
     tree[0][row], tree[1][row] = q, parent
     counts[which] += 1
     return row
@@ -151,7 +151,7 @@ def shorten(
     random: Random,
     work: Indices,
 ) -> Array:
-    """A shorter free path through other postures, (k, n), by certified shortcuts (Geraerts and Overmars 2007).
+    """A shorter free path through other postures, (k, n), by shortcuts (Geraerts and Overmars 2007).
 
     Args:
         body: The robot and its scene.

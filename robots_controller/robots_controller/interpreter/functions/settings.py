@@ -124,7 +124,7 @@ class Settings(Family):
         Argument('budget', kinds.POSITIVE, 's', 'longest search for a way around', optional=True),
     )
     def setAvoid(self, value: float, budget: float | None) -> None:
-        """Lets joint motions go around what is in the way, or on their straight line alone.
+        """Lets joint motions go around what is in the way.
 
         A search counts postures, 25 000 a second of its budget, so that every computer finds the same way.
         """

@@ -1,4 +1,4 @@
-# ruff: noqa: PLR0917  # compiled loops over arrays
+# ruff: noqa: PLR0917, C901  # compiled loops over arrays
 """Certificates that pieces of paths are free between their samples, compiled.
 
 The method is that of `path_search`, on polynomials over [0, 1] in place of timed paths: an interval is free
@@ -58,12 +58,14 @@ def place_solids(body: BodyArrays, placed: PlacedArrays, q: Array) -> None:
         rows = product(turned, matrix_of(solids[7][s]))
         for row in range(3):
             solid_R[s, row, 0], solid_R[s, row, 1], solid_R[s, row, 2] = rows[row]
-        centres[s, 0], centres[s, 1], centres[s, 2] = add(row_of(solid_t, s), times(rows, row_of(body[3][1], s)))
+        centres[s, 0], centres[s, 1], centres[s, 2] = add(
+            row_of(solid_t, s), times(rows, row_of(body[3][1], s))
+        )
 
 
 @compiled()
 def _approaches(body: BodyArrays, placed: PlacedArrays, turn: Array, s: int) -> None:
-    """Fill how far solid s may move if the axes turn by at most `turn`, (n,), from each axis on; see `travels`."""
+    """Fill how far solid s may move if axes turn by up to `turn`, (n,), from each axis on; see `travels`."""
     chain, (points, first, radii) = body[1], body[2]
     r, T, R, t, approaches = placed[:5]
     turned, at = matrix_of(R[s]), row_of(t, s)
@@ -270,5 +272,7 @@ def certify_line(
 def blocking_pair(body: BodyArrays, placed: PlacedArrays, q: Array, margins: Array) -> int:
     """A pair that is closer than its margin in one posture, or FREE."""
     left, worst = np.empty(margins.size, dtype=np.int64), np.empty(1)
-    blocked, count = _look(body, placed, q, np.zeros(q.size), margins, np.arange(margins.size), left, 0, worst)
+    blocked, count = _look(
+        body, placed, q, np.zeros(q.size), margins, np.arange(margins.size), left, 0, worst
+    )
     return left[0] if blocked == FREE and count > 0 else blocked

@@ -75,7 +75,8 @@ def gap_along(
     support(parts, R, t, i, x, y, z, p)
     first = p[0] * x + p[1] * y + p[2] * z
     support(parts, R, t, j, -x, -y, -z, p)
-    return p[0] * x + p[1] * y + p[2] * z - first - parts[4][i] - parts[4][j]
+    gap: float = p[0] * x + p[1] * y + p[2] * z - first - parts[4][i] - parts[4][j]
+    return gap
 
 
 @compiled()
