@@ -28,6 +28,7 @@ setup(
             for name, module in (
                 ('linear_joint', 'linear_joint:LinearJoint'),
                 ('linear_joint_axes', 'linear_joint_axes:LinearJointAxes'),
+                ('collision_free', 'collision_free_joint:CollisionFreeJoint'),
                 ('limited', 'linear_cartesian_limited:LinearCartesianLimited'),
                 (
                     'dynamic_programming',

@@ -33,10 +33,12 @@
 
 ---@class CartesianOptions
 ---@field blend? number m, zone in which the corner to the next motion may be cut
+---@field avoid? boolean|0|1 whether joint motions go around what is in the way
 ---@field on_path? PathSwitch|PathSwitch[]
 
 ---@class JointOptions
 ---@field jointBlend? number deg, zone in which the corner to the next motion may be cut
+---@field avoid? boolean|0|1 whether joint motions go around what is in the way
 ---@field on_path? PathSwitch|PathSwitch[]
 
 ---Moves the tool on a straight line to a pose; returns when the robot stands there.
@@ -189,6 +191,11 @@ function setConfiguration(configuration) end
 ---Switches jerk limits on or off for Cartesian motions and blended chains.
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
 function setJerkLimited(value) end
+
+---Lets joint motions go around what is in the way. A search counts postures, 25 000 a second of its budget, so that every computer finds the same way.
+---@param value boolean|0|1 0 or false: off, 1 or true: on
+---@param budget? number longest search for a way around (s)
+function setAvoid(value, budget) end
 
 ---Sets acceleration limits of the next motions; nil leaves one as it is.
 ---@param fraction? number part of the axes' limits of acceleration

@@ -11,6 +11,7 @@ from .teach_box import TeachStep as TeachStep
 from .trajectory import Trajectory as Trajectory
 from .trajectory_generators.base import TrajectoryGenerator as TrajectoryGenerator
 from .trajectory_generators.circular_cartesian import CircularCartesian as CircularCartesian
+from .trajectory_generators.collision_free_joint import CollisionFreeJoint as CollisionFreeJoint
 from .trajectory_generators.linear_cartesian_dynamic_programming import (
     LinearCartesianDynamicProgramming as LinearCartesianDynamicProgramming,
 )

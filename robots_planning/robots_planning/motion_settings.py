@@ -43,6 +43,10 @@ class MotionSettings:
             'linear_joint_axes' (every axis as fast as it can), or another that is installed.
         cartesian_planner: Planner of Cartesian motions: 'limited' (two-pass, fast), 'dynamic_programming'
             (time-optimal, torque limits too), or another that is installed.
+        avoid: Joint motions go around what is in the way, planned by 'collision_free' instead of
+            `joint_planner`; where a line collides, the refusal says whether such a motion is free.
+        avoid_budget: Longest search for a way around, in seconds at 25 000 postures per second: what is found
+            does not depend on the computer.
         configuration: Posture that joint motions to a pose end in, as 'front/up/no_flip'; '' for the nearest.
         hold: What motions to poses hold: 'pose', 'directions' (the position, and of the orientation what the
             arm can) or 'position'; '' for what the arm can.
@@ -68,6 +72,8 @@ class MotionSettings:
     jerk_limited: bool = False
     joint_planner: str = DEFAULT_PLANNERS['joint_planner']
     cartesian_planner: str = DEFAULT_PLANNERS['cartesian_planner']
+    avoid: bool = False
+    avoid_budget: float = 2.0
     configuration: str = ''
     hold: str = ''
     tool: tuple[float, ...] = IDENTITY
@@ -153,6 +159,7 @@ RANGES: Final = {
     'cartesian_acceleration': (1e-4, 1e3, 'm/s^2'),
     'rotation_speed': (1e-5, 100.0, 'rad/s'),
     'rotation_acceleration': (1e-4, 1e4, 'rad/s^2'),
+    'avoid_budget': (0.01, 600.0, 's'),
     'blend_zone': (0.0, 1.0, 'm'),
     'joint_blend_zone': (0.0, math.pi, 'rad (m)'),
 }
@@ -165,6 +172,7 @@ CHECKS: Final[dict[str, Callable[[Any, str], object]]] = {
     'jerk_limited': _flag,
     'joint_planner': _planner,
     'cartesian_planner': _planner,
+    'avoid': _flag,
     'configuration': known_configuration,
     'hold': check_hold,
     'tool': frame,
@@ -183,6 +191,8 @@ DESCRIPTIONS: Final = {
     'jerk_limited': 'keep jerk limits on Cartesian motions and in blended chains too',
     'joint_planner': 'planner of joint motions: the name of an installed one',
     'cartesian_planner': 'planner of Cartesian motions: the name of an installed one',
+    'avoid': 'joint motions go around what is in the way',
+    'avoid_budget': 'longest search for a way around, s at 25 000 postures per second',
     'configuration': "posture for a pose, as 'front/up/no_flip'; '' for the nearest",
     'hold': "what of poses is held: 'pose', 'directions' or 'position'; '' for what the arm can",
     'tool': 'tool centre point in tool0: x y z (m), quaternion x y z w',

@@ -1,7 +1,7 @@
 """PathPlanning: switches between the planners by the kind of motion."""
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.collision.joint_path import JointPath
+from robots_core.blocks.collision.results import CollisionError
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
 from robots_core.blocks.inverse_kinematics.hold import POSE, held_by
 from robots_core.blocks.multibody.loaded_robot import loaded_robot
@@ -82,6 +83,8 @@ class PathPlanning:
         self.collision = collision
         self.collision_margin = checked_margin(collision_margin)
         self._zones: ZoneDetection | None = None
+        self.cancelled: Callable[[], bool] = lambda: False
+        """Whether the motion that is being planned was given up; plans that take long ask now and then."""
 
     def plan(
         self,
@@ -117,7 +120,23 @@ class PathPlanning:
                 tools = (tool_section(kind, settings, trajectory.duration),)
             start = Pose(*self.robot.direct_kinematics(trajectory.position[0])) @ settings.tool_pose
             geometry = self.generator(kind, settings).geometry(start, in_base(kind, target, settings))
-        return self.checked(trajectory, kind, settings, geometry=geometry, tools=tools)
+        try:
+            return self.checked(trajectory, kind, settings, geometry=geometry, tools=tools)
+        except CollisionError as error:
+            if not (kind.cartesian and settings.avoid):
+                raise
+            advice = self._way_around(q_start, target, settings)
+            raise CollisionError(error.place, self.collision_margin, advice) from error
+
+    def _way_around(self, q_start: ArrayLike, target: Target, settings: MotionSettings) -> str:
+        """Whether a joint motion leads where a path of the tool collides, for a person."""
+        end = target[-1] if isinstance(target, tuple | list) else target
+        function = JOINT_TO_POSE.functions[0]
+        try:
+            motion = self.plan(JOINT_TO_POSE, q_start, end, settings)
+        except RobotsError as error:
+            return f'{function} does not lead there either: {error.message}'
+        return f'{function} leads there around it in {motion.duration:.2f} s, on a free path of the axes'
 
     def trajectory(
         self,
@@ -254,7 +273,12 @@ class PathPlanning:
         Raises:
             InvalidInputError: settings that the robot or the planner cannot keep.
         """
-        return self._generators(kind, settings)
+        generator = self._generators(kind, settings)
+        generator.surround(self.collision, self.collision_margin, self._is_cancelled)
+        return generator
+
+    def _is_cancelled(self) -> bool:
+        return self.cancelled()
 
     def _make(self, kind: MotionKind, settings: MotionSettings) -> TrajectoryGenerator:
         planner = planner_for(kind, settings)

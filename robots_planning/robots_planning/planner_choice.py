@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from robots_planning.motion_settings import MotionSettings
 
 ENTRY_POINT_GROUP: Final = 'robots_planning.planners'
+AVOIDING: Final = 'collision_free'
+"""Plans joint motions with the setting `avoid`."""
 
 
 def available_planners(setting: str) -> tuple[str, ...]:
@@ -55,7 +57,7 @@ def planner_for(kind: MotionKind, settings: MotionSettings) -> type[TrajectoryGe
     Raises:
         InvalidInputError: neither does.
     """
-    name = getattr(settings, kind.setting)
+    name = AVOIDING if settings.avoid and not kind.cartesian else getattr(settings, kind.setting)
     for candidate in filter(None, (name, kind.planner)):
         planner = load_planner(candidate)
         if kind.name in planner.kinds:

@@ -4,6 +4,7 @@ import argparse
 
 import numpy as np
 
+from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.inverse_kinematics.held_inverse_kinematics import HeldInverseKinematics
 from robots_core.blocks.inverse_kinematics.hold import POSITION
 from robots_core.kernels.serial_chain import SerialChain
@@ -16,9 +17,11 @@ from robots_core.warm_up import (
     rigid_body_drives_and_zones,
     robot_in_use,
 )
+from robots_planning.free_paths.free_path_search import FreePathSearch
 from robots_planning.path_kinematics.path_following_kernel import stand_still, stays_inside
 from robots_planning.path_kinematics.path_inverse_kinematics import PathInverseKinematics
 from robots_planning.paths.cartesian_line import CartesianLine
+from robots_planning.trajectory_generators.collision_free_joint import CollisionFreeJoint
 from robots_planning.trajectory_generators.linear_cartesian_dynamic_programming import (
     LinearCartesianDynamicProgramming,
 )
@@ -51,6 +54,14 @@ def joint_motions() -> None:
         joint_planner(robot).generate_moving((start, slow, 0.0 * slow), robot.home)
 
 
+def joint_motions_around_obstacles() -> None:
+    """With a free way, and with one that has to be searched for."""
+    robot, start = robot_in_use(), _start()
+    collision = CollisionDetection(robot)
+    CollisionFreeJoint(robot, collision=collision).generate(start, robot.home)
+    FreePathSearch(robot, collision, margin=0.0, budget=0.01).way_around(start, robot.home[None])
+
+
 def lines_at_limited_speed() -> None:
     """Without and with limits of the jerk."""
     for jerk_limited in (False, True):
@@ -80,7 +91,7 @@ if __name__ == '__main__':
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--cell', action='store_true', help='only what every cell uses')
     shared, *others = CELL_JOBS
-    jobs = [shared, lines_at_limited_speed, *others, joint_motions]
+    jobs = [shared, lines_at_limited_speed, *others, joint_motions, joint_motions_around_obstacles]
     if not parser.parse_args().cell:
         jobs += [paths_that_hold_a_position, paths_at_the_limits_of_the_axes, rigid_body_drives_and_zones]
     compile_in_parallel(jobs)

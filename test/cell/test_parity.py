@@ -109,5 +109,27 @@ def test_a_robot_waits_before_a_zone_alike_in_both_cells(lockstep_runs: Lockstep
     assert 0.0 < min(held) < 3e-3
 
 
+def test_a_robot_goes_around_obstacles_alike_in_both_cells(
+    lockstep_runs: LockstepRuns, tmp_path: Path
+) -> None:
+    (tmp_path / 'scene.yaml').write_text(
+        'objects:\n  - name: post\n    capsule: {radius: 0.05, length: 1.6}\n'
+        '    pose: {position: [1.2, -1.2, 1.0]}\n'
+    )
+    program = tmp_path / 'program.lua'
+    program.write_text(
+        '-- Robot: kuka_kr210_r2700  Scene: scene.yaml\n'
+        'ptpJointSpaceAngles(15, -70, 90, 0, 70, 0)\n'
+        'ptpJointSpaceAngles({75, -70, 90, 0, 70, 0}, {avoid = true})\n'
+        'setAvoid(true)\n'
+        'ptpJointSpaceAngles({15, -70, 90, 0, 70, 0}, {jointBlend = 3})\n'
+        'ptpJointSpaceAngles(15, -80, 90, 0, 70, 0)\n'
+    )
+    run = lockstep_runs.run_file(program)
+    check_both_cells(run, 'second_order', tmp_path / 'bag')
+    final = references(run.bag)[-1].points[0].positions
+    np.testing.assert_allclose(np.degrees(final), [15, -80, 90, 0, 70, 0], atol=1e-6)
+
+
 def references(bag: Path) -> list[Any]:
     return [message for _, message in read_messages(bag, ['/joint_reference'])['/joint_reference']]

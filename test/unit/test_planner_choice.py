@@ -89,7 +89,7 @@ def install(folder: Path, name: str, points: str) -> None:
 
 
 def test_our_planners_are_the_values_of_the_settings() -> None:
-    assert available_planners('joint_planner') == ('linear_joint', 'linear_joint_axes')
+    assert available_planners('joint_planner') == ('collision_free', 'linear_joint', 'linear_joint_axes')
     assert available_planners('cartesian_planner') == ('dynamic_programming', 'limited')
     installed = {point.name for point in entry_points(group=ENTRY_POINT_GROUP)}
     curves = {kind.planner for kind in MOTION_KINDS if kind.planner}

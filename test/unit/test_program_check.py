@@ -90,7 +90,7 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
             'ptpCartesianSpace(x, {on_path = {time_before_end = 1, output = 99, value = 1}})\nx = 1',
             'options.on_path.output = 99; valid is a whole number in 1..32',
         ),
-        ("setPlanner('limited')", "joint = the string 'limited'; valid is 'linear_joint'"),
+        ("setPlanner('limited')", "joint = the string 'limited'; valid is 'collision_free', 'linear_joint'"),
         ("setConfiguration('left')", "configuration = the string 'left'; valid is 'front/up/no_flip'"),
         ("setHold('all')", "hold = the string 'all'; valid is 'pose', 'directions', 'position'"),
         ('wait(tiem)', 'tiem has no value: nothing gives it one'),
@@ -98,9 +98,12 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
         ('local t = {f = function() x = 1 end, y = 2} wait(x) wait(y)', 'y has no value'),
         (
             'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {blnd = 0.1})',
-            'options has no blnd; valid are blend (m) and on_path',
+            'options has no blnd; valid are blend (m), avoid and on_path',
         ),
-        ('ptpJointSpaceAngles(1, 2, 3, 4, 5, 6, {blend = 1})', 'valid are jointBlend (deg) and on_path'),
+        (
+            'ptpJointSpaceAngles(1, 2, 3, 4, 5, 6, {blend = 1})',
+            'valid are jointBlend (deg), avoid and on_path',
+        ),
         (
             'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {blend = 0})',
             'options.blend = 0 m; valid is a finite number above 0',

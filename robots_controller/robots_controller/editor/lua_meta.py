@@ -59,10 +59,12 @@ HEADER: Final = f"""---@meta
 
 ---@class CartesianOptions
 ---@field blend? number m, zone in which the corner to the next motion may be cut
+---@field avoid? boolean|0|1 whether joint motions go around what is in the way
 ---@field on_path? PathSwitch|PathSwitch[]
 
 ---@class JointOptions
 ---@field jointBlend? number deg, zone in which the corner to the next motion may be cut
+---@field avoid? boolean|0|1 whether joint motions go around what is in the way
 ---@field on_path? PathSwitch|PathSwitch[]
 """
 

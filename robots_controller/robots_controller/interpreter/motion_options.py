@@ -33,11 +33,13 @@ class MotionOptions:
 
     Attributes:
         blend: Zone of the corner, m or rad; 0 for none.
+        avoid: Whether this motion goes around what is in the way; None as it is set.
         switches: Outputs to switch on the way.
         until: Ends the motion where it holds.
     """
 
     blend: float = 0.0
+    avoid: bool | None = None
     switches: tuple[PathSwitch, ...] = ()
     until: Condition | None = None
 
@@ -47,6 +49,8 @@ _BLENDS: Final = {
     'joint': Argument('jointBlend', kinds.POSITIVE, 'deg'),
 }
 
+_AVOID: Final = Argument('avoid', kinds.SWITCH)
+
 
 def check_options(function: LuaFunction, table: LuaTable, sizes: Sizes) -> MotionOptions:
     """Check the options of a call.
@@ -55,19 +59,21 @@ def check_options(function: LuaFunction, table: LuaTable, sizes: Sizes) -> Motio
         LuaCallError: naming the option, what came and what is valid.
     """
     blend_argument = _BLENDS[function.options]
-    blend = 0.0
+    blend, avoid = 0.0, None
     switches: tuple[PathSwitch, ...] = ()
     for key, given in table.fields.items():
         if key == blend_argument.name:
             blend = check_value(function.name, f'options.{key}', blend_argument, given, sizes)
+        elif key == 'avoid':
+            avoid = bool(check_value(function.name, 'options.avoid', _AVOID, given, sizes))
         elif key == 'on_path':
             switches = _check_switches(function.name, given, sizes)
         else:
             raise LuaCallError(
                 f'{function.name}: options has no {key}; valid are {blend_argument.name} '
-                f'({blend_argument.unit}) and on_path'
+                f'({blend_argument.unit}), avoid and on_path'
             )
-    return MotionOptions(blend, switches)
+    return MotionOptions(blend, avoid, switches)
 
 
 def _check_switches(function: str, given: LuaArgument, sizes: Sizes) -> tuple[PathSwitch, ...]:

@@ -10,6 +10,7 @@ from robots_core.blocks.collision.allowed_pair_sampling import find_allowed_pair
 from robots_core.blocks.collision.engine import CoalEngine, CollisionEngine, FclEngine
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.pair_kernels import Indices
+from robots_core.blocks.collision.path_certificate import PathCertificate
 from robots_core.blocks.collision.path_search import RESOLUTION, closest_approach, first_approach
 from robots_core.blocks.collision.results import CollisionError, PathProximity, Proximity
 from robots_core.blocks.collision.robot_solids import held_solids, robot_solids
@@ -25,6 +26,7 @@ from robots_core.validation import Array, finite_vector, one_of, positive, read_
 ENGINES: Final[dict[str, type[CollisionEngine]]] = {'fcl': FclEngine, 'coal': CoalEngine}
 
 MARGINS: Final = (5e-4, 0.5)  # m
+ROUNDING = 1e-6  # m, far above what the computed distances of one posture differ by
 # Pairs of an attached object and a link with at most so many axes between them are excluded if proven apart.
 NEAR_AXES = 2
 NEAR_BUDGET = 300  # joint positions evaluated for that proof
@@ -95,6 +97,7 @@ class CollisionDetection:
 
         pairs = [(i, j) for i in range(len(solids)) for j in range(i + 1, len(solids)) if checked(i, j)]
         self._set = self._without_held_apart(solids, pairs, {item.name for item in scene.attached})
+        self._certificate: PathCertificate | None = None
         self._engine = self._engine_type(solids)
         self._surfaces = np.array([not solid.convex and solid.closed for solid in solids], dtype=bool)
         self._with_surface = np.flatnonzero(
@@ -218,13 +221,50 @@ class CollisionDetection:
         """
         self._check_path(path)
         since = path.start if since is None else min(max(since, path.start), path.end)
+        margins = self._margins(path.sample(since), margin)
+        time = first_approach(self._set, path, since, margins)
+        return None if time is None else self._at(path, time, margins)
+
+    def certificate(self, start: ArrayLike, *, margin: float = 0.0) -> tuple[PathCertificate, Array]:
+        """Certificates for paths from a posture, and the distances that pairs keep on them, (p,) m.
+
+        `first_approach` finds nothing on a path of pieces that are certified with these distances.
+
+        Args:
+            start: Joint positions, (n,) rad (m). Bodies that are closer there may separate.
+            margin: m, from 0.
+
+        Raises:
+            InvalidInputError: `start` of another shape or not finite, or a margin that is negative.
+        """
+        q = finite_vector(start, self.robot.num_axes, 'start')
+        kept = self._margins(q, margin) + RESOLUTION + ROUNDING
+        self._set.place(q)
+        at_start = self._set.distances(np.arange(kept.size), kept)
+        # Those that are just above the margin may stay so.
+        close = at_start <= kept
+        kept[close] = np.maximum(at_start[close] - ROUNDING, 0.0)
+        if self._certificate is None:
+            self._certificate = PathCertificate(self.robot, self._set)
+        return self._certificate, kept
+
+    def proximity(self, q: ArrayLike, pair: int) -> Proximity:
+        """How close a pair of the certificate is at joint positions `q`, (n,) rad (m)."""
+        self._place(q)
+        return self._proximity(pair)
+
+    def names(self, pair: int) -> tuple[str, str]:
+        """Names of a pair of the certificate, that moved by more axes first."""
+        return self._names(pair)
+
+    def _margins(self, q: Array, margin: float) -> Array:
+        """Distances that pairs keep on a path from `q`, (p,) m: those that are closer there may separate."""
         margins = np.full(self._set.first.size, checked_margin(margin))
-        self._set.place(path.sample(since))
+        self._set.place(q)
         at_start = self._set.distances(np.arange(margins.size), margins)
         leaving = (at_start > 0.0) & (at_start <= margins)
         margins[leaving] = np.maximum(at_start[leaving] - 2.0 * RESOLUTION, 0.0)
-        time = first_approach(self._set, path, since, margins)
-        return None if time is None else self._at(path, time, margins)
+        return margins
 
     def check(self, path: JointPath, *, margin: float = 0.0) -> None:
         """Check that a path keeps the margin everywhere.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.validation import Array
@@ -68,6 +69,8 @@ class CommandPlanner:
     def _plan(self, chain: CommandChain) -> None:
         while True:
             failures = self._queue.failures
+            # Only a motion that fails gives up those after it; see `CommandQueue`.
+            self._planning.cancelled = partial(self._failed_since, failures)
             if reason := self._queue.given_up(chain.commands):
                 raise PlanningError(reason)
             running = self._queue.running
@@ -80,6 +83,9 @@ class CommandPlanner:
         if planned.join_time > 0.0:
             self._queue.replaced(running[-1])
         self._send(planned)
+
+    def _failed_since(self, failures: int) -> bool:
+        return self._queue.failures != failures
 
     def _planned(self, chain: CommandChain, running: tuple[RunningMotion, ...]) -> ChainPlan:
         commands = chain.commands

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypedDict, cast
 
@@ -25,6 +25,7 @@ from robots_planning.paths.path_deviation import SampledPath
 from robots_planning.trajectory import Trajectory
 
 if TYPE_CHECKING:
+    from robots_core.blocks.collision_detection import CollisionDetection
     from robots_planning.motion_settings import MotionSettings
 
 # Plans stay this fraction inside the limits, which covers rounding and resampling.
@@ -164,6 +165,17 @@ class TrajectoryGenerator(ABC):
             InvalidInputError: the planner starts from rest only; or as `generate`.
         """
         raise InvalidInputError(f'{type(self).__name__} cannot start from a robot that moves')
+
+    def surround(  # noqa: B027  # a hook
+        self, collision: CollisionDetection | None, margin: float, cancelled: Callable[[], bool]
+    ) -> None:
+        """Take what a planner needs that plans around obstacles; others have no use for it.
+
+        Args:
+            collision: Of the robot in its current scene; None where nothing checks for collisions.
+            margin: Distance that motions keep, m, from 0.
+            cancelled: Whether the motion that is being planned was given up; for plans that take long.
+        """
 
     def joint_path(self, start: Array, target: Target) -> JointPath | None:  # noqa: ARG002  # a hook
         """The path of the axes that a motion alone would take, so that it can run through to the next.

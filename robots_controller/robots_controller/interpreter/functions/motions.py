@@ -119,6 +119,9 @@ class Motions(Family):
             )
         elif not chained and 'blend_zone' in self._run.settings:
             self._run.change(blend_zone=0.0, joint_blend_zone=0.0)
+        settings = dict(self._run.settings)
+        if options.avoid is not None:
+            settings['avoid'] = options.avoid
         command = MotionCommand(
             kind,
             self._run.line,
@@ -126,7 +129,7 @@ class Motions(Family):
             q=q,
             pose=pose,
             path=poses,
-            settings=MappingProxyType(dict(self._run.settings)),
+            settings=MappingProxyType(settings),
             blend=blend,
             switches=options.switches,
         )

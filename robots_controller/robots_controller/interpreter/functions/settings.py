@@ -119,6 +119,17 @@ class Settings(Family):
         """Switches jerk limits on or off for Cartesian motions and blended chains."""
         self._run.change(jerk_limited=bool(value))
 
+    @lua_function(
+        SWITCH,
+        Argument('budget', kinds.POSITIVE, 's', 'longest search for a way around', optional=True),
+    )
+    def setAvoid(self, value: float, budget: float | None) -> None:
+        """Lets joint motions go around what is in the way.
+
+        A search counts postures, 25 000 a second of its budget, so that every computer finds the same way.
+        """
+        self._run.change(avoid=bool(value), **_given(avoid_budget=budget))
+
     @lua_function(*_speeds('acceleration', 's^2'))
     def setAcceleration(self, *limits: float | None) -> None:
         """Sets acceleration limits of the next motions; nil leaves one as it is."""

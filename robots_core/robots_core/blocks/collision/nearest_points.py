@@ -65,6 +65,21 @@ def support(
 
 
 @compiled()
+def gap_along(
+    parts: PartArrays, R: Array, t: Array, i: int, j: int, x: float, y: float, z: float, p: Array
+) -> float:
+    """Distance of two parts along the unit vector (x, y, z), from i to j, m: a bound on theirs from below.
+
+    `p` (3,) is scratch memory.
+    """
+    support(parts, R, t, i, x, y, z, p)
+    first = p[0] * x + p[1] * y + p[2] * z
+    support(parts, R, t, j, -x, -y, -z, p)
+    gap: float = p[0] * x + p[1] * y + p[2] * z - first - parts[4][i] - parts[4][j]
+    return gap
+
+
+@compiled()
 def _weighted(weights: Array, points: Array, count: int) -> Vector:
     """Sum of the first `count` points with their weights."""
     total = (0.0, 0.0, 0.0)
@@ -127,8 +142,22 @@ def _closest(W: Array, count: int, weights: Array, trial: Array) -> float:
 
 
 @compiled()
-def nearest_points(parts: PartArrays, R: Array, t: Array, i: int, j: int, result: Array) -> None:
+def nearest_points(
+    parts: PartArrays,
+    R: Array,
+    t: Array,
+    i: int,
+    j: int,
+    near: float,
+    enough: float,
+    between: bool,  # noqa: FBT001
+    result: Array,
+) -> None:
     """Fill result (8,): proven lower bound and value of the distance (m), nearest points on i and on j.
+
+    The search ends early where it is of no further use: at a distance of at most `near`, as soon as the lower
+    bound exceeds `enough`, and, with `between`, once the distance is sure to be between both. The value is
+    then above the distance, and the points are not the nearest.
 
     Args:
         parts: All parts.
@@ -136,6 +165,9 @@ def nearest_points(parts: PartArrays, R: Array, t: Array, i: int, j: int, result
         t: Positions of their frames, (f, 3), m.
         i: The first part.
         j: The other one.
+        near: m, from 0.
+        enough: m.
+        between: Whether a distance between both needs no value.
         result: Both distances are 0 in contact, the points then lie in both, or near it.
     """
     W, A, B = np.empty((4, 3)), np.empty((4, 3)), np.empty((4, 3))
@@ -160,7 +192,9 @@ def nearest_points(parts: PartArrays, R: Array, t: Array, i: int, j: int, result
         support(parts, R, t, i, -x, -y, -z, a)
         support(parts, R, t, j, x, y, z, b)
         lower = max(lower, (x * (a[0] - b[0]) + y * (a[1] - b[1]) + z * (a[2] - b[2])) / upper)
-        if upper - lower <= GAP or upper <= rounding:
+        if upper - lower <= GAP or upper <= rounding + near or lower > rounding + enough:
+            break
+        if between and lower > rounding + near and upper <= rounding + enough:
             break
         # Keep points with positive weight, and add the new one.
         kept = 0

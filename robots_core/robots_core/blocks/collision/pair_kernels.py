@@ -81,16 +81,25 @@ def broad_distances(solids: SolidArrays, R: Array, t: Array, first: Indices, sec
 
 @compiled()
 def solid_distance(
-    solids: SolidArrays, R: Array, t: Array, i: int, j: int, enough: float, result: Array
+    solids: SolidArrays,
+    R: Array,
+    t: Array,
+    i: int,
+    j: int,
+    near: float,
+    enough: float,
+    between: bool,  # noqa: FBT001
+    result: Array,
 ) -> None:
     """Fill result (8,) as `nearest_points` does, for solids of any kind.
 
     Surfaces are not filled: a solid inside of one has a distance from it. A lower bound beyond `enough` (m)
-    may be less than the distance, and the points are then not the nearest ones.
+    may be less than the distance, and the points are then not the nearest ones. The same holds for a distance
+    of at most `near` (m) and, with `between`, for one between both.
     """
     parts, first, centres, radii = solids[0], solids[1], solids[2], solids[3]
     if first[i + 1] - first[i] == 1 and first[j + 1] - first[j] == 1:
-        nearest_points(parts, R, t, first[i], first[j], result)
+        nearest_points(parts, R, t, first[i], first[j], near, enough, between, result)
         return
     one = np.empty(8)
     R_i, R_j = matrix_of(R[i]), matrix_of(R[j])
@@ -108,7 +117,7 @@ def solid_distance(
             if apart > result[1] or apart > enough:
                 result[0] = min(result[0], apart)
                 continue
-            nearest_points(parts, R, t, a, b, one)
+            nearest_points(parts, R, t, a, b, near, min(enough, result[1]), between, one)
             result[0] = min(result[0], one[0])
             if one[1] < result[1]:
                 copy_into(result[1:], one[1:])
@@ -124,7 +133,7 @@ def distances(
     for k in range(first.size):
         bounds[k] = broad_distance(solids, R, t, first[k], second[k])
         if bounds[k] <= enough[k]:
-            solid_distance(solids, R, t, first[k], second[k], enough[k], result)
+            solid_distance(solids, R, t, first[k], second[k], 0.0, enough[k], False, result)
             bounds[k] = result[0]
     return bounds
 
@@ -143,7 +152,7 @@ def smallest_distance(
         if bounds[k] >= best:
             break
         bounds[k] = np.inf
-        solid_distance(solids, R, t, first[k], second[k], best, result)
+        solid_distance(solids, R, t, first[k], second[k], 0.0, best, False, result)
         if result[1] < best:
             best, at = result[1], k
     return best, at

@@ -73,9 +73,10 @@ class CollisionError(PlanningError):
     Args:
         place: The first place on the path where it does.
         margin: m.
+        advice: What to do about it, for a person; '' for nothing in particular.
     """
 
-    def __init__(self, place: PathProximity, margin: float) -> None:
+    def __init__(self, place: PathProximity, margin: float, advice: str = '') -> None:
         x, y, z = (float(value) for value in place.tool0.r)
         message = f'the motion collides: {place.describe(margin)}'
         if not place.proximity.in_contact:
@@ -83,7 +84,7 @@ class CollisionError(PlanningError):
                 message += f' and may come {1e3 * RESOLUTION:g} mm closer'
             message += f'; the margin is {1e3 * margin:g} mm'
         super().__init__(
-            message,
+            f'{message}; {advice}' if advice else message,
             link=place.proximity.first,
             obstacle=place.proximity.second,
             distance=place.proximity.distance,

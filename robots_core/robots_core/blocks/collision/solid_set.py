@@ -64,7 +64,9 @@ class SolidSet:
     def nearest(self, pair: int) -> Array:
         """Lower bound and distance, m, and nearest points of a pair, (8,); see `nearest_points`."""
         result = np.empty(8)
-        solid_distance(self.arrays, self.R, self.t, self.first[pair], self.second[pair], np.inf, result)
+        solid_distance(
+            self.arrays, self.R, self.t, self.first[pair], self.second[pair], 0.0, np.inf, False, result
+        )
         return result
 
     def travels(self, chosen: Indices, turn: Array) -> Array:

@@ -1,0 +1,1 @@
+"""Paths around obstacles: searched, shortened and rounded, with a certificate for each piece."""

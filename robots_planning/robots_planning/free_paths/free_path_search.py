@@ -1,0 +1,193 @@
+"""FreePathSearch: a certified way between postures around all that is in the way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from robots_core.blocks.collision.pair_kernels import Indices
+from robots_core.blocks.collision.path_certificate import FREE, PathCertificate
+from robots_core.blocks.collision_detection import CollisionDetection
+from robots_core.errors import PlanningError
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array
+from robots_planning.free_paths.search_kernel import Random, Tree, grow, shorten
+
+POSTURES_PER_SECOND: Final = 25_000
+"""What a search looks at in a second of its budget; a core of a desktop computer needs about as long."""
+SLICE: Final = 500  # postures that are looked at before a cancellation is seen, 15 ms
+CAPACITY: Final = 1024  # rows of a tree at first
+SHORTCUTS: Final = 60
+MOST_BLOCKING: Final = 3  # pairs that a refusal names
+AROUND: Final = np.pi  # rad (m), beyond start and target that postures are sampled in
+
+
+class NoFreePathError(PlanningError):
+    """The search has found no way within its budget, which does not mean that there is none."""
+
+
+class SearchCancelledError(PlanningError):
+    """Somebody has given the motion up."""
+
+
+@dataclass(frozen=True, eq=False)
+class FreeWay:
+    """Postures with certified lines between them, (k, n) rad (m), from start to target; k >= 2."""
+
+    postures: Array
+    certificate: PathCertificate
+    margins: Array
+
+
+class FreePathSearch:
+    """Searches with two trees whose edges are certified, and shortens what it finds.
+
+    The result depends on start, targets, scene, margin and seed alone: the budget counts postures, not time,
+    and what is computed of angles decides only between yes and no.
+
+    Args:
+        robot: The robot.
+        detection: Of the robot in its scene.
+        margin: Distance that the way keeps, m, from 0.
+        budget: Longest search, s, at `POSTURES_PER_SECOND`.
+        seed: Of the random numbers, from 0.
+    """
+
+    def __init__(
+        self,
+        robot: BaseRobotModel,
+        detection: CollisionDetection,
+        *,
+        margin: float,
+        budget: float,
+        seed: int = 0,
+    ) -> None:
+        self._axes = robot.axes_data
+        self._detection, self._margin = detection, margin
+        self._budget, self._seed = budget, seed
+        # In this norm, a way's length is about its time.
+        self._weights = self._axes.velocity.max() / self._axes.velocity
+
+    def way(self, start: Array, targets: Array, cancelled: Callable[[], bool] = lambda: False) -> FreeWay:
+        """A short way from a free posture to one of several, the first that a free line leads to if any.
+
+        Args:
+            start: (n,) rad (m).
+            targets: Free postures, (k, n), k >= 1.
+            cancelled: Whether to give up; asked every few milliseconds.
+
+        Raises:
+            NoFreePathError: none was found; names the bodies in the way and how close the search came.
+            SearchCancelledError: it was given up.
+        """
+        certificate, margins = self._detection.certificate(start, margin=self._margin)
+        for target in targets:
+            if certificate.line(start, target, margins) == FREE:
+                return FreeWay(np.array([start, target]), certificate, margins)
+        return self.way_around(start, targets, cancelled)
+
+    def way_around(
+        self, start: Array, targets: Array, cancelled: Callable[[], bool] = lambda: False
+    ) -> FreeWay:
+        """`way` where no line is free: arguments and errors as there."""
+        certificate, margins = self._detection.certificate(start, margin=self._margin)
+        certificate.work[0] = 0
+        random: Random = np.array([self._seed], dtype=np.uint64)
+        path = self._searched((certificate, margins), np.vstack([start, targets]), random, cancelled)
+        path = shorten(
+            certificate.body,
+            certificate.placed,
+            margins,
+            self._weights,
+            path,
+            SHORTCUTS,
+            random,
+            certificate.work,
+        )
+        return FreeWay(path, certificate, margins)
+
+    def _searched(
+        self,
+        kept: tuple[PathCertificate, Array],
+        ends: Array,
+        random: Random,
+        cancelled: Callable[[], bool],
+    ) -> Array:
+        """Postures with free lines between them; `ends` are the start and the targets."""
+        certificate, margins = kept
+        trees = _tree(ends[:1], CAPACITY), _tree(ends[1:], CAPACITY)
+        counts: Indices = np.array([1, len(ends) - 1])
+        blocked: Indices = np.zeros(margins.size, dtype=np.int64)
+        closest = np.array([np.inf, 0.0, 0.0])
+        domain, work = self._domain(ends), certificate.work
+        most = int(self._budget * POSTURES_PER_SECOND)
+        while work[0] < most:
+            if cancelled():
+                raise SearchCancelledError('given up while a way around obstacles was searched for')
+            a, b = grow(
+                certificate.body,
+                certificate.placed,
+                margins,
+                domain,
+                self._weights,
+                trees,
+                counts,
+                blocked,
+                closest,
+                random,
+                work,
+                min(int(work[0]) + SLICE, most),
+            )
+            if a >= 0:
+                return np.concatenate([_branch(trees[0], a)[::-1], _branch(trees[1], b)])
+            capacity = len(trees[0][1])
+            if int(counts.max()) >= capacity - 1:
+                trees = (
+                    _tree(trees[0][0], 2 * capacity, trees[0][1]),
+                    _tree(trees[1][0], 2 * capacity, trees[1][1]),
+                )
+        raise self._none(trees, blocked, closest)
+
+    def _domain(self, ends: Array) -> Array:
+        """Lowest and highest posture of samples, (2, n): inside the limits, a turn where they are wide."""
+        low = np.maximum(self._axes.lower, ends.min(axis=0) - AROUND)
+        return np.array([low, np.minimum(self._axes.upper, ends.max(axis=0) + AROUND)])
+
+    def _none(self, trees: tuple[Tree, Tree], blocked: Indices, closest: Array) -> NoFreePathError:
+        names: dict[tuple[str, str], int] = {}
+        for pair in np.flatnonzero(blocked):
+            pair_names = self._detection.names(int(pair))
+            names[pair_names] = names.get(pair_names, 0) + int(blocked[pair])
+        most = sorted(names, key=lambda pair: -names[pair])[:MOST_BLOCKING]
+        way = np.abs(trees[0][0][int(closest[1])] - trees[1][0][int(closest[2])])
+        axis = int(np.argmax(way))
+        name, unit = self._axes.names[axis], self._axes.unit(axis)
+        blocking = ', '.join(f'{a} by {b}' for a, b in most)
+        return NoFreePathError(
+            f'no free way found within a budget of {self._budget:g} s: the searches from start and target '
+            f'come within {way[axis]:.4g} {unit} of {name}; most often blocked is {blocking or "nothing"}',
+            joint=name,
+            gap=float(way[axis]),
+            blocking='; '.join(f'{a} - {b}' for a, b in most),
+        )
+
+
+def _tree(postures: Array, capacity: int, parents: Indices | None = None) -> Tree:
+    """A tree with these postures first."""
+    rows, parent = np.empty((capacity, postures.shape[1])), np.full(capacity, -1, dtype=np.int64)
+    rows[: len(postures)] = postures
+    if parents is not None:
+        parent[: len(parents)] = parents
+    return rows, parent
+
+
+def _branch(tree: Tree, row: int) -> Array:
+    """Postures from a row to its root, (k, n)."""
+    rows = []
+    while row >= 0:
+        rows.append(tree[0][row])
+        row = int(tree[1][row])
+    return np.array(rows)

@@ -1,0 +1,330 @@
+"""CollisionFreeJoint: free paths around obstacles, and what is said where there is none."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from robots_core import BaseRobotModel, Pose, load_robot_model
+from robots_core.blocks import AttachedObject, CollisionDetection, JointPath, Scene, SceneObject
+from robots_core.blocks.collision.path_certificate import FREE
+from robots_core.blocks.collision.results import CollisionError
+from robots_core.errors import JointLimitError
+from robots_core.robot_model.shapes import Box, Capsule, Geometry, Mesh, Sphere
+from robots_planning import CollisionFreeJoint, MotionSettings, PathPlanning, Trajectory
+from robots_planning.free_paths.free_path_search import (
+    SLICE,
+    FreePathSearch,
+    NoFreePathError,
+    SearchCancelledError,
+)
+from robots_planning.free_paths.free_postures import BlockedPostureError
+from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE
+
+MARGIN = 0.005  # m
+FINE = 0.01  # s, between postures of the dense check
+START = np.radians([-30.0, -70.0, 90.0, 0.0, 70.0, 0.0])
+SIDES = np.radians([[side, -70.0, 90.0, 0.0, 70.0, 0.0] for side in (-70.0, 70.0)])
+TARGET = np.radians([30.0, -70.0, 90.0, 0.0, 70.0, 0.0])
+
+
+@cache
+def robot() -> BaseRobotModel:
+    return load_robot_model('kuka_kr210_r2700')
+
+
+def item(name: str, geometry: Geometry, *position: float) -> SceneObject:
+    return SceneObject(name, geometry, Pose(np.array(position), np.eye(3)))
+
+
+POST = item('post', Capsule(0.05, 1.6), 1.7, 0.0, 1.0)
+
+
+def detection_of(*objects: SceneObject, attached: tuple[AttachedObject, ...] = ()) -> CollisionDetection:
+    return CollisionDetection(robot(), scene=Scene(objects, attached))
+
+
+@cache
+def around_post() -> CollisionDetection:
+    return detection_of(POST)
+
+
+@cache
+def divided_room() -> CollisionDetection:
+    """Start and target on the two sides of walls that leave nothing but the robot's column free."""
+    front, back = (
+        item(name, Box((4.2, 0.05, 5.0)), x, 0.0, 0.0) for name, x in (('front', 2.7), ('back', -2.7))
+    )
+    return detection_of(front, back, item('roof', Box((6.0, 6.0, 0.1)), 0.0, 0.0, 2.5))
+
+
+def planner(collision: CollisionDetection | None, **options: object) -> CollisionFreeJoint:
+    return CollisionFreeJoint(robot(), collision=collision, **{'margin': MARGIN} | options)  # type: ignore[arg-type]
+
+
+def check_free(collision: CollisionDetection, trajectory: Trajectory, margin: float = MARGIN) -> None:
+    """No posture comes closer, by distances that are computed one by one."""
+    times = np.arange(0.0, trajectory.duration, FINE)
+    for q in trajectory.sample(times)[0]:
+        closest = collision.distance(q)
+        assert closest is None or closest.distance >= margin
+    path = JointPath(trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration)
+    assert collision.first_approach(path, margin=margin) is None
+
+
+def test_the_motion_goes_around_without_a_stop_and_keeps_all_limits():
+    collision = around_post()
+    straight = JointPath.straight(START, TARGET)
+    assert collision.first_approach(straight, margin=MARGIN) is not None
+    planning = PathPlanning(robot(), collision=collision, collision_margin=MARGIN)
+    motion = planning.plan(JOINT, START, TARGET, MotionSettings(avoid=True))
+    check_free(collision, motion.trajectory)
+    np.testing.assert_array_equal(motion.trajectory.position[[0, -1]], [START, TARGET])
+    assert motion.report.ok
+    assert 'torque' in motion.report.uses
+    speed = np.abs(motion.trajectory.velocity[1:-1] / robot().axes_data.velocity).max(axis=1)
+    assert speed.min() > 0.0
+
+
+def test_a_free_line_is_the_path():
+    path = planner(around_post()).joint_path(START, START + 0.1)
+    middle, _, _ = path.evaluate(np.array([0.5]))
+    np.testing.assert_allclose(middle[0], START + 0.05, atol=1e-15)
+    assert len(path.s) == 2
+
+
+def test_the_same_motion_is_the_same_to_the_bit_and_another_seed_finds_another():
+    first, again = (planner(detection_of(POST)).joint_path(START, TARGET) for _ in range(2))
+    for one, other in zip(first.samples, again.samples, strict=True):
+        np.testing.assert_array_equal(one, other)
+    other = planner(around_post(), seed=1).joint_path(START, TARGET)
+    assert not np.array_equal(first.q, other.q)
+
+
+def test_random_numbers_are_those_that_are_published():
+    """Of splitmix64 from 1234567 (Vigna's reference program), as parts of 2^53."""
+    from robots_planning.free_paths.search_kernel import uniform  # noqa: PLC0415
+
+    state = np.array([1234567], dtype=np.uint64)
+    expected = (6457827717110365317, 3203168211198807973, 9817491932198370423)
+    assert [uniform(state) for _ in expected] == [(value >> 11) * 2.0**-53 for value in expected]
+
+
+def test_jerk_limits_are_kept_on_request():
+    generator = planner(around_post(), jerk_limited=True)
+    trajectory = generator.generate(START, TARGET)
+    check_free(around_post(), trajectory)
+    times = np.linspace(0.0, trajectory.duration, 4000)
+    acceleration = trajectory.sample(times)[2]
+    jerk = np.abs(np.diff(acceleration, axis=0) / np.diff(times)[:, None]).max(axis=0)
+    assert (jerk <= robot().axes_data.jerk).all()
+
+
+def test_a_pose_is_reached_in_another_posture_where_the_nearest_collides():
+    arm = load_robot_model('ur5e')
+    start = arm.home + np.array([0.0, 0.6, 0.0, 0.0, 0.0, 0.0])
+    pose = Pose(*arm.direct_kinematics(start + np.array([1.2, 0.0, 0.0, 0.0, 0.0, 0.0])))
+    nearest = CollisionFreeJoint(arm).goal(start, pose)
+    # A ball at the elbow of the nearest posture; others have theirs elsewhere.
+    elbow = arm.kinematic_model.frame_axes(nearest)[0][2]
+    ball = item('ball', Sphere(0.03), *elbow)
+    collision = CollisionDetection(arm, scene=Scene((ball,)))
+    assert collision.in_contact(nearest)
+    trajectory = CollisionFreeJoint(arm, collision=collision, margin=MARGIN).generate(start, pose)
+    end = trajectory.position[-1]
+    assert np.abs(end - nearest).max() > 0.1
+    reached = Pose(*arm.direct_kinematics(end)).distance_to(pose)
+    assert max(reached) < 1e-8
+    check_free(collision, trajectory)
+
+
+def test_tool_and_workpiece_count_and_a_changed_scene_too():
+    planning = PathPlanning(robot(), collision=detection_of(), collision_margin=MARGIN)
+    settings = MotionSettings(avoid=True)
+    free = planning.plan(JOINT, START, TARGET, settings)
+    assert planning.collision is not None
+    planning.collision.set_scene(Scene((POST,)))
+    around = planning.plan(JOINT, START, TARGET, settings)
+    rod = AttachedObject('rod', Capsule(0.02, 0.6), Pose(np.array([0.0, 0.0, 0.3]), np.eye(3)))
+    planning.collision.set_scene(Scene((POST,), (rod,)))
+    with_rod = planning.plan(JOINT, START, TARGET, settings)
+    assert free.duration < around.duration
+    check_free(planning.collision, with_rod.trajectory)
+
+
+def test_limits_that_change_hold_for_the_next_motion_on_the_same_path():
+    planning = PathPlanning(robot(), collision=around_post(), collision_margin=MARGIN)
+    fast = planning.plan(JOINT, START, TARGET, MotionSettings(avoid=True))
+    slow = planning.plan(JOINT, START, TARGET, MotionSettings(avoid=True, speed_fraction=0.2))
+    assert slow.duration > fast.duration
+    limit = 0.2 * robot().axes_data.velocity
+    assert (np.abs(slow.trajectory.velocity) <= limit).all()
+
+
+def test_a_robot_without_anything_around_it_or_without_shapes_takes_its_line():
+    straight = planner(None).generate(START, TARGET)
+    bare = CollisionDetection(robot(), scene=Scene(), allowed_pairs=None)
+    np.testing.assert_array_equal(straight.position, planner(bare).generate(START, TARGET).position)
+    still = planner(bare).generate(START, START)
+    np.testing.assert_array_equal(still.position, [START, START])
+
+
+def test_a_thin_sheet_is_not_missed():
+    """A tenth of a millimetre: between samples of any check that is not certified."""
+    sheet = item('sheet', Box((0.6, 1e-4, 1.2)), 1.7, 0.0, 1.2)
+    collision = detection_of(sheet)
+    assert collision.first_approach(JointPath.straight(START, TARGET)) is not None
+    check_free(collision, planner(collision).generate(START, TARGET))
+
+
+# -- refusals -----------------------------------------------------------------------------------------
+
+
+def test_a_start_in_contact_is_refused_with_the_jog_that_leaves_it():
+    r, _ = robot().direct_kinematics(START)
+    collision = detection_of(item('ball', Sphere(0.05), *r))
+    with pytest.raises(
+        BlockedPostureError, match=r'the start collides: link_\d/\w+ meets ball; jog'
+    ) as caught:
+        planner(collision).generate(START, TARGET)
+    words = caught.value.message.split('jog ')[1].split()
+    axis, way = robot().axes_data.names.index(words[0]), float(words[2])
+    q = START.copy()
+    q[axis] += way
+    assert not collision.in_contact(q)
+
+
+def test_a_start_within_the_margin_is_left():
+    r, T = robot().direct_kinematics(START)
+    ball = item('ball', Sphere(0.05), *(r + T @ [0.0, 0.0, 0.1]))
+    collision = detection_of(ball)
+    closest = collision.distance(START)
+    assert closest is not None
+    margin = closest.distance + 0.01
+    trajectory = planner(collision, margin=margin).generate(START, START + 0.3 * np.eye(6)[0])
+    assert trajectory.duration > 0.0
+
+
+def test_a_target_that_collides_or_is_too_close_is_refused():
+    r, _ = robot().direct_kinematics(TARGET)
+    with pytest.raises(BlockedPostureError, match=r'the target collides: .* meets ball'):
+        planner(detection_of(item('ball', Sphere(0.05), *r))).generate(START, TARGET)
+    r, T = robot().direct_kinematics(TARGET)
+    collision = detection_of(item('ball', Sphere(0.05), *(r + T @ [0.0, 0.0, 0.1])))
+    closest = collision.distance(TARGET)
+    assert closest is not None
+    margin = closest.distance + 0.01
+    with pytest.raises(
+        BlockedPostureError, match=rf'the target is too close: .*the margin is {1e3 * margin:g}'
+    ):
+        planner(collision, margin=margin).generate(START, TARGET)
+
+
+def test_a_pose_whose_postures_all_collide_is_refused_with_their_number():
+    pose = Pose(*robot().direct_kinematics(TARGET))
+    collision = detection_of(item('ball', Sphere(0.05), *pose.r))
+    with pytest.raises(BlockedPostureError, match=r'none of \d+ postures that reach the target is free'):
+        planner(collision).generate(START, pose)
+
+
+def test_a_search_without_an_end_is_refused_with_what_blocks_it():
+    with pytest.raises(
+        NoFreePathError, match=r'budget of 0\.05 s: .* come within .* rad of .* by (front|back|roof)'
+    ):
+        planner(divided_room(), budget=0.05).generate(*SIDES)
+
+
+def test_a_posture_outside_the_limits_is_refused():
+    with pytest.raises(JointLimitError):
+        planner(around_post()).generate(START, [7.0, *TARGET[1:]])
+
+
+def test_a_tool_larger_than_the_robot_is_planned_with():
+    pole = AttachedObject('pole', Capsule(0.02, 3.0), Pose(np.array([0.0, 0.0, 1.5]), np.eye(3)))
+    collision = CollisionDetection(robot(), scene=Scene((POST,), (pole,)))
+    check_free(collision, planner(collision).generate(START, TARGET))
+
+
+def test_a_search_is_given_up_within_a_few_hundred_postures():
+    asked: list[int] = []
+
+    def cancelled() -> bool:
+        asked.append(int(certificate.work[0]))
+        return len(asked) > 1
+
+    search = FreePathSearch(robot(), divided_room(), margin=MARGIN, budget=10.0)
+    certificate, _ = divided_room().certificate(SIDES[0], margin=MARGIN)
+    with pytest.raises(SearchCancelledError):
+        search.way(SIDES[0], SIDES[1:], cancelled)
+    deepest_edge = 4000  # postures of one edge that grazes something
+    assert certificate.work[0] < SLICE + deepest_edge
+
+
+def test_two_thousand_bodies_are_a_scene():
+    rng = np.random.default_rng(3)
+    grid = [
+        item(f'stone_{k}', Box((0.05, 0.05, 0.05)), *at)
+        for k, at in enumerate(rng.uniform([-2.5, -2.5, -1.0], [2.5, 2.5, -0.5], (2000, 3)))
+    ]
+    collision = detection_of(POST, *grid)
+    check = planner(collision).generate(START, TARGET)
+    path = JointPath(check.time, check.position, check.velocity, check.acceleration)
+    assert collision.first_approach(path, margin=MARGIN) is None
+
+
+def test_lines_that_collide_are_refused_with_the_motion_that_does_not():
+    planning = PathPlanning(robot(), collision=around_post(), collision_margin=MARGIN)
+    pose = Pose(*robot().direct_kinematics(TARGET))
+    with pytest.raises(CollisionError) as plain:
+        planning.plan(LINE, START, pose)
+    with pytest.raises(CollisionError, match=r'ptpJointSpacePosition leads there around it in \d') as caught:
+        planning.plan(LINE, START, pose, MotionSettings(avoid=True))
+    assert caught.value.message.startswith(plain.value.message)
+    assert caught.value.details == plain.value.details
+    duration = float(caught.value.message.split(' in ')[-1].split(' s')[0])
+    motion = planning.plan(JOINT_TO_POSE, START, pose, MotionSettings(avoid=True))
+    assert math.isclose(motion.duration, duration, abs_tol=0.005)
+
+
+# -- certificates -------------------------------------------------------------------------------------
+
+
+def test_certificates_agree_with_the_check_of_paths():
+    shapes = (
+        item('box', Box((0.4, 0.4, 0.4)), 1.5, 0.5, 1.0),
+        item(
+            'bowl', Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]])), 0.8, -1.2, 1.0
+        ),
+        POST,
+    )
+    collision = detection_of(*shapes)
+    rng = np.random.default_rng(7)
+    axes = robot().axes_data
+    verdicts = []
+    for start, end in rng.uniform(axes.lower, axes.upper, (60, 2, axes.num_axes)):
+        end = start + 0.4 * (end - start)  # noqa: PLW2901
+        if collision.in_contact(start):
+            continue
+        certificate, margins = collision.certificate(start, margin=MARGIN)
+        free = certificate.line(start, end, margins) == FREE
+        # What is certified keeps RESOLUTION more than the check asks for.
+        assert not free or collision.first_approach(JointPath.straight(start, end), margin=MARGIN) is None
+        if not free:
+            wider = collision.first_approach(JointPath.straight(start, end), margin=MARGIN + 3e-4)
+            assert wider is not None
+        verdicts.append(free)
+    assert 0.2 < np.mean(verdicts) < 0.98
+
+
+def test_settings_choose_the_planner():
+    planning = PathPlanning(robot())
+    settings = MotionSettings(avoid=True, avoid_budget=0.5)
+    assert isinstance(planning.generator(JOINT, settings), CollisionFreeJoint)
+    assert isinstance(planning.generator(JOINT_TO_POSE, settings), CollisionFreeJoint)
+    assert not isinstance(planning.generator(LINE, settings), CollisionFreeJoint)
+    by_name = replace(settings, avoid=False, joint_planner='collision_free')
+    assert isinstance(planning.generator(JOINT, by_name), CollisionFreeJoint)
