@@ -80,5 +80,5 @@ def _read(file: Path) -> Arrays | None:
 
 def _write(file: Path, arrays: Arrays) -> None:
     unfinished = file.with_suffix(f'.{os.getpid()}.npz')
-    np.savez(unfinished, allow_pickle=False, **dict(arrays))  # type: ignore[arg-type]  # numpy's own stub
+    np.savez(unfinished, allow_pickle=False, **dict(arrays))
     unfinished.replace(file)

@@ -221,7 +221,8 @@ XACRO = (
 PARTS = (
     '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="part" params="length">'
     '<link name="a"/><link name="b"/><link name="tool0"/><joint name="turn" type="revolute">'
-    '<parent link="a"/><child link="b"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="1" effort="1"/></joint>'
+    '<parent link="a"/><child link="b"/><axis xyz="0 0 1"/>'
+    '<limit lower="-1" upper="1" velocity="1" effort="1"/></joint>'
     '<joint name="end" type="fixed"><parent link="b"/><child link="tool0"/>'
     '<origin xyz="${length} 0 0"/></joint>'
     '</xacro:macro></robot>'
