@@ -11,7 +11,7 @@ setup(
     version='0.1.0',
     packages=find_packages(include=[package_name, f'{package_name}.*']),
     package_data={
-        package_name: ['py.typed'],
+        package_name: ['py.typed', 'nodes/nodes.yaml'],
         f'{package_name}.interpreter.lua_side': ['*.lua'],
         f'{package_name}.report.page': ['*.js', '*.css', '*.html'],
     },

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from rich.console import Console
+from rich.markup import escape
 
 from robots_controller.program.program_header import ProgramHeader, read_program_header
 from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
@@ -16,6 +17,7 @@ from robots_core.blocks.following.following_methods import METHODS
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import RobotsError
 from robots_core.operating_modes import OperatingMode
+from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.motion_settings import NOTHING
 
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
@@ -125,6 +127,12 @@ def take_from_program(options: argparse.Namespace) -> None:
             f'{options.orbit} and {options.references} would both guide the robot: give one of them'
         )
     options.note = header.note(options.program, chosen.robot)
+
+
+def show_substitutions(robot: BaseRobotModel, console: Console) -> None:
+    """Say what the robot's files lack, and what was taken in its place."""
+    for sentence in robot.substitutions:
+        console.print(f'[yellow]{escape(robot.name)}: {escape(sentence)}[/]')
 
 
 def exit_code(run: Callable[[Console], int]) -> int:

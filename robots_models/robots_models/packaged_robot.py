@@ -41,5 +41,7 @@ class PackagedRobot(UrdfRobotModel):
                 home=self.HOME,
                 orientation_convention=self.ORIENTATION_CONVENTION,
                 gravity=gravity,
+                hulls=False,
+                strict=True,
                 shapes_on_demand=True,
             )

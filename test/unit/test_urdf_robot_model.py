@@ -164,7 +164,7 @@ def test_text_that_names_no_mesh_file_is_refused(tmp_path: Path, name: str):
 
 def test_mesh_that_is_missing_or_broken_is_refused(tmp_path: Path):
     with pytest.raises(UnknownRobotError, match=r"'none\.stl' not found"):
-        UrdfRobotModel(write_arm(tmp_path, mesh='none.stl'))
+        UrdfRobotModel(write_arm(tmp_path, mesh='none.stl'), strict=True)
     (tmp_path / 'broken.stl').write_text('nothing of a mesh')
     with pytest.raises(UnknownRobotError, match='cannot be read'):
         UrdfRobotModel(write_arm(tmp_path, mesh='broken.stl'))
@@ -178,7 +178,7 @@ def test_shapes_on_demand_are_read_when_they_are_asked_for(tmp_path: Path):
     with pytest.raises(UnknownRobotError, match='cannot be read'):
         _ = robot.visualization
     with pytest.raises(UnknownRobotError, match='not found'):
-        UrdfRobotModel(write_arm(tmp_path, mesh='none.stl'), shapes_on_demand=True)
+        UrdfRobotModel(write_arm(tmp_path, mesh='none.stl'), strict=True, shapes_on_demand=True)
 
 
 def test_missing_urdf_is_refused():

@@ -20,6 +20,7 @@ from robots_controller.cell_arguments import (
     EXIT_OK,
     add_cell_arguments,
     exit_code,
+    show_substitutions,
     take_from_program,
 )
 from robots_controller.editor.debug_token import new_token
@@ -125,6 +126,8 @@ def run_cell(options: argparse.Namespace, console: Console) -> int:
     """
     # A wrong name and a program that is not Lua are said before anything starts.
     robot = load_robot_model(options.robot)
+    if not options.describe:
+        show_substitutions(robot, console)
     if options.program:
         LuaProgram(robot.num_axes).open(options.program)
     # The launch file starts the described nodes in other processes, whose log shows a token of their own.

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robots_core.blocks.collision.allowed_pair_sampling import find_allowed_pairs, proven_apart
+from robots_core.blocks.collision.allowed_pair_sampling import allowed_pairs_of, proven_apart
 from robots_core.blocks.collision.engine import CoalEngine, CollisionEngine, FclEngine
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.pair_kernels import Indices
@@ -62,8 +62,7 @@ class CollisionDetection:
         self.robot = robot
         self._engine_type = ENGINES[one_of('engine', ENGINES)(engine)]
         self._body = robot_solids(robot)
-        stored = robot.collision_model.allowed_pairs if allowed_pairs is None else allowed_pairs
-        self.allowed_pairs = find_allowed_pairs(robot) if stored is None else stored
+        self.allowed_pairs = allowed_pairs_of(robot) if allowed_pairs is None else allowed_pairs
         self.set_scene(Scene() if scene is None else scene)
 
     @property

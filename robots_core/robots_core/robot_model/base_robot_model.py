@@ -67,6 +67,11 @@ class BaseRobotModel(ABC):
         """Joint positions inside the limits to start from, (n,), read-only."""
 
     @property
+    def substitutions(self) -> tuple[str, ...]:
+        """What the robot's files lack, and what was taken in its place, one sentence each."""
+        return ()
+
+    @property
     def drive_data(self) -> DriveData:
         """Motors, gears and their controllers; by default those of `DriveData.from_limits`."""
         return DriveData.from_limits(self.axes_data)

@@ -1,6 +1,6 @@
 """UrdfRobotModel: a robot model derived from a URDF and a file of limits."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from importlib import import_module
 from math import isfinite
@@ -24,10 +24,14 @@ from robots_core.robot_model.pinocchio_models import PinocchioKinematicModel, Pi
 from robots_core.robot_model.robot_visualization import RobotVisualization
 from robots_core.robot_model.shapes import Shape
 from robots_core.robot_model.structural_data import StructuralData
+from robots_core.robot_model.urdf.effort_estimate import with_known_efforts
+from robots_core.robot_model.urdf.substitutions import Substitutions
 from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
 from robots_core.robot_model.urdf.urdf_inertia import check_inertia
 from robots_core.robot_model.urdf.urdf_meshes import with_absolute_meshes
+from robots_core.robot_model.urdf.xacro_file import expanded_xacro
 from robots_core.validation import FLOAT64, Array, finite_motion, finite_state, finite_vector, read_only
+from robots_core.yaml_section import read_yaml_data
 
 EARTH_GRAVITY: Final = (0.0, 0.0, -9.81)  # m/s^2, of a base that stands upright
 _WORLD: Final = pin.LOCAL_WORLD_ALIGNED
@@ -48,9 +52,14 @@ class UrdfRobotModel(BaseRobotModel):
             `joint_limits.yaml` beside the URDF if it exists.
         structural_data: The robot's own record of dimensions.
         home: Joint positions to start from, (n,) rad; by default zero, or mid-range where zero is not
-            allowed.
+            allowed, some axes turned from there where it is near a singularity or in contact with itself.
         orientation_convention: Orientation-angle convention of the maker.
         gravity: Acceleration of free fall in the base frame, (3,) m/s^2; zero for a robot in orbit.
+        hulls: Check collisions with convex bodies around collision meshes with many triangles, instead
+            of with the meshes (see `outer_hull`).
+        strict: Refuse a URDF that lacks a mesh, or a speed or effort above 0, instead of substituting them
+            (see `substitutions`).
+        xacro_arguments: The file is a xacro file that is expanded with these arguments.
         shapes_on_demand: Read meshes, and import the libraries for them, on first use of the shapes: for
             files that are known to be valid. By default an unreadable file raises an error here.
 
@@ -72,19 +81,22 @@ class UrdfRobotModel(BaseRobotModel):
         home: ArrayLike | None = None,
         orientation_convention: str = 'zyx',
         gravity: ArrayLike = EARTH_GRAVITY,
+        hulls: bool = True,
+        strict: bool = False,
+        xacro_arguments: Mapping[str, str] | None = None,
         shapes_on_demand: bool = False,
     ) -> None:
         path = Path(urdf)
+        substitutions = Substitutions(strict=strict)
         limits = Path(joint_limits) if joint_limits is not None else path.with_name('joint_limits.yaml')
-        try:
-            xml = read_text(path, 'URDF file')
-        except InvalidInputError as error:
-            raise UnknownRobotError(error.message, **error.details) from None
+        xml = _urdf_text(path) if xacro_arguments is None else expanded_xacro(path, xacro_arguments)
         chain = read_urdf_chain(
-            xml, base=base, tip=tip, joint_limits=limits if joint_limits or limits.is_file() else None
+            xml,
+            base=base,
+            tip=tip,
+            joint_limits=limits if joint_limits or _has_limits(limits, substitutions) else None,
+            substitutions=substitutions,
         )
-        self._description = with_absolute_meshes(chain.xml, path.parent)
-        self._axes_data = chain.axes_data
         self._structural_data = structural_data or StructuralData(source=path.name)
         self._orientation_convention = orientation_convention
 
@@ -100,6 +112,12 @@ class UrdfRobotModel(BaseRobotModel):
         for joint, body in zip(chain.joints, list(model.inertias)[1:], strict=True):
             check_inertia(joint, body)
         model.gravity.linear = finite_vector(gravity, 3, 'gravity')
+        chain = with_known_efforts(chain, model, substitutions)
+        self._axes_data = chain.axes_data
+        self._description = with_absolute_meshes(
+            chain.xml, path.parent, None if substitutions.strict else substitutions
+        )
+        self._substitutions = substitutions
         self._model = model
         self._data = model.createData()
         self._n = model.nv
@@ -108,16 +126,10 @@ class UrdfRobotModel(BaseRobotModel):
         self._tool_pose: Callable[..., bool] = self._load_tool_pose
         self._torque_sum: Callable[..., bool] = self._load_torque_sum
         self._allowed_pairs_file = path.with_name('allowed_pairs.yaml')
-        self._home = read_only(
-            self._axes_data.check_position(self._default_home() if home is None else home, 'home')
-        )
+        self._hulls = hulls
+        self._given_home = None if home is None else read_only(self._axes_data.check_position(home, 'home'))
         if not shapes_on_demand:
             _ = self.visualization, self.collision_model
-
-    def _default_home(self) -> Array:
-        axes = self._axes_data
-        middle, _ = axes.middle_and_half
-        return np.where((axes.lower <= 0.0) & (axes.upper >= 0.0), 0.0, middle)
 
     @property
     def name(self) -> str:
@@ -128,6 +140,11 @@ class UrdfRobotModel(BaseRobotModel):
     def axes_data(self) -> AxesData:
         """Limits and drive data per axis."""
         return self._axes_data
+
+    @property
+    def substitutions(self) -> tuple[str, ...]:
+        """What the URDF lacks, and what was taken in its place, one sentence each."""
+        return self._substitutions.sentences
 
     @property
     def structural_data(self) -> StructuralData:
@@ -153,17 +170,24 @@ class UrdfRobotModel(BaseRobotModel):
     def collision_model(self) -> CollisionModel:
         """The URDF's collision shapes."""
         file = self._allowed_pairs_file
-        return CollisionModel(self._shapes('collision'), AllowedPairs.read(file) if file.is_file() else None)
+        shapes = self._shapes('collision', hulls=self._hulls)
+        return CollisionModel(shapes, AllowedPairs.read(file) if file.is_file() else None)
 
     @property
     def description(self) -> str:
         """The robot as URDF: from its base to all that hangs on it, `tool0` its tip, meshes absolute."""
         return self._description
 
-    @property
+    @cached_property
     def home(self) -> Array:
         """Joint positions to start from, (n,) rad."""
-        return self._home
+        if self._given_home is not None:
+            return self._given_home
+        axes = self._axes_data
+        middle, _ = axes.middle_and_half
+        start = np.where((axes.lower <= 0.0) & (axes.upper >= 0.0), 0.0, middle)
+        default_home = import_module('robots_core.blocks.collision.default_home').default_home
+        return read_only(default_home(self, start))
 
     @property
     def orientation_convention(self) -> str:
@@ -247,12 +271,35 @@ class UrdfRobotModel(BaseRobotModel):
         self._torque_sum = import_module('robots_core.robot_model.compiled_dynamics').torque_sum
         return self._torque_sum(*arrays)
 
-    def _shapes(self, kind: Literal['visual', 'collision']) -> tuple[Shape, ...]:
+    def _shapes(self, kind: Literal['visual', 'collision'], *, hulls: bool = False) -> tuple[Shape, ...]:
         # Imported on demand: without shapes no mesh library is needed.
         urdf_shapes = import_module('robots_core.robot_model.urdf.urdf_shapes').urdf_shapes
-        shapes: tuple[Shape, ...] = urdf_shapes(self._description, self._model, kind)
+        shapes: tuple[Shape, ...] = urdf_shapes(self._description, self._model, kind, hulls=hulls)
         return shapes
 
     @cached_property
     def _analytic_solver(self) -> AnalyticSolver:
         return AnalyticSolver(self)
+
+
+def _urdf_text(path: Path) -> str:
+    try:
+        return read_text(path, 'URDF file')
+    except InvalidInputError as error:
+        raise UnknownRobotError(error.message, **error.details) from None
+
+
+def _has_limits(beside: Path, substitutions: Substitutions) -> bool:
+    """Whether the limits file beside a URDF is one; makers have files of this name with other contents."""
+    if not beside.is_file():
+        return False
+    try:
+        content = read_yaml_data(beside, 'limits file')
+    except InvalidInputError:
+        return True  # and the reader of the limits says what is wrong with it
+    foreign = isinstance(content, dict) and 'joint_limits' not in content
+    if foreign:
+        substitutions.add(
+            f'{beside.name} beside the URDF has no mapping joint_limits:', 'the limits of the URDF'
+        )
+    return not foreign

@@ -23,6 +23,7 @@ class WrappedRobot(BaseRobotModel):
     name = _as_the_robot_has('name')
     axes_data = _as_the_robot_has('axes_data')
     drive_data = _as_the_robot_has('drive_data')
+    substitutions = _as_the_robot_has('substitutions')
     structural_data = _as_the_robot_has('structural_data')
     kinematic_model = _as_the_robot_has('kinematic_model')
     rigid_dynamics_model = _as_the_robot_has('rigid_dynamics_model')

@@ -19,6 +19,7 @@ from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.interrupt import interrupt
 from robots_core.ros.lean_executor import LeanExecutor
 from robots_core.ros.middleware import choose_transports
+from robots_core.ros.node_help import asks_for_help, check_parameter_names, help_text
 from robots_core.ros.timed_node import TimedNode
 
 EXIT_BAD_INPUT = 2
@@ -27,7 +28,10 @@ END_DEADLINE = 20.0  # s
 
 
 def run(make_node: Callable[[], TimedNode], args: list[str] | None = None) -> int:
-    """Run a node, see `run_nodes`."""
+    """Run a node, see `run_nodes`; or print what it is, with `--help`."""
+    if asks_for_help(args):
+        print(help_text(make_node))
+        return 0
     return run_nodes([make_node], args)
 
 
@@ -64,6 +68,7 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
     with interrupt(wake) as stopping:
         try:
             nodes.extend(make_node() for make_node in make_nodes)
+            check_parameter_names(nodes, args)
             # A logger looks for its caller, the first time through all modules: not while a robot moves.
             inspect.stack()
             executor = LeanExecutor()

@@ -4,13 +4,16 @@ from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from robots_core.blocks.collision.pair_kernels import Indices
 from robots_core.blocks.collision.robot_solids import robot_solids
 from robots_core.blocks.collision.solid_set import SolidSet
+from robots_core.blocks.collision.solids import Solid
+from robots_core.content_cache import Arrays, cache_folder, content_of, kept
 from robots_core.robot_model.allowed_pairs import AllowedPairs, Pair, ordered_pair
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.robot_model.shapes import Mesh
+from robots_core.validation import Array
 
 SAMPLES = 1000
 # Joint positions evaluated for a proof; a pair that needs more stays checked.
@@ -18,6 +21,42 @@ BUDGET = 2000
 # Boxes over more axes are too many; proofs there get a tenth of the budget.
 FEW_AXES = 3
 NEVER_GAP = 1e-3  # m
+KEPT_FROM = 500  # corners of all meshes; fewer take less than a second
+
+
+def allowed_pairs_of(robot: BaseRobotModel) -> AllowedPairs:
+    """Those stored with the robot; else found, and kept for bodies of many corners."""
+    stored = robot.collision_model.allowed_pairs
+    if stored is not None:
+        return stored
+    solids = robot_solids(robot)
+    meshes = [solid.geometry for solid in solids if isinstance(solid.geometry, Mesh)]
+    if sum(len(mesh.vertices) for mesh in meshes) < KEPT_FROM:
+        return find_allowed_pairs(robot)
+
+    def found() -> Arrays:
+        reasons = find_allowed_pairs(robot).reasons
+        return {'reasons': np.array([(*pair, reason) for pair, reason in reasons.items()]).reshape(-1, 3)}
+
+    announce = f'{robot.name}: finding the links that can collide (once; kept in {cache_folder()})'
+    rows = kept('allowed_pairs', _content(robot, solids), found, announce=announce)['reasons']
+    return AllowedPairs({(str(a), str(b)): str(reason) for a, b, reason in rows})
+
+
+def _content(robot: BaseRobotModel, solids: Sequence[Solid]) -> str:
+    parts: list[object] = [SAMPLES, BUDGET, FEW_AXES, NEVER_GAP, robot.axes_data.prismatic]
+    parts += [*robot.axes_data.one_turn, *_motion_of(robot)]
+    for solid in solids:
+        shape = solid.geometry
+        parts += [solid.name, solid.frame, solid.convex, solid.pose.r, solid.pose.T]
+        parts += [shape.vertices, shape.faces] if isinstance(shape, Mesh) else [shape]
+    return content_of(parts)
+
+
+def _motion_of(robot: BaseRobotModel) -> tuple[Array, ...]:
+    """All that determines how the frames move."""
+    zero = np.zeros(robot.num_axes)
+    return (*robot.kinematic_model.frame_axes(zero), robot.jacobian(zero))
 
 
 def find_allowed_pairs(robot: BaseRobotModel) -> AllowedPairs:
@@ -30,44 +69,54 @@ def find_allowed_pairs(robot: BaseRobotModel) -> AllowedPairs:
     Args:
         robot: The robot.
     """
-    solids = robot_solids(robot)
-    frames = {solid.name: solid.frame for solid in solids}
+    frames = {solid.name: solid.frame for solid in robot_solids(robot)}
     reasons: dict[Pair, str] = {
         ordered_pair(a, b): 'adjacent' for a, b in combinations(frames, 2) if abs(frames[a] - frames[b]) == 1
     }
-    pairs = np.array(
-        [
-            (i, j)
-            for i, j in combinations(range(len(solids)), 2)
-            if abs(solids[i].frame - solids[j].frame) > 1
-        ],
-        dtype=np.int64,
-    ).reshape(-1, 2)
-    checked = SolidSet(robot, solids, pairs)
-    names = [
-        ordered_pair(solids[i].name, solids[j].name)
-        for i, j in zip(checked.first, checked.second, strict=True)
-    ]
-    touching = _touching(checked, robot)
-    for pair in set(names):
-        mine = np.array([name == pair for name in names])
-        if touching[:, mine].any(axis=1).all():
-            reasons[pair] = 'always'
+    checked, names = distant_pairs(robot)
+    reasons.update((pair, 'always') for pair in always_in_contact(checked, robot, names, SAMPLES))
     reasons.update((pair, 'never') for pair in proven_apart(checked, robot, names, BUDGET))
     return AllowedPairs(reasons)
 
 
-def _touching(solids: SolidSet, robot: BaseRobotModel) -> NDArray[np.bool_]:
-    """Whether each pair is in contact at home and at random joint positions, (SAMPLES + 1, p) bool."""
+def distant_pairs(robot: BaseRobotModel) -> tuple[SolidSet, list[Pair]]:
+    """The robot's solids with the pairs that have more than one axis between them, and their names."""
+    solids = robot_solids(robot)
+    numbers = combinations(range(len(solids)), 2)
+    pairs = [(i, j) for i, j in numbers if abs(solids[i].frame - solids[j].frame) > 1]
+    checked = SolidSet(robot, solids, np.array(pairs, dtype=np.int64).reshape(-1, 2))
+    names = [
+        ordered_pair(solids[i].name, solids[j].name)
+        for i, j in zip(checked.first, checked.second, strict=True)
+    ]
+    return checked, names
+
+
+def always_in_contact(
+    solids: SolidSet, robot: BaseRobotModel, names: Sequence[Pair], samples: int
+) -> set[Pair]:
+    """The named pairs that are in contact in the middle of the range and at random joint positions.
+
+    Args:
+        solids: Solids with their pairs.
+        robot: The robot.
+        names: Shapes that the pairs of solids belong to; several may have the same name.
+        samples: Number of random joint positions.
+    """
     low, high = robot.axes_data.one_turn
     every = np.arange(solids.first.size)
     none = np.zeros(every.size)
-    random = np.random.default_rng(0).uniform(low, high, (SAMPLES, robot.num_axes))
-    result = np.empty((SAMPLES + 1, every.size), dtype=bool)
-    for row, q in enumerate((robot.home, *random)):
+    random = np.random.default_rng(0).uniform(low, high, (samples, robot.num_axes))
+    touching = np.empty((samples + 1, every.size), dtype=bool)
+    for row, q in enumerate((0.5 * (low + high), *random)):
         solids.place(q)
-        result[row] = solids.distances(every, none) <= 0.0
-    return result
+        touching[row] = solids.distances(every, none) <= 0.0
+    always = set()
+    for pair in set(names):
+        mine = np.array([name == pair for name in names])
+        if touching[:, mine].any(axis=1).all():
+            always.add(pair)
+    return always
 
 
 def proven_apart(solids: SolidSet, robot: BaseRobotModel, names: Sequence[Pair], budget: int) -> set[Pair]:
@@ -92,8 +141,8 @@ def proven_apart(solids: SolidSet, robot: BaseRobotModel, names: Sequence[Pair],
 def _unproven(solids: SolidSet, robot: BaseRobotModel, pairs: Indices, axes: slice, budget: int) -> set[int]:
     """The pairs that may be closer than the gap for some positions of the axes between them."""
     low, high = robot.axes_data.one_turn
-    middle, half = robot.home.copy(), np.zeros(robot.num_axes)
-    middle[axes], half[axes] = 0.5 * (low + high)[axes], 0.5 * (high - low)[axes]
+    middle, half = 0.5 * (low + high), np.zeros(robot.num_axes)
+    half[axes] = 0.5 * (high - low)[axes]
     waiting = [(middle, half, pairs)]
     failed: set[int] = set()
     while waiting and budget > 0:

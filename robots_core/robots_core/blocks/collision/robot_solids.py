@@ -27,6 +27,8 @@ def robot_solids(robot: BaseRobotModel) -> tuple[Solid, ...]:
 
 def held_solids(robot: BaseRobotModel, scene: Scene) -> tuple[Solid, ...]:
     """The objects of a scene that are attached to the flange, as solids."""
+    if not scene.attached:
+        return ()
     place = flange(robot)
     return tuple(
         solid

@@ -1,7 +1,8 @@
 """The serial chain inside a URDF, cut out and checked."""
 
 import copy
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -10,12 +11,17 @@ from lxml import etree
 
 from robots_core.errors import InvalidInputError, UnknownRobotError
 from robots_core.robot_model.axes_data import AxesData
+from robots_core.robot_model.urdf.substitutions import Substitutions
 from robots_core.robot_model.urdf.urdf_tree import MOVING_JOINTS, TOOL, LinkTree
+from robots_core.validation import Array
 from robots_core.yaml_section import read_yaml_data
 
 # Defaults for limits that the files lack: full speed within half a second, full acceleration within a tenth.
 DEFAULT_RAMP_TIME = 0.5  # s
 DEFAULT_JERK_TIME = 0.1  # s
+# In place of limits of 0, which URDFs have where their makers published none.
+SUBSTITUTE_SPEEDS: Final = {False: np.pi / 2, True: 0.5}  # rad/s, and m/s of axes that slide
+SUBSTITUTE_EFFORT: Final = 1000.0  # N m (N), of a robot without masses
 
 XACRO: Final = 'http://www.ros.org/wiki/xacro'
 
@@ -44,6 +50,7 @@ class UrdfChain:
         tip: Name of the tool link.
         joints: Names of the moving joints, base to tip.
         axes_data: Their limits.
+        unknown_effort: Which of them have `SUBSTITUTE_EFFORT`, as the files state none.
     """
 
     xml: str
@@ -51,10 +58,16 @@ class UrdfChain:
     tip: str
     joints: tuple[str, ...]
     axes_data: AxesData
+    unknown_effort: tuple[bool, ...] = ()
 
 
 def read_urdf_chain(
-    xml: str, *, base: str | None = None, tip: str | None = None, joint_limits: Path | None = None
+    xml: str,
+    *,
+    base: str | None = None,
+    tip: str | None = None,
+    joint_limits: Path | None = None,
+    substitutions: Substitutions | None = None,
 ) -> UrdfChain:
     """Cut the chain from `base` to `tip` out of a URDF.
 
@@ -67,18 +80,19 @@ def read_urdf_chain(
     Moving joints off the chain, such as fingers or joints that mimic others, are held fixed at zero.
     Accelerations and jerks come from `joint_limits` (the format of MoveIt's joint_limits.yaml), which
     overrides the URDF for every other limit too, for friction (`<dynamics>`) and for gear ratios; where it
-    has none, full speed is reached in 0.5 s and full acceleration in 0.1 s. Speed and effort have no
-    default: a robot needs them from one of the files.
+    has none, full speed is reached in 0.5 s and full acceleration in 0.1 s. A speed or an effort that is
+    missing or 0 is unknown, and substituted.
 
     Args:
         xml: URDF text.
         base: Base link.
         tip: Tool link.
         joint_limits: A YAML file with further limits.
+        substitutions: Receives what is substituted; without it, unknown limits are refused.
 
     Raises:
-        UnknownRobotError: not a URDF, no such link, no single chain, no moving joint, or a moving joint
-            without limits.
+        UnknownRobotError: not a URDF, no such link, no single chain, no moving joint, or limits that are
+            unknown where nothing may be substituted.
         InvalidInputError: limits that contradict each other.
     """
     root = _parse(xml)
@@ -89,7 +103,8 @@ def read_urdf_chain(
     moving = [joint for joint in chain if joint.get('type') in MOVING_JOINTS]
     if not moving:
         raise UnknownRobotError(f'the URDF has no moving joint from {base!r} to {tip!r}')
-    axes_data = _axes_data(root, moving, _extra_limits(joint_limits))
+    substitutions = Substitutions(strict=True) if substitutions is None else substitutions
+    axes_data, unknown_effort = _axes_data(root, moving, _extra_limits(joint_limits), substitutions)
     _reduce(root, tree.below(base), {str(joint.get('name')) for joint in moving})
     _write_limits(moving, axes_data)
     if TOOL not in tree.links:
@@ -100,7 +115,16 @@ def read_urdf_chain(
         tip=tip,
         joints=axes_data.names,
         axes_data=axes_data,
+        unknown_effort=unknown_effort,
     )
+
+
+def with_efforts(chain: UrdfChain, effort: Array) -> UrdfChain:
+    """The chain with other effort limits, (n,) N m (N), in its URDF too."""
+    root, axes_data = _parse(chain.xml), replace(chain.axes_data, effort=effort)
+    moving = {str(joint.get('name')): joint for joint in root.findall('joint')}
+    _write_limits([moving[name] for name in chain.joints], axes_data)
+    return replace(chain, xml=str(etree.tostring(root, encoding='unicode')), axes_data=axes_data)
 
 
 def pinocchio_xml(chain: UrdfChain) -> str:
@@ -125,7 +149,8 @@ def _parse(xml: str) -> etree._Element:
         raise UnknownRobotError(f'not a URDF: the root element is <{root.tag}>, not <robot>')
     if next(root.iter(f'{{{XACRO}}}*'), None) is not None:
         raise UnknownRobotError(
-            'not a URDF but a xacro file: expand it first (xacro robot.xacro > robot.urdf)'
+            'not a URDF but a xacro file: load it by the name xacro:/path/to/robot.urdf.xacro, or expand it '
+            'first (xacro robot.xacro > robot.urdf)'
         )
     return root
 
@@ -163,21 +188,27 @@ def _number(where: str, key: str, value: object) -> float:
 
 
 def _axes_data(
-    root: etree._Element, moving: list[etree._Element], limits: dict[str, dict[str, float]]
-) -> AxesData:
+    root: etree._Element,
+    moving: list[etree._Element],
+    limits: dict[str, dict[str, float]],
+    substitutions: Substitutions,
+) -> tuple[AxesData, tuple[bool, ...]]:
     rows: list[dict[str, float]] = []
+    unknown: dict[str, list[str]] = {'velocity': [], 'effort': []}
     reductions = _transmissions(root)
     for joint in moving:
         name = str(joint.get('name'))
         extra = limits.get(name, {})
         given, resistance = _numbers(joint, 'limit'), _numbers(joint, 'dynamics')
-        for key in ('velocity', 'effort'):
+        substitutes = {
+            'velocity': SUBSTITUTE_SPEEDS[joint.get('type') == 'prismatic'],
+            'effort': SUBSTITUTE_EFFORT,
+        }
+        for key, substitute in substitutes.items():
             given[key] = extra.get(f'max_{key}', given.get(key, 0.0))
-            if not given[key] > 0.0:
-                raise UnknownRobotError(
-                    f'joint {name!r} needs a {key} limit above 0: as {key} in <limit>, or as max_{key} in '
-                    f'joint_limits.yaml'
-                )
+            if given[key] == 0.0:
+                unknown[key].append(name)
+                given[key] = substitute
         continuous = joint.get('type') == 'continuous'
         velocity = given['velocity']
         acceleration = extra.get('max_acceleration', velocity / DEFAULT_RAMP_TIME)
@@ -195,11 +226,25 @@ def _axes_data(
                 'viscous_friction': extra.get('viscous_friction', resistance.get('damping', 0.0)),
             }
         )
-    return AxesData(
+    for key, names in unknown.items():
+        if names:
+            substitutions.refuse(_without(key, names))
+    if unknown['velocity']:
+        substitutions.add(
+            _without('velocity', unknown['velocity']),
+            '90 degrees/s, or 0.5 m/s of axes that slide',
+        )
+    axes_data = AxesData(
         names=tuple(str(joint.get('name')) for joint in moving),
         prismatic=tuple(joint.get('type') == 'prismatic' for joint in moving),
         **{key: np.array([row[key] for row in rows]) for key in rows[0]},
     )
+    return axes_data, tuple(name in unknown['effort'] for name in axes_data.names)
+
+
+def _without(key: str, names: Sequence[str]) -> str:
+    joints = ', '.join(names)
+    return f'{joints}: no {key} limit above 0, as {key} in <limit> or as max_{key} in joint_limits.yaml'
 
 
 def _numbers(joint: etree._Element, tag: str) -> dict[str, float]:

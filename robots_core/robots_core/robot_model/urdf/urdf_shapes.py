@@ -12,12 +12,15 @@ from robots_core.errors import InvalidInputError, RobotsError, UnknownRobotError
 from robots_core.pose import Pose
 from robots_core.robot_model.shapes import Box, Cylinder, Geometry, Shape, Sphere
 from robots_core.robot_model.urdf.mesh_file import read_mesh
+from robots_core.robot_model.urdf.outer_hull import read_outer_hull
 from robots_core.robot_model.urdf.urdf_meshes import mesh_path
 
 DEFAULT_COLOUR = (0.7, 0.7, 0.7, 1.0)
 
 
-def urdf_shapes(xml: str, model: pin.Model, kind: Literal['visual', 'collision']) -> tuple[Shape, ...]:
+def urdf_shapes(
+    xml: str, model: pin.Model, kind: Literal['visual', 'collision'], *, hulls: bool = False
+) -> tuple[Shape, ...]:
     """All visual or collision shapes of a URDF.
 
     Args:
@@ -25,12 +28,13 @@ def urdf_shapes(xml: str, model: pin.Model, kind: Literal['visual', 'collision']
         model: The Pinocchio model of the same URDF: it holds the axis that carries each link, and the link's
             pose.
         kind: Which of a link's shapes.
+        hulls: Take convex bodies around meshes that are detailed (see `outer_hull`).
 
     Raises:
         UnknownRobotError: a mesh file that is missing or cannot be read, or a shape that is none.
     """
     try:
-        return _shapes(xml, model, kind)
+        return _shapes(xml, model, kind, hulls=hulls)
     except RobotsError:
         raise
     except Exception as error:
@@ -38,7 +42,9 @@ def urdf_shapes(xml: str, model: pin.Model, kind: Literal['visual', 'collision']
         raise UnknownRobotError(f'the {kind} shapes of the URDF cannot be read: {error}') from error
 
 
-def _shapes(xml: str, model: pin.Model, kind: Literal['visual', 'collision']) -> tuple[Shape, ...]:
+def _shapes(
+    xml: str, model: pin.Model, kind: Literal['visual', 'collision'], *, hulls: bool
+) -> tuple[Shape, ...]:
     description = yourdfpy.URDF.load(
         io.BytesIO(xml.encode()), build_scene_graph=False, load_meshes=False, load_collision_meshes=False
     )
@@ -56,7 +62,7 @@ def _shapes(xml: str, model: pin.Model, kind: Literal['visual', 'collision']) ->
             placement = frame.placement * pin.SE3(local[:3, :3], local[:3, 3])
             shapes.append(
                 Shape(
-                    geometry=_geometry(element.geometry),
+                    geometry=_geometry(element.geometry, hulls=hulls),
                     frame=int(frame.parentJoint),
                     pose=Pose(placement.translation, placement.rotation),
                     colour=_colour(element, palette) if kind == 'visual' else DEFAULT_COLOUR,
@@ -77,7 +83,7 @@ def _colour(element: Any, palette: dict[str, tuple[float, ...]]) -> tuple[float,
     return red, green, blue, opacity
 
 
-def _geometry(geometry: Any) -> Geometry:
+def _geometry(geometry: Any, *, hulls: bool) -> Geometry:
     if geometry.box is not None:
         x, y, z = (float(edge) for edge in geometry.box.size)
         return Box((x, y, z))
@@ -86,7 +92,8 @@ def _geometry(geometry: Any) -> Geometry:
     if geometry.sphere is not None:
         return Sphere(float(geometry.sphere.radius))
     path = mesh_path(str(geometry.mesh.filename), Path())
+    scale = 1.0 if geometry.mesh.scale is None else geometry.mesh.scale
     try:
-        return read_mesh(path, 1.0 if geometry.mesh.scale is None else geometry.mesh.scale)
+        return read_outer_hull(path, scale) if hulls else read_mesh(path, scale)
     except InvalidInputError as error:
         raise UnknownRobotError(str(error)) from error

@@ -1,0 +1,78 @@
+"""Writes the tables of nodes: `python -m robots_controller.live_cell.describe_nodes`, in the repository.
+
+For each package the table that `--help` prints from, and the page of the docs. To be run again when a node
+gets another parameter, topic or service.
+"""
+
+from importlib import import_module
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Final
+
+import rclpy
+import yaml
+
+from robots_controller.live_cell.node_types import node_scripts, node_type
+from robots_core.ros.node_help import TABLE, default_text, described
+
+PAGE: Final = Path('docs/reference/node_parameters.md')
+HEAD: Final = """# Parameters, topics and services of the nodes
+
+Every node prints its part of this page with `--help`. Parameters are given on its command line, as in
+`planning_node --ros-args -p robot_model:=ur5e -p blend_zone:=0.05`, or in a parameter file of ROS. Names
+without a slash are relative to the node's namespace; `~` is the node's own name, N the number of a channel.
+"""
+NOTE: Final = (
+    '# Made by `python -m robots_controller.live_cell.describe_nodes`; what was here before is replaced.\n'
+)
+
+
+def described_nodes() -> dict[str, dict[str, Any]]:
+    """All nodes by package and executable; ROS is initialised, and nodes have their default parameters."""
+    found: dict[str, dict[str, Any]] = {}
+    for script in node_scripts():
+        node = node_type(script.name)()
+        try:
+            what = str(import_module(script.module).__doc__).partition('\n')[0].partition(': ')[2]
+            package = script.module.rpartition('.')[0]
+            found.setdefault(package, {})[script.name] = {'what': what, **described(node)}
+        finally:
+            node.destroy_node()
+    return found
+
+
+def table_text(nodes: dict[str, Any]) -> str:
+    """The file of a package's nodes."""
+    return NOTE + yaml.safe_dump(nodes, sort_keys=False, width=110, allow_unicode=True)
+
+
+def page_text(packages: dict[str, dict[str, Any]]) -> str:
+    """The page of the docs."""
+    lines = [HEAD]
+    nodes = {name: entry for package in packages.values() for name, entry in package.items()}
+    for name, entry in sorted(nodes.items()):
+        lines += [f'## `{name}`', '', f'{entry["what"][:1].upper()}{entry["what"][1:]}', '']
+        lines += ['| parameter | default | meaning |', '|---|---|---|']
+        for row in entry['parameters']:
+            meaning = row['description'].replace('|', r'\|')
+            lines.append(f'| `{row["name"]}` | `{default_text(row["default"])}` | {meaning} |')
+        lines.append('')
+        for kind in ('publishes', 'subscribes', 'services'):
+            if entry[kind]:
+                ends = ', '.join(f'`{end}` ({type_})' for end, type_ in entry[kind].items())
+                lines += [f'{kind.capitalize()}: {ends}', '']
+    return '\n'.join(lines)
+
+
+def main() -> None:
+    """Write all."""
+    rclpy.init(args=['describe_nodes', '--ros-args', '--log-level', 'error'])
+    packages = described_nodes()
+    rclpy.shutdown()
+    for package, nodes in packages.items():
+        (Path(str(files(package))) / TABLE).write_text(table_text(nodes), 'utf-8')
+    PAGE.write_text(page_text(packages), 'utf-8')
+
+
+if __name__ == '__main__':
+    main()
