@@ -188,6 +188,10 @@ benchmark-planning: build .venv/benchmark/.installed  ## Planners side by side w
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_planning.py; \
 	  python test/benchmark/benchmark_welding_cycle.py
 
+.PHONY: benchmark-collision-free
+benchmark-collision-free: build .venv/benchmark/.installed  ## Joint motions around obstacles side by side with OMPL; OPTIONS='--count 100'
+	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_collision_free.py $(OPTIONS)
+
 .PHONY: benchmark-programs
 benchmark-programs: build  ## Delays of motion calls and inputs, Lua statements per second next to bare Lua
 	@$(RUN) python test/benchmark/benchmark_programs.py

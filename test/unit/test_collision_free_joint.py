@@ -13,7 +13,7 @@ from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks import AttachedObject, CollisionDetection, JointPath, Scene, SceneObject
 from robots_core.blocks.collision.path_certificate import FREE
 from robots_core.blocks.collision.results import CollisionError
-from robots_core.errors import JointLimitError
+from robots_core.errors import InvalidInputError, JointLimitError
 from robots_core.robot_model.shapes import Box, Capsule, Geometry, Mesh, Sphere
 from robots_planning import CollisionFreeJoint, MotionSettings, PathPlanning, Trajectory
 from robots_planning.free_paths.free_path_search import (
@@ -328,3 +328,8 @@ def test_settings_choose_the_planner():
     assert not isinstance(planning.generator(LINE, settings), CollisionFreeJoint)
     by_name = replace(settings, avoid=False, joint_planner='collision_free')
     assert isinstance(planning.generator(JOINT, by_name), CollisionFreeJoint)
+    for value in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(InvalidInputError, match='avoid_budget'):
+            MotionSettings(avoid_budget=value)
+    with pytest.raises(InvalidInputError, match='avoid'):
+        MotionSettings(avoid=1)  # type: ignore[arg-type]

@@ -292,7 +292,7 @@ def test_print_is_that_of_lua(tmp_path: Path):
         ('removeInterrupt(1)', 'there is no interrupt 1'),
         ("onAnalogInput(1, '=', 2, print)", "comparison = the string '='; valid is '<'"),
         ('onDigitalInput(1, 1, print, 0)', 'priority = 0; valid is a whole number of at least 1'),
-        ("setPlanner('limited')", "joint = the string 'limited'; valid is 'linear_joint'"),
+        ("setPlanner('limited')", "joint = the string 'limited'; valid is 'collision_free', 'linear_joint'"),
         ('getJointTorques()', 'the torques of the joints are not known here'),
         ('wait(-1)', 'time = -1 s; valid is a finite number of at least 0'),
         ('wait(print)', 'time = a function; valid is a finite number of at least 0'),

@@ -1,0 +1,216 @@
+"""Joint motions around obstacles next to OMPL, on the same problems, bodies and margins in one run.
+
+Run by `make benchmark-collision-free`; OPTIONS='--count 100' for more problems of each family.
+
+- ours: `CollisionFreeJoint` of `robots_planning`: certified edges, shortcuts, rounded corners.
+- OMPL: RRT-Connect with its own simplification; postures are checked by our compiled check, edges at a step
+  that moves no point by more than 5 mm.
+- OMPL certified: the same with our certificate as the validator of motions.
+- OMPL best (`--optimise SECONDS`): BIT* with the certificate, for as long, to compare durations with.
+
+All paths are timed alike. The share of those that collide is found by coal, posture by posture, at steps that
+move no point by more than `--dense` metres; our planner has no part in that.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import ompl.base as ob
+import ompl.geometric as og
+import ompl.util as ou
+from collision_free_problems import FAMILIES, MARGIN, REACH, Problem, problems
+from rich.console import Console
+from rich.table import Table
+
+from robots_core import BaseRobotModel, load_robot_model
+from robots_core.blocks import CollisionDetection
+from robots_core.blocks.collision.path_certificate import FREE
+from robots_core.errors import PlanningError
+from robots_planning import CollisionFreeJoint, Trajectory
+from robots_planning.free_paths.free_path_search import FreeWay
+from robots_planning.free_paths.rounding import rounded
+from robots_planning.paths.joint_path import JointPath
+from robots_planning.timing.time_optimal import TimeOptimalTiming
+from robots_planning.trajectory_generators.base import LIMIT_MARGIN
+
+BUDGET = 2.0  # s
+THINNEST = 0.005  # m, that OMPL's discrete checks shall not miss
+LONGEST_REACH = 1.3  # of a tool's tip, of the reach of the arm
+
+
+@dataclass
+class Outcome:
+    """What became of a problem: seconds of the CPU, and the path if there is one."""
+
+    seconds: float
+    path: JointPath | None = None
+    trajectory: Trajectory | None = None
+
+
+def timing(robot: BaseRobotModel) -> TimeOptimalTiming:
+    axes, inside = robot.axes_data, 1.0 - LIMIT_MARGIN
+    return TimeOptimalTiming(robot, axes.velocity * inside, axes.acceleration * inside, axes.effort * inside)
+
+
+def ours(robot: BaseRobotModel, detection: CollisionDetection, problem: Problem) -> Outcome:
+    planner = CollisionFreeJoint(robot, collision=detection, margin=MARGIN, budget=BUDGET)
+    begin = time.process_time()
+    try:
+        path = planner.joint_path(problem.start, problem.target)
+    except PlanningError:
+        return Outcome(time.process_time() - begin)
+    return Outcome(time.process_time() - begin, path, timing(robot).trajectory(path))
+
+
+class CertifiedMotions(ob.MotionValidator):  # type: ignore[misc]
+    """Our certificate as OMPL's validator of motions."""
+
+    def __init__(self, information: Any, free: Callable[[Any, Any], bool]) -> None:
+        super().__init__(information)
+        self._free = free
+
+    def checkMotion(self, first: Any, second: Any, *_: Any) -> bool:
+        return self._free(first, second)
+
+
+def with_ompl(
+    robot: BaseRobotModel,
+    detection: CollisionDetection,
+    problem: Problem,
+    *,
+    certified: bool,
+    optimise: float = 0.0,
+) -> Outcome:
+    n = robot.num_axes
+    certificate, margins = detection.certificate(problem.start, margin=MARGIN)
+
+    def posture(state: Any) -> np.ndarray:
+        return np.array([state[k] for k in range(n)])
+
+    space, bounds = ob.RealVectorStateSpace(n), ob.RealVectorBounds(n)
+    ends = np.array([problem.start, problem.target])
+    low = np.maximum(robot.axes_data.lower, ends.min(axis=0) - np.pi)
+    high = np.minimum(robot.axes_data.upper, ends.max(axis=0) + np.pi)
+    for k in range(n):
+        bounds.setLow(k, float(low[k]))
+        bounds.setHigh(k, float(high[k]))
+    space.setBounds(bounds)
+    step = THINNEST / (LONGEST_REACH * REACH[robot.name] * np.sqrt(n))
+    space.setLongestValidSegmentFraction(float(step / space.getMaximumExtent()))
+    setup = og.SimpleSetup(space)
+    setup.setStateValidityChecker(lambda state: certificate.posture(posture(state), margins) == FREE)
+    information = setup.getSpaceInformation()
+    if certified or optimise:
+        information.setMotionValidator(
+            CertifiedMotions(
+                information, lambda a, b: certificate.line(posture(a), posture(b), margins) == FREE
+            )
+        )
+    states = [space.allocState() for _ in range(2)]
+    for state, q in zip(states, ends, strict=True):
+        for k in range(n):
+            state[k] = float(q[k])
+    setup.setStartAndGoalStates(*states)
+    setup.setPlanner(og.BITstar(information) if optimise else og.RRTConnect(information))
+    begin = time.process_time()
+    solved = setup.solve(optimise or BUDGET)
+    if not solved or not setup.haveExactSolutionPath():
+        return Outcome(time.process_time() - begin)
+    setup.simplifySolution()
+    seconds = time.process_time() - begin
+    postures = np.array([posture(state) for state in setup.getSolutionPath().getStates()])
+    way = FreeWay(postures, certificate, margins)
+    try:
+        path = rounded(way)
+    except PlanningError:  # at a corner that is not free: straight to it, for the check that follows
+        return Outcome(seconds, rounded(FreeWay(postures, certificate, margins - 1.0)))
+    return Outcome(seconds, path, timing(robot).trajectory(path))
+
+
+def collides(robot: BaseRobotModel, problem: Problem, path: JointPath, dense: float) -> bool:
+    """Whether coal finds a contact on a path, at steps that move no point by more than `dense`, m."""
+    detection = CollisionDetection(robot, scene=problem.scene, engine='coal')
+    travel = np.abs(np.diff(path.evaluate(np.linspace(0.0, 1.0, 1001))[0], axis=0)).sum()
+    count = int(np.ceil(travel * LONGEST_REACH * REACH[robot.name] / dense)) + 1
+    return any(detection.in_contact(q) for q in path.evaluate(np.linspace(0.0, 1.0, count))[0])
+
+
+def rows(options: argparse.Namespace) -> Iterator[tuple[str, ...]]:
+    planners: dict[str, Callable[..., Outcome]] = {
+        'ours': ours,
+        'OMPL': lambda *given: with_ompl(*given, certified=False),
+        'OMPL certified': lambda *given: with_ompl(*given, certified=True),
+    }
+    if options.optimise:
+        planners['OMPL best'] = lambda *given: with_ompl(*given, certified=True, optimise=options.optimise)
+    for name in options.robots:
+        robot = load_robot_model(name)
+        for family in options.families:
+            found: dict[str, list[Outcome]] = {planner: [] for planner in planners}
+            colliding = dict.fromkeys(planners, 0)
+            for problem in problems(robot, family, options.count):
+                detection = CollisionDetection(robot, scene=problem.scene)
+                for label, plan in planners.items():
+                    outcome = plan(robot, detection, problem)
+                    found[label].append(outcome)
+                    if outcome.path is not None and label != 'OMPL best':
+                        colliding[label] += collides(robot, problem, outcome.path, options.dense)
+            for label, outcomes in found.items():
+                yield (name, family, label, *figures(outcomes, colliding[label]))
+
+
+def figures(outcomes: list[Outcome], colliding: int) -> tuple[str, ...]:
+    times = 1e3 * np.array([outcome.seconds for outcome in outcomes])
+    paths = [outcome.path for outcome in outcomes if outcome.path is not None]
+    durations = [o.trajectory.duration for o in outcomes if o.trajectory is not None]
+    lengths = [
+        np.linalg.norm(np.diff(p.evaluate(np.linspace(0, 1, 500))[0], axis=0), axis=1).sum() for p in paths
+    ]
+    return (
+        f'{len(paths)} of {len(outcomes)}',
+        f'{np.median(times):.1f}',
+        f'{np.percentile(times, 95):.1f}',
+        f'{np.mean(lengths):.2f}' if lengths else '-',
+        f'{np.mean(durations):.2f}' if durations else '-',
+        f'{colliding}',
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('--count', type=int, default=20, help='problems of each robot and family')
+    parser.add_argument('--dense', type=float, default=1e-4, help='step of the check with coal, m')
+    parser.add_argument('--optimise', type=float, default=0.0, help='s that BIT* gets for each problem')
+    parser.add_argument('--robots', nargs='+', default=list(REACH))
+    parser.add_argument('--families', nargs='+', default=list(FAMILIES), choices=list(FAMILIES))
+    options = parser.parse_args()
+    ou.setLogLevel(ou.LOG_ERROR)
+    ou.RNG.setSeed(1)
+    robot = load_robot_model(options.robots[0])  # compiled and loaded before the clock starts
+    first = next(problems(robot, 'shelf', 1))
+    ours(robot, CollisionDetection(robot, scene=first.scene), first)
+    table = Table(
+        'robot',
+        'family',
+        'planner',
+        'solved',
+        'median ms',
+        '95 % ms',
+        'length rad',
+        'duration s',
+        'colliding',
+    )
+    for row in rows(options):
+        table.add_row(*row)
+        print(' | '.join(row), flush=True)
+    Console(width=120).print(table)
+
+
+if __name__ == '__main__':
+    main()
