@@ -95,6 +95,13 @@ def add_cell_arguments(parser: argparse.ArgumentParser) -> None:
         help='inverse kinematics with which the robot follows reference_pose',
     )
 
+    parser.add_argument(
+        '--no-check',
+        dest='check',
+        action='store_false',
+        help='run the program even if check_program finds something wrong with it',
+    )
+
 
 def _payload(text: str) -> tuple[float, ...]:
     try:

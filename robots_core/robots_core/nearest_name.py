@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from typing import Final
 
-SIMILAR: Final = 0.6  # of two names' letters, in order
+SIMILAR: Final = 0.65  # of two names' letters, in order
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str | None:

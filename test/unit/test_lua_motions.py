@@ -284,7 +284,7 @@ SWITCH = '{distance_before_end (m) | distance_after_start | time_before_end | ti
     [
         (MOVE + '{blend = 0})', 'ptpCartesianSpace: options.blend = 0 m; valid is a finite number above 0'),
         (MOVE + '{zone = 1})', 'options has no zone; valid are blend (m), avoid and on_path'),
-        (MOVE + '{jointBlend = 1})', 'options has no jointBlend; valid are blend (m), avoid and on_path'),
+        (MOVE + '{jointBlend = 1})', "has no jointBlend; did you mean 'blend'?; valid are"),
         (MOVE + "{on_path = 'x'})", f"options.on_path = the string 'x'; valid is {SWITCH}"),
         (MOVE + '{on_path = {output = 1, value = 1}})', 'options.on_path has output, value; valid is'),
         (

@@ -42,7 +42,7 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
     [
         ('wait(1)\nthen', "test.lua:2: unexpected symbol near 'then': then"),
         ('\nwelding()', 'test.lua:2: there is no function welding'),
-        ('ptpcartesianspace(1)', 'there is no function ptpcartesianspace; meant is ptpCartesianSpace'),
+        ('ptpcartesianspace(1)', "no function ptpcartesianspace; did you mean 'ptpCartesianSpace'?"),
         ('os.execute("x")', 'test.lua:1: os is not available in robot programs'),
         ('local f = load', 'load is not available in robot programs'),
         ('ptpJointSpaceAngles(1, 2, 3)', 'ptpJointSpaceAngles: got 3 joint angles, the robot has 6 axes'),
@@ -94,11 +94,14 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
         ("setConfiguration('left')", "configuration = the string 'left'; valid is 'front/up/no_flip'"),
         ("setHold('all')", "hold = the string 'all'; valid is 'pose', 'directions', 'position'"),
         ('wait(tiem)', 'tiem has no value: nothing gives it one'),
-        ('local speed = 1 setSpeed(speeed)', 'speeed has no value: nothing gives it one; meant is speed'),
+        (
+            'local speed = 1 setSpeed(speeed)',
+            "nothing gives it one; did you mean 'speed'",
+        ),
         ('local t = {f = function() x = 1 end, y = 2} wait(x) wait(y)', 'y has no value'),
         (
             'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {blnd = 0.1})',
-            'options has no blnd; valid are blend (m), avoid and on_path',
+            "options has no blnd; did you mean 'blend'?; valid are blend (m), avoid and on_path",
         ),
         (
             'ptpJointSpaceAngles(1, 2, 3, 4, 5, 6, {blend = 1})',

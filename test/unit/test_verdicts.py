@@ -12,6 +12,7 @@ from robots_controller.cell_arguments import EXIT_FAILED, EXIT_OK
 from robots_controller.report.run_report import RunReport, run_report
 from robots_controller.simulate import simulate
 from robots_controller.simulation.command_line import parse_options, run
+from robots_core.errors import RobotsError
 
 ROBOT = 'kuka_kr210_r2700'
 START = """\
@@ -130,6 +131,17 @@ def test_simulate_gives_its_verdict_without_a_bag_too(end: str, code: int, tmp_p
     assert ('every target reached, every limit kept' in text.getvalue()) == (code == EXIT_OK)
     assert 'PTPJOINT_JOINT' in text.getvalue()
     assert [path.name for path in tmp_path.iterdir()] == ['part.lua']
+
+
+def test_a_program_is_checked_before_it_is_simulated(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    program = tmp_path / 'part.lua'
+    program.write_text(START + 'if 1 > 2 then setDigtalOutput(1, true) end\n')
+    with pytest.raises(RobotsError, match=r'part\.lua has a problem, and nothing was started; --no-check'):
+        run(parse_options([str(program), '--robot', ROBOT]), Console(quiet=True))
+    line = START.count('\n') + 1
+    wanted = f"part.lua:{line}: there is no function setDigtalOutput; did you mean 'setDigitalOutput'?"
+    assert capsys.readouterr().err.strip() == wanted
+    assert run(parse_options([str(program), '--robot', ROBOT, '--no-check']), Console(quiet=True)) == EXIT_OK
 
 
 def shown(folder: Path) -> str:

@@ -12,6 +12,7 @@ from robots_controller.interpreter.functions.lua_function import Argument, LuaFu
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
 from robots_controller.interpreter.lua_values import UNKNOWN, check_value, shown
 from robots_controller.program.motion_command import PathSwitch
+from robots_core.nearest_name import did_you_mean
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,7 @@ def check_options(function: LuaFunction, table: LuaTable, sizes: Sizes) -> Motio
     blend_argument = _BLENDS[function.options]
     blend, avoid = 0.0, None
     switches: tuple[PathSwitch, ...] = ()
+    known = (blend_argument.name, 'avoid', 'on_path')
     for key, given in table.fields.items():
         if key == blend_argument.name:
             blend = check_value(function.name, f'options.{key}', blend_argument, given, sizes)
@@ -70,8 +72,8 @@ def check_options(function: LuaFunction, table: LuaTable, sizes: Sizes) -> Motio
             switches = _check_switches(function.name, given, sizes)
         else:
             raise LuaCallError(
-                f'{function.name}: options has no {key}; valid are {blend_argument.name} '
-                f'({blend_argument.unit}), avoid and on_path'
+                f'{function.name}: options has no {key}{did_you_mean(key, known)}; valid are '
+                f'{blend_argument.name} ({blend_argument.unit}), avoid and on_path'
             )
     return MotionOptions(blend, avoid, switches)
 

@@ -30,6 +30,7 @@ from robots_controller.live_cell.cell_listener import CellListener, listen
 from robots_controller.live_cell.cell_view import CellView
 from robots_controller.live_cell.node_processes import NodeProcesses
 from robots_controller.live_cell.running_cell import RunningCell, occupied
+from robots_controller.program_check.first_check import check_first, sizes_of
 from robots_controller.runtime_folder import alone
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
@@ -130,6 +131,8 @@ def run_cell(options: argparse.Namespace, console: Console) -> int:
         show_substitutions(robot, console)
     if options.program:
         LuaProgram(robot.num_axes).open(options.program)
+        if options.check:
+            check_first(options.program, sizes_of(robot.num_axes, options.io, options.io_map))
     # The launch file starts the described nodes in other processes, whose log shows a token of their own.
     token = new_token() if options.debug_port and not options.describe else ''
     graph = cell_graph(

@@ -6,11 +6,9 @@ import sys
 from collections.abc import Sequence
 
 from robots_controller.cell_arguments import exit_code
-from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
-from robots_controller.io.cell_io import read_cell_io
-from robots_controller.io.io_image import IoImage
 from robots_controller.program.program_header import ProgramHeader, read_program_header
+from robots_controller.program_check.first_check import sizes_of
 from robots_controller.program_check.program_check import check_program
 from robots_controller.program_check.walk import LONGEST_TIME, MOST_COMBINATIONS, walk_program
 from robots_core.errors import ProgramError
@@ -40,11 +38,7 @@ def _check(program: str, options: argparse.Namespace) -> bool:
         cell = ProgramHeader(**given)
     robot = cell.robot or DEFAULT_ROBOT
     axes = load_robot_model(robot).axes_data
-    sizes = Sizes(axes.num_axes, options.digital, options.analog)
-    if cell.io or options.io_map:
-        labels = read_cell_io(cell.io, options.io_map).labels
-        image = IoImage(digital=options.digital, analog=options.analog, labels=labels)
-        sizes = Sizes.of(axes.num_axes, image)
+    sizes = sizes_of(axes.num_axes, cell.io, options.io_map, digital=options.digital, analog=options.analog)
     problems = check_program(program, sizes)
     if not problems and (options.walk or options.scene or options.io):
         result = walk_program(

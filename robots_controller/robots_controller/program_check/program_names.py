@@ -1,12 +1,12 @@
 """Names in a robot program that nothing gives a value."""
 
-import difflib
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_tokens import Token
 from robots_controller.program_check.lua_calls import nesting
+from robots_core.nearest_name import did_you_mean
 
 LUA_GLOBALS: Final = frozenset(
     [
@@ -54,6 +54,7 @@ FORBIDDEN: Final = frozenset(
         'warn',
     ]
 )
+SHORTEST: Final = 3  # letters of a name that is compared with others
 _GLOBAL_TABLES: Final = frozenset({'_ENV', '_G'})
 _ATTRIBUTES: Final = frozenset({'const', 'close'})
 
@@ -145,6 +146,4 @@ def _opens_globals(tokens: Sequence[Token], i: int) -> bool:
 
 
 def _meant(name: str, known: Iterable[str]) -> str:
-    by_case = {one.lower(): one for one in known}
-    similar = difflib.get_close_matches(name.lower(), by_case, n=1, cutoff=0.8)
-    return f'; meant is {by_case[similar[0]]}' if similar else ''
+    return did_you_mean(name, [] if len(name) < SHORTEST else known)

@@ -21,8 +21,10 @@ from robots_controller.cell_arguments import (
     EXIT_OK,
     add_cell_arguments,
     exit_code,
+    show_substitutions,
     take_from_program,
 )
+from robots_controller.program_check.first_check import check_first, sizes_of
 from robots_controller.report.page.page import report_page, write_page
 from robots_controller.report.run_report import run_report
 from robots_controller.report.terminal import show_verdict
@@ -30,6 +32,7 @@ from robots_controller.simulate import LONGEST_TIME, simulate
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.errors import RobotsError
+from robots_core.robot_choice import load_robot_model
 
 DRAW_PERIOD = 0.1  # s of the machine's time between two drawings of the bar
 
@@ -88,6 +91,10 @@ def run(options: argparse.Namespace, console: Console) -> int:
     console.print(f'[bold]{options.robot}[/] simulates [bold]{Path(options.program).name}[/]')
     if options.note:
         console.print(f'[yellow]{options.note}[/]')
+    robot = load_robot_model(options.robot)
+    show_substitutions(robot, console)
+    if options.check:
+        check_first(options.program, sizes_of(robot.num_axes, options.io, options.io_map))
     with _bag_folder(options) as bag:
         with _bar(console) as on_progress:
             result = simulate(
