@@ -15,7 +15,7 @@ from printed_tables import machine, show
 from robots_controller.report.page.page import write_page
 from robots_core.robot_choice import load_robot_model
 from ros_domains import reserved_domain
-from waiting import happens
+from waiting import POLL, happens
 
 from .figures import SoakFigures, memory_figures
 from .page import soak_page
@@ -27,6 +27,7 @@ PROGRAMS: Final = Path(__file__).parent / 'programs'
 START_TIME: Final = 600.0  # s
 RUN_TIME: Final = 300.0  # s that a program may take
 JOG_TIME: Final = 2.0  # s
+STANDING_TIME: Final = 10.0  # s within which a robot that was jogged stands
 SAMPLES: Final = 360  # of memory in a run, one in 10 s of an hour
 
 
@@ -88,16 +89,22 @@ class Shift:
         return True
 
     def _jog(self, direction: float) -> None:
-        problem = self._worker.set_mode('T1')
-        if problem:
-            self.problems.append(f'T1: {problem}')
+        if not self._turn_to('T1'):
             return
         for axis in (0, 2, 4):
             self._worker.jog(axis, direction, JOG_TIME)
         self.jogs += 1
-        problem = self._worker.set_mode('AUTOMATIC')
-        if problem:
-            self.problems.append(f'AUTOMATIC: {problem}')
+        self._turn_to('AUTOMATIC')
+
+    def _turn_to(self, mode: str) -> bool:
+        """Turn the mode switch as soon as the robot stands; whether it could be turned."""
+        end = time.monotonic() + STANDING_TIME
+        while problem := self._worker.set_mode(mode):
+            if time.monotonic() > end:
+                self.problems.append(f'{mode}: {problem}')
+                return False
+            time.sleep(POLL)
+        return True
 
     def _start(self) -> bool:
         for service in ('lua_program_node/open', 'lua_program_node/run'):

@@ -89,7 +89,6 @@ class Worker(CellOperator):
             message.header.stamp = self._node.get_clock().now().to_msg()
             self._jog.publish(message)
             time.sleep(JOG_PERIOD)
-        time.sleep(0.5)  # it stops by itself when the key is let go
 
     def set_mode(self, mode: str) -> str:
         """Turn the mode switch: '' or why it cannot be turned now."""
