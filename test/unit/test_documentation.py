@@ -230,11 +230,13 @@ def anchor(title: str) -> str:
     return re.sub(r'[^\w\- ]', '', title.lower()).replace(' ', '-')
 
 
-def test_the_index_leads_to_every_page() -> None:
+def test_the_index_leads_to_every_page_and_example() -> None:
     text = INDEX.read_text()
     listed = re.findall(r'\]\(([^)]+)\)', text[text.index('## ') :])
     assert len(listed) == len(set(listed))
-    assert {(DOCS / target).resolve() for target in listed} == {page for page in PAGES if page != INDEX}
+    pages = {page for page in PAGES if page != INDEX}
+    examples = {path for path in (ROOT / 'examples').glob('*.py') if '__main__' in path.read_text()}
+    assert {(DOCS / target).resolve() for target in listed} == pages | examples
 
 
 def test_the_readme_is_short_and_leads_to_the_index() -> None:

@@ -1,0 +1,31 @@
+"""The examples run, and print what they promise; that of a live cell is in test_cell_client.py."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[2] / 'examples'
+
+
+def output(name: str, capsys: pytest.CaptureFixture[str]) -> str:
+    runpy.run_path(str(EXAMPLES / name))['main']()
+    return capsys.readouterr().out
+
+
+def test_inverse_kinematics_of_a_urdf(capsys: pytest.CaptureFixture[str]) -> None:
+    shown = output('inverse_kinematics_of_a_urdf.py', capsys)
+    assert '6 axes' in shown
+    assert 'off by 0.000 mm' in shown
+
+
+def test_own_planner(capsys: pytest.CaptureFixture[str]) -> None:
+    assert 'all limits kept' in output('own_planner.py', capsys)
+
+
+def test_time_optimal_line(capsys: pytest.CaptureFixture[str]) -> None:
+    first, second = output('time_optimal_line.py', capsys).splitlines()
+    assert first.startswith('LinearCartesianDynamicProgramming')
+    assert second.startswith('LinearCartesianLimited')
