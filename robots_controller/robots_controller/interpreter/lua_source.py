@@ -1,11 +1,14 @@
 """LuaSource: the text of a robot program, read from its file or explained why not."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+from typing import Final
 
 from robots_controller.interpreter.lua_tokens import lua_tokens
+from robots_controller.interpreter.syntax_remedies import remedy_of
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.files import read_bytes
 
@@ -14,6 +17,7 @@ MAX_PROGRAM_SIZE = 1_000_000  # bytes; the interpreter's memory is bounded too
 MAX_CHUNK_NAME = 50
 # A remark explains the first syntax error; further candidates are not worth their compilation.
 MAX_REMARK_CANDIDATES = 50
+OPENED: Final = re.compile(r'to close .* at line (\d+)\)')
 
 SyntaxCheck = Callable[[str], tuple[int, str] | None]
 """Compiles a text: None, or the line and the reason of the first syntax error."""
@@ -113,5 +117,12 @@ def check_syntax(source: LuaSource, check: SyntaxCheck) -> None:
                 line=line,
                 source=source.line(line),
             )
+    opened = OPENED.search(reason)
+    if opened:  # a block or bracket that is not closed: its line is that of the mistake
+        line = int(opened.group(1))
     text = source.line(line)
-    raise ProgramError(f'{reason}: {text}' if text else reason, file=source.file, line=line, source=text)
+    remedy = remedy_of(reason, text)
+    message = f'{reason}: {text}' if text else reason
+    raise ProgramError(
+        f'{message}; {remedy}' if remedy else message, file=source.file, line=line, source=text
+    )

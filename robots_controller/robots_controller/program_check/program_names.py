@@ -54,6 +54,11 @@ FORBIDDEN: Final = frozenset(
         'warn',
     ]
 )
+OTHER_LANGUAGES: Final = {
+    **dict.fromkeys(('null', 'NULL', 'None', 'undefined'), 'nil'),
+    **dict.fromkeys(('True', 'TRUE'), 'true'),
+    **dict.fromkeys(('False', 'FALSE'), 'false'),
+}
 SHORTEST: Final = 3  # letters of a name that is compared with others
 _GLOBAL_TABLES: Final = frozenset({'_ENV', '_G'})
 _ATTRIBUTES: Final = frozenset({'const', 'close'})
@@ -146,4 +151,6 @@ def _opens_globals(tokens: Sequence[Token], i: int) -> bool:
 
 
 def _meant(name: str, known: Iterable[str]) -> str:
+    if name in OTHER_LANGUAGES:
+        return f'; did you mean {OTHER_LANGUAGES[name]!r}?'
     return did_you_mean(name, [] if len(name) < SHORTEST else known)
