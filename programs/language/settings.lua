@@ -19,4 +19,9 @@ setJerkLimited(true)
 linearRelative(0, 0, -0.1, 0, 0, 0)
 setJerkLimited(false)
 setPlanner(nil, "limited")
+
+-- Joint motions around what is in the way; here nothing is.
+setAvoid(true)
+ptpJointSpaceAnglesRelative(10, 0, 0, 0, 0, 0)
+setAvoid(false)
 linearRelative(0, 0, 0.1, 0, 0, 0)

@@ -80,7 +80,7 @@ def test_the_documentation_lists_the_topics(cell: LockstepRun) -> None:
     from_nodes = {
         name
         for row in rows
-        if running & set(re.findall(r'\w+_node', row[2]))
+        if running & set(re.findall(r'(?<!in orbit )\b\w+_node\b(?!, in orbit)', row[2]))
         for name in re.findall(r'`([^`]+)`', row[0])
     }
     with Reader(cell.bag) as reader:

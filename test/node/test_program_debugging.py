@@ -32,6 +32,7 @@ def test_breakpoint_step_and_call_stack_by_services(ros_nodes: Any, tmp_path: Pa
     bench.node.set_parameters([Parameter('breakpoints', value=['test.lua:4'])])
     assert bench.ask('resume').success
     bench.wait(lambda: diagnostic_values(bench.status[-1])['line'] == '4', 'the new breakpoint')
+    bench.wait(lambda: bench.node._program.hold_reason == 'breakpoint', 'the hold')
     assert bench.ask('resume').success
     bench.wait_for_state('FINISHED')
 

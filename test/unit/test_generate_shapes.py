@@ -14,7 +14,7 @@ from drawings import DRAWINGS, drawn_at
 from generate_shapes import MESHES, generate_shapes, main
 
 FOLDER = Path(str(files('robots_models')))
-ROBOTS = sorted(file.parent.name for file in FOLDER.glob('*/robot.urdf'))
+ROBOTS = sorted(folder.parent.name for folder in FOLDER.glob(f'*/{MESHES}'))  # others use theirs
 LARGEST_FILE = 60_000  # bytes
 # STL holds single precision: 1e-7 of coordinates of up to 3 m.
 STL_PRECISION = 1e-6

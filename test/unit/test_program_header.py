@@ -51,7 +51,7 @@ def test_files_are_seen_from_the_program_s_folder(tmp_path: Path):
         str(tmp_path / 'scenes/car.yaml'),
         '/plc.yaml',
         str(tmp_path / 'drive'),
-        str(tmp_path / 'o.yaml'),
+        orbit=str(tmp_path / 'o.yaml'),
     )
 
 
