@@ -22,6 +22,7 @@ SIMPLE: Final = 100
 DETAILED: Final = 1000
 EXCESS: Final = 2e-3  # m, to which the hull is cut down towards the mesh
 MOST_PLANES: Final = 48
+MERGED: Final = 5  # decimals of a metre to which corners are rounded
 SMALL_FILE: Final = 50_000  # bytes; of these nothing is kept
 
 # Of a body whose corners and edges are cut off: 6 faces, 12 edges and 8 corners of a cube.
@@ -42,7 +43,7 @@ def read_outer_hull(path: Path, scale: ArrayLike = 1.0) -> Mesh:
         mesh = _simple(read_mesh(path, scale))
         return {'vertices': mesh.vertices, 'faces': mesh.faces}
 
-    limits = SIMPLE, DETAILED, EXCESS, MOST_PLANES
+    limits = SIMPLE, DETAILED, EXCESS, MOST_PLANES, MERGED
     content = content_of((data, path.suffix, np.asarray(scale, dtype=np.float64), limits))
     arrays = kept('outer_hull', content, computed)
     return Mesh(arrays['vertices'], arrays['faces'])
@@ -83,5 +84,6 @@ def outer_hull(mesh: Mesh) -> Mesh:
         if outside[worst] <= EXCESS or len(planes) >= MOST_PLANES:
             break
         planes = np.vstack([planes, faces[worst]])
-    result = trimesh.convex.convex_hull(corners)
+    # Where more than three planes meet, their corners differ by rounding; slivers between them are no hull.
+    result = trimesh.convex.convex_hull(np.unique(corners.round(MERGED), axis=0))
     return Mesh(result.vertices, result.faces)
