@@ -5,20 +5,17 @@ The program is simulated, unless `--run BAG` names a recorded run of it.
 
 from __future__ import annotations
 
-import argparse
-import shutil
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from debris_removal.recorded_bodies import AT_REST, HELD, ROBOT, RecordedBodies, describe, read_bodies
-from motion_simulator.plots import COLOURS, STYLE
+from drawing.figures import COLOURS, drawing_style, plot_parser, recorded, save, title_and_legend
 from robots_controller.simulate import simulate
 from robots_core import Pose
 from robots_core.blocks.floating_base.orbit import read_orbit
@@ -109,33 +106,17 @@ def _finish(figure: Figure, rows: Any, bodies: RecordedBodies, title: str, *, nc
             edge = {'xycoords': ('data', 'axes fraction'), 'textcoords': 'offset points'}
             rows[0].annotate(name, (time, 1.0), (left, 3), **edge)
     rows[-1].set(xlabel='time, s', xlim=(bodies.time[0], bodies.time[-1]))
-    figure.suptitle(title)
-    entries = rows[0].get_legend_handles_labels()
-    figure.legend(*entries, loc='outside lower center', ncols=ncols, frameon=False)
+    title_and_legend(figure, rows, title, ncols=ncols)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(prog='debris_removal.plots', description=__doc__)
-    parser.add_argument('--run', type=Path, metavar='BAG', help='recorded run; simulated by default')
-    parser.add_argument('--folder', type=Path, default=Path('out/debris_removal'), help='for the pictures')
-    options = parser.parse_args(arguments)
-    options.folder.mkdir(parents=True, exist_ok=True)
-    run = options.run
-    if run is None:
-        run = options.folder / 'bag'
-        shutil.rmtree(run, ignore_errors=True)
-        simulate(PROGRAM, robot=ROBOT, orbit=ORBIT, bag=run)
+    options = plot_parser('debris_removal', __doc__).parse_args(arguments)
+    run = recorded(options, lambda bag: simulate(PROGRAM, robot=ROBOT, orbit=ORBIT, bag=bag))
     bodies = read_bodies(run)
-    mpl.use('agg')
-    figures = (('attitude', attitude_figure), ('momentum', momentum_figure), ('scene', scene_figure))
-    with plt.rc_context(STYLE):
-        for name, draw in figures:
-            figure = draw(bodies)
-            path = options.folder / f'{name}.png'
-            figure.savefig(path, dpi=100)
-            plt.close(figure)
-            print(path)
+    with drawing_style():
+        figures = {'attitude': attitude_figure, 'momentum': momentum_figure, 'scene': scene_figure}
+        save(((name, draw(bodies)) for name, draw in figures.items()), options.folder)
     print('\n'.join(describe(bodies)))
 
 

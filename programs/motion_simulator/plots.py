@@ -5,17 +5,15 @@ The program is simulated, unless `--run BAG` names a recorded run of it.
 
 from __future__ import annotations
 
-import argparse
-import shutil
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
+from drawing.figures import COLOURS, drawing_style, plot_parser, recorded, save, title_and_legend
 from motion_simulator.cabin import ENVELOPE, ROBOT
 from motion_simulator.recorded_cabin import RecordedCabin, read_cabin
 from robots_controller.simulate import simulate
@@ -30,20 +28,7 @@ PROGRAM: Final = PROGRAMS / 'motion_simulator.lua'
 REFERENCES: Final = PROGRAMS / 'motion_simulator' / 'double_lane_change'
 CABIN: Final = Payload(300.0, np.array([0.0, 0.0, 0.7]))  # as in the program
 WANTED, ASKED, FELT = '#9aa3ad', '#e08a2c', '#2f6fb0'
-COLOURS: Final = ('#2f6fb0', '#e08a2c', '#3d9a5f', '#b5464b', '#7b63a8', '#5b6672')
 LIMIT: Final = '#c8434a'
-STYLE: Final = {
-    'font.size': 10,
-    'axes.edgecolor': '#b8bfc7',
-    'axes.labelcolor': '#303840',
-    'axes.spines.top': False,
-    'axes.spines.right': False,
-    'axes.grid': True,
-    'grid.color': '#e8ebee',
-    'xtick.color': '#606a74',
-    'ytick.color': '#606a74',
-    'lines.linewidth': 1.4,
-}
 
 
 def felt_figure(cabin: RecordedCabin) -> Figure:
@@ -135,9 +120,7 @@ def _finish(figure: Figure, rows: Any, title: str, *, ncols: int) -> None:
     for row in np.atleast_2d(rows)[-1] if np.ndim(rows) == 2 else [rows[-1]]:
         row.set_xlabel('time, s')
         row.margins(x=0.0)
-    figure.suptitle(title, x=0.02, ha='left', fontsize=13, weight='bold')
-    handles = np.ravel(rows)[0].get_legend_handles_labels()
-    figure.legend(*handles, loc='outside lower center', ncols=ncols, frameon=False)
+    title_and_legend(figure, rows, title, ncols=ncols)
 
 
 def describe(cabin: RecordedCabin) -> list[str]:
@@ -171,28 +154,17 @@ def describe(cabin: RecordedCabin) -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(prog='motion_simulator.plots', description=__doc__)
-    parser.add_argument('--run', type=Path, metavar='BAG', help='recorded run; simulated by default')
+    parser = plot_parser('motion_simulator', __doc__)
     parser.add_argument(
         '--references', type=Path, default=REFERENCES, metavar='BAG', help='what guided the robot'
     )
-    parser.add_argument('--folder', type=Path, default=Path('out/motion_simulator'), help='of the pictures')
     options = parser.parse_args(arguments)
-    options.folder.mkdir(parents=True, exist_ok=True)
-    run = options.run
-    if run is None:
-        run = options.folder / 'bag'
-        shutil.rmtree(run, ignore_errors=True)
-        simulate(PROGRAM, robot=ROBOT, references=options.references, bag=run)
-    cabin = read_cabin(run, options.references)
-    mpl.use('agg')
-    with plt.rc_context(STYLE):
-        for name, draw in (('felt', felt_figure), ('limits', limits_figure), ('tracking', tracking_figure)):
-            figure = draw(cabin)
-            path = options.folder / f'{name}.png'
-            figure.savefig(path, dpi=100)
-            plt.close(figure)
-            print(path)
+    guided = options.references
+    run = recorded(options, lambda bag: simulate(PROGRAM, robot=ROBOT, references=guided, bag=bag))
+    cabin = read_cabin(run, guided)
+    with drawing_style():
+        figures = {'felt': felt_figure, 'limits': limits_figure, 'tracking': tracking_figure}
+        save(((name, draw(cabin)) for name, draw in figures.items()), options.folder)
     print('\n'.join(describe(cabin)))
 
 

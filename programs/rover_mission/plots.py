@@ -5,18 +5,15 @@ The program is simulated, unless `--run BAG` names a recorded run of it.
 
 from __future__ import annotations
 
-import argparse
-import shutil
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from motion_simulator.plots import COLOURS, STYLE
+from drawing.figures import COLOURS, drawing_style, plot_parser, recorded, save
 from robots_controller.simulate import simulate
 from rover_mission.recorded_mission import ROBOT, RecordedMission, describe, read_mission
 
@@ -54,24 +51,11 @@ def forces_figure(mission: RecordedMission) -> Figure:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(prog='rover_mission.plots', description=__doc__)
-    parser.add_argument('--run', type=Path, metavar='BAG', help='recorded run; simulated by default')
-    parser.add_argument('--folder', type=Path, default=Path('out/rover_placement'), help='for the picture')
-    options = parser.parse_args(arguments)
-    options.folder.mkdir(parents=True, exist_ok=True)
-    run = options.run
-    if run is None:
-        run = options.folder / 'bag'
-        shutil.rmtree(run, ignore_errors=True)
-        simulate(PROGRAM, robot=ROBOT, scene=SCENE, io=IO, bag=run)
+    options = plot_parser('rover_placement', __doc__).parse_args(arguments)
+    run = recorded(options, lambda bag: simulate(PROGRAM, robot=ROBOT, scene=SCENE, io=IO, bag=bag))
     mission = read_mission(run, SCENE)
-    mpl.use('agg')
-    with plt.rc_context(STYLE):
-        figure = forces_figure(mission)
-        path = options.folder / 'forces.png'
-        figure.savefig(path, dpi=100)
-        plt.close(figure)
-        print(path)
+    with drawing_style():
+        save([('forces', forces_figure(mission))], options.folder)
     print('\n'.join(describe(mission)))
 
 

@@ -5,17 +5,15 @@ The program is simulated, unless `--run BAG` names a recorded run of it.
 
 from __future__ import annotations
 
-import argparse
-import shutil
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
+from drawing.figures import drawing_style, plot_parser, recorded, save, title_and_legend
 from robots_controller.cell.contact_setup import ContactSetup, read_contact
 from robots_controller.simulate import simulate
 from robots_core.blocks import WheelSoilModel
@@ -28,18 +26,6 @@ CONTACT: Final = PROGRAMS / 'wheel_laboratory' / 'regolith_simulant.yaml'
 SENSOR, MODEL, WANTED = '#e08a2c', '#2f6fb0', '#9aa3ad'
 COLOURS: Final = ('#2f6fb0', '#3d9a5f', '#8aa13a', '#e0b02c', '#e08a2c', '#c8434a', '#7b63a8', '#5b6672')
 STRESS_SLIPS: Final = (0.1, 0.4, 0.8)
-STYLE: Final = {
-    'font.size': 10,
-    'axes.edgecolor': '#b8bfc7',
-    'axes.labelcolor': '#303840',
-    'axes.spines.top': False,
-    'axes.spines.right': False,
-    'axes.grid': True,
-    'grid.color': '#e8ebee',
-    'xtick.color': '#606a74',
-    'ytick.color': '#606a74',
-    'lines.linewidth': 1.4,
-}
 
 
 def slip_figure(runs: Sequence[WheelRun], setup: ContactSetup) -> Figure:
@@ -72,7 +58,7 @@ def slip_figure(runs: Sequence[WheelRun], setup: ContactSetup) -> Figure:
     ratio.set_ylabel('over the load')
     rows[2].set_ylim(0.0, 1.15e3 * max(sinkages))
     wheel = setup.wheel
-    _finish(figure, rows, f'A wheel of {wheel.radius:g} x {wheel.width:g} m over its slip', ncols=2)
+    title_and_legend(figure, rows, f'A wheel of {wheel.radius:g} x {wheel.width:g} m over its slip', ncols=2)
     return figure
 
 
@@ -93,7 +79,7 @@ def published_figure() -> Figure:
         row.plot(slip, points, 's', color=COLOURS[1], label='measured, Ding et al. 2011')
         row.set(xlabel='slip', ylabel=label)
     rows[2].set_ylim(0.0, None)
-    _finish(figure, rows, f'A published single-wheel test: smooth wheel at {LOAD:g} N', ncols=2)
+    title_and_legend(figure, rows, f'A published single-wheel test: smooth wheel at {LOAD:g} N', ncols=2)
     return figure
 
 
@@ -111,7 +97,7 @@ def time_figure(runs: Sequence[WheelRun]) -> Figure:
         row.axvline(runs[0].driving, color=WANTED, linewidth=0.8)
     rows[0].set_title('pressing, then driving from the vertical line on', loc='left', fontsize=10)
     rows[-1].set_xlabel('time, s')
-    _finish(figure, rows, f'Force control of {ROBOT}', ncols=4)
+    title_and_legend(figure, rows, f'Force control of {ROBOT}', ncols=4)
     return figure
 
 
@@ -127,14 +113,8 @@ def stress_figure(runs: Sequence[WheelRun], setup: ContactSetup) -> Figure:
         row.plot(np.degrees(theta), 1e-3 * normal, color=colour, label=f'normal, slip {slip:g}')
         row.plot(np.degrees(theta), 1e-3 * shear, color=colour, linestyle='--', label=f'shear, slip {slip:g}')
     row.set(xlabel='angle from straight below the hub, forward, degrees', ylabel='stress, kPa')
-    _finish(figure, [row], f'Stress below the wheel at {load:g} N', ncols=3)
+    title_and_legend(figure, [row], f'Stress below the wheel at {load:g} N', ncols=3)
     return figure
-
-
-def _finish(figure: Figure, rows: Any, title: str, *, ncols: int) -> None:
-    figure.suptitle(title, x=0.02, ha='left', fontsize=13, weight='bold')
-    handles = np.ravel(rows)[0].get_legend_handles_labels()
-    figure.legend(*handles, loc='outside lower center', ncols=ncols, frameon=False)
 
 
 def describe(runs: Sequence[WheelRun]) -> list[str]:
@@ -153,32 +133,21 @@ def describe(runs: Sequence[WheelRun]) -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
-    parser = argparse.ArgumentParser(prog='wheel_laboratory.plots', description=__doc__)
-    parser.add_argument('--run', type=Path, metavar='BAG', help='recorded run; simulated by default')
+    parser = plot_parser('wheel_laboratory', __doc__)
     parser.add_argument('--contact', type=Path, default=CONTACT, metavar='FILE', help='wheel and soil')
-    parser.add_argument('--folder', type=Path, default=Path('out/wheel_laboratory'), help='of the pictures')
     options = parser.parse_args(arguments)
-    options.folder.mkdir(parents=True, exist_ok=True)
-    run = options.run
-    if run is None:
-        run = options.folder / 'bag'
-        shutil.rmtree(run, ignore_errors=True)
-        simulate(PROGRAM, robot=ROBOT, contact=options.contact, bag=run)
-    setup = read_contact(options.contact)
+    contact = options.contact
+    run = recorded(options, lambda bag: simulate(PROGRAM, robot=ROBOT, contact=contact, bag=bag))
+    setup = read_contact(contact)
     runs = read_runs(run, setup)
-    mpl.use('agg')
-    with plt.rc_context(STYLE):
+    with drawing_style():
         figures = {
             'slip': slip_figure(runs, setup),
             'time': time_figure(runs),
             'stress': stress_figure(runs, setup),
             'published': published_figure(),
         }
-        for name, figure in figures.items():
-            path = options.folder / f'{name}.png'
-            figure.savefig(path, dpi=100)
-            plt.close(figure)
-            print(path)
+        save(figures.items(), options.folder)
     print('\n'.join(describe(runs)))
 
 
