@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -36,6 +37,21 @@ FAIL = ('welding_collision',)
 # Opened in browsers: a long one, one that ends early, one of another kind of robot.
 OPENED = ('palletizing', 'welding_collision', 'debris_removal')
 
+# What a program does again and again is done twice here.
+SHORTENED = {'wheel_laboratory': ('{0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8}', '{0, 0.8}')}
+
+
+def shortened(program: Path, folder: Path) -> Path:
+    """The program, or a shorter copy of it."""
+    if program.stem not in SHORTENED:
+        return program
+    before, after = SHORTENED[program.stem]
+    text = program.read_text()
+    assert text.count(before) == 1
+    copy = shutil.copytree(PROGRAMS, folder / 'programs') / program.name
+    copy.write_text(text.replace(before, after))
+    return copy
+
 
 def simulated(folder: Path, program: Path, *options: str) -> int:
     """Simulate as the command does, bag and report in a folder; returns its exit code."""
@@ -46,7 +62,7 @@ def simulated(folder: Path, program: Path, *options: str) -> int:
 @pytest.mark.parametrize('program', sorted(PROGRAMS.glob('*.lua')), ids=lambda path: path.stem)
 def test_its_report_opens_without_an_error(program: Path, tmp_path: Path):
     failed = program.stem in FAIL
-    assert simulated(tmp_path, program) == (EXIT_FAILED if failed else EXIT_OK)
+    assert simulated(tmp_path, shortened(program, tmp_path)) == (EXIT_FAILED if failed else EXIT_OK)
     path = tmp_path / 'report.html'
     Page(path.read_text(encoding='utf-8'))  # raises what its script raises
     for browser in BROWSERS if program.stem in OPENED else ():
