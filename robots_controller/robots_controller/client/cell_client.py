@@ -204,12 +204,19 @@ class CellClient:
         command = MotionCommand(
             kind=kind, line=0, function='', settings=wanted | ({} if zones else self._zones), **target
         )
-        motion = self._motions[command] = Motion(self._queue.flush)
+        motion = self._motions[command] = Motion(self._flush)
         self._queue.send(command)
-        if self._zones and not zones:
-            self._queue.flush()
-        self._zones = zones
+        if zones:
+            self._zones = zones
+        else:
+            self._flush()
         return motion
+
+    def _flush(self) -> None:
+        """No motion follows that the last one could blend into."""
+        if self._zones:
+            self._zones = {}
+            self._queue.flush()
 
     # -- robot ----------------------------------------------------------------------------------------
 
