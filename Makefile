@@ -217,7 +217,7 @@ docs: .venv/.installed_docs $(BUILD_STAMP)  ## The documentation as a site that 
 
 .PHONY: plots
 plots: build .venv/benchmark/.installed  ## A picture per planner, every axis over its limits, in out/plots
-	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/plot_planners.py
+	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/programs:$$PWD/.venv/benchmark"; python test/benchmark/plot_planners.py
 
 .PHONY: plots-motion-simulator
 plots-motion-simulator: build .venv/benchmark/.installed  ## What a person in the cabin of the motion simulator feels, in out/motion_simulator; OPTIONS='--run BAG'

@@ -192,7 +192,7 @@ function setConfiguration(configuration) end
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
 function setJerkLimited(value) end
 
----Lets joint motions go around what is in the way. A search counts postures, 25 000 a second of its budget, so that every computer finds the same way.
+---Lets joint motions go around what is in the way. A search counts postures, 25 000 a second of its budget, and not time: a slow computer finds the same.
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
 ---@param budget? number longest search for a way around (s)
 function setAvoid(value, budget) end

@@ -129,10 +129,6 @@ def take_from_program(options: argparse.Namespace) -> None:
     chosen = header.replaced_by(**own)
     for name in own:
         setattr(options, name, getattr(chosen, name))
-    if options.orbit and options.references:
-        raise RobotsError(
-            f'{options.orbit} and {options.references} would both guide the robot: give one of them'
-        )
     options.note = header.note(options.program, chosen.robot)
 
 

@@ -10,11 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
+from drawing.figures import drawing_style
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_planning import (
     CircularCartesian,
@@ -35,18 +35,6 @@ from robots_planning.motion_kinds import LINE
 STEP = 1e-3  # s
 COLOURS = ('#2f6fb0', '#e08a2c', '#3d9a5f', '#b5464b', '#7b63a8', '#5b6672', '#c06c9c')
 FAST = {'cartesian_speed': 2.0, 'cartesian_acceleration': 20.0}
-STYLE = {
-    'font.size': 10,
-    'axes.edgecolor': '#b8bfc7',
-    'axes.labelcolor': '#303840',
-    'axes.spines.top': False,
-    'axes.spines.right': False,
-    'axes.grid': True,
-    'grid.color': '#e8ebee',
-    'xtick.color': '#606a74',
-    'ytick.color': '#606a74',
-    'lines.linewidth': 1.4,
-}
 
 
 @dataclass(frozen=True)
@@ -200,9 +188,8 @@ def main(argv: list[str] | None = None, show: Callable[[str], None] = print) -> 
     parser.add_argument('--folder', type=Path, default=Path('out/plots'))
     folder = parser.parse_args(argv).folder
     folder.mkdir(parents=True, exist_ok=True)
-    mpl.use('agg')
     robot = load_robot_model('kuka_kr210_r2700')
-    with plt.rc_context(STYLE):
+    with drawing_style():
         for picture in pictures(robot):
             figure = draw(robot, picture)
             path = folder / f'{picture.name}.png'

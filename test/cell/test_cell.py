@@ -72,7 +72,7 @@ def test_every_wrong_option_is_explained(options: tuple[str, ...], message: str)
     ('text', 'message'),
     [
         ('wait(1 2)', "wrong.lua:1: ')' expected near '2'"),
-        ('wait(0)\nwait(0) // weld', "wrong.lua:2: '//' does not start a remark in Lua"),
+        ('wait(0)\nwait(0) // weld', "wrong.lua:2: '//' does not start a comment in Lua"),
     ],
 )
 def test_a_program_that_is_not_lua_is_reported_before_anything_starts(

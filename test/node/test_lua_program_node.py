@@ -177,7 +177,7 @@ def test_wrong_inputs_are_refused_and_reported(ros_nodes: Any, tmp_path: Path):
     [
         (None, "parameter 'program' is empty"),
         ('x = ', 'test.lua:1: unexpected symbol near <eof>'),
-        ('wait(1); // wait', "test.lua:1: '//' does not start a remark in Lua; write '--'"),
+        ('wait(1); // wait', "test.lua:1: '//' does not start a comment in Lua; write '--'"),
     ],
 )
 def test_program_that_cannot_be_opened_is_reported(

@@ -100,7 +100,7 @@ def test_a_definition_that_is_not_valid_leaves_the_other_topics_readable(tmp_pat
     assert bag.problem == ''
     assert bag.deserialized(['/trigger'])['/trigger'][0][1].data
     assert not bag.defines('/level')
-    with pytest.raises(RobotsError, match='Level, which neither the bag nor Jazzy defines'):
+    with pytest.raises(RobotsError, match='Level, whose definition in the bag is not valid'):
         bag.deserialized(['/level'])
 
 

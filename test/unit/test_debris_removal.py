@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from debris_removal.recorded_bodies import ROBOT, describe, read_bodies
-from robots_controller.live_cell.cell_command import parse_options
 from robots_controller.simulate import simulate
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.errors import RobotsError
@@ -64,6 +63,5 @@ def test_only_one_sets_inputs_or_guides(tmp_path: Path) -> None:
     plc.write_text('rules:\n  - {when: start, set: {digital_input.4: 1}}\n')
     with pytest.raises(RobotsError, match=r'orbit.yaml and .*plc.yaml both set inputs'):
         simulate(PROGRAM, robot=ROBOT, orbit=ORBIT, io=plc)
-    options = ['--program', str(PROGRAM), '--references', str(tmp_path)]
-    with pytest.raises(RobotsError, match='would both guide the robot'):
-        parse_options(options)
+    with pytest.raises(RobotsError, match='both guide the robot'):
+        simulate(PROGRAM, robot=ROBOT, orbit=ORBIT, references=tmp_path)

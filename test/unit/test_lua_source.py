@@ -51,8 +51,10 @@ def test_lua_is_opened(tmp_path: Path, text: str):
         ('s = "//"\nwait(1) // wait a second', 2),
     ],
 )
-def test_slashes_meant_as_remark_are_explained(tmp_path: Path, text: str, line: int):
-    assert opened(tmp_path, text).startswith(f"p.lua:{line}: '//' does not start a remark in Lua; write '--'")
+def test_slashes_meant_as_comments_are_explained(tmp_path: Path, text: str, line: int):
+    assert opened(tmp_path, text).startswith(
+        f"p.lua:{line}: '//' does not start a comment in Lua; write '--'"
+    )
 
 
 @pytest.mark.parametrize(

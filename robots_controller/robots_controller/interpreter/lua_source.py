@@ -15,7 +15,7 @@ from robots_core.files import read_bytes
 MAX_PROGRAM_SIZE = 1_000_000  # bytes; the interpreter's memory is bounded too
 # Lua shortens longer chunk names in its messages.
 MAX_CHUNK_NAME = 50
-# A remark explains the first syntax error; further candidates are not worth their compilation.
+# A comment explains the first syntax error; further candidates are not worth their compilation.
 MAX_REMARK_CANDIDATES = 50
 OPENED: Final = re.compile(r'to close .* at line (\d+)\)')
 
@@ -94,7 +94,7 @@ def read_source(path: Path | str) -> LuaSource:
 def check_syntax(source: LuaSource, check: SyntaxCheck) -> None:
     """Check that Lua can compile a program.
 
-    `//` is integer division in Lua. It is taken for a remark where reading it as one moves the syntax
+    `//` is integer division in Lua. It is taken for a comment where reading it as one moves the syntax
     error further down or makes it disappear.
 
     Raises:
@@ -112,7 +112,7 @@ def check_syntax(source: LuaSource, check: SyntaxCheck) -> None:
         if better is None or better[0] > line:
             line = token.line
             raise ProgramError(
-                f"'//' does not start a remark in Lua; write '--': {source.line(line)}",
+                f"'//' does not start a comment in Lua; write '--': {source.line(line)}",
                 file=source.file,
                 line=line,
                 source=source.line(line),

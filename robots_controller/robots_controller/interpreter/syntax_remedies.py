@@ -4,15 +4,15 @@ import re
 from typing import Final
 
 _STRING: Final = re.compile(r'"(?:\\.|[^"\\])*"|\'(?:\\.|[^\'\\])*\'')
-_REMARK: Final = re.compile(r'--.*$')
+_COMMENT: Final = re.compile(r'--.*$')
 
 # In the order in which they are tried: the first whose pattern is in the line explains it.
 REMEDIES: Final = tuple(
     (re.compile(pattern), remedy)
     for pattern, remedy in (
         (r'!=', 'not equal is ~= in Lua'),
-        (r'/\*', 'a remark is written --, or --[[ ... ]] over several lines'),
-        (r'(?:^|[\s;)])#\s', 'a remark is written --'),
+        (r'/\*', 'a comment is written --, or --[[ ... ]] over several lines'),
+        (r'(?:^|[\s;)])#\s', 'a comment is written --'),
         (r'\bfor\b[^;]*;', 'a loop is written for i = 1, 3 do ... end'),
         (r'\bfor\b.*(?:\.\.|\brange\b)', 'a loop is written for i = 1, 3 do ... end'),
         (r'(\w+)\s*\+\+', r'write \1 = \1 + 1'),
@@ -21,7 +21,7 @@ REMEDIES: Final = tuple(
         (r'\|\|', 'write or'),
         (r'!\s*[\w(]', 'write not'),
         (r'\b(?:elif|elsif|else\s+if)\b', 'write elseif, in one word'),
-        (r'\b(?:if|elseif|while|until)\b[^=]*[^=<>~]=[^=]', '= gives a value; compare with =='),
+        (r'\b(?:if|elseif|while|until)\b[^=]*[^=<>~]=[^=]', '= assigns a value; compare with =='),
         (
             r'\b(?:if|elseif|while|for|else|function)\b.*\{',
             'a block has no braces: then ... end, do ... end',
@@ -39,7 +39,7 @@ REMEDIES: Final = tuple(
         (r'\b(?:switch|case)\b', 'write if ... then ... elseif ... end'),
         (r'\b(?:try|catch|except)\b', 'errors are caught by pcall(function() ... end)'),
         (r'\bcontinue\b', 'write goto next, and ::next:: before the end of the loop'),
-        (r'^\s*(?!return|goto|and|or|not)(\w+)\s+-?\d', r'arguments are in brackets: \1(...)'),
+        (r'^\s*(?!return|goto|and|or|not)(\w+)\s+-?\d', r'arguments are in parentheses: \1(...)'),
     )
 )
 # By what Lua says, where nothing in the line explains it.
@@ -50,7 +50,7 @@ BY_REASON: Final = tuple(
         (r"'do' expected", 'write do before the first statement of the loop, and end after the last'),
         (r"'end' expected", 'each then, do and function needs an end of its own'),
         (r'unfinished string', 'close it with the quotation mark that it begins with'),
-        (r"'\)' expected", 'a bracket is not closed'),
+        (r"'\)' expected", 'a parenthesis is not closed'),
         (r"'\}' expected", 'a brace is not closed'),
         (r"<eof> expected near '(?:end|else|elseif)'", 'there is no if, do or function that this belongs to'),
         (r'<eof> expected', 'nothing may follow return'),
@@ -65,7 +65,7 @@ def remedy_of(reason: str, line: str) -> str:
         reason: Lua's own message.
         line: The text of the line.
     """
-    code = _REMARK.sub('', _STRING.sub("''", line))
+    code = _COMMENT.sub('', _STRING.sub("''", line))
     for pattern, remedy in REMEDIES:
         found = pattern.search(code)
         if found:

@@ -17,7 +17,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.realtime import processor_share
 from robots_core.ros.joint_state_reader import JointStateReader
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import diagnostic_status
+from robots_core.ros.messages import diagnostic_status, twist_stamped_message
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, subscribe_state
 from robots_core.ros.robot_node import RobotNode
@@ -30,7 +30,7 @@ FRAME: Final = 'tool0'
 class ForceControlNode(RobotNode):
     """Publishes `reference_twist` while the program lets a sensor guide the robot.
 
-    What must stop the robot stands on `contact_status`, at all times.
+    `contact_status` says at all times what must stop the robot.
     """
 
     phase = Phase.ENVIRONMENT
@@ -85,14 +85,7 @@ class ForceControlNode(RobotNode):
         outputs = {channel: self._outputs.value(channel) or 0.0 for channel in self._channels}
         twist = self._guide.step(now, outputs)
         if twist is not None:
-            self._publish(twist)
-
-    def _publish(self, values: Array) -> None:
-        twist = TwistStamped()
-        twist.header.stamp, twist.header.frame_id = self.get_clock().now().to_msg(), 'base'
-        v, w = twist.twist.linear, twist.twist.angular
-        v.x, v.y, v.z, w.x, w.y, w.z = values.tolist()
-        self._twists.publish(twist)
+            self._twists.publish(twist_stamped_message(self.get_clock().now().to_msg(), twist))
 
 
 def _wrench(message: WrenchStamped) -> Array:

@@ -83,7 +83,12 @@ class Bag:
                 continue
             kind = self.topics[name].type
             if kind not in store.types:
-                raise RobotsError(f'{self.path}: {name} is a {kind}, which neither the bag nor Jazzy defines')
+                problem = (
+                    'whose definition in the bag is not valid'
+                    if self.topics[name].definition
+                    else 'which neither the bag nor Jazzy defines'
+                )
+                raise RobotsError(f'{self.path}: {name} is a {kind}, {problem}')
             try:
                 found[name].append((stamp, store.deserialize_cdr(data, kind)))
             except Exception as error:  # a damaged message fails in as many ways as there are fields

@@ -3,7 +3,7 @@
 
 RRT-Connect (Kuffner and LaValle 2000) whose edges are all certified. Random numbers are integer arithmetic
 (splitmix64; Steele, Lea and Flood 2014), and postures are made of sums and products alone, so that a search
-is the same on every machine.
+does not depend on the speed of the machine, nor on a library's random numbers.
 """
 
 from math import inf, sqrt

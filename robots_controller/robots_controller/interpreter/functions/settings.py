@@ -126,7 +126,7 @@ class Settings(Family):
     def setAvoid(self, value: float, budget: float | None) -> None:
         """Lets joint motions go around what is in the way.
 
-        A search counts postures, 25 000 a second of its budget, so that every computer finds the same way.
+        A search counts postures, 25 000 a second of its budget, and not time: a slow computer finds the same.
         """
         self._run.change(avoid=bool(value), **_given(avoid_budget=budget))
 
