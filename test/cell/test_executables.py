@@ -121,10 +121,15 @@ def test_nodes_report_health_and_life_and_end_however_often_they_are_interrupted
     finally:
         for process in processes.values():
             process.kill()
+    hung = []
     for executable, process in processes.items():
         output, _ = process.communicate()
+        if process.returncode == 1 and output.startswith('Timeout (') and 'in destroy_node' in output:
+            hung.append(executable)  # Fast DDS 2.14 can, where participants leave together: see `run_nodes`
+            continue
         assert process.returncode == 0, f'{executable}: {output}'
         assert 'Traceback' not in output, executable
+    assert len(hung) <= 1, hung
 
 
 def test_an_interrupt_ends_a_node_that_is_still_being_made(ros_domain: int) -> None:
@@ -154,13 +159,13 @@ def test_an_interrupt_ends_a_node_that_is_still_being_made(ros_domain: int) -> N
 def test_a_node_that_hangs_at_its_end_is_ended(ros_domain: int) -> None:
     del ros_domain
     lines = (
-        'import sys, threading',
+        'import ctypes, sys',
         'from robots_core.ros import run',
         'from robots_core.ros.timed_node import TimedNode',
         'run.END_DEADLINE = 0.1',
         'class Hanging(TimedNode):',
         '    def destroy_node(self):',
-        '        threading.Event().wait()  # as Fast DDS can',
+        '        ctypes.PyDLL(None).pause()  # as Fast DDS can: no other thread runs Python meanwhile',
         'def make_node():',
         '    node = Hanging("hanging")',
         '    node.context.try_shutdown()',
@@ -174,8 +179,9 @@ def test_a_node_that_hangs_at_its_end_is_ended(ros_domain: int) -> None:
         text=True,
         timeout=DEADLINE,
     )
-    assert process.returncode == 70
-    assert process.stderr == 'error: the nodes have not ended within 0.1 s\n'
+    assert process.returncode == 1
+    assert process.stderr.startswith('Timeout (0:00:00.1')
+    assert 'in destroy_node' in process.stderr
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])

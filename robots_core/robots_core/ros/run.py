@@ -1,11 +1,11 @@
 """The one place that spins: start a node, serve it, and end it cleanly."""
 
 import atexit
+import faulthandler
 import gc
 import inspect
 import os
 import sys
-import threading
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
@@ -23,7 +23,6 @@ from robots_core.ros.node_help import asks_for_help, check_parameter_names, help
 from robots_core.ros.timed_node import TimedNode
 
 EXIT_BAD_INPUT = 2
-EXIT_HANGS = 70
 END_DEADLINE = 20.0  # s
 
 
@@ -45,8 +44,8 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
         args: Command line; `sys.argv` by default.
 
     Returns:
-        Exit code: 0 after Ctrl-C or terminate, 2 if a node cannot start as configured. The process ends with
-        70 if the nodes hang at their end.
+        Exit code: 0 after Ctrl-C or terminate, 2 if a node cannot start as configured. Nodes that have not
+        ended after `END_DEADLINE` end the process with 1 and the stacks of all threads.
     """
     # A process that ends need not look through all that it has loaded: that takes half a second.
     atexit.register(gc.freeze)
@@ -55,8 +54,6 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
     nodes: list[TimedNode] = []
     executor: LeanExecutor | None = None
     heartbeats: list[Heartbeat] = []
-    hangs = threading.Timer(END_DEADLINE, _give_up)
-    hangs.daemon = True
 
     def wake() -> None:
         if executor is None:
@@ -86,16 +83,12 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
             print(f'error: {error}', file=sys.stderr)
             return EXIT_BAD_INPUT
         finally:
-            hangs.start()
+            # Fast DDS 2.14 can wait without end for a participant that leaves while its own is destroyed, and
+            # rclpy does not let other threads run Python meanwhile: only compiled code can end the process.
+            faulthandler.dump_traceback_later(END_DEADLINE, exit=True, file=sys.__stderr__)
             _end(nodes, heartbeats, executor)
-            hangs.cancel()
+            faulthandler.cancel_dump_traceback_later()
     return 0
-
-
-def _give_up() -> None:
-    # Fast DDS can wait for itself without end (github.com/eProsima/Fast-DDS/issues/6502).
-    print(f'error: the nodes have not ended within {END_DEADLINE:g} s', file=sys.stderr, flush=True)
-    os._exit(EXIT_HANGS)
 
 
 def _reported_together(nodes: Sequence[TimedNode]) -> Callable[[], AbstractContextManager[None]]:
