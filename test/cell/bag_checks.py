@@ -22,9 +22,6 @@ EXACT = 1.0 + 1e-5
 # A quintic between two references without the step of acceleration in between passes its ends by
 # up to 37.4 % of that step (the step at one end).
 OVERSHOOT = 0.374
-# A velocity that is off at an end of a quintic adds up to 3.95 times that to the acceleration: the largest
-# |-24 t + 84 t^2 - 60 t^3| for t in [0, 1].
-OF_VELOCITY = 3.95
 
 
 def read_messages(bag: Path, topics: Collection[str]) -> dict[str, list[tuple[float, Any]]]:
@@ -47,15 +44,13 @@ def reference_trajectory(references: Sequence[Any]) -> Trajectory:
     return Trajectory(np.concatenate([[0.0], np.cumsum(steps)]), q, q_dot, q_ddot)
 
 
-def resampled_acceleration(period: float = PERIOD, *, speed_changes: bool = False) -> float:
+def resampled_acceleration(period: float = PERIOD) -> float:
     """The largest acceleration between references, as part of its limit.
 
     The moving average over the references of `SMOOTHING` makes steps of that part of the acceleration limit,
-    and of twice as much where it reverses. Where a change of the path speed ends, by an interrupt or an
-    override, one of these velocities is off by half of the change.
+    and of twice as much where it reverses.
     """
-    averaged = round(SMOOTHING / period)
-    return 1.0 + OVERSHOOT * 2.0 / averaged + (OF_VELOCITY * 0.5 / averaged if speed_changes else 0.0)
+    return 1.0 + OVERSHOOT * 2.0 / round(SMOOTHING / period)
 
 
 def check_references(
@@ -63,14 +58,13 @@ def check_references(
     robot: BaseRobotModel,
     period: float = PERIOD,
     *,
-    speed_changes: bool = False,
     streamed: bool = False,
 ) -> Trajectory:
     """References keep all limits, as values, as steps and, by a factor, resampled at 1 kHz; returns them.
 
     Streamed ones are not resampled: nothing smooths the reversal of their acceleration from one to the next.
     """
-    resampled = resampled_acceleration(period, speed_changes=speed_changes)
+    resampled = resampled_acceleration(period)
     axes = robot.axes_data
     trajectory = reference_trajectory([message for _, message in bag['/joint_reference']])
     # While processes join, the middleware may hold up a publisher; the robot still stands then.

@@ -71,7 +71,7 @@ class PathFollowing:
         """Move along the path for one period; False when the reference stands."""
         law = self._speed
         before = motion.path_time
-        motion.path_time = law.step(target, before, motion.position)
+        motion.path_time = law.step(target, before, motion)
         if motion.path_time == before or before >= motion.trajectory.duration:
             self._sample[1:] = 0.0
             return False

@@ -1,6 +1,6 @@
 """PathSpeed: how fast the path time runs, for override, pause and stop on the path."""
 
-from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 
@@ -10,6 +10,18 @@ from robots_core.validation import Array, positive
 BISECTIONS = 10
 # Second differences of float64 positions over one period are exact to about 1e-9 of a limit.
 ROUNDING = 1e-8
+
+
+class TimedPath(Protocol):
+    """A path by its time."""
+
+    def position(self, s: float, /) -> Array:
+        """Joint positions (n,) at a path time, s; standing before the start and after the end."""
+        ...
+
+    def sample(self, s: float, /) -> Array:
+        """Joint positions and their first two derivatives by path time, (3, n)."""
+        ...
 
 
 class PathSpeed:
@@ -31,7 +43,7 @@ class PathSpeed:
         self._largest = acceleration * period**2 * (1.0 + ROUNDING)
         self._ramp = period**2 / positive(ramp_time, 'ramp_time', 's')
         self._advance = self._end = period
-        self._change = self._gain = 0.0
+        self._gain = 0.0
         self.hurry = False
         """Change the speed as fast as the limits permit, whatever the ramp time."""
 
@@ -53,42 +65,56 @@ class PathSpeed:
     def reset(self, speed: float) -> None:
         """Set the speed at once; allowed only where the path stands."""
         self._advance = self._end = speed * self._period
-        self._change = self._gain = 0.0
+        self._gain = 0.0
 
-    def step(self, target: float, path_time: float, position: Callable[[float], Array]) -> float:
+    def step(self, target: float, path_time: float, path: TimedPath) -> float:
         """Move on for one period, with the speed on its way to `target`.
 
         Args:
             target: Wanted speed, 0..1.
             path_time: Path time now, s.
-            position: Joint positions (n,) at a path time, standing before the start and after the end.
+            path: The path.
 
         Returns:
             Path time after the period, s.
         """
         wanted = target * self._period
-        change = wanted - self._advance
-        if change != 0.0:
-            if not self.hurry:
-                change = min(max(change, -self._ramp), self._ramp)
-            change = self._allowed(change, path_time, position)
-        # The mean of a period is the speed in its middle: of a change that begins, it has half.
-        self._gain = change
-        if change * self._change <= 0.0:
-            change *= 0.5
-        self._advance += change
-        self._change = change
-        rest = wanted - self._advance
-        self._end = self._advance + min(max(0.5 * self._gain, min(rest, 0.0)), max(rest, 0.0))
+        gain = wanted - self._end
+        if not self.hurry:
+            gain = min(max(gain, -self._ramp), self._ramp)
+        if gain != 0.0:
+            gain = self._bounded(gain, path.sample(path_time))
+            gain = self._bounded(gain, path.sample(path_time + self._end + 0.5 * gain))
+        # The mean of a period is the speed in its middle, where that changes evenly.
+        change = self._end + 0.5 * gain - self._advance
+        allowed = self._allowed(change, path_time, path) if change != 0.0 else 0.0
+        if allowed == change:
+            end = self._end + gain
+            self._advance = 0.5 * (self._end + end)
+        else:
+            gain = allowed
+            self._advance += allowed
+            rest = wanted - self._advance
+            end = self._advance + min(max(0.5 * gain, min(rest, 0.0)), max(rest, 0.0))
+        self._gain, self._end = gain, end
         return path_time + self._advance
 
-    def _allowed(self, change: float, path_time: float, position: Callable[[float], Array]) -> float:
+    def _bounded(self, gain: float, sample: Array) -> float:
+        """The part of `gain` with which the acceleration at a point of the path keeps its limits."""
+        _, q_s, q_ss = sample
+        by_gain = q_s * gain
+        own = np.sign(by_gain) * q_ss * self._end**2
+        room = np.maximum(self._largest - own, 0.0)
+        wanted = np.abs(by_gain)
+        beyond = wanted > room
+        return gain * float((room[beyond] / wanted[beyond]).min(initial=1.0))
+
+    def _allowed(self, change: float, path_time: float, path: TimedPath) -> float:
         """The part of `change` that keeps the acceleration limits."""
-        now = position(path_time)
-        rest = position(path_time - self._advance) - 2.0 * now
+        rest = path.position(path_time - self._advance) - 2.0 * path.position(path_time)
 
         def keeps_limits(part: float) -> bool:
-            second_difference = position(path_time + self._advance + part) + rest
+            second_difference = path.position(path_time + self._advance + part) + rest
             return bool((np.abs(second_difference) <= self._largest).all())
 
         if keeps_limits(change):

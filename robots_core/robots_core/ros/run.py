@@ -24,6 +24,7 @@ from robots_core.ros.timed_node import TimedNode
 
 EXIT_BAD_INPUT = 2
 END_DEADLINE = 20.0  # s
+STDERR = 2  # its descriptor, whatever `sys.stderr` is
 
 
 def run(make_node: Callable[[], TimedNode], args: list[str] | None = None) -> int:
@@ -85,7 +86,7 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
         finally:
             # Fast DDS 2.14 can wait without end for a participant that leaves while its own is destroyed, and
             # rclpy does not let other threads run Python meanwhile: only compiled code can end the process.
-            faulthandler.dump_traceback_later(END_DEADLINE, exit=True, file=sys.__stderr__)
+            faulthandler.dump_traceback_later(END_DEADLINE, exit=True, file=STDERR)
             _end(nodes, heartbeats, executor)
             faulthandler.cancel_dump_traceback_later()
     return 0

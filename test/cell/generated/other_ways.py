@@ -46,8 +46,7 @@ def _live_problems(
 ) -> Iterator[str]:
     messages = read_messages(bag, ['/joint_reference', '/digital_outputs'])
     try:
-        changes_speed = any(call in program.text for call in ('onDigitalInput', 'setOverride'))
-        check_references(messages, load_robot_model(program.robot), speed_changes=changes_speed)
+        check_references(messages, load_robot_model(program.robot))
     except AssertionError:
         yield traceback.format_exc(limit=-1)
     if "'abort'" in program.text:

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from cell.bag_checks import resampled_acceleration
 from robots_controller.report.run_report import RunReport, run_report
 from robots_controller.simulate import simulate
 from robots_controller.simulation.record.events import OutputChanged
@@ -14,10 +15,11 @@ from robots_controller.simulation.simulation_run import SimulatedMotion, Simulat
 from robots_core import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_planning import Trajectory
 
 from .program_generator import FIRST_ON_PATH, GeneratedProgram
 
-SAMPLE: Final = 1e-3  # s, between places of a tool on a plan
+SAMPLE: Final = 1e-3  # s, between places of a tool on a plan, and of resampled references
 # References of a trajectory are its own to rounding; between two of them the acceleration is not constant.
 LIMIT_TOLERANCE: Final = 1e-3
 # The controller's moving average cuts curves by acceleration * (window)^2 / 24, and lags by half its window.
@@ -60,16 +62,20 @@ def _references(run: SimulationRun, robot: BaseRobotModel) -> Iterator[str]:
     q, q_dot, q_ddot = (run.reference[:, row] for row in range(3))
     steps = np.diff(q, axis=0) / run.period
     jumps = np.diff(q, 2, axis=0) / run.period**2
-    for what, values, limit in (
-        ('velocity', q_dot, axes.velocity),
-        ('velocity between references', steps, axes.velocity),
-        ('acceleration', q_ddot, axes.acceleration),
-        ('acceleration between references', jumps, axes.acceleration),
+    way = Trajectory(run.time, q, q_dot, q_ddot)
+    between = np.arange(0.0, way.duration, SAMPLE)
+    resampled = way.sample(between)[2] / resampled_acceleration(run.period)
+    for what, times, values, limit in (
+        ('velocity', run.time, q_dot, axes.velocity),
+        ('velocity between references', run.time, steps, axes.velocity),
+        ('acceleration', run.time, q_ddot, axes.acceleration),
+        ('acceleration between references', run.time, jumps, axes.acceleration),
+        ('resampled acceleration', between + run.time[0], resampled, axes.acceleration),
     ):
         use = np.abs(values) / limit
         row, axis = np.unravel_index(int(np.argmax(use)), use.shape)
         if use[row, axis] > 1.0 + LIMIT_TOLERANCE:
-            yield f'{what} of {axes.names[axis]}: {100.0 * use[row, axis]:.2f} % at {run.time[row]:.3f} s'
+            yield f'{what} of {axes.names[axis]}: {100.0 * use[row, axis]:.2f} % at {times[row]:.3f} s'
     outside = np.maximum(axes.lower - q, q - axes.upper).max()
     if outside > 1e-9:
         yield f'an axis is {outside:.3g} outside its limits'
