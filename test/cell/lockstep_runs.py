@@ -12,14 +12,19 @@ from pathlib import Path
 from rich.console import Console
 
 from robots_controller.live_cell.cell_command import parse_options, run_cell
+from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'
 WIDTH = 120
 FULL = 'second_order'
 SEPARATE = ('welding.lua', 'welding_collision.lua', 'laser_seam.lua', 'bello_bot_tour.lua')
-RATE = 250.0  # Hz, of the references, by default
-SPARSE_RATE, DENSE_RATE = 50.0, 100.0  # Hz
-DENSER = ('laser_seam.lua',)  # its motions take 0.05 s each
+SPARSE_RATE, DENSE_RATE = 50.0, 100.0  # Hz, of the references
+# By default 250 Hz, in the demo. The laser's motions take 0.05 s each.
+RATES = {('welding.lua', FULL): 250.0} | {('laser_seam.lua', drive): DENSE_RATE for drive in DRIVE_LEVELS}
+# What touches something, or is guided.
+RATES |= {
+    (f'{name}.lua', FULL): DENSE_RATE for name in ('debris_removal', 'motion_simulator', 'wheel_laboratory')
+}
 # Text of a program and what stands in its place, so that things are done once, nearer, or sooner.
 SHORTENED = {
     'palletizing.lua': {
@@ -70,7 +75,7 @@ class LockstepRun:
     returncode: int
     text: str
     bag: Path
-    rate: float = RATE
+    rate: float
 
 
 class LockstepRuns:
@@ -86,12 +91,11 @@ class LockstepRuns:
     def run(self, program: str, drive: str = FULL) -> LockstepRun:
         """The run of a program, by its file in programs/, with drives of a level.
 
-        With drives of level `FULL` the nodes of the programs `SEPARATE` have a process each, and references
-        the default rate; all others share a process, and references have a lower rate.
+        With drives of level `FULL` the nodes of the programs `SEPARATE` have a process each; all others share
+        a process. References have the rate of `RATES`, or `SPARSE_RATE`.
         """
         separate = drive == FULL and program in SEPARATE
-        dense = drive == FULL or program in DENSER
-        rate = RATE if separate else DENSE_RATE if dense else SPARSE_RATE
+        rate = RATES.get((program, drive), SPARSE_RATE)
         options = ['--lockstep', '--drive', drive, '--rate', str(rate)]
         if not separate:
             options.append('--composed')
@@ -107,7 +111,7 @@ class LockstepRuns:
         values = json.loads(result.read_text())
         return LockstepRun(Path(values[0]), values[1], values[2], Path(values[3]), rate)
 
-    def run_file(self, program: Path, *options: str, rate: float = RATE) -> LockstepRun:
+    def run_file(self, program: Path, *options: str, rate: float = DENSE_RATE) -> LockstepRun:
         """The run of any other program with these options of `cell`, in one process, recorded beside it."""
         options = ('--lockstep', '--composed', '--rate', str(rate), *options)
         path, code, text, bag = run_cell_with(program, program.parent / 'out', *options)

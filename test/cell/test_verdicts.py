@@ -43,7 +43,7 @@ def test_chains_that_come_back_and_motions_that_a_handler_ends_are_no_failure(
     assert cell.returncode == 0, cell.text
     assert '1 ended by the program, every other target reached, every limit kept' in cell.text
     live = run_report(cell.bag)
-    assert simulate(program, robot=ROBOT, io=plc, bag=tmp_path / 'bag').ok
+    assert simulate(program, robot=ROBOT, io=plc, rate=cell.rate, bag=tmp_path / 'bag').ok
     simulated = run_report(tmp_path / 'bag')
     assert live.ok, live.problems
     assert simulated.ok, simulated.problems

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -11,14 +13,19 @@ from robots_core.blocks.collision.allowed_pair_sampling import find_allowed_pair
 from robots_core.robot_model.allowed_pairs import AllowedPairs
 
 
+@cache
+def detection_by(engine: str, robot: BaseRobotModel) -> CollisionDetection:
+    return CollisionDetection(robot, engine=engine)
+
+
 @pytest.fixture
 def table(robot: BaseRobotModel) -> AllowedPairs:
-    return CollisionDetection(robot).allowed_pairs
+    return detection_by('fcl', robot).allowed_pairs
 
 
 @pytest.mark.parametrize('engine', ['fcl', 'coal'])
 def test_home_is_in_no_contact(robot: BaseRobotModel, engine: str):
-    detection = CollisionDetection(robot, engine=engine)
+    detection = detection_by(engine, robot)
     assert detection.contacts(robot.home) == ()
     assert not detection.in_contact(robot.home)
 
@@ -43,19 +50,17 @@ def test_pairs_that_never_meet_do_not(robot: BaseRobotModel, table: AllowedPairs
 def test_libraries_find_no_contact_where_the_search_proves_a_distance(
     robot: BaseRobotModel, postures: np.ndarray
 ):
-    fcl, coal = (CollisionDetection(robot, engine=engine) for engine in ('fcl', 'coal'))
+    fcl, coal = (detection_by(engine, robot) for engine in ('fcl', 'coal'))
     for q in postures:
         closest = fcl.distance(q)
         if closest is not None and closest.distance > 1e-5:  # up to which libraries may report a contact
             assert fcl.contacts(q) == coal.contacts(q) == ()
 
 
-def test_the_stored_table_leaves_out_no_pair_that_is_not_proven(robot: BaseRobotModel):
+def test_the_stored_table_leaves_out_no_pair_that_is_not_proven(robot: BaseRobotModel, table: AllowedPairs):
     """Shapes, axes and limits are still those that the table was made for."""
     stored = robot.collision_model.allowed_pairs
     if stored is None:
-        assert (
-            CollisionDetection(robot).allowed_pairs.reasons.keys() == find_allowed_pairs(robot).reasons.keys()
-        )
+        assert table.reasons.keys() == find_allowed_pairs(robot).reasons.keys()
         return
     assert dict(stored.reasons) == dict(find_allowed_pairs(robot).reasons)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -120,23 +121,35 @@ def test_tilt_is_the_low_pass_of_the_force_over_gravity(axis: int, angle: int, s
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=10.0 * SMALL * np.abs(expected).max())
 
 
-@pytest.mark.parametrize('axis', [0, 1])
-@pytest.mark.parametrize('frequency', [0.3, 1.0, 3.0, 10.0])
-def test_frequency_response_of_position_and_felt_force(axis: int, frequency: float) -> None:
-    # The slowest pole has died away to 5e-5 before the last period.
-    settled = 10.0 / SETTINGS.return_frequency[axis]
-    length = round((settled + 2.0 * np.pi / frequency) / DT)
-    time = np.arange(length) * DT
-    steps = run(along(axis, SMALL * np.sin(frequency * time)))
+FREQUENCIES = (0.3, 1.0, 3.0, 10.0)  # rad/s
+
+
+@pytest.fixture(scope='module')
+def waves() -> tuple[Array, list[CueingStep]]:
+    """Times and steps for forces along x and y that are sums of sines: what is linear answers each alone."""
+    # The slowest pole has died away to 5e-5 before the last period of the slowest sine.
+    settled = 10.0 / min(SETTINGS.return_frequency[:2])
+    time = np.arange(round((settled + 2.0 * np.pi / FREQUENCIES[0]) / DT)) * DT
+    values = SMALL * np.sin(np.outer(time, FREQUENCIES)).sum(axis=1)
+    steps = run(along(0, values) + along(1, values))
     last = time >= settled
-    wave = np.exp(1j * frequency * time[last])
+    return time[last], steps[-int(last.sum()) :]
+
+
+@pytest.mark.parametrize('axis', [0, 1])
+@pytest.mark.parametrize('frequency', FREQUENCIES)
+def test_frequency_response_of_position_and_felt_force(
+    axis: int, frequency: float, waves: tuple[Array, list[CueingStep]]
+) -> None:
+    time, steps = waves
     scale = SETTINGS.force_scale[axis] * SMALL
 
     def response(values: Array) -> complex:
-        """From the scaled force, by the best fit of a sine and a cosine."""
-        basis = np.column_stack([wave.imag, wave.real])
-        (sine, cosine), *_ = np.linalg.lstsq(basis, values[last], rcond=None)
-        return complex(sine, cosine) / scale
+        """From the scaled force, by the best fit of sines and cosines."""
+        angles = np.outer(time, FREQUENCIES)
+        parts, *_ = np.linalg.lstsq(np.hstack([np.sin(angles), np.cos(angles)]), values, rcond=None)
+        number = FREQUENCIES.index(frequency)
+        return complex(parts[number], parts[len(FREQUENCIES) + number]) / scale
 
     _, (of_position,) = signal.freqs(*high_pass_of_rest(axis), [frequency])
     _, (of_tilt,) = signal.freqs(*low_pass(axis), [frequency])
@@ -179,15 +192,18 @@ def test_the_tilt_is_no_faster_and_no_larger_than_its_limits() -> None:
 
 @pytest.mark.parametrize('dt', [0.004, 0.01, 0.02])
 def test_any_period_gives_the_same_motion(dt: float) -> None:
-    def at(period: float) -> tuple[Array, Array]:
-        time = np.arange(round(6.0 / period)) * period
-        force = np.column_stack([2.0 * np.sin(time), 1.5 * np.sin(1.7 * time), np.sin(3.0 * time)])
-        return time, cabin(run(force, 0.1 * force, dt=period))
-
-    (fine, expected), (time, found) = at(0.001), at(dt)
+    (fine, expected), (time, found) = mixed(0.001), mixed(dt)
     there = np.column_stack([np.interp(time, fine, column) for column in expected.T])
     # The attitude of one period turns the force of the next: an error of first order in the period.
     np.testing.assert_allclose(found, there, atol=0.1 * dt)
+
+
+@cache
+def mixed(period: float) -> tuple[Array, Array]:
+    """Times, and the cabin for forces and turns of several frequencies."""
+    time = np.arange(round(6.0 / period)) * period
+    force = np.column_stack([2.0 * np.sin(time), 1.5 * np.sin(1.7 * time), np.sin(3.0 * time)])
+    return time, cabin(run(force, 0.1 * force, dt=period))
 
 
 def test_what_is_felt_is_what_the_poses_of_the_cabin_say() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import asin, cos, sin, tan
 
 import numpy as np
 
@@ -127,7 +128,7 @@ class MotionCueing:
         tilt = self._coordinate(wanted.specific_force, limits)
         angles = tilt + self._rotation.step(_angle_rates(self._attitude, wanted.angular_velocity))
         # Beyond the envelope the cabin does not have that attitude.
-        self._attitude = np.clip(angles[0], -self._reach[3:], self._reach[3:])
+        self._attitude = np.minimum(np.maximum(angles[0], -self._reach[3:]), self._reach[3:])
         acceleration = attitude(self._attitude) @ wanted.specific_force - UP
         washout = np.hstack([self._translation.step(acceleration)[:2], angles])
         self._cabin = self._follow.step(self._cabin[0], self._cabin[1], washout[0], washout[1])
@@ -161,22 +162,27 @@ class MotionCueing:
     def _coordinate(self, force: Array, limits: list[str]) -> Array:
         """Roll, pitch and yaw of the tilt, and their mean velocities over the period, (2, 3)."""
         s = self.settings
-        x, y = self._low_pass.step(force[:2])[0] / GRAVITY
-        largest = np.sin(s.largest_tilt)
+        # On single numbers numpy's functions take several times longer than those of Python.
+        x, y = (self._low_pass.step(force[:2])[0] / GRAVITY).tolist()
+        largest = sin(s.largest_tilt)
         # A cabin with these angles feels (-g sin pitch, g cos pitch sin roll, ...).
-        pitch = -np.arcsin(np.clip(x, -largest, largest))
-        roll = np.arcsin(np.clip(y / np.cos(pitch), -largest, largest))
+        pitch = -asin(_within(x, largest))
+        roll = asin(_within(y / cos(pitch), largest))
         for name, share in (('pitch', x), ('roll', y)):
             if abs(share) > largest:
                 limits.append(f'tilt of {name} is limited to {s.largest_tilt:.3g} rad')
         most = s.tilt_rate * self.dt
-        missing = np.array([roll, pitch, 0.0]) - self._tilt
+        missing = [wanted - now for wanted, now in zip((roll, pitch, 0.0), self._tilt.tolist(), strict=True)]
         for name, way in zip(DIRECTIONS[3:], missing, strict=True):
             if abs(way) > most:
                 limits.append(f'tilt of {name} is limited to {s.tilt_rate:.3g} rad/s')
-        change = np.clip(missing, -most, most)
+        change = np.array([_within(way, most) for way in missing])
         self._tilt = self._tilt + change
-        return np.vstack([self._tilt, change / self.dt])
+        return np.array([self._tilt, change / self.dt])
+
+
+def _within(value: float, bound: float) -> float:
+    return min(max(value, -bound), bound)
 
 
 def attitude(angles: Array) -> Array:
@@ -190,7 +196,9 @@ def _limited(values: Array, bounds: Sequence[float], name: str, unit: str, limit
         for axis, value, bound in zip('xyz', values, bounds, strict=True)
         if abs(value) > bound
     ]
-    return np.clip(values, -np.array(bounds), bounds)
+    most = np.array(bounds)
+    held: Array = np.minimum(np.maximum(values, -most), most)
+    return held
 
 
 def _held_back(washout: Array, cabin: Array, reach: Array) -> list[str]:
@@ -209,21 +217,21 @@ def _held_back(washout: Array, cabin: Array, reach: Array) -> list[str]:
 
 def _angle_rates(angles: Array, angular_velocity: Array) -> Array:
     """Rates of roll, pitch and yaw (3,) of an angular velocity (3,) in the cabin's frame, rad/s."""
-    roll, pitch, _ = angles
-    p, q, r = angular_velocity
-    across = q * np.sin(roll) + r * np.cos(roll)
-    return np.array([p + across * np.tan(pitch), q * np.cos(roll) - r * np.sin(roll), across / np.cos(pitch)])
+    roll, pitch, _ = angles.tolist()
+    p, q, r = angular_velocity.tolist()
+    across = q * sin(roll) + r * cos(roll)
+    return np.array([p + across * tan(pitch), q * cos(roll) - r * sin(roll), across / cos(pitch)])
 
 
 def _angular_velocity(angles: Array, rates: Array) -> Array:
     """Angular velocity (3,) in the cabin's frame of rates of roll, pitch and yaw, rad/s."""
-    roll, pitch, _ = angles
-    d_roll, d_pitch, d_yaw = rates
+    roll, pitch, _ = angles.tolist()
+    d_roll, d_pitch, d_yaw = rates.tolist()
     return np.array(
         [
-            d_roll - d_yaw * np.sin(pitch),
-            d_pitch * np.cos(roll) + d_yaw * np.sin(roll) * np.cos(pitch),
-            d_yaw * np.cos(roll) * np.cos(pitch) - d_pitch * np.sin(roll),
+            d_roll - d_yaw * sin(pitch),
+            d_pitch * cos(roll) + d_yaw * sin(roll) * cos(pitch),
+            d_yaw * cos(roll) * cos(pitch) - d_pitch * sin(roll),
         ]
     )
 
