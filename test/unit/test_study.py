@@ -9,13 +9,13 @@ import pytest
 from distributed import LocalCluster
 from pyarrow import csv, parquet
 
-from robots_controller.cell_arguments import EXIT_BAD_INPUT
-from robots_controller.study.cli import main
+from robots_controller.commands.command_table import STUDY as STUDY_COMMAND
 from robots_controller.study.results import ROWS, StudyResults
 from robots_controller.study.run_case import FIGURES, run_case
 from robots_controller.study.run_study import run_study
 from robots_controller.study.study_file import Study, read_study
 from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.exit_codes import ExitCode
 
 PROGRAM = """local ANGLE, PAUSE = 10, 0.1
 ptpJointSpaceAngles(ANGLE, -90, 90, 0, 0, 0)
@@ -174,6 +174,6 @@ def test_without_its_libraries_a_study_names_what_installs_them(
         monkeypatch.delitem(sys.modules, f'robots_controller.study.{name}')
     monkeypatch.setitem(sys.modules, library, None)
     options = ['-o', str(tmp_path), '--scheduler', 'tcp://127.0.0.1:9']
-    assert main([str(folder / 'study.yaml'), *options]) == EXIT_BAD_INPUT
+    assert STUDY_COMMAND.run([str(folder / 'study.yaml'), *options]) == ExitCode.BAD_INPUT
     expected = f'studies need {library}, which is not installed: make study-requirements'
     assert expected in capsys.readouterr().err
