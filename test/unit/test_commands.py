@@ -60,7 +60,7 @@ def test_every_tool_has_its_executable() -> None:
         (['simulate', PROGRAM, '--drvie', 'ideal'], "did you mean '--drive'?"),
         (['simulate'], 'required: program'),
         (['check_program', PROGRAM, '--combinations', '0'], 'a whole number of at least 1'),
-        (['report', 'no_bag'], "there is no bag 'no_bag'"),
+        (['report', 'no_bag'], "'no_bag' does not exist; a bag is a folder"),
         (['report', '/', '-o', '/nope/x.html'], "no folder '/nope'"),
         (['study', PROGRAM, '--workers', 'two'], 'a whole number of at least 0'),
         (['check_bag', '/'], 'required: --against'),
@@ -180,3 +180,42 @@ def test_an_error_names_its_code_and_explain_what_to_do(capsys: pytest.CaptureFi
     assert run(['explain', 'r101']) == ExitCode.OK
     assert OptionError.remedy in capsys.readouterr().out
     assert run(['explain', 'R1']) == ExitCode.BAD_INPUT
+
+
+def test_a_bag_is_found_below_its_folder(tmp_path: Path) -> None:
+    for name in ('one/bag', 'two/bag', 'two/other'):
+        (tmp_path / name).mkdir(parents=True)
+        (tmp_path / name / 'metadata.yaml').touch()
+    parse = COMMANDS['report'].parse
+    assert parse([str(tmp_path / 'one')]).bag == tmp_path / 'one' / 'bag'
+    assert parse([str(tmp_path / 'one' / 'bag')]).bag == tmp_path / 'one' / 'bag'
+    with pytest.raises(OptionError, match=r'are 2 bags; name one of .*two/bag, .*two/other'):
+        parse([str(tmp_path / 'two')])
+
+
+def test_a_simulation_prints_its_figures_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    program = tmp_path / 'part.lua'
+    program.write_text('-- Robot: bello_bot\nptpJointSpaceAngles(5, 0, 0, 40, 0, 0, 0)\nwait(0.1)\n')
+    words = ['simulate', str(program), '--drive', 'ideal', '--bag', str(tmp_path / 'bag'), '--json']
+    assert run(words) == ExitCode.OK
+    figures = json.loads(capsys.readouterr().out)
+    assert figures['ok']
+    (motion,) = figures['motions']
+    assert (motion['line'], motion['reference_off_line']) == (2, None)
+    assert 0.0 < motion['duration'] < figures['cycle_time']
+    assert run(['report', str(tmp_path), '--json']) == ExitCode.OK
+    again = json.loads(capsys.readouterr().out)
+    assert again['motions'] == figures['motions']
+    assert run(['report', str(tmp_path), str(tmp_path), '--json']) == ExitCode.OK
+    assert json.loads(capsys.readouterr().out)['difference'] == 0.0
+
+
+def test_a_simulation_ends_with_the_patience_of_who_asked_for_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program = tmp_path / 'part.lua'
+    program.write_text('-- Robot: bello_bot\nwait(0.1)\nwhile true do wait(0.01) end\n')
+    assert run(['simulate', str(program), '--drive', 'ideal', '--patience', '0.3']) == ExitCode.FAILED
+    shown = capsys.readouterr().out
+    assert 'part.lua:3: it has not ended within the patience of 0.3 s' in shown
+    assert shown.splitlines()[-1] == 'program failed'

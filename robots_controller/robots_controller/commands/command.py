@@ -122,8 +122,7 @@ def complete(parser: argparse.ArgumentParser) -> None:
 
 def run_with_console(run: Callable[[Console], int]) -> int:
     """Run with a console; what is wrong with the input, and Ctrl-C, end it with codes of their own."""
-    # A process that ends need not look through all that it has loaded: that takes half a second.
-    atexit.register(gc.freeze)
+    atexit.register(_end_quickly)
     try:
         from rich.console import Console  # noqa: PLC0415  # not to complete a command line
 
@@ -133,3 +132,9 @@ def run_with_console(run: Callable[[Console], int]) -> int:
         return ExitCode.BAD_INPUT
     except KeyboardInterrupt:
         return ExitCode.INTERRUPTED
+
+
+def _end_quickly() -> None:
+    # A process that ends need not look through all that it has loaded: that takes half a second.
+    if 'ruckig' not in sys.modules:  # nanobind, by which it is bound, prints what was not looked through
+        gc.freeze()

@@ -2,6 +2,7 @@
 
 import argparse
 import math
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -99,26 +100,29 @@ def _show(robot: BaseRobotModel, options: argparse.Namespace, console: Console) 
         print_json(facts)
         return ExitCode.OK
     console.print(f'[bold]{escape(robot.name)}[/], {facts["axes"]} axes')
-    if console.is_terminal and not console.legacy_windows:
+    if console.is_terminal:
         console.print(robot_picture(robot), highlight=False)
     TerminalTable(JOINTS, [_joint_row(joint) for joint in facts['joints']]).show(console)
+    for text in _sentences(robot, facts):
+        # A line of a pipe is one of a file; on a terminal it is cut between words.
+        console.print(text, soft_wrap=not console.is_terminal)
+    return ExitCode.OK
+
+
+def _sentences(robot: BaseRobotModel, facts: Mapping[str, Any]) -> Iterator[str]:
     payload = '' if facts['payload'] is None else f', rated payload {facts["payload"]:g} kg'
+    yield f'tool0 reaches {facts["reach"]:.2f} m from the base; mass {facts["mass"]:.1f} kg{payload}'
     form = 'in closed form and numerical' if facts['closed_form'] else 'numerical'
-    for text in (
-        f'tool0 reaches {facts["reach"]:.2f} m from the base; mass {facts["mass"]:.1f} kg{payload}',
-        f'inverse kinematics: {form}',
-        f'home: {_home(robot)}',
-        f'to show: {_shapes(robot, "visualization")}; for collisions: {_shapes(robot, "collision_model")}',
-    ):
-        console.print(text)
+    yield f'inverse kinematics: {form}'
+    yield f'home: {_home(robot)}'
+    yield f'to show: {_shapes(robot, "visualization")}; for collisions: {_shapes(robot, "collision_model")}'
     others = {key: value for key, value in facts['dimensions'].items() if key != 'rated_payload_kg'}
     if others:
-        console.print('dimensions: ' + escape(', '.join(f'{key} {value}' for key, value in others.items())))
+        yield 'dimensions: ' + escape(', '.join(f'{key} {value}' for key, value in others.items()))
     if facts['source']:
-        console.print(f'source: {escape(facts["source"])}')
+        yield f'source: {escape(facts["source"])}'
     for sentence in facts['substitutions']:
-        console.print(f'[yellow]{escape(sentence)}[/]')
-    return ExitCode.OK
+        yield f'[yellow]{escape(sentence)}[/]'
 
 
 def _joint_row(joint: dict[str, Any]) -> tuple[str, ...]:

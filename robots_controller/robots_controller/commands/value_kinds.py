@@ -7,12 +7,19 @@ import math
 import os
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
 from robots_core.errors import RobotsError
 
 LARGEST_PORT: Final = 65535
+PLACES: Final = tuple(
+    f'{folders}{file}' for folders in ('', '*/', '*/*/') for file in ('metadata.yaml', '*.mcap', '*.db3')
+)
+"""Where the files of a bag are, seen from a folder."""
+MOST_BAGS: Final = 5
+"""Bags that a message names."""
 _NAMESPACE: Final = re.compile(r'/|(/[A-Za-z_][A-Za-z0-9_]*)+')
 
 
@@ -127,11 +134,21 @@ def payload(text: str) -> tuple[float, ...]:
 
 
 def bag(text: str) -> Path:
-    """A recorded bag that exists, a folder or a file."""
+    """A recorded bag that exists, a folder or a file, or a folder with one bag in it, at most two folders down."""
     path = Path(text)
     if not path.exists():
-        raise argparse.ArgumentTypeError(f'there is no bag {text!r}')
-    return path
+        raise argparse.ArgumentTypeError(
+            f'{text!r} does not exist; a bag is a folder with metadata.yaml, or a .mcap or .db3 file'
+        )
+    below: list[Path] = []
+    with suppress(OSError):  # of folders that nobody may list
+        below = sorted({file.parent for place in PLACES for file in path.glob(place)})
+    if path in below or not below:  # what is no bag is explained by its reader
+        return path
+    if len(below) > 1:
+        names = ', '.join(map(str, below[:MOST_BAGS])) + (', ...' if len(below) > MOST_BAGS else '')
+        raise argparse.ArgumentTypeError(f'below {text!r} are {len(below)} bags; name one of {names}')
+    return below[0]
 
 
 def add_file(parser: argparse.ArgumentParser, flag: str, metavar: str, text: str) -> None:
