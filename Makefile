@@ -109,7 +109,7 @@ demo: $(BUILD_STAMP) install/.compiled$(if $(filter programs/welding.lua,$(PROGR
 .PHONY: simulate
 simulate: build  ## Simulate a robot program without ROS: PROGRAM=..., ROBOT=..., DRIVE=..., SCENE=...
 	@$(RUN) folder="out/simulated_$(basename $(notdir $(PROGRAM)))$(if $(ROBOT),_$(ROBOT))_$$(date +%Y%m%d-%H%M%S)"; \
-	  exec install/robots_controller/lib/robots_controller/simulate "$(PROGRAM)" --robot "$(ROBOT)" --drive "$(DRIVE)" \
+	  mkdir -p "$$folder"; exec install/robots_controller/lib/robots_controller/simulate "$(PROGRAM)" --robot "$(ROBOT)" --drive "$(DRIVE)" \
 	  --io "$(IO)" --scene "$(SCENE)" --bag "$$folder/bag" --report "$$folder/report.html"
 
 .PHONY: mujoco-example

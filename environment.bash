@@ -1,4 +1,4 @@
-# What the suite runs in: `source environment.bash`, then `cell`, `simulate`, `ros2 run` or Python.
+# What the suite runs in: `source environment.bash`, then `robots`, `cell`, `simulate`, `ros2 run` or Python.
 #
 # ROS 2 where it is installed (ROS_DISTRO_SETUP), the workspace, and .venv before both: ROS may bring another
 # Pinocchio, whose modules and libraries would be taken for the one that the suite is made for.
@@ -19,6 +19,11 @@ if [ -f "$ROS_DISTRO_SETUP" ]; then
   export LD_LIBRARY_PATH="$_pinocchio${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 fi
 export PATH="$_root/.venv/bin:$_root/install/robots_controller/lib/robots_controller:$PATH"
+
+# The command line is completed by `robots` and by each command below it.
+case $- in
+*i*) eval "$(robots --completion bash 2>/dev/null || true)" ;;
+esac
 
 eval "$_options"
 unset _root _options _packages _pinocchio

@@ -17,7 +17,7 @@ from robots_controller.simulation.cell_parts import COLLISION_MARGIN, cell_parts
 from robots_controller.simulation.in_process_cell import InProcessCell
 from robots_controller.simulation.record.events import Event
 from robots_controller.simulation.simulation_run import SimulatedMotion
-from robots_core.errors import InvalidInputError, ProgramError, RobotsError
+from robots_core.errors import InvalidInputError, NotNowError, ProgramError
 from robots_core.operating_modes import OperatingMode
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, finite_vector, positive, read_only
@@ -149,7 +149,7 @@ class ControllerSixAxes:
             RobotsError: after `close`.
         """
         if self._closed:
-            raise RobotsError('the controller is closed; a new run needs a new ControllerSixAxes')
+            raise NotNowError('the controller is closed; a new run needs a new ControllerSixAxes')
         cell = self._cell
         feedback = self._feedback(positions, velocities, torques)
         changes = [self._change(name, value) for name, value in inputs.items()]

@@ -2,8 +2,10 @@
 
 import math
 import re
+from collections.abc import Mapping
 from typing import Final
 
+from robots_core.errors import RobotsError
 from robots_core.validation import Array
 
 _NUMBER: Final = r'[-+]?(?:inf|\d+(?:\.\d+)?(?:e[-+]?\d+)?)'
@@ -46,6 +48,25 @@ def in_degrees(text: str) -> str:
         lambda found: f'{re.sub(_NUMBER, _converted, found["value"])} deg{found["derivative"] or ""}',
         text,
     )
+
+
+def for_program(error: RobotsError) -> str:
+    """The message of an error as a program sees it: in degrees, with a hint where radians were given."""
+    return in_degrees(error.message) + _radians_hint(error.details)
+
+
+def _radians_hint(details: Mapping[str, str | float]) -> str:
+    """The end of a message about a joint limit, if the position is inside it once taken for radians."""
+    if details.get('unit') != 'rad':
+        return ''
+    try:
+        value, lower, upper = (float(details[name]) for name in ('value', 'lower', 'upper'))
+    except (KeyError, ValueError):
+        return ''
+    meant = math.degrees(value)
+    if abs(meant) > 2.0 * math.pi or not lower <= meant <= upper:
+        return ''
+    return f'; angles are degrees: {math.degrees(meant):.4g}?'
 
 
 def _converted(found: re.Match[str]) -> str:

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from urllib.parse import quote
 
-from robots_core.errors import RobotsError
+from robots_core.errors import InstallationError
 
 
 def first_time(name: str) -> bool:
@@ -36,7 +36,7 @@ def alone(name: str) -> Iterator[None]:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             file.seek(0)
-            raise RobotsError(f'it is process {file.read() or "?"}') from None
+            raise InstallationError(f'it is process {file.read() or "?"}') from None
         file.truncate(0)
         file.write(str(os.getpid()))
         file.flush()
@@ -50,7 +50,7 @@ def _folder() -> Path:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         owner = folder.stat().st_uid
     except OSError as error:
-        raise RobotsError(f'{folder} cannot be made: {error.strerror}') from error
+        raise InstallationError(f'{folder} cannot be made: {error.strerror}') from error
     if owner != os.getuid():
-        raise RobotsError(f'{folder} belongs to another user')
+        raise InstallationError(f'{folder} belongs to another user')
     return folder

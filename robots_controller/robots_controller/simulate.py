@@ -1,5 +1,6 @@
 """simulate: run a robot program in a simulated cell, faster than real time."""
 
+import math
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -7,15 +8,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
+from robots_controller.defaults import LONGEST_TIME, RATE
 from robots_controller.simulation.cell_parts import COLLISION_MARGIN, cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.following.following_methods import METHODS
+from robots_core.errors import InvalidInputError
 from robots_core.operating_modes import OperatingMode
 from robots_core.validation import positive
 from robots_planning.motion_settings import NOTHING
-
-LONGEST_TIME = 3600.0  # s of simulated time
 
 
 def simulate(
@@ -27,7 +28,7 @@ def simulate(
     io: Path | str = '',
     io_map: Path | str = '',
     bag: Path | str | None = None,
-    rate: float = 250.0,
+    rate: float = RATE,
     goal_tolerance: float | None = None,
     tool_speed_limit: float = 0.0,
     operating_mode: str = OperatingMode.AUTOMATIC,
@@ -39,6 +40,7 @@ def simulate(
     orbit: Path | str = '',
     guided: str = METHODS[0],
     longest: float = LONGEST_TIME,
+    patience: float = math.inf,
     on_progress: Callable[[float, int], None] | None = None,
 ) -> SimulationRun:
     """Run a program in a simulated cell from the robot's home position.
@@ -73,6 +75,7 @@ def simulate(
             '' for a robot that stands.
         guided: Inverse kinematics that follows its `reference_pose`, one of `METHODS`.
         longest: The program fails if it has not ended after this simulated time, s.
+        patience: It fails, too, if that has taken more of this machine's time, s; names the line.
         on_progress: Called about 25 times a simulated second with the time in s and the line of the program.
 
     Returns:
@@ -83,6 +86,8 @@ def simulate(
             or cannot be written: a full disk; it keeps what was recorded until then.
     """
     positive(longest, 'longest', 's')
+    if not patience > 0.0:
+        raise InvalidInputError(f'patience = {patience!r} s must be above 0')
     parts = cell_parts(
         program,
         robot=robot,
@@ -106,6 +111,7 @@ def simulate(
         drive=drive,
         bag=None if bag is None else Path(bag),
         longest=longest,
+        patience=patience,
         on_progress=on_progress,
     )
     with _stopped_by_interrupt(cell):

@@ -4,7 +4,7 @@ import stat
 from pathlib import Path
 from typing import Final
 
-from robots_core.errors import InvalidInputError
+from robots_core.errors import UnreadableFileError
 
 MAX_TEXT: Final = 20_000_000  # bytes
 MAX_MESH: Final = 500_000_000  # bytes
@@ -24,7 +24,7 @@ def read_bytes(
         largest: Its largest size, bytes.
 
     Raises:
-        InvalidInputError: there is no such file, it is not a regular one, is too large, or cannot be read.
+        UnreadableFileError: there is no such file, it is not a regular one, is too large, or cannot be read.
     """
     check_file(path, what, largest=largest)
     try:
@@ -37,35 +37,35 @@ def check_file(path: Path | str, what: str, *, largest: int) -> None:
     """Refuse what cannot be read whole, before a library opens it.
 
     Raises:
-        InvalidInputError: as `read_bytes`.
+        UnreadableFileError: as `read_bytes`.
     """
     try:
         found = Path(path).stat()
     except FileNotFoundError:
-        raise InvalidInputError(f'there is no {what} {path}') from None
+        raise UnreadableFileError(f'there is no {what} {path}') from None
     except (OSError, ValueError) as problem:  # ValueError: a null character in the path
         raise _unreadable(path, what, problem) from None
     if stat.S_ISDIR(found.st_mode):
-        raise InvalidInputError(f'{path} is a directory; a {what} is a file')
+        raise UnreadableFileError(f'{path} is a directory; a {what} is a file')
     if not stat.S_ISREG(found.st_mode):  # a device has no end, a pipe perhaps no beginning
-        raise InvalidInputError(f'the {what} {path} cannot be read: it is no regular file')
+        raise UnreadableFileError(f'the {what} {path} cannot be read: it is no regular file')
     if found.st_size > largest:
         size = found.st_size
-        raise InvalidInputError(f'the {what} {path} has {size} bytes; at most {largest} are read')
+        raise UnreadableFileError(f'the {what} {path} has {size} bytes; at most {largest} are read')
 
 
 def read_text(path: Path | str, what: str = 'file', *, largest: int = MAX_TEXT) -> str:
     """The text of a UTF-8 file; see `read_bytes`.
 
     Raises:
-        InvalidInputError: as there, or a line is not UTF-8.
+        UnreadableFileError: as there, or a line is not UTF-8.
     """
     data = read_bytes(path, what, largest=largest)
     try:
         return data.decode('utf-8-sig')
     except UnicodeDecodeError as problem:
         line = data.count(b'\n', 0, problem.start) + 1
-        raise InvalidInputError(
+        raise UnreadableFileError(
             f'{Path(path).name}:{line}: byte 0x{data[problem.start]:02x} is not UTF-8; save the {what} as '
             'UTF-8 text',
             file=Path(path).name,
@@ -73,6 +73,6 @@ def read_text(path: Path | str, what: str = 'file', *, largest: int = MAX_TEXT) 
         ) from None
 
 
-def _unreadable(path: Path | str, what: str, problem: Exception) -> InvalidInputError:
+def _unreadable(path: Path | str, what: str, problem: Exception) -> UnreadableFileError:
     reason = getattr(problem, 'strerror', None) or problem
-    return InvalidInputError(f'the {what} {path} cannot be read: {reason}')
+    return UnreadableFileError(f'the {what} {path} cannot be read: {reason}')

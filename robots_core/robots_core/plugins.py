@@ -3,9 +3,12 @@
 import sys
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any
+from typing import Any, Final
 
 from robots_core.errors import RobotsError
+
+ROBOT_MODELS: Final = 'robots_core.robot_models'
+"""The group of robots."""
 
 
 def installed_plugins(group: str) -> dict[str, list[EntryPoint]]:

@@ -8,19 +8,18 @@ from urllib.parse import parse_qsl
 
 from robots_core.errors import RobotsError, UnknownRobotError
 from robots_core.nearest_name import did_you_mean
-from robots_core.plugins import installed_plugins, load_plugin, plugin_text
+from robots_core.plugins import ROBOT_MODELS, installed_plugins, load_plugin, plugin_text
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.urdf.xacro_file import declared_arguments
 from robots_core.robot_model.urdf_robot_model import UrdfRobotModel
 
-ENTRY_POINT_GROUP: Final = 'robots_core.robot_models'
 URDF_PREFIX: Final = 'urdf:'
 XACRO_PREFIX: Final = 'xacro:'
 
 
 def available_robot_models() -> tuple[str, ...]:
     """Names of all installed robots, sorted."""
-    return tuple(sorted(installed_plugins(ENTRY_POINT_GROUP)))
+    return tuple(sorted(installed_plugins(ROBOT_MODELS)))
 
 
 def load_robot_model(name: str, **options: Any) -> BaseRobotModel:
@@ -79,7 +78,7 @@ def _value(text: str) -> bool | str | tuple[float, ...]:
 
 
 def _load_plugin(name: str, options: dict[str, Any]) -> BaseRobotModel:
-    plugins = installed_plugins(ENTRY_POINT_GROUP)
+    plugins = installed_plugins(ROBOT_MODELS)
     if name not in plugins:
         known = ', '.join(sorted(plugins)) or 'none installed'
         raise UnknownRobotError(

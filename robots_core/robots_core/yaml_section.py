@@ -11,7 +11,7 @@ from typing import Any, Final, TypeVar
 import yaml
 from yaml.constructor import ConstructorError
 
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import FileContentError, InvalidInputError, RobotsError
 from robots_core.files import read_text
 
 MAX_NODES: Final = 1_000_000
@@ -305,6 +305,6 @@ def _not_yaml(file: str, error: Exception) -> InvalidInputError:
     return located(file, 1, f'not YAML: {reason}')
 
 
-def located(file: str, line: int, message: str, **details: str | float) -> InvalidInputError:
+def located(file: str, line: int, message: str, **details: str | float) -> FileContentError:
     """An error with file and line, in its text and in its details."""
-    return InvalidInputError(f'{file}:{line}: {message}', file=file, line=line, **details)
+    return FileContentError(f'{file}:{line}: {message}', file=file, line=line, **details)

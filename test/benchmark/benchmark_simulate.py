@@ -14,7 +14,7 @@ from pathlib import Path
 
 from robots_controller.simulate import simulate
 from robots_controller.simulation.simulation_run import SimulationRun
-from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
+from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
 
 PROGRAM = Path(__file__).parents[2] / 'programs' / 'welding.lua'
 ROBOT = 'kuka_kr210_r2700'

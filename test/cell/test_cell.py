@@ -203,6 +203,21 @@ def test_a_full_disk_is_told_while_the_cell_runs_on_and_leads_to_an_error_code(
     assert read_bag(bag).messages  # what was on the disk each second before
 
 
+def test_a_cell_that_does_not_record_gives_its_verdict_too(
+    session_ros_domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    del session_ros_domain
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'turn.lua').write_text('-- Robot: bello_bot\nptpJointSpaceAngles(5, 0, 0, 40, 0, 0, 0)\n')
+    options = ('--program', 'turn.lua', '--once', '--lockstep', '--composed', '--port', '0', '--rate', '50')
+    text = io.StringIO()
+    assert run_cell(parse_options(options), Console(file=text, width=80)) == 0
+    assert 'reference' in text.getvalue()
+    assert 'program finished: 1 motion, every target reached, every limit kept' in text.getvalue()
+    assert 'bag:' not in text.getvalue()
+    assert not list(tmp_path.glob('out/*/bag'))
+
+
 PROGRAM = 'setDigitalOutput(1, true) setDigitalOutput(2, true)\nptpJointSpaceAngles(%s)\n'
 OUTPUTS = """
 fail_safe: {digital_output.2: hold}

@@ -7,6 +7,7 @@ import subprocess
 import pytest
 
 from robots_controller.live_cell.cell_command import parse_options
+from robots_core.errors import RobotsError
 
 from .lockstep_runs import PROGRAMS
 
@@ -45,7 +46,7 @@ def test_a_program_on_another_robot_is_noted() -> None:
 
 def test_the_payload_is_a_list_of_numbers() -> None:
     assert parse_options(['--payload', '5,0,0,0.1']).payload == (5.0, 0.0, 0.0, 0.1)
-    with pytest.raises(SystemExit):
+    with pytest.raises(RobotsError, match='--payload: '):
         parse_options(['--payload', '-5,0,0,0.1'])
 
 

@@ -10,7 +10,7 @@ from press_zone import PRESS_ZONE
 from robots_core import load_robot_model
 from robots_core.blocks import ZoneDetection, read_scene
 from robots_core.blocks.collision.scene import Scene
-from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
+from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
 
 from .bag_checks import read_messages
 from .both_cells import FIRST, check_both_cells

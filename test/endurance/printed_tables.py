@@ -16,7 +16,7 @@ def show(table: ReportTable, *, markdown: bool = False) -> None:
     if markdown:
         print(as_markdown(table), flush=True)
     else:
-        Console(width=170).print(table.rich())
+        table.show(Console(width=170))
 
 
 def as_markdown(table: ReportTable) -> str:

@@ -10,9 +10,10 @@ import rclpy
 
 from robots_controller.live_cell.describe_nodes import described_nodes, page_text, table_text
 from robots_controller.live_cell.node_types import node_scripts, node_type
+from robots_core.exit_codes import ExitCode
 from robots_core.nodes.direct_kinematics_node import DirectKinematicsNode
 from robots_core.ros.node_help import TABLE, help_text
-from robots_core.ros.run import EXIT_BAD_INPUT, run
+from robots_core.ros.run import run
 
 PAGE = Path(__file__).parents[2] / 'docs' / 'reference' / 'node_parameters.md'
 
@@ -45,6 +46,6 @@ def test_help_starts_no_node(capsys: pytest.CaptureFixture[str]):
 @pytest.mark.parametrize('option', ['-p', '--param'])
 def test_unknown_parameter_is_refused_with_the_nearest(capsys: pytest.CaptureFixture[str], option: str):
     arguments = ['node', '--ros-args', option, 'robot_modell:=ur5e']
-    assert run(DirectKinematicsNode, arguments) == EXIT_BAD_INPUT
+    assert run(DirectKinematicsNode, arguments) == ExitCode.BAD_INPUT
     error = capsys.readouterr().err
     assert "there is no parameter 'robot_modell'; did you mean 'robot_model'? (--help lists all)" in error

@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from rich.console import Console
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64, String
 
+from robots_controller.commands.command_table import REPLAY_BAG
 from robots_controller.nodes.bags.bag_player import BagPlayer
 from robots_controller.nodes.bags.replay_bag import replay_bag
 from robots_controller.recording.bag_file import read_bag
@@ -127,13 +129,13 @@ def test_in_lockstep_each_message_comes_at_its_simulated_time(ros_nodes: Any, ba
     ('options', 'message'),
     [
         (['--topics', '/no'], "has no topic '/no'"),
-        (['--rate', '0'], 'rate = 0.0 must be'),
+        (['--rate', '0'], "--rate: '0' is not valid"),
         (['--remap', '/level'], "'/level' is no remap; remaps are like"),
     ],
 )
 def test_options_that_do_not_fit_the_bag_are_refused(bag: Path, options: list[str], message: str):
     with pytest.raises(RobotsError, match=message):
-        replay_bag([str(bag), *options])
+        replay_bag(REPLAY_BAG.parse([str(bag), *options]), Console())
 
 
 def test_a_missing_bag_is_reported_in_one_line(ros_domain: int, tmp_path: Path):
@@ -163,4 +165,6 @@ def test_topics_of_types_that_are_not_installed_are_named(ros_domain: int, tmp_p
     assert 'no subscribers to /trigger' in output
     assert "/level is not published: plant_msgs/msg/Level: the package 'plant_msgs' cannot" in errors
     with pytest.raises(RobotsError, match='has no topic of a message type that is installed'):
-        replay_bag([str(write_plant_bag(tmp_path / 'level', [1.0], trigger=False))])
+        replay_bag(
+            REPLAY_BAG.parse([str(write_plant_bag(tmp_path / 'level', [1.0], trigger=False))]), Console()
+        )

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from counted_cases import count_cases
 from robots_controller.cell.contact_setup import read_contact
+from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.io.io_map import read_io_map
 from robots_controller.io.plc_script import read_plc_script
-from robots_controller.program_check.check_program import main as check_program
 from robots_controller.simulate import simulate
 from robots_core import UrdfRobotModel
 from robots_core.blocks import read_scene
@@ -168,7 +168,7 @@ def test_damaged_plc_scripts(folder: Path, data: bytes):
 @given(data=st.sampled_from(PROGRAMS).flatmap(damaged))
 def test_damaged_programs(folder: Path, data: bytes):
     (folder / 'damaged.lua').write_bytes(data)
-    assert check_program([str(folder / 'damaged.lua')]) in {0, 1, 2}
+    assert CHECK_PROGRAM.run([str(folder / 'damaged.lua')]) in {0, 1, 2}
     refused(simulate_shortly, folder / 'damaged.lua', data)
 
 

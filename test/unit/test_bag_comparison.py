@@ -13,12 +13,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from robots_controller.commands.command_table import CHECK_BAG
 from robots_controller.recording.bag_comparison import Comparison, compare_bags
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_tolerances import BagTolerances, TopicTolerance, read_tolerances
-from robots_controller.recording.check_bag import check_bag
 from robots_controller.testing import assert_bag_matches
 from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.exit_codes import ExitCode
 from written_bags import BAG_START, BAG_TYPES, write_bag, write_plant_bag
 
 SECOND = 1_000_000_000
@@ -258,23 +259,25 @@ def test_the_command_says_what_differs_and_writes_junit(tmp_path: Path, capsys: 
         write_bag(tmp_path / 'r', [*RISE[:2], (1.0, '/a', number(7.0)), (0.0, '/b', text('x\x07'))])
     )
     junit = tmp_path / 'junit.xml'
-    assert check_bag([recorded, '--against', expected, '--junit', str(junit)]) == 1
+    assert CHECK_BAG.run([recorded, '--against', expected, '--junit', str(junit)]) == 1
     assert 'first difference: /a at 1.0000 s, data: expected 2.0, recorded 7.0' in capsys.readouterr().out
     suite = ET.parse(junit).getroot()  # noqa: S314  # our own file
     assert (suite.get('tests'), suite.get('failures')) == ('2', '1')
     assert [(case.get('name'), len(case)) for case in suite] == [('/a', 1), ('/b', 0)]
-    assert check_bag([expected, '--against', expected]) == 0
+    assert CHECK_BAG.run([expected, '--against', expected]) == 0
 
 
-def test_a_bag_that_was_cut_off_is_refused_unless_accepted(tmp_path: Path):
+def test_a_bag_that_was_cut_off_is_refused_unless_accepted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
     expected, recorded = (write_bag(tmp_path / name, RISE) for name in 'er')
     file = recorded / 'r.mcap'
     file.write_bytes(file.read_bytes()[:-50])
-    with pytest.raises(
-        RobotsError, match=r'is incomplete: r\.mcap is damaged|is incomplete: .*3 messages could'
-    ):
-        check_bag([str(recorded), '--against', str(expected)])
-    assert check_bag([str(recorded), '--against', str(expected), '--partial']) == 0
+    assert CHECK_BAG.run([str(recorded), '--against', str(expected)]) == ExitCode.BAD_INPUT
+    assert re.search(
+        r'is incomplete: r\.mcap is damaged|is incomplete: .*3 messages could', capsys.readouterr().err
+    )
+    assert CHECK_BAG.run([str(recorded), '--against', str(expected), '--partial']) == 0
     with pytest.raises(AssertionError, match='is incomplete'):
         assert_bag_matches(recorded, expected)
 
@@ -346,7 +349,7 @@ def test_messages_of_unknown_types_are_compared_byte_by_byte(
         write_plant_bag(tmp_path / name, levels, defined=False)
         for name, levels in (('first', [1.0, 2.0]), ('same', [1.0, 2.0]), ('other', [1.0, 3.0]))
     )
-    assert check_bag([str(same), '--against', str(first)]) == 0
+    assert CHECK_BAG.run([str(same), '--against', str(first)]) == 0
     assert 'compared byte by byte, as their types are not known: /level' in capsys.readouterr().out
-    assert check_bag([str(other), '--against', str(first)]) == 1
+    assert CHECK_BAG.run([str(other), '--against', str(first)]) == 1
     assert '/level at 0.1000 s' in capsys.readouterr().out

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robots_controller.degrees import in_degrees
-from robots_core.errors import JointLimitError
+from robots_controller.degrees import for_program, in_degrees
+from robots_core.errors import JointLimitError, RobotsError
 
 
 @pytest.mark.parametrize(
@@ -46,3 +48,13 @@ def test_angles_in_messages_are_shown_in_degrees(message: str, expected: str):
 def test_an_angle_that_a_program_wrote_comes_back_to_five_digits(angle: float):
     shown = in_degrees(f'A1 = {np.radians(angle):.6g} rad').removeprefix('A1 = ').removesuffix(' deg')
     assert float(shown) == pytest.approx(angle, rel=5.1e-5, abs=1e-300)
+
+
+@pytest.mark.parametrize(
+    ('degrees', 'hint'),
+    [(-1.57, '; angles are degrees: -89.95?'), (-0.01, ''), (-200.0, ''), (3.0, '')],
+)
+def test_radians_in_the_place_of_degrees_are_recognised(degrees: float, hint: str):
+    error = JointLimitError('A2', math.radians(degrees), math.radians(-140), math.radians(-5))
+    for one in (error, RobotsError(error.message, **{name: str(v) for name, v in error.details.items()})):
+        assert for_program(one) == in_degrees(error.message) + hint

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import inspect
 import re
-import subprocess
-import sys
 from dataclasses import fields
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -15,10 +13,13 @@ from textwrap import dedent
 import pytest
 import yaml
 
+from robots_controller.commands.error_catalogue import error_catalogue, what_happened
+from robots_controller.commands.robots import COMMANDS
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.program_check.program_check import check_program
 from robots_core import available_robot_models, load_robot_model
+from robots_core.exit_codes import MEANINGS
 from robots_planning import MotionSettings
 from robots_planning.motion_kinds import MOTION_KINDS
 
@@ -82,7 +83,9 @@ def test_the_robots_are_those_that_are_installed() -> None:
 
 def test_the_nodes_are_the_executables() -> None:
     listed = {
-        (row[1], names(row[0])[0]) for row in table(DOCS / 'reference' / 'nodes.md', 'Nodes and executables')
+        (row[1], name)
+        for row in table(DOCS / 'reference' / 'nodes.md', 'Nodes and executables')
+        for name in names(row[0])
     }
     packages = ('robots_core', 'robots_planning', 'robots_controller')
     installed = {
@@ -91,6 +94,21 @@ def test_the_nodes_are_the_executables() -> None:
         if point.value.startswith(packages)
     }
     assert listed == installed
+
+
+def test_the_commands_and_exit_codes_are_those_of_the_code() -> None:
+    page = DOCS / 'reference' / 'commands.md'
+    assert {names(row[0])[0].removeprefix('robots '): row[1] for row in table(page, 'Commands')} == {
+        command.name: command.what for command in COMMANDS.values()
+    }
+    assert {int(code): meaning for code, meaning in table(page, 'Exit codes')} == MEANINGS
+
+
+def test_the_errors_are_those_of_the_code() -> None:
+    rows = table(DOCS / 'reference' / 'errors.md', 'Errors')
+    assert {row[0]: (names(row[1])[0], row[2], row[3]) for row in rows} == {
+        code: (kind.__name__, what_happened(kind), kind.remedy) for code, kind in error_catalogue().items()
+    }
 
 
 def test_the_names_of_the_paper_lead_to_something() -> None:
@@ -165,40 +183,19 @@ def test_the_files_in_pages_are_yaml(page: Path) -> None:
         assert isinstance(yaml.safe_load(text), dict), text
 
 
-# In a process of its own: commands set the environment and the signals' handlers.
-HELP_OF_ALL = """
-import sys
-from contextlib import suppress
-from importlib.metadata import entry_points
-
-for name in sys.argv[1:]:
-    (command,) = entry_points(group='console_scripts', name=name)
-    sys.argv = [name, '--help']
-    with suppress(SystemExit):
-        command.load()()
-    print(chr(12))
-"""
-
-
 def test_the_commands_have_the_options_that_pages_give_them() -> None:
-    scripts = {
-        point.name
-        for point in entry_points(group='console_scripts')
-        if point.value.startswith('robots_controller.') and not point.name.endswith('_node')
-    }
     given: dict[str, set[str]] = {}
     for line in (
         '\n'.join(text for page in PAGES for text in blocks(page, 'bash')).replace('\\\n', ' ').splitlines()
     ):
-        name, *words = line.removeprefix('ros2 run robots_controller ').partition(' #')[0].split() or ['']
-        if name in scripts:
+        text = line.removeprefix('ros2 run robots_controller ').removeprefix('robots ')
+        name, *words = text.partition(' #')[0].partition(' | ')[0].split() or ['']
+        if name in COMMANDS:
             ours = words[: words.index('--ros-args')] if '--ros-args' in words else words
             given.setdefault(name, set()).update(word for word in ours if word.startswith('-'))
-    assert {'cell', 'simulate', 'check_program', 'report', 'study', 'check_bag'} <= set(given)
-    helps = subprocess.run(
-        [sys.executable, '-c', HELP_OF_ALL, *given], capture_output=True, text=True, check=True
-    ).stdout.split('\f')[:-1]
-    for (name, options), described in zip(given.items(), helps, strict=True):
+    assert {'cell', 'simulate', 'check_program', 'report', 'study', 'check_bag', 'check'} <= set(given)
+    for name, options in given.items():
+        described = COMMANDS[name].parser().format_help()
         assert not [option for option in options if not re.search(rf'{option}\b', described)], name
 
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_tokens import lua_tokens
 from robots_controller.program.program_header import read_program_header
-from robots_controller.program_check.check_program import main as check_program
 from robots_controller.program_check.lua_calls import lua_calls
 from robots_controller.simulate import simulate
 
@@ -37,8 +37,8 @@ def test_examples_run(program: Path, tmp_path: Path, capsys: pytest.CaptureFixtu
         points_file=tmp_path / 'points.yaml',
     )
     assert run.ok, run.error
-    assert check_program([str(program)]) == 0, capsys.readouterr().out
+    assert CHECK_PROGRAM.run([str(program)]) == 0, capsys.readouterr().out
 
 
 def test_the_example_of_guidance_stands_where_nothing_guides(capsys: pytest.CaptureFixture[str]) -> None:
-    assert check_program([str(GUIDED), '--walk']) == 0, capsys.readouterr().out
+    assert CHECK_PROGRAM.run([str(GUIDED), '--walk']) == 0, capsys.readouterr().out

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from lupa import lua54
 
-from robots_controller.editor.lua_meta import main, meta_file
+from robots_controller.commands.command_table import LUA_META
+from robots_controller.editor.lua_meta import meta_file
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'
@@ -48,8 +49,8 @@ def test_every_function_and_argument_is_there_and_it_is_lua(num_axes: int | None
 
 
 def test_robots_have_their_number_of_axes(capsys: pytest.CaptureFixture[str]):
-    assert main(['--robot', 'bello_bot']) == 0
+    assert LUA_META.run(['--robot', 'bello_bot']) == 0
     text = capsys.readouterr().out
     assert 'function ptpJointSpaceAngles(q1, q2, q3, q4, q5, q6, q7, options) end' in text
     assert '---@overload fun(q1: number, q2: number, q3: number' not in text
-    assert main(['--robot', 'nobody']) == 2
+    assert LUA_META.run(['--robot', 'nobody']) == 2

@@ -36,8 +36,8 @@ from motion_simulator.references import (
     recorded,
     write,
 )
+from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.program.program_header import read_program_header
-from robots_controller.program_check.check_program import main as check_program
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.simulate import simulate
 from robots_core import Pose, load_robot_model
@@ -259,7 +259,9 @@ def test_a_run_that_was_not_guided_is_refused(tmp_path: Path) -> None:
 
 
 def test_the_program_of_the_cockpit_reads_well(capsys: pytest.CaptureFixture[str]) -> None:
-    assert check_program([str(PROGRAMS / 'motion_simulator' / 'cockpit.lua')]) == 0, capsys.readouterr().out
+    assert CHECK_PROGRAM.run([str(PROGRAMS / 'motion_simulator' / 'cockpit.lua')]) == 0, (
+        capsys.readouterr().out
+    )
 
 
 def test_the_recording_names_its_topics() -> None:

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.lua_tokens import lua_tokens
-from robots_controller.program_check.check_program import main
 from robots_controller.program_check.program_check import check_program
 from robots_core import load_robot_model
+from robots_core.exit_codes import ExitCode
 
 PROGRAMS = Path(__file__).parents[2] / 'programs'
 ROBOTS = {
@@ -33,7 +35,7 @@ def check(folder: Path, text: str) -> list[str]:
 @pytest.mark.parametrize('path', sorted(PROGRAMS.glob('*.lua')), ids=lambda path: path.name)
 def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
     robot = ROBOTS.get(path.name, 'kuka_kr210_r2700')
-    assert main([str(path), '--robot', robot]) == 0, capsys.readouterr().out
+    assert CHECK_PROGRAM.run([str(path), '--robot', robot]) == 0, capsys.readouterr().out
     assert load_robot_model(robot)
 
 
@@ -177,11 +179,34 @@ def test_subprograms_are_checked_with_the_globals_of_all(tmp_path: Path):
 def test_command_line_says_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     path = tmp_path / 'test.lua'
     path.write_text('ptpJointSpaceAngles(1, 2, 3, 4, 5, 6)')
-    assert main([str(path)]) == 0
-    assert main([str(path), '--robot', 'bello_bot']) == 1
+    assert CHECK_PROGRAM.run([str(path)]) == 0
+    assert CHECK_PROGRAM.run([str(path), '--robot', 'bello_bot']) == 1
     assert 'got 6 joint angles, the robot has 7 axes' in capsys.readouterr().out
-    assert main([str(path), '--robot', 'nobody']) == 2
-    assert main([str(tmp_path / 'missing.lua')]) == 1
+    assert CHECK_PROGRAM.run([str(path), '--robot', 'nobody']) == 2
+    assert CHECK_PROGRAM.run([str(tmp_path / 'missing.lua')]) == 1
+
+
+def test_every_program_is_judged_though_the_header_of_one_is_bad(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    texts = {
+        'robot.lua': '-- Robot: no_robot\nwait(1)',
+        'scene.lua': '-- Robot: ur5e\n-- Scene: no.yaml\nwait(1)',
+        'call.lua': 'wiat(1)',
+        'good.lua': 'wait(1)',
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+    programs = [str(tmp_path / name) for name in texts]
+    assert CHECK_PROGRAM.run(programs) == ExitCode.FAILED
+    *lines, last = capsys.readouterr().out.splitlines()
+    assert "robot.lua: unknown robot 'no_robot'" in lines[0]
+    assert lines[1].startswith(f'scene.lua:2: there is no scene {tmp_path}/no.yaml')
+    assert lines[2].startswith('call.lua:1: there is no function wiat')
+    assert last == '4 programs, 3 findings in 3 of them'
+    assert CHECK_PROGRAM.run([*programs, '--json']) == ExitCode.FAILED
+    found = json.loads(capsys.readouterr().out)['problems']
+    assert [problem['line'] for problem in found] == [0, 2, 1]
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)

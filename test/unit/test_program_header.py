@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from robots_controller.cell.guide_recording import read_guide_recording
+from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.io.plc_script import read_plc_script
 from robots_controller.program.program_header import ProgramHeader, read_program_header
-from robots_controller.program_check.check_program import main as check_program
 from robots_controller.simulation import command_line
 from robots_core import load_robot_model
 from robots_core.blocks import read_orbit, read_scene
@@ -83,14 +83,14 @@ def test_programs_name_their_cell_and_fit_it(program: Path, capsys: pytest.Captu
     if header.orbit:
         read_orbit(header.orbit)
     assert bool(header.io) == (program.parent / 'io' / f'{program.stem}.yaml').is_file()
-    assert check_program([str(program)]) == 0, capsys.readouterr().out
+    assert CHECK_PROGRAM.run([str(program)]) == 0, capsys.readouterr().out
 
 
 def test_the_wrong_robot_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     path = tmp_path / 'program.lua'
     path.write_text('-- Robot: ur5e\nptpJointSpaceAngles(0, 0, 0, 0, 0, 0)\n')
-    assert check_program([str(path)]) == 0
-    assert check_program([str(path), '--robot', 'bello_bot']) == 1
+    assert CHECK_PROGRAM.run([str(path)]) == 0
+    assert CHECK_PROGRAM.run([str(path), '--robot', 'bello_bot']) == 1
     assert 'program.lua:2: ptpJointSpaceAngles' in capsys.readouterr().out
     options = command_line.parse_options([str(path), '--robot', 'bello_bot'])
     assert (options.robot, options.note) == ('bello_bot', 'program.lua is written for ur5e')

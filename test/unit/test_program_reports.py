@@ -18,13 +18,8 @@ from robots_controller.program.program_header import read_program_header
 from robots_controller.recording.bag_file import read_bag
 from robots_controller.report.run_report import run_report
 from robots_controller.simulate import simulate
-from robots_controller.simulation.command_line import (
-    EXIT_FAILED,
-    EXIT_INTERRUPTED,
-    EXIT_OK,
-    parse_options,
-    run,
-)
+from robots_controller.simulation.command_line import parse_options, run
+from robots_core.exit_codes import ExitCode
 
 from .report_browsers import BROWSERS, open_page
 from .test_report_page import Page
@@ -66,7 +61,7 @@ def simulated(folder: Path, program: Path, *options: str) -> int:
 @pytest.mark.parametrize('program', sorted(PROGRAMS.glob('*.lua')), ids=lambda path: path.stem)
 def test_its_report_opens_without_an_error(program: Path, tmp_path: Path):
     failed = program.stem in FAIL
-    assert simulated(tmp_path, shortened(program, tmp_path)) == (EXIT_FAILED if failed else EXIT_OK)
+    assert simulated(tmp_path, shortened(program, tmp_path)) == (ExitCode.FAILED if failed else ExitCode.OK)
     path = tmp_path / 'report.html'
     Page(path.read_text(encoding='utf-8'))  # raises what its script raises
     for browser in BROWSERS if program.stem in OPENED else ():
@@ -120,7 +115,7 @@ def test_a_bar_tells_the_line_the_time_and_how_fast_it_goes(tmp_path: Path, monk
     )
     options = parse_options([str(program), '--robot', 'kuka_kr210_r2700', '--drive', 'ideal'])
     shown = StringIO()
-    assert run(options, Console(file=shown, force_terminal=True, width=100, color_system=None)) == EXIT_OK
+    assert run(options, Console(file=shown, force_terminal=True, width=100, color_system=None)) == ExitCode.OK
     speed = r'(?:[1-9]\d* times|0\.\d\d of) real time'
     times = [float(time) for time in re.findall(rf'line [23], (\d+\.\d) s, {speed}', shown.getvalue())]
     assert len(set(times)) > 1
@@ -144,7 +139,7 @@ def test_ctrl_c_leaves_a_bag_and_a_report(tmp_path: Path):
             assert time.monotonic() < deadline
             time.sleep(0.01)
         process.send_signal(signal.SIGINT)
-        assert process.wait(DEADLINE) == EXIT_INTERRUPTED
+        assert process.wait(DEADLINE) == ExitCode.INTERRUPTED
     finally:
         process.kill()
     assert not read_bag(bag).problem

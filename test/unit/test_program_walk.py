@@ -1,11 +1,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.io.plc_script import parse_plc_script
-from robots_controller.program_check.check_program import main
 from robots_controller.program_check.input_combinations import input_combinations
 from robots_controller.program_check.walk import WalkResult, walk_program
 from robots_core.errors import InvalidInputError
@@ -21,7 +22,7 @@ rules:
 """
 
 
-def walk(folder: Path, program: str, script: str = '', **options: int) -> WalkResult:
+def walk(folder: Path, program: str, script: str = '', **options: Any) -> WalkResult:
     (folder / 'p.lua').write_text(program)
     (folder / 'plc.yaml').write_text(script)
     return walk_program(folder / 'p.lua', robot=ROBOT, io=folder / 'plc.yaml' if script else '', **options)
@@ -131,9 +132,29 @@ def test_what_was_left_out_is_told(tmp_path: Path):
 def test_the_command_walks_when_it_is_asked_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     program = tmp_path / 'p.lua'
     program.write_text('ptpJointSpaceAngles(400, -90, 90, 0, 30, 0)\n')
-    assert main([str(program)]) == 0
-    assert main([str(program), '--walk']) == 1
+    assert CHECK_PROGRAM.run([str(program)]) == 0
+    assert capsys.readouterr().out == '1 program, no findings\n'
+    assert CHECK_PROGRAM.run([str(program), '--walk']) == 1
     shown = capsys.readouterr()
     assert shown.out.startswith('p.lua:1: ptpJointSpaceAngles: A1 = 400 deg')
-    assert 'walked with 1 combinations' in shown.err
-    assert main([str(program), '--scene', str(tmp_path / 'none.yaml')]) == 2
+    assert 'walked with 1 combination of inputs' in shown.err
+    assert CHECK_PROGRAM.run([str(program), '--scene', str(tmp_path / 'none.yaml')]) == 2
+
+
+def test_a_walk_ends_with_the_patience_of_who_asked_for_it(tmp_path: Path):
+    line, *others = told(walk(tmp_path, START + 'while true do wait(0.01) end\n', patience=0.5, longest=1e6))
+    assert line.startswith('p.lua:2: it has not ended within the patience of ')
+    assert not others
+
+
+@pytest.mark.parametrize(
+    ('target', 'hint'),
+    [
+        ('ptpCartesianSpace(1500, 0, 1200, 0, 90, 0)', '; lengths are metres: (1.5, 0, 1.2)?'),
+        ('ptpCartesianSpace(5000, 0, 1200, 0, 90, 0)', '; lengths are metres'),
+        ('ptpJointSpaceAngles(0, -1.57, 1.57, 0, 0.5, 0)', '; angles are degrees: -89.95?'),
+    ],
+)
+def test_targets_in_other_units_are_recognised(tmp_path: Path, target: str, hint: str):
+    (problem,) = told(walk(tmp_path, START + target))
+    assert problem.endswith(hint)

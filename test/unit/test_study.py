@@ -9,13 +9,13 @@ import pytest
 from distributed import LocalCluster
 from pyarrow import csv, parquet
 
-from robots_controller.cell_arguments import EXIT_BAD_INPUT
-from robots_controller.study.cli import main
+from robots_controller.commands.command_table import STUDY as STUDY_COMMAND
 from robots_controller.study.results import ROWS, StudyResults
 from robots_controller.study.run_case import FIGURES, run_case
 from robots_controller.study.run_study import run_study
 from robots_controller.study.study_file import Study, read_study
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import InvalidInputError, ProgramError, RobotsError
+from robots_core.exit_codes import ExitCode
 
 PROGRAM = """local ANGLE, PAUSE = 10, 0.1
 ptpJointSpaceAngles(ANGLE, -90, 90, 0, 0, 0)
@@ -54,6 +54,19 @@ def one_by_one(study: Study) -> list[str]:
 def test_cases_are_all_combinations_in_order(study: Study):
     told = [(case.robot, case.override, dict(case.parameters)['ANGLE']) for case in study.cases()]
     assert told == list(itertools.product(['kuka_kr210_r2700', 'bello_bot'], [1.0, 0.5], [10.0, 400.0]))
+
+
+def test_scene_and_plc_are_those_of_the_header_where_the_study_names_none(tmp_path: Path):
+    texts = {'io.yaml': '', 'other.yaml': '', 'p.lua': '-- IO: io.yaml  Scene: scene.yaml\nwait(1)\n'}
+    for name, text in {**texts, 'scene.yaml': 'objects: []\n'}.items():
+        (tmp_path / name).write_text(text)
+    for more, io in (('', 'io.yaml'), ('io: other.yaml\n', 'other.yaml')):
+        (tmp_path / 'study.yaml').write_text(f'programs: p.lua\nrobots: ur5e\n{more}')
+        (case,) = read_study(tmp_path / 'study.yaml').cases()
+        assert {name for name in case.files if name.endswith('.yaml')} == {f'io/{io}', 'scene/scene.yaml'}
+    (tmp_path / 'scene.yaml').unlink()
+    with pytest.raises(ProgramError, match=r'p\.lua:1: there is no scene '):
+        read_study(tmp_path / 'study.yaml').cases()
 
 
 def test_on_all_cores_as_one_by_one(study: Study, one_by_one: list[str], tmp_path: Path):
@@ -176,6 +189,6 @@ def test_without_its_libraries_a_study_names_what_installs_them(
         monkeypatch.delitem(sys.modules, f'robots_controller.study.{name}')
     monkeypatch.setitem(sys.modules, library, None)
     options = ['-o', str(tmp_path), '--scheduler', 'tcp://127.0.0.1:9']
-    assert main([str(folder / 'study.yaml'), *options]) == EXIT_BAD_INPUT
+    assert STUDY_COMMAND.run([str(folder / 'study.yaml'), *options]) == ExitCode.BAD_INPUT
     expected = f'studies need {library}, which is not installed: make study-requirements'
     assert expected in capsys.readouterr().err

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from robots_controller.cell_arguments import EXIT_FAILED, EXIT_OK
 from robots_controller.report.run_report import RunReport, run_report
 from robots_controller.simulate import simulate
 from robots_controller.simulation.command_line import parse_options, run
 from robots_core.errors import RobotsError
+from robots_core.exit_codes import ExitCode
 
 ROBOT = 'kuka_kr210_r2700'
 START = """\
@@ -121,14 +121,16 @@ def test_motions_that_are_stopped_from_outside_fail(tmp_path: Path) -> None:
     assert report.run.program_state == 'FAILED'
 
 
-@pytest.mark.parametrize(('end', 'code'), [('', EXIT_OK), ('ptpCartesianSpace(at(9, 0))', EXIT_FAILED)])
+@pytest.mark.parametrize(
+    ('end', 'code'), [('', ExitCode.OK), ('ptpCartesianSpace(at(9, 0))', ExitCode.FAILED)]
+)
 def test_simulate_gives_its_verdict_without_a_bag_too(end: str, code: int, tmp_path: Path) -> None:
     program = tmp_path / 'part.lua'
     program.write_text(START + end)
     text = StringIO()
     options = parse_options([str(program), '--robot', ROBOT])
     assert run(options, Console(file=text, width=200)) == code
-    assert ('every target reached, every limit kept' in text.getvalue()) == (code == EXIT_OK)
+    assert ('every target reached, every limit kept' in text.getvalue()) == (code == ExitCode.OK)
     assert 'PTPJOINT_JOINT' in text.getvalue()
     assert [path.name for path in tmp_path.iterdir()] == ['part.lua']
 
@@ -141,7 +143,9 @@ def test_a_program_is_checked_before_it_is_simulated(tmp_path: Path, capsys: pyt
     line = START.count('\n') + 1
     wanted = f"part.lua:{line}: there is no function setDigtalOutput; did you mean 'setDigitalOutput'?"
     assert capsys.readouterr().err.strip() == wanted
-    assert run(parse_options([str(program), '--robot', ROBOT, '--no-check']), Console(quiet=True)) == EXIT_OK
+    assert (
+        run(parse_options([str(program), '--robot', ROBOT, '--no-check']), Console(quiet=True)) == ExitCode.OK
+    )
 
 
 def shown(folder: Path) -> str:

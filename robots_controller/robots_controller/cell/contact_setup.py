@@ -15,7 +15,7 @@ from robots_core.blocks.force_control.force_control import ForceControlSettings
 from robots_core.blocks.terramechanics.soil import SOILS, Soil
 from robots_core.blocks.terramechanics.wheel_contact import SoilBed, WheelContact
 from robots_core.blocks.terramechanics.wheel_soil_model import Wheel, WheelSoilModel
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import InvalidInputError, OptionError
 from robots_core.validation import Array, finite_vector
 from robots_core.yaml_section import YamlSection, read_yaml
 
@@ -91,7 +91,7 @@ def check_one_guide(*guides: Path | str) -> None:
     """
     given = [str(guide) for guide in guides if guide]
     if len(given) > 1:
-        raise RobotsError(
+        raise OptionError(
             f'{" and ".join(given)} both guide the robot: give a recording, a contact or an orbit, not two'
         )
 

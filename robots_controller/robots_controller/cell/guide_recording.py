@@ -13,7 +13,7 @@ import numpy as np
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.recording.joint_rows import seconds
 from robots_core.blocks.following.guide import Guide
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import BagError, InvalidInputError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector
 from robots_planning.teach_box import JogAxes, jog_axes
@@ -80,7 +80,7 @@ class GuideRecording:
         """
         needed = GUIDES[guide]
         if not self.types.keys() & set(needed):
-            raise RobotsError(
+            raise BagError(
                 f'{self.path} holds no {" or ".join(needed)}, only {", ".join(sorted(self.types))}'
             )
 
@@ -113,7 +113,7 @@ def read_guide_recording(path: Path | str, joints: Sequence[str]) -> GuideRecord
         try:
             value, frame = _value(topic, message, joints)
         except (AttributeError, RobotsError) as error:
-            raise RobotsError(f'{bag.path}: message {number} of {topic}: {error}') from error
+            raise BagError(f'{bag.path}: message {number} of {topic}: {error}') from error
         stamped = round(seconds(message.header.stamp) * NANOSECONDS)
         valid = min(stamped, stamp) if abs(stamped - stamp) < SAME_CLOCK * NANOSECONDS else stamp
         messages.append(GuidingMessage(topic[1:], stamp - start, valid - start, data, value, frame))
@@ -126,7 +126,7 @@ def _start(bag: Bag, stamps: Sequence[int], guides: Sequence[tuple[int, Any]]) -
     first = handed_over[0] if handed_over else min(stamps, default=None)
     if first is None or max(stamps, default=first - 1) < first:
         topics = ', '.join(topic for guide in GUIDES for topic in GUIDES[guide])
-        raise RobotsError(
+        raise BagError(
             f'{bag.path} holds nothing that guides a robot: needed is one of {topics}; it holds '
             f'{", ".join(sorted(bag.topics)) or "nothing"}'
         )

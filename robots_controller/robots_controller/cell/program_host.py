@@ -14,8 +14,9 @@ from robots_controller.cell.ports import ControllerPort, PlannerPort, ProgramObs
 from robots_controller.cell.program_motions import ProgramMotions
 from robots_controller.cell.program_reporter import ProgramReporter
 from robots_controller.cell.run_permission import RunPermission
+from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.interpreter.debugger import Step
-from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE, LuaProgram
+from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.io.fail_safe import FailSafe, safe_value
 from robots_controller.program.clock import Clock
 from robots_controller.program.motion_command import MotionCommand, OutputChange

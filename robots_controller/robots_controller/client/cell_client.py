@@ -22,7 +22,7 @@ from robots_controller.client.program_client import ProgramClient
 from robots_controller.nodes.planner_client import PlannerClient
 from robots_controller.nodes.program_clock import ProgramClock
 from robots_controller.program.motion_command import MotionCommand
-from robots_core.errors import CommandRefusedError, InvalidInputError, RobotsError
+from robots_core.errors import CommandRefusedError, InvalidInputError, NoAnswerError, RobotsError
 from robots_core.operating_modes import Commander
 from robots_core.pose import Pose
 from robots_core.robot_choice import load_robot_model
@@ -231,7 +231,7 @@ class CellClient:
         if raw is not None:
             self._position = read_only(self._reader.position(raw))
         if self._position is None:
-            raise RobotsError('no joint_states have come yet: are the drives running?')
+            raise NoAnswerError('no joint_states have come yet: are the drives running?')
         return self._position
 
     @property

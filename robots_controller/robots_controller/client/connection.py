@@ -10,7 +10,7 @@ from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 from std_srvs.srv import Trigger
 
-from robots_core.errors import RobotsError
+from robots_core.errors import NoAnswerError, NotNowError
 from robots_core.ros.lean_executor import LeanExecutor
 from robots_core.ros.middleware import choose_transports
 from robots_core.ros.timed_node import TimedNode
@@ -69,7 +69,7 @@ class Connection:
             future.add_done_callback(lambda _: answered.set())
             if answered.wait(self.patience):
                 return future.result()
-        raise RobotsError(
+        raise NoAnswerError(
             f'{client.service_name} has not answered for {self.patience:g} s: '
             f'is the cell running, in ROS domain {self._context.get_domain_id()}?'
         )
@@ -82,7 +82,7 @@ class Connection:
         """
         answer = self.answer(service, Trigger, Trigger.Request())
         if not answer.success:
-            raise RobotsError(answer.message)
+            raise NotNowError(answer.message)
         return str(answer.message)
 
     def send(self, service: str) -> None:

@@ -22,7 +22,7 @@ from robots_controller.control.speed_control import SpeedControl, refuse_closed
 from robots_controller.control.stop_latch import StopLatch
 from robots_controller.control.streamed_reference import StreamedReference, StreamPoint
 from robots_controller.control.zone_border import Border
-from robots_core.errors import RobotsError, TrajectoryRefusedError
+from robots_core.errors import NotNowError, TrajectoryRefusedError
 from robots_core.motion_result import MotionResult
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
@@ -224,9 +224,9 @@ class Controller:
             RobotsError: it moves, or something is.
         """
         if not self.standing:
-            raise RobotsError('cannot reset: the robot is still moving')
+            raise NotNowError('cannot reset: the robot is still moving')
         if self._feedback.lost:
-            raise RobotsError(f'cannot reset: {NO_FEEDBACK}')
+            raise NotNowError(f'cannot reset: {NO_FEEDBACK}')
         self.stops.check_reset()
 
     def reset(self) -> None:

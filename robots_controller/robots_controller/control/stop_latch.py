@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from robots_controller.control.faults import Fault, StopCategory
-from robots_core.errors import RobotsError
+from robots_core.errors import NotNowError
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class StopLatch:
             RobotsError: something is.
         """
         if self._causes:
-            raise RobotsError(f'cannot reset: {"; ".join(self._causes.values())}')
+            raise NotNowError(f'cannot reset: {"; ".join(self._causes.values())}')
 
     def reset(self) -> None:
         """Let the robot move again.

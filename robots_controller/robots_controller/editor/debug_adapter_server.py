@@ -8,7 +8,7 @@ from typing import Final
 
 from robots_controller.editor.debug_adapter import DebugAdapter, Message, message_bytes, read_messages
 from robots_controller.interpreter.lua_program import LuaProgram
-from robots_core.errors import ProgramError, RobotsError
+from robots_core.errors import InstallationError, ProgramError, RobotsError
 
 HOST: Final = '127.0.0.1'
 # An editor that takes nothing must not hold the program.
@@ -36,7 +36,7 @@ class DebugAdapterServer:
         try:
             self._socket = socket.create_server((HOST, max(port, 0)))
         except (OSError, OverflowError) as error:
-            raise RobotsError(f'port {port} is not free for the debugger: {error}') from error
+            raise InstallationError(f'port {port} is not free for the debugger: {error}') from error
         self.port = int(self._socket.getsockname()[1])
         """Where editors connect."""
         self._adapter: DebugAdapter | None = None

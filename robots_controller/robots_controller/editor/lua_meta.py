@@ -6,14 +6,16 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Final
 
-from robots_controller.cell_arguments import EXIT_OK, exit_code
+from rich.console import Console
+
+from robots_controller.commands.command_table import LUA_META
 from robots_controller.interpreter import argument_kinds as kinds
 from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
+from robots_core.exit_codes import ExitCode
 from robots_core.robot_choice import load_robot_model
 
 # Where no robot is named: what most arms have, and the others as overloads.
@@ -130,22 +132,15 @@ def _meaning(argument: Argument) -> str:
     return f'{argument.meaning} ({argument.unit})' if argument.unit else argument.meaning
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Print the definitions."""
-    parser = argparse.ArgumentParser(
-        prog='lua_meta', description="Print the editor's help for robot programs."
-    )
-    parser.add_argument(
-        '--robot', default='', help='robot for whose number of axes to write the help; any by default'
-    )
-    options = parser.parse_args(arguments)
-    return exit_code(lambda _: _print(options.robot))
+def print_definitions(options: argparse.Namespace, _console: Console) -> int:
+    """Print the definitions; returns an exit code.
 
-
-def _print(robot: str) -> int:
-    print(meta_file(load_robot_model(robot).num_axes if robot else None), end='')
-    return EXIT_OK
+    Raises:
+        UnknownRobotError: no such robot.
+    """
+    print(meta_file(load_robot_model(options.robot).num_axes if options.robot else None), end='')
+    return ExitCode.OK
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    LUA_META.main()

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.interpreter.debugger import CallStack, Debugger, HoldReason, Step
 from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
@@ -23,8 +24,6 @@ from robots_controller.program.taught_points import SUFFIX
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.orientation import check_convention
 
-DIGITAL_SIZE: Final = 32
-ANALOG_SIZE: Final = 8
 LONGEST_END: Final = 5.0  # s
 
 

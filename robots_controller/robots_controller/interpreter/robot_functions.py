@@ -3,7 +3,7 @@
 from collections.abc import Callable, Generator, Mapping, Sequence
 from copy import copy
 
-from robots_controller.degrees import in_degrees
+from robots_controller.degrees import for_program
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.functions.lua_function import Serve
 from robots_controller.interpreter.functions.motions import Motions
@@ -69,7 +69,7 @@ class RobotFunctions:
             if isinstance(result, Generator):
                 result = yield from result
         except RobotsError as error:
-            raise LuaCallError(f'{name}: {in_degrees(str(error))}') from error
+            raise LuaCallError(f'{name}: {for_program(error)}') from error
         return result
 
     def _check(self, name: str, arguments: Sequence[LuaArgument]) -> Arguments:

@@ -10,7 +10,7 @@ from robots_controller.io.io_image import Channel
 from robots_controller.io.io_map import IoMap, read_io_map
 from robots_controller.io.io_signals import channel_labels
 from robots_controller.io.plc_script import PlcScript, read_plc_script
-from robots_core.errors import RobotsError
+from robots_core.errors import OptionError
 
 
 @dataclass(frozen=True)
@@ -53,19 +53,19 @@ def read_cell_io(io: Path | str = '', io_map: Path | str = '', *, orbit: Path | 
     rows = read_io_map(io_map) if io_map else IoMap()
     both = {channel.image for channel in script.inputs} & {row.channel.image for row in rows.inputs}
     if both:
-        raise RobotsError(
+        raise OptionError(
             f'{io} and {io_map} both set {", ".join(sorted(both))}; only one can publish that topic'
         )
     setting = io if script.inputs else io_map if rows.inputs else ''
     if orbit and setting:
-        raise RobotsError(f'{orbit} and {setting} both set inputs; in orbit the gripper alone does')
+        raise OptionError(f'{orbit} and {setting} both set inputs; in orbit the gripper alone does')
     declared = {}
     for section in vars(ChannelDeclarations()):
         one, other = getattr(script, section), getattr(rows, section)
         for name in one.keys() & other.keys():
             if one[name] != other[name]:
                 here, there = _shown(one[name]), _shown(other[name])
-                raise RobotsError(f'{section}: {name} is {here} in {io} and {there} in {io_map}')
+                raise OptionError(f'{section}: {name} is {here} in {io} and {there} in {io_map}')
         declared[section] = MappingProxyType({**one, **other})
     return CellIo(script, rows, **declared)
 

@@ -4,25 +4,18 @@ import argparse
 import json
 import os
 import signal
-import sys
+import tempfile
 import time
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from uuid import uuid4
 
 from rich.console import Console
 
-from robots_controller.cell_arguments import (
-    CELL_OPTIONS,
-    EXIT_FAILED,
-    EXIT_INTERRUPTED,
-    EXIT_OK,
-    add_cell_arguments,
-    exit_code,
-    show_substitutions,
-    take_from_program,
-)
+from robots_controller.commands.cell_arguments import CELL_OPTIONS, FILES
+from robots_controller.commands.cell_setup import show_substitutions, take_from_program
+from robots_controller.commands.command_table import CELL
 from robots_controller.editor.debug_token import new_token
 from robots_controller.interpreter.lua_program import LuaProgram
 from robots_controller.live_cell.cell_graph import DEFAULT_ROBOT, NodeDescription, cell_graph
@@ -33,83 +26,47 @@ from robots_controller.live_cell.running_cell import RunningCell, occupied
 from robots_controller.program_check.first_check import check_first, sizes_of
 from robots_controller.runtime_folder import alone
 from robots_core.blocks.following.following_methods import METHODS
-from robots_core.errors import RobotsError
+from robots_core.errors import OptionError, RobotsError
+from robots_core.exit_codes import ExitCode
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.ros.middleware import choose_transports
-from robots_core.watchdog import WATCHDOG
 
-FILES = ('program', 'io', 'io_map', 'scene', 'references', 'contact', 'orbit')  # options
 GRAPH_OPTIONS = (*CELL_OPTIONS, 'program', 'watchdog', 'port', 'debug_port', 'lockstep', 'composed')
 
 
-def main() -> None:
-    """Run from the command line."""
+def start(options: argparse.Namespace, console: Console) -> int:
+    """Run a cell as the command line says; see `run_cell`."""
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     choose_transports()
     # Started in the background, a process ignores SIGINT; ended by a supervisor, it gets SIGTERM.
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.default_int_handler)
-    sys.exit(exit_code(lambda console: run_cell(parse_options(sys.argv[1:]), console)))
+    return run_cell(complete_options(options), console)
 
 
 def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
-    """Options from a command line.
+    """Options from a command line, and from its program.
+
+    Raises:
+        RobotsError: an option that is not valid, or a program that does not exist.
+    """
+    return complete_options(CELL.parse(arguments))
+
+
+def complete_options(options: argparse.Namespace) -> argparse.Namespace:
+    """Take from the program what the command line does not say.
 
     Raises:
         RobotsError: a program that does not exist.
     """
-    parser = argparse.ArgumentParser(prog='cell', description=__doc__)
-    parser.add_argument(
-        '--program', default='', help='Lua robot program to run; its header can name its robot and files'
-    )
-    parser.add_argument('--namespace', default='/', help='ROS namespace of all nodes')
-    add_cell_arguments(parser)
-    parser.add_argument('--record', type=Path, metavar='FOLDER', help='record a bag below this folder')
-    parser.add_argument('--once', action='store_true', help='end the cell when the program has ended')
-    parser.add_argument('--view', action='store_true', help='with --once: keep the page open until Ctrl-C')
-    parser.add_argument(
-        '--port',
-        type=int,
-        default=8080,
-        help='first port to try for the browser page; %(default)d by default',
-    )
-    parser.add_argument(
-        '--watchdog',
-        type=float,
-        default=WATCHDOG,
-        metavar='SECONDS',
-        help='time without a sign of life of a node after which the robot stops, s; 0 for no limit',
-    )
-    parser.add_argument(
-        '--debug-port', type=int, default=0, help='port on which editors can debug the program; 0 for none'
-    )
-    parser.add_argument(
-        '--no-restart',
-        action='store_true',
-        help='end the cell when a node dies; by default the node is started again, and the robot stays still',
-    )
-    parser.add_argument(
-        '--lockstep',
-        action='store_true',
-        help='run in simulated time, as fast as the nodes can',
-    )
-    parser.add_argument(
-        '--composed',
-        action='store_true',
-        help='run all nodes but controller_node and drive_node in one process, in lock-step all nodes; '
-        'this needs less memory, and a node that dies ends the other nodes of the process',
-    )
-    parser.add_argument('--describe', action='store_true', help='print the nodes as JSON and start none')
-    options = parser.parse_args(arguments)
     if options.once and not options.program:
-        raise RobotsError('--once needs a --program to run')
+        raise OptionError('--once needs a --program to run')
     take_from_program(options)
     options.robot = options.robot or DEFAULT_ROBOT
-    options.namespace = '/' + options.namespace.strip('/')
     others = options.references or options.contact or options.orbit
     options.guided = options.guided or (METHODS[0] if others else '')
-    for name in FILES:
+    for name in ('program', *FILES):
         path = getattr(options, name)
         setattr(options, name, str(Path(path).resolve()) if path else '')
     return options
@@ -143,14 +100,14 @@ def run_cell(options: argparse.Namespace, console: Console) -> int:
     )
     if options.describe:
         print(json.dumps([node.as_dict() for node in graph], indent=2))
-        return EXIT_OK
+        return ExitCode.OK
     place = f'cell {os.environ.get("ROS_DOMAIN_ID") or "0"} {options.namespace}'
     with ExitStack() as stack:
         try:
             stack.enter_context(alone(place))
         except RobotsError as error:
             console.print(occupied('cell', options.namespace, f' ({error})'))
-            return EXIT_FAILED
+            return ExitCode.FAILED
         return _run_alone(options, console, graph, robot, token)
 
 
@@ -171,14 +128,13 @@ def _run_alone(
         console.print(
             f'editors debug at port {options.debug_port} with token [bold]{token}[/]', highlight=False
         )
-    bag = folder / 'bag' if options.record else None
-    with listen(options.namespace, bag, lockstep=options.lockstep) as listener:
+    with _bag(options, folder) as bag, listen(options.namespace, bag, lockstep=options.lockstep) as listener:
         view = CellView(console, processes.names, robot.axes_data.prismatic)
         cell = RunningCell(options, processes, listener, view)
         try:
             if not options.lockstep and (found := cell.others()):
                 console.print(occupied(found, options.namespace))
-                return EXIT_FAILED
+                return ExitCode.FAILED
             if options.lockstep:
                 listener.coordinate(processes.names)
             processes.start()
@@ -190,13 +146,23 @@ def _run_alone(
                 cell.watch()
         except KeyboardInterrupt:
             console.print('\nstopping ...')
-            code = EXIT_INTERRUPTED
+            code = ExitCode.INTERRUPTED
             cell.bring_to_rest()
             _close_recording(listener, options, console, program_ended=False)
         finally:
             view.close()
             processes.stop()
     return code
+
+
+@contextmanager
+def _bag(options: argparse.Namespace, folder: Path) -> Iterator[Path | None]:
+    """Where the bag goes; the verdict on a program needs one for a while."""
+    if options.record or not options.once:
+        yield folder / 'bag' if options.record else None
+        return
+    with tempfile.TemporaryDirectory(prefix='cell_') as temporary:
+        yield Path(temporary) / 'bag'
 
 
 def _close_recording(
@@ -208,20 +174,26 @@ def _close_recording(
     """Close the bag, if there is one that is open, and report on it; returns an exit code."""
     recorder = listener.recorder
     if recorder is None or recorder.closed:
-        return EXIT_OK
+        return ExitCode.OK
     listener.close_recording()
-    console.print(f'bag: {recorder.path}')
+    if options.record:
+        console.print(f'bag: {recorder.path}')
     if recorder.problem:
-        return EXIT_FAILED
+        return ExitCode.FAILED
     if not program_ended:
-        return EXIT_OK
+        return ExitCode.OK
     # Loads SciPy and the reading of meshes, which the cell itself does not need.
+    from robots_controller.commands.json_output import print_json  # noqa: PLC0415
+    from robots_controller.report.report_json import report_data  # noqa: PLC0415
     from robots_controller.report.run_report import run_report  # noqa: PLC0415
     from robots_controller.report.terminal import show_verdict  # noqa: PLC0415
 
     report = run_report(recorder.path, robot=options.robot, namespace=options.namespace)
-    show_verdict(report, console)
-    return EXIT_OK if report.ok else EXIT_FAILED
+    if options.json:
+        print_json(report_data(report))
+    else:
+        show_verdict(report, console)
+    return ExitCode.OK if report.ok else ExitCode.FAILED
 
 
 def _run_folder(root: Path, options: argparse.Namespace) -> Path:

@@ -9,6 +9,7 @@ from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
 from robots_controller.cell.contact_setup import check_one_guide, read_contact
 from robots_controller.control.frame_speed_limit import checked_speed_limit
+from robots_controller.defaults import RATE
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.emergency_inputs import emergency_stop_texts
 from robots_controller.io.fail_safe import fail_safe_texts
@@ -16,7 +17,7 @@ from robots_controller.io.zone_inputs import closing_inputs, closing_texts
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
 from robots_core.blocks.following.following_methods import METHODS
-from robots_core.errors import RobotsError
+from robots_core.errors import InstallationError, OptionError
 from robots_core.operating_modes import OperatingMode
 from robots_core.watchdog import LONGEST, WATCHDOG, checked_watchdog
 from robots_planning.motion_settings import NOTHING
@@ -66,13 +67,13 @@ class NodeDescription:
         try:
             prefix = Path(get_package_prefix(self.package))
         except PackageNotFoundError as error:
-            raise RobotsError(
+            raise InstallationError(
                 f'package {self.package!r} is not in the ament index; build the workspace '
                 f'(`make build`) and source install/setup.bash'
             ) from error
         path = prefix / 'lib' / self.package / self.executable
         if not path.is_file():
-            raise RobotsError(
+            raise InstallationError(
                 f'package {self.package!r} has no executable {self.executable!r} in {path.parent}'
             )
         return path
@@ -84,7 +85,7 @@ def cell_graph(
     program: str = '',
     autostart: bool = False,
     launch: str = '',
-    rate: float = 250.0,
+    rate: float = RATE,
     drive: str = 'second_order',
     goal_tolerance: float | None = None,
     tool_speed_limit: float = 0.0,
@@ -146,7 +147,7 @@ def cell_graph(
     # In lock-step the controller is that of a simulation.
     feedback = {} if lockstep else {'feedback_timeout': watchdog or LONGEST}
     if guided and guided not in METHODS:
-        raise RobotsError(f'unknown inverse kinematics {guided!r}; valid are {", ".join(METHODS)}')
+        raise OptionError(f'unknown inverse kinematics {guided!r}; valid are {", ".join(METHODS)}')
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
     # Nobody holds run while time stands still.
     held = {'hold_timeout': 0.0} if lockstep else {}

@@ -1,11 +1,19 @@
-"""The command `cell`: the server that its nodes are forked from loads while this process loads the rest."""
+"""The work of `cell`: the server that its nodes are forked from loads while this process loads the rest."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
 
 from robots_controller.live_cell import fork_server
 
+if TYPE_CHECKING:  # loads beside the server
+    from rich.console import Console
 
-def main() -> None:
-    """Run from the command line."""
+
+def start_cell(options: argparse.Namespace, console: Console) -> int:
+    """Run a cell as the command line says; see `cell_command.start`."""
     fork_server.start()
-    from robots_controller.live_cell.cell_command import main  # noqa: PLC0415  # loads beside the server
+    from robots_controller.live_cell.cell_command import start  # noqa: PLC0415  # loads beside the server
 
-    main()
+    return start(options, console)

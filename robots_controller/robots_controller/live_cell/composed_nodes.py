@@ -7,7 +7,8 @@ from rclpy.utilities import remove_ros_args
 
 from robots_controller.live_cell.node_types import node_type
 from robots_core.errors import RobotsError
-from robots_core.ros.run import EXIT_BAD_INPUT, run_nodes
+from robots_core.exit_codes import ExitCode
+from robots_core.ros.run import run_nodes
 
 
 def main() -> int:
@@ -18,6 +19,6 @@ def main() -> int:
     try:
         nodes = [node_type(name) for name in options.nodes]
     except RobotsError as error:
-        print(f'error: {error}', file=sys.stderr)
-        return EXIT_BAD_INPUT
+        print(error.line_for_person, file=sys.stderr)
+        return ExitCode.BAD_INPUT
     return run_nodes(nodes)

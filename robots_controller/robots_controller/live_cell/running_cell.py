@@ -8,7 +8,6 @@ from pathlib import Path
 
 from rich.markup import escape
 
-from robots_controller.cell_arguments import EXIT_FAILED, EXIT_OK
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.live_cell.cell_events import (
     Event,
@@ -22,6 +21,7 @@ from robots_controller.live_cell.frozen_nodes import FrozenNodes
 from robots_controller.live_cell.node_processes import NodeProcesses
 from robots_controller.live_cell.node_restarts import NodeRestarts
 from robots_controller.recording.motion_record import MOTION_TOPICS
+from robots_core.exit_codes import ExitCode
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import MODES, Commander, OperatingMode
 
@@ -88,17 +88,17 @@ class RunningCell:
         if not self._until(self._ready, START_TIMEOUT):
             if not self._ended:
                 self._console.print(f'[bold red]not ready after {START_TIMEOUT:g} s:[/] {self._late}')
-            return EXIT_FAILED
+            return ExitCode.FAILED
         self._settled, self._starting = time.monotonic() + SETTLING_TIME, False
         if self._options.program and not self._start_program():
-            return EXIT_FAILED
+            return ExitCode.FAILED
         self._listener.release()
         while self._healthy():
             self._show_events()
             # What was sent before a program fails goes on to its end, and its outputs with it.
             if self.program_ended and self._options.once and self._motion is None:
-                return EXIT_FAILED if self._failed else EXIT_OK
-        return EXIT_FAILED
+                return ExitCode.FAILED if self._failed else ExitCode.OK
+        return ExitCode.FAILED
 
     def _start_program(self) -> bool:
         """Run the program, or open it where a person runs it; False if it is refused."""
@@ -209,7 +209,10 @@ class RunningCell:
                 self._motion, self._stream_end = None, float(event.details.get('ended', 0.0))
             case ProgramStatus(state):
                 self._restarts.program_reported(event)
-                self.program_ended = state in ('FINISHED', 'FAILED', 'STOPPED')
+                ended = state in ('FINISHED', 'FAILED', 'STOPPED')
+                if ended and not self.program_ended and not self._options.once:
+                    self._console.print(f'[bold]program {state.lower()}[/]')
+                self.program_ended = ended
                 self._failed = state in ('FAILED', 'STOPPED')
 
 

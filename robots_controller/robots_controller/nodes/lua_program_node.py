@@ -14,10 +14,10 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
 from robots_controller.cell.program_host import ProgramHost
+from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.editor.debug_adapter_server import DebugAdapterServer
 from robots_controller.editor.debug_token import new_token
 from robots_controller.interpreter.debugger import STEPS, breakpoints_by_file
-from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.io.fail_safe import parse_fail_safe
 from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.autostart import Autostart

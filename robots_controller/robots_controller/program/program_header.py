@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 from robots_controller.interpreter.lua_source import read_source
+from robots_core.errors import ProgramError
 
 _ENTRY: Final = re.compile(r'(Robot|Scene|IO|References|Contact|Orbit): (\S+)\s*')
 _LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
@@ -27,6 +30,8 @@ class ProgramHeader:
         references: Recording of what guides the robot (see `read_guide_recording`); '' for none.
         contact: What its tool touches, and force control there (see `read_contact`); '' for nothing.
         orbit: Orbit in which the robot's base floats (YAML); '' for a robot that stands.
+        file: The program's file name.
+        lines: Its lines, by what they name.
     """
 
     robot: str = ''
@@ -35,10 +40,30 @@ class ProgramHeader:
     references: str = ''
     contact: str = ''
     orbit: str = ''
+    file: str = field(default='', compare=False)
+    lines: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}), compare=False)
 
     def replaced_by(self, **given: str) -> ProgramHeader:
         """The same with all that is given, and not '', in the place of its own."""
-        return replace(self, **{name: value for name, value in given.items() if value})
+        new = {name: value for name, value in given.items() if value}
+        lines = {name: line for name, line in self.lines.items() if name not in new}
+        return replace(self, lines=MappingProxyType(lines), **new)
+
+    def check_files(self) -> None:
+        """Refuse a file that the program names and that is not there.
+
+        Raises:
+            ProgramError: there is one.
+        """
+        for key, line in self.lines.items():
+            path = getattr(self, key)
+            if key != 'robot' and not Path(path).exists():
+                raise ProgramError(
+                    f'there is no {key} {path}, which the header names; it is looked for from the folder of '
+                    f'the program, and --{key} takes another',
+                    file=self.file,
+                    line=line,
+                )
 
     def note(self, program: Path | str, robot: str) -> str:
         """A note for a person who runs the program on a robot; '' if it is the program's own."""
@@ -58,12 +83,17 @@ def read_program_header(program: Path | str) -> ProgramHeader:
     """
     source = read_source(program)
     found: dict[str, str] = {}
-    for line in source.text.splitlines():
+    lines: dict[str, int] = {}
+    for number, line in enumerate(source.text.splitlines(), 1):
         if not line.startswith('--'):
             break
         if _LINE.fullmatch(line):
-            found |= {key.lower(): value for key, value in _ENTRY.findall(line)}
+            here = {key.lower(): value for key, value in _ENTRY.findall(line)}
+            found |= here
+            lines |= dict.fromkeys(here, number)
     folder = source.path.resolve().parent
     keys = ('scene', 'io', 'references', 'contact', 'orbit')
     files = {key: str(folder / found[key]) for key in keys if key in found}
-    return ProgramHeader(robot=found.get('robot', ''), **files)
+    return ProgramHeader(
+        robot=found.get('robot', ''), file=source.file, lines=MappingProxyType(lines), **files
+    )

@@ -3,12 +3,12 @@
 import sys
 from pathlib import Path
 
+from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.interpreter.argument_kinds import Sizes
-from robots_controller.interpreter.lua_program import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.io_image import IoImage
 from robots_controller.program_check.program_check import check_program
-from robots_core.errors import RobotsError
+from robots_core.errors import ProgramError
 
 
 def sizes_of(
@@ -48,6 +48,6 @@ def check_first(program: Path | str, sizes: Sizes) -> None:
         print(problem, file=sys.stderr)
     if problems:
         count = f'{len(problems)} problems' if len(problems) > 1 else 'a problem'
-        raise RobotsError(
+        raise ProgramError(
             f'{Path(program).name} has {count}, and nothing was started; --no-check runs it all the same'
         )

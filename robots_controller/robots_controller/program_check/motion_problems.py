@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from robots_controller.degrees import in_degrees
+from robots_controller.degrees import for_program
 from robots_core.blocks.inverse_kinematics.hold import POSITION, held_by
 from robots_core.blocks.visualizer import reach
 from robots_core.errors import RobotsError, UnreachablePoseError
@@ -30,7 +30,7 @@ def motion_problems(robot: BaseRobotModel, motion: PlannedMotion, hold: str) -> 
 
 def refusal(error: RobotsError) -> str:
     """Why a motion was refused, with the kind of the problem."""
-    reason = in_degrees(str(error))
+    reason = for_program(error)
     return f'unreachable: {reason}' if isinstance(error, UnreachablePoseError) else reason
 
 

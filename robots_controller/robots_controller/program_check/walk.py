@@ -1,11 +1,13 @@
 """walk_program: what a program meets, whatever its inputs are."""
 
+import math
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Final
 
+from robots_controller.defaults import LONGEST_WALK, MOST_COMBINATIONS
 from robots_controller.io.plc_script import PlcScript, read_plc_script
 from robots_controller.program_check.input_combinations import InputCombination, input_combinations
 from robots_controller.program_check.lenient_planning import LenientPlanning
@@ -17,9 +19,6 @@ from robots_controller.study.case_runners import worker_pool
 from robots_core.blocks.multibody.loaded_robot import loaded_robot
 from robots_core.errors import InvalidInputError
 from robots_core.validation import positive
-
-MOST_COMBINATIONS: Final = 256
-LONGEST_TIME: Final = 600.0  # s of simulated time
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,8 @@ def walk_program(
     scene: Path | str = '',
     io: Path | str = '',
     most: int = MOST_COMBINATIONS,
-    longest: float = LONGEST_TIME,
+    longest: float = LONGEST_WALK,
+    patience: float = math.inf,
     workers: int = 1,
 ) -> WalkResult:
     """Walk a program with ideal drives, once for each combination of the inputs at its start.
@@ -64,6 +64,7 @@ def walk_program(
         io: Script of the PLC whose inputs are combined and whose rules are played; '' for none.
         most: Highest number of combinations to walk, the script's own start first.
         longest: A walk ends after this simulated time, s.
+        patience: All walks end after this time of the machine, s; names the line where each was.
         workers: Processes to walk in; 1 is this one.
 
     Raises:
@@ -72,9 +73,19 @@ def walk_program(
     if most < 1:
         raise InvalidInputError(f'most = {most} must be at least 1')
     positive(longest, 'longest', 's')
+    until = time.monotonic() + patience
     everything = list(input_combinations(_script(io)))
     combinations = everything[:most]
-    walk = partial(_walk, program=str(program), robot=robot, scene=str(scene), io=str(io), longest=longest)
+    walk = partial(
+        _walk,
+        program=str(program),
+        robot=robot,
+        scene=str(scene),
+        io=str(io),
+        longest=longest,
+        patience=patience,
+        until=until,
+    )
     # What is wrong with the input itself is raised here, before processes start.
     first = walk(combinations[0])
     if workers > 1 and len(combinations) > 1:
@@ -86,15 +97,26 @@ def walk_program(
 
 
 def _walk(
-    combination: InputCombination, *, program: str, robot: str, scene: str, io: str, longest: float
+    combination: InputCombination,
+    *,
+    program: str,
+    robot: str,
+    scene: str,
+    io: str,
+    longest: float,
+    patience: float,
+    until: float,
 ) -> list[ProgramProblem]:
-    """Problems of one walk, in the order in which they were met."""
+    """Problems of one walk, in the order in which they were met; none begins after `until`."""
+    left = until - time.monotonic()
+    if left <= 0.0:
+        return [ProgramProblem(Path(program).name, 0, f'not walked within the patience of {patience:g} s')]
     parts = cell_parts(program, robot=robot, scene=scene)
     planning = LenientPlanning(parts.planning)
     plc_script = combination.script(_script(io))
     # Planning reports what collides; no guard stops the robot before it. Where guides would lead is unknown.
     parts = replace(parts, planning=planning, plc_script=plc_script, io='', scene='', unguided=True)
-    cell = SimulatedCell(parts, drive='ideal', longest=longest)
+    cell = SimulatedCell(parts, drive='ideal', longest=longest, patience=left)
     run = cell.run()
     found: dict[ProgramProblem, None] = {}
     for motion in run.motions:

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 from robots_controller.recording.bag_file import Bag
 from robots_controller.recording.bag_tolerances import BagTolerances, TopicTolerance
 from robots_controller.recording.message_fields import Value, flat_fields
-from robots_core.errors import RobotsError
+from robots_core.errors import BagError
 
 Fields = dict[str, Value]
 
@@ -122,7 +122,7 @@ def compare_bags(recorded: Bag, expected: Bag, tolerances: BagTolerances | None 
         if (tolerance := tolerances.of_topic(topic, latched=description.latched)).mode != 'ignore'
     }
     if not per_topic:
-        raise RobotsError(f'{expected.path} has no topic to compare')
+        raise BagError(f'{expected.path} has no topic to compare')
     zero = {bag.path: _zero(bag, per_topic, tolerances.align) for bag in (expected, recorded)}
     both = expected, recorded
     unknown = [t for t in per_topic if not all(bag.defines(t) for bag in both if t in bag.topics)]
@@ -157,7 +157,7 @@ def _zero(bag: Bag, topics: dict[str, TopicTolerance], align: str) -> int:
         names = {align, f'/{align}'}
         stamps = [stamp for topic, stamp, _ in bag.messages if topic in names]
         if not stamps:
-            raise RobotsError(f'{bag.path} has no message of {align}, by which the bags are to be aligned')
+            raise BagError(f'{bag.path} has no message of {align}, by which the bags are to be aligned')
         return stamps[0]
     compared = [(topic, stamp) for topic, stamp, _ in bag.messages if topic in topics]
     moving = [stamp for topic, stamp in compared if not bag.topics[topic].latched]

@@ -14,7 +14,7 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 from rosbags.typesys.store import Typestore
 
 from robots_controller.recording.mcap_recovery import recover_mcap
-from robots_core.errors import RobotsError
+from robots_core.errors import BagError
 
 STORAGE_SUFFIXES: Final = ('.mcap', '.db3')
 
@@ -88,11 +88,11 @@ class Bag:
                     if self.topics[name].definition
                     else 'which neither the bag nor Jazzy defines'
                 )
-                raise RobotsError(f'{self.path}: {name} is a {kind}, {problem}')
+                raise BagError(f'{self.path}: {name} is a {kind}, {problem}')
             try:
                 found[name].append((stamp, store.deserialize_cdr(data, kind)))
             except Exception as error:  # a damaged message fails in as many ways as there are fields
-                raise RobotsError(
+                raise BagError(
                     f'{self.path}: message {len(found[name]) + 1} of {name} is no {kind}: {error!r}'
                 ) from error
         return found
@@ -121,12 +121,12 @@ def read_bag(path: Path | str) -> Bag:
     """
     path = Path(path)
     if not path.exists():
-        raise RobotsError(
+        raise BagError(
             f'{path} does not exist; a bag is a folder with metadata.yaml, or a .mcap or .db3 file'
         )
     if path.is_file() and path.suffix not in STORAGE_SUFFIXES:
         kind = 'a bag of ROS 1' if path.suffix == '.bag' else f'a {path.suffix or "nameless"} file'
-        raise RobotsError(f'{path} is {kind}; read are folders with metadata.yaml, .mcap and .db3 files')
+        raise BagError(f'{path} is {kind}; read are folders with metadata.yaml, .mcap and .db3 files')
     try:
         topics, messages = _read(path)
     except Exception as error:  # noqa: BLE001  # damaged files fail in as many ways as they have bytes
@@ -162,7 +162,7 @@ def _stamp(message: Message) -> int:
     return message[1]
 
 
-class _ForeignError(RobotsError):
+class _ForeignError(BagError):
     """A bag that is whole, but of a kind that cannot be read."""
 
 
@@ -186,12 +186,12 @@ def _topic(connection: Connection) -> BagTopic:
 def _recovered(path: Path, error: Exception) -> Bag:
     reason = str(error) or repr(error)
     if isinstance(error, _ForeignError):
-        raise RobotsError(f'{path} cannot be read: {reason}') from error
+        raise BagError(f'{path} cannot be read: {reason}') from error
     files = sorted(path.glob('*'), key=_natural) if path.is_dir() else [path]
     files = [file for file in files if file.suffix in STORAGE_SUFFIXES]
     if not files:
         names = ', '.join(sorted(file.name for file in path.iterdir())[:5]) or 'nothing'
-        raise RobotsError(
+        raise BagError(
             f'{path} is no bag: it holds {names}; needed are metadata.yaml and .mcap or .db3 files ({reason})'
         ) from error
     topics: dict[str, BagTopic] = {}
@@ -202,7 +202,7 @@ def _recovered(path: Path, error: Exception) -> Bag:
             some_topics, some = _read(file)
         except Exception as file_error:
             if file.suffix != '.mcap':
-                raise RobotsError(f'{file} cannot be read: {file_error}') from file_error
+                raise BagError(f'{file} cannot be read: {file_error}') from file_error
             found = recover_mcap(file)
             some_topics, some = _topics(found.connections), _in_order(found.messages)
             if not found.complete:
@@ -210,7 +210,7 @@ def _recovered(path: Path, error: Exception) -> Bag:
         topics = {**some_topics, **topics}
         messages += some
     if not messages:
-        raise RobotsError(f'{path} cannot be read, and no message could be recovered: {reason}') from error
+        raise BagError(f'{path} cannot be read, and no message could be recovered: {reason}') from error
     problem = f'{"; ".join(cut) or reason}; {len(messages)} messages could be read'
     return Bag(path, topics, tuple(sorted(messages, key=_stamp)), problem)
 

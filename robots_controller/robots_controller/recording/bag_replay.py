@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from robots_controller.recording.bag_file import Bag, BagTopic
-from robots_core.errors import RobotsError
+from robots_core.errors import BagError
 from robots_core.validation import positive
 
 
@@ -53,20 +53,20 @@ def replay_plan(
     """
     positive(rate, 'rate')
     if not start >= 0.0:
-        raise RobotsError(f'start = {start!r} s must be at least 0')
+        raise BagError(f'start = {start!r} s must be at least 0')
     for name in [*topics, *remaps]:
         if name not in bag.topics:
-            raise RobotsError(
+            raise BagError(
                 f'{bag.path} has no topic {name!r}; its topics are {", ".join(sorted(bag.topics))}'
             )
     chosen = {name: topic for name, topic in bag.topics.items() if not topics or name in topics}
     names = {name: remaps.get(name, name) for name in chosen}
     if len(set(names.values())) < len(names):
         twice = next(name for name in names.values() if list(names.values()).count(name) > 1)
-        raise RobotsError(f'two topics would be published as {twice}')
+        raise BagError(f'two topics would be published as {twice}')
     messages = [message for message in bag.messages if message[0] in chosen]
     if not messages:
-        raise RobotsError(f'{bag.path} has no message to publish')
+        raise BagError(f'{bag.path} has no message to publish')
     moving = [stamp for name, stamp, _ in messages if not chosen[name].latched]
     zero = messages[0][1] + round(1e9 * start) if start else (moving or [messages[0][1]])[0]
     state: dict[str, bytes] = {}

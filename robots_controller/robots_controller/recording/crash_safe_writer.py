@@ -18,7 +18,7 @@ from rosbags.rosbag2.enums import CompressionMode
 from rosbags.rosbag2.metadata import dump_qos_v9
 from rosbags.rosbag2.storage_mcap import McapWriter, PendingChunk
 
-from robots_core.errors import RobotsError
+from robots_core.errors import BagError
 
 VERSION: Final = 9  # of rosbag2's format
 CHUNK_SIZE: Final = 1_000_000  # bytes; below the 2**20 at which the base class writes a chunk
@@ -271,7 +271,7 @@ class CrashSafeWriter(Writer):
         except OSError as error:
             self.ended = True
             self._save_what_fits()
-            raise RobotsError(f'{self.path} cannot take more: {error.strerror}; it ends early') from error
+            raise BagError(f'{self.path} cannot take more: {error.strerror}; it ends early') from error
 
     def _save_what_fits(self) -> None:
         storage: Any = self.storage

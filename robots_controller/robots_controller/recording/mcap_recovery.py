@@ -13,7 +13,7 @@ from typing import Final
 from rosbags.interfaces import Connection
 from rosbags.rosbag2.storage_mcap import McapReader
 
-from robots_core.errors import RobotsError
+from robots_core.errors import BagError
 
 MAGIC: Final = b'\x89MCAP0\r\n'
 PROFILE: Final = slice(21, 25)  # in the header, behind its opcode and two lengths
@@ -45,12 +45,12 @@ def recover_mcap(path: Path) -> Recovered:
     """
     data = path.read_bytes()
     if not data:
-        raise RobotsError(f'{path} is empty')
+        raise BagError(f'{path} is empty')
     if not data.startswith(MAGIC):
-        raise RobotsError(f'{path} is no MCAP file: it begins with {data[:8]!r}')
+        raise BagError(f'{path} is no MCAP file: it begins with {data[:8]!r}')
     size, ended = _whole_records(data)
     if size > len(MAGIC) and data[PROFILE] != b'ros2':
-        raise RobotsError(f'the MCAP file is of profile {data[PROFILE]!r} ...; needed is ros2')
+        raise BagError(f'the MCAP file is of profile {data[PROFILE]!r} ...; needed is ros2')
     reader = McapReader(path)
     reader.bio, reader.data_start, reader.data_end = BytesIO(data[:size]), len(MAGIC), size
     messages: list[tuple[Connection, int, bytes]] = []

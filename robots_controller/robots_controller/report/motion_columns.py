@@ -57,7 +57,7 @@ OFF_LINE: Final = Column(
     'reference off line mm',
     lambda item: number(None if item.line_deviation is None else 1e3 * item.line_deviation, 4),
 )
-OFF_PATH: Final = Column('tool off path mm', lambda item: number(1e3 * item.path_deviation, 3))
+OFF_PATH: Final = Column('measured off path mm', lambda item: number(1e3 * item.path_deviation, 3))
 LAG: Final = Column('lag mm', lambda item: number(1e3 * item.lag, 2))
 WAY: Final = Column('way m', lambda item: number(item.length, 3))
 FASTEST: Final = Column('top m/s', lambda item: number(item.fastest, 2))

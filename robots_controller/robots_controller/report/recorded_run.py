@@ -16,7 +16,7 @@ from robots_controller.recording.motion_record import (
     status_values,
 )
 from robots_controller.report.recorded_io import IO_KINDS, IO_TOPICS, IoChannel, io_channels
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import BagError, InvalidInputError
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, read_only
@@ -122,7 +122,7 @@ def read_run(bag: Path | str, *, robot: str = '', namespace: str = '/', source: 
     messages = {topic: found[prefix + topic] for topic in topics}
     if f'{prefix}joint_states' not in {topic for topic, _, _ in recorded.messages}:
         there = ', '.join(sorted(recorded.topics)) or 'nothing'
-        raise RobotsError(f'{bag} holds no {prefix}joint_states; a report needs them. It holds {there}')
+        raise BagError(f'{bag} holds no {prefix}joint_states; a report needs them. It holds {there}')
     model = load_robot_model(robot or _robot_name(recorded, messages))
     references, states = (
         joint_rows(recorded, prefix + topic, model) for topic in ('joint_reference', 'joint_states')
@@ -222,7 +222,7 @@ def _references(rows: JointRows, origin: int) -> tuple[Array, Array, tuple[Array
     keep = np.concatenate([[True], np.diff(np.maximum.accumulate(time)) > 0.0])
     position, velocity, acceleration = rows.values
     if position is None or velocity is None or acceleration is None:
-        raise RobotsError('joint_reference lacks positions, velocities or accelerations; a report needs them')
+        raise BagError('joint_reference lacks positions, velocities or accelerations; a report needs them')
     return time[keep], late_references(rows)[keep], (position[keep], velocity[keep], acceleration[keep])
 
 
@@ -231,7 +231,7 @@ def _references_of(states: JointRows) -> JointRows:
     keep = np.concatenate([[True], np.diff(np.maximum.accumulate(states.stamp)) > 0])
     stamp, (position, velocity, _) = states.stamp[keep], states.values
     if position is None:
-        raise RobotsError('joint_states lack positions; a report needs them')
+        raise BagError('joint_states lack positions; a report needs them')
     time = NANOSECONDS * (stamp - stamp[0])
     velocity = _derivative(position[keep], time) if velocity is None else velocity[keep]
     period = float(np.median(np.diff(time))) if time.size > 1 else NANOSECONDS
@@ -255,7 +255,7 @@ def _feedback(rows: JointRows, origin: int, time: Array) -> tuple[Array, Array, 
 
     q, q_dot, effort = map(on_grid, rows.values)
     if q is None:
-        raise RobotsError('joint_states lack positions; a report needs them')
+        raise BagError('joint_states lack positions; a report needs them')
     if q_dot is None:
         q_dot = read_only(_derivative(q, time))
     return q, q_dot, effort

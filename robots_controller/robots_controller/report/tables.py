@@ -2,22 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import Final
 
-from rich.box import SIMPLE_HEAD
+from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from robots_controller.report.comparison import NOTICED, LineChange, RunComparison
 from robots_controller.report.line_times import LineTime, time_spans
-from robots_controller.report.motion_columns import Column
+from robots_controller.report.motion_columns import KIND, Column
 from robots_controller.report.run_report import RunReport
+from robots_controller.terminal_table import Kind, TerminalTable
 
 BAR_WIDTH: Final = 24
-SOURCE_WIDTH: Final = 46
 COLOURS: Final = {'worse': 'red', 'better': 'green'}
 
-Kind = Literal['number', 'text', 'code', 'bar']
 LINE: Final[tuple[tuple[str, Kind], ...]] = (('line', 'number'), ('', 'code'))
 
 
@@ -48,24 +46,18 @@ class ReportTable:
         title: What it shows.
         columns: Name and kind of each.
         rows: In order.
+        keys: Number of first columns that say what a row is about.
     """
 
     title: str
     columns: tuple[tuple[str, Kind], ...]
     rows: tuple[Row, ...]
+    keys: int = 1
 
-    def rich(self) -> Table:
-        """For a terminal."""
-        table = Table(box=SIMPLE_HEAD, header_style='bold', pad_edge=False, collapse_padding=True)
-        for name, kind in self.columns:
-            table.add_column(
-                _halves(name),
-                justify='right' if kind == 'number' else 'left',
-                no_wrap=True,
-                max_width=SOURCE_WIDTH if kind == 'code' else None,
-                overflow='ellipsis',
-            )
+    def show(self, console: Console) -> None:
+        """Print it in a terminal."""
         longest = max((sum(row.bar) for row in self.rows), default=0.0) or 1.0
+        rows = []
         for row in self.rows:
             cells = [
                 f'[{COLOURS[row.trends[place]]}]{text}[/]' if place in row.trends else escape(text)
@@ -73,8 +65,8 @@ class ReportTable:
             ]
             if row.bar:
                 cells[-1] = f'[cyan]{"━" * round(BAR_WIDTH * sum(row.bar) / longest)}[/]'
-            table.add_row(*cells)
-        return table
+            rows.append(cells)
+        TerminalTable(self.columns, rows, keys=self.keys).show(console)
 
 
 def line_table(report: RunReport) -> ReportTable:
@@ -97,7 +89,7 @@ def line_table(report: RunReport) -> ReportTable:
         )
         for line in report.lines
     ]
-    return ReportTable('Cycle time by line', (*LINE, *names, ('', 'bar')), tuple(rows))
+    return ReportTable('Cycle time by line', (*LINE, *names, ('', 'bar')), tuple(rows), len(LINE))
 
 
 def motion_table(report: RunReport, columns: Sequence[Column]) -> ReportTable:
@@ -113,7 +105,8 @@ def motion_table(report: RunReport, columns: Sequence[Column]) -> ReportTable:
         )
         for item in report.motions
     ]
-    return ReportTable('Motions', (('line', 'number'), *named), tuple(rows))
+    keys = 2 if KIND in columns[:1] else 1
+    return ReportTable('Motions', (('line', 'number'), *named), tuple(rows), keys)
 
 
 def change_table(comparison: RunComparison) -> ReportTable:
@@ -139,7 +132,7 @@ def change_table(comparison: RunComparison) -> ReportTable:
         )
     names: tuple[tuple[str, Kind], ...] = (('A s', 'number'), ('B s', 'number'), ('change s', 'number'))
     columns = (*LINE, *names, ('decided by', 'text'), ('', 'bar'))
-    return ReportTable('Cycle time by line', columns, tuple(rows))
+    return ReportTable('Cycle time by line', columns, tuple(rows), len(LINE))
 
 
 def largest_table(comparison: RunComparison) -> ReportTable:
@@ -182,12 +175,3 @@ def _decided(change: LineChange) -> str:
 
 def _seconds(line: LineTime | None) -> str:
     return '-' if line is None else f'{line.total:.2f}'
-
-
-def _halves(name: str) -> str:
-    """A name on two lines, as even as words permit."""
-    cuts = [place for place, letter in enumerate(name) if letter == ' ']
-    if not cuts:
-        return name
-    cut = min(cuts, key=lambda place: abs(2 * place - len(name)))
-    return f'{name[:cut]}\n{name[cut + 1 :]}'

@@ -14,7 +14,7 @@ def show_report(report: RunReport, console: Console) -> None:
     """Print times by line, figures by motion and the sums."""
     run = report.run
     console.print(f'[bold]{escape(report.title)}[/]  {escape(run.source)}', highlight=False)
-    console.print(line_table(report).rich())
+    line_table(report).show(console)
     show_verdict(report, console, SUMMARY)
     for text in summary(report):
         console.print(text, highlight=False)
@@ -23,7 +23,7 @@ def show_report(report: RunReport, console: Console) -> None:
 def show_verdict(report: RunReport, console: Console, columns: Sequence[Column] = VERDICT) -> None:
     """Print figures by motion, what went wrong, and a closing line."""
     if report.motions:
-        console.print(motion_table(report, columns).rich())
+        motion_table(report, columns).show(console)
     for text in report.problems:
         console.print(f'[bold red]{escape(text)}[/]', highlight=False)
     late = float(report.run.late.max())

@@ -12,6 +12,7 @@ from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.frame_speed_limit import FrameSpeedLimit, checked_speed_limit
 from robots_controller.control.speed_control import SpeedControl
 from robots_controller.control.zone_guard import ZoneGuard
+from robots_controller.defaults import RATE
 from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.emergency_inputs import (
     EmergencyInputs,
@@ -90,7 +91,7 @@ def cell_parts(
     scene: Path | str = '',
     io: Path | str = '',
     io_map: Path | str = '',
-    rate: float = 250.0,
+    rate: float = RATE,
     goal_tolerance: float | None = None,
     tool_speed_limit: float = 0.0,
     operating_mode: str = OperatingMode.AUTOMATIC,

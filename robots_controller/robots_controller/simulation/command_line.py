@@ -3,7 +3,6 @@
 import argparse
 import contextlib
 import signal
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -14,36 +13,32 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress, SpinnerColumn, TextColumn
 
-from robots_controller.cell_arguments import (
-    CELL_OPTIONS,
-    EXIT_FAILED,
-    EXIT_INTERRUPTED,
-    EXIT_OK,
-    add_cell_arguments,
-    exit_code,
-    show_substitutions,
-    take_from_program,
-)
+from robots_controller.commands.cell_arguments import CELL_OPTIONS
+from robots_controller.commands.cell_setup import show_substitutions, take_from_program
+from robots_controller.commands.command_table import SIMULATE
+from robots_controller.commands.json_output import print_json
 from robots_controller.program_check.first_check import check_first, sizes_of
 from robots_controller.report.page.page import report_page, write_page
+from robots_controller.report.report_json import report_data
 from robots_controller.report.run_report import run_report
 from robots_controller.report.terminal import show_verdict
-from robots_controller.simulate import LONGEST_TIME, simulate
+from robots_controller.simulate import simulate
 from robots_controller.simulation.simulation_run import SimulationRun
 from robots_core.blocks.following.following_methods import METHODS
-from robots_core.errors import RobotsError
+from robots_core.errors import OptionError
+from robots_core.exit_codes import ExitCode
 from robots_core.robot_choice import load_robot_model
 
 DRAW_PERIOD = 0.1  # s of the machine's time between two drawings of the bar
 
 
-def main() -> None:
-    """Run from the command line."""
+def start_simulation(options: argparse.Namespace, console: Console) -> int:
+    """Simulate as the command line says; see `run`."""
     for number in (signal.SIGTERM, signal.SIGHUP):  # as Ctrl-C
         signal.signal(number, _interrupt)
     # Started in the background, a process ignores SIGINT.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    sys.exit(exit_code(lambda console: run(parse_options(sys.argv[1:]), console)))
+    return run(complete_options(options), console)
 
 
 def _interrupt(_signal: int, _frame: FrameType | None) -> None:
@@ -51,30 +46,24 @@ def _interrupt(_signal: int, _frame: FrameType | None) -> None:
 
 
 def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
-    """Options from a command line.
+    """Options from a command line, and from its program.
+
+    Raises:
+        RobotsError: an option that is not valid, a program that does not exist, or no robot.
+    """
+    return complete_options(SIMULATE.parse(arguments))
+
+
+def complete_options(options: argparse.Namespace) -> argparse.Namespace:
+    """Take from the program what the command line does not say.
 
     Raises:
         RobotsError: a program that does not exist, or no robot.
     """
-    parser = argparse.ArgumentParser(prog='simulate', description=__doc__)
-    parser.add_argument('program', help='Lua robot program to run')
-    add_cell_arguments(parser)
-    parser.add_argument('--bag', type=Path, metavar='FOLDER', help='write a bag; the folder must not exist')
-    parser.add_argument('--report', type=Path, metavar='FILE', help='write a report as one HTML page')
-    parser.add_argument(
-        '--points',
-        default='',
-        metavar='FILE',
-        help='file of taught points; by default the one beside the program',
-    )
-    parser.add_argument(
-        '--longest', type=float, default=LONGEST_TIME, help='longest simulated time of the program, s'
-    )
-    options = parser.parse_args(arguments)
     take_from_program(options)
     options.guided = options.guided or METHODS[0]
     if not options.robot:
-        raise RobotsError(f'{options.program} does not say which robot it is for; --robot does')
+        raise OptionError(f'{options.program} does not say which robot it is for; --robot does')
     return options
 
 
@@ -103,6 +92,7 @@ def run(options: argparse.Namespace, console: Console) -> int:
                 points_file=options.points,
                 on_progress=on_progress,
                 longest=options.longest,
+                patience=options.patience,
                 **{name: getattr(options, name) for name in CELL_OPTIONS},
             )
         return _show(result, options, console)
@@ -161,14 +151,16 @@ def _show(result: SimulationRun, options: argparse.Namespace, console: Console) 
         write_page(options.report, report_page(report))
     if result.interrupted:
         console.print('[bold red]interrupted[/]: this is the beginning only')
-    else:
+    elif not options.json:
         show_verdict(report, console)
+    if options.json:
+        print_json(report_data(report))
     if options.report is not None:
         console.print(f'report: {options.report}')
     if result.interrupted:
-        return EXIT_INTERRUPTED
-    return EXIT_OK if report.ok else EXIT_FAILED
+        return ExitCode.INTERRUPTED
+    return ExitCode.OK if report.ok else ExitCode.FAILED
 
 
 if __name__ == '__main__':
-    main()
+    SIMULATE.main()

@@ -27,7 +27,7 @@ from robots_controller.simulation.simulated_guide import GuideSource, SimulatedG
 from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGuard
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.following.guide import Guide
-from robots_core.errors import ProgramError, RobotsError
+from robots_core.errors import NotNowError, ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander
 from robots_core.validation import Array
@@ -371,7 +371,7 @@ class InProcessCell:
     def joint_feedback(self) -> JointFeedback:
         """See `RobotPort`."""
         if self._feedback is None:
-            raise RobotsError(NO_FEEDBACK)
+            raise NotNowError(NO_FEEDBACK)
         return self._feedback
 
     def guide(self, guide: Guide) -> None:

@@ -1,6 +1,7 @@
 """SimulatedCell: a cell in one process with simulated drives and a scripted PLC."""
 
 import math
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -35,6 +36,7 @@ class SimulatedCell:
         drive: Level of the drives.
         bag: Folder of a bag to write, or None.
         longest: Longest simulated time, s.
+        patience: Longest time of this machine from now on, s; looked at between periods and motions.
         on_progress: Called now and then: time in s, line of the program. For a progress bar.
 
     Raises:
@@ -48,8 +50,10 @@ class SimulatedCell:
         drive: str,
         bag: Path | None = None,
         longest: float,
+        patience: float = math.inf,
         on_progress: Callable[[float, int], None] | None = None,
     ) -> None:
+        self._patience, self._begun = patience, time.monotonic()
         self._parts, self._drive, self._longest, self._on_progress = parts, drive, longest, on_progress
         robot, period = parts.robot, parts.period
         self._period_ns = round(period * NANOSECONDS)
@@ -111,6 +115,8 @@ class SimulatedCell:
             cell.work()
             if self._bag is not None and self._bag.problem is not None:
                 raise self._bag.problem
+            if time.monotonic() - self._begun > self._patience:
+                self._give_up(f'it has not ended within the patience of {self._patience:.3g} s')
             if self._interrupted or self._over or (not cell.running and self._at_rest):
                 return
             if not self._pass_over():

@@ -10,7 +10,7 @@ from typing import Any
 
 from robots_controller.study.run_case import Row, failed_row, run_case
 from robots_controller.study.study_case import StudyCase
-from robots_core.errors import RobotsError
+from robots_core.errors import NoAnswerError
 
 CONNECT_TIMEOUT = 10.0  # s
 
@@ -66,7 +66,7 @@ def run_on_scheduler(cases: Sequence[StudyCase], address: str) -> Iterator[Resul
             address, timeout=CONNECT_TIMEOUT, set_as_default=False
         )
     except (OSError, ValueError, TimeoutError) as error:
-        raise RobotsError(f'no Dask scheduler answers at {address!r}: {error}') from error
+        raise NoAnswerError(f'no Dask scheduler answers at {address!r}: {error}') from error
     with client:
         futures = client.map(run_case, cases, key=[case.key for case in cases], pure=False, retries=1)
         found = {future.key: case for future, case in zip(futures, cases, strict=True)}

@@ -7,9 +7,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from robots_controller.program.program_header import read_program_header
 from robots_controller.study.program_variant import Value, program_variant
 from robots_controller.study.study_case import StudyCase, packed_files
-from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
+from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
 from robots_core.errors import InvalidInputError
 from robots_core.files import read_text
 from robots_core.yaml_section import YamlSection, located, read_yaml
@@ -28,8 +29,8 @@ class Study:
         drives: Levels.
         overrides: Speed overrides.
         parameters: Values of the programs' parameters, by name.
-        scene: YAML file of what stands around the robots; '' for nothing.
-        io: Script of the PLC; '' for none.
+        scene: YAML file of what stands around the robots; '' for that of each program's header.
+        io: Script of the PLC; '' for that of each program's header.
         longest: Longest simulated time of a case, s.
     """
 
@@ -46,7 +47,7 @@ class Study:
         """All combinations: programs, robots, drives, overrides, parameters, the last varies fastest.
 
         Raises:
-            InvalidInputError: more than `MOST_CASES`, a file that cannot be read, or a program without a
+            RobotsError: more than `MOST_CASES`, a file that cannot be read, or a program without a
                 parameter.
         """
         count = len(self.programs) * len(self.robots) * len(self.drives) * len(self.overrides)
@@ -54,7 +55,7 @@ class Study:
             count *= len(values)
         if count > MOST_CASES:
             raise InvalidInputError(f'the study has {count} cases; at most {MOST_CASES} are possible')
-        files = {program: packed_files(program, self.scene, self.io) for program in self.programs}
+        files = {program: self._files(program) for program in self.programs}
         grid = itertools.product(
             self.programs,
             self.robots,
@@ -74,6 +75,12 @@ class Study:
             )
             for program, robot, drive, override, values in grid
         )
+
+    def _files(self, program: Path) -> Mapping[str, str]:
+        """What a program needs; scene and PLC script are those of its header where the study names none."""
+        cell = read_program_header(program).replaced_by(scene=self.scene, io=self.io)
+        cell.check_files()
+        return packed_files(program, cell.scene, cell.io)
 
 
 def read_study(path: Path | str) -> Study:

@@ -15,6 +15,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import try_shutdown
 
 from robots_core.errors import RobotsError
+from robots_core.exit_codes import ExitCode
 from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.interrupt import interrupt
 from robots_core.ros.lean_executor import LeanExecutor
@@ -22,7 +23,6 @@ from robots_core.ros.middleware import choose_transports
 from robots_core.ros.node_help import asks_for_help, check_parameter_names, help_text
 from robots_core.ros.timed_node import TimedNode
 
-EXIT_BAD_INPUT = 2
 END_DEADLINE = 20.0  # s
 STDERR = 2  # its descriptor, whatever `sys.stderr` is
 
@@ -31,7 +31,7 @@ def run(make_node: Callable[[], TimedNode], args: list[str] | None = None) -> in
     """Run a node, see `run_nodes`; or print what it is, with `--help`."""
     if asks_for_help(args):
         print(help_text(make_node))
-        return 0
+        return ExitCode.OK
     return run_nodes([make_node], args)
 
 
@@ -79,17 +79,17 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
                 with together():
                     executor.spin_once()
         except ExternalShutdownException:
-            return 0
+            return ExitCode.OK
         except RobotsError as error:
-            print(f'error: {error}', file=sys.stderr)
-            return EXIT_BAD_INPUT
+            print(error.line_for_person, file=sys.stderr)
+            return ExitCode.BAD_INPUT
         finally:
             # Fast DDS 2.14 can wait without end for a participant that leaves while its own is destroyed, and
             # rclpy does not let other threads run Python meanwhile: only compiled code can end the process.
             faulthandler.dump_traceback_later(END_DEADLINE, exit=True, file=STDERR)
             _end(nodes, heartbeats, executor)
             faulthandler.cancel_dump_traceback_later()
-    return 0
+    return ExitCode.OK
 
 
 def _reported_together(nodes: Sequence[TimedNode]) -> Callable[[], AbstractContextManager[None]]:

@@ -28,9 +28,15 @@ AROUND: Final = np.pi  # rad (m), beyond start and target that postures are samp
 class NoFreePathError(PlanningError):
     """The search has found no way within its budget, which does not mean that there is none."""
 
+    code = 'R305'
+    remedy = 'Give a point on the way, or a larger budget of the search (`docs/how_to/collisions.md`).'
+
 
 class SearchCancelledError(PlanningError):
     """Somebody has given the motion up."""
+
+    code = 'R306'
+    remedy = 'Nothing: the motion was given up by whoever commanded it.'
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,9 @@ JOGS: Final = (0.02, 0.05, 0.1, 0.2, 0.4, 0.8)  # rad (m) of one axis, tried to 
 class BlockedPostureError(PlanningError):
     """Start or target is in contact with something, or closer to it than the margin."""
 
+    code = 'R307'
+    remedy = 'Jog the robot away from the contact, or choose another target or configuration.'
+
 
 def check_start(robot: BaseRobotModel, detection: CollisionDetection, start: Array) -> None:
     """Pass a posture (n,) in which nothing is in contact: what is too close can be left, a contact cannot.

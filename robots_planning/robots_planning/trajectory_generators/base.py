@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 LIMIT_MARGIN = 1e-4
 REST_DURATION = 0.01  # s, of a motion between equal positions
 END_TOLERANCE = 1e-9  # rad (m); inverse kinematics converges to 1e-10
+FARTHEST = 20.0  # m; coordinates beyond it are taken for millimetres in messages
 Target = Pose | Sequence[Pose] | ArrayLike
 """Pose or poses of the tool, or joint positions (n,)."""
 
@@ -221,7 +222,8 @@ class TrajectoryGenerator(ABC):
             raise UnreachablePoseError(
                 f'{self.robot.name} cannot reach position ({x:.4f}, {y:.4f}, {z:.4f}) m{oriented} inside its '
                 f'axis limits: the closest pose found is {describe_miss(result, self.hold)} off'
-                f'{missing_directions(self.robot, result.q, self.hold)}',
+                f'{missing_directions(self.robot, result.q, self.hold)}'
+                f'{self._unit_hint(pose, q_start)}',
                 x=x,
                 y=y,
                 z=z,
@@ -229,6 +231,16 @@ class TrajectoryGenerator(ABC):
                 orientation_error=result.orientation_error,
             )
         return result.q
+
+    def _unit_hint(self, pose: Pose, q_start: Array) -> str:
+        """The end of a message where lengths look like millimetres; '' where they do not."""
+        far = np.abs(pose.r) > FARTHEST
+        if not far.any():
+            return ''
+        r = np.where(far, 1e-3 * pose.r, pose.r)
+        if not self.inverse_kinematics.solve(Pose(r, pose.T), q_start).converged:
+            return '; lengths are metres'
+        return f'; lengths are metres: ({", ".join(f"{value:.4g}" for value in r)})?'
 
 
 def usable_fraction(value: float, name: str) -> float:

@@ -7,7 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from robots_controller.report.tables import Kind, ReportTable, Row
+from robots_controller.report.tables import ReportTable, Row
+from robots_controller.terminal_table import Kind
 
 from .judgement import OUTPUTS_SAFE, REACTION, FaultFigures
 

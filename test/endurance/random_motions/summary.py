@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import Final
 
-from robots_controller.report.tables import Kind, ReportTable, Row
+from robots_controller.report.tables import ReportTable, Row
+from robots_controller.terminal_table import Kind
 
 from .motion_run import MotionFigures
 

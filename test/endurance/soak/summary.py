@@ -2,7 +2,8 @@
 
 from typing import Final
 
-from robots_controller.report.tables import Kind, ReportTable, Row
+from robots_controller.report.tables import ReportTable, Row
+from robots_controller.terminal_table import Kind
 
 from .figures import LARGEST_SLOPE, LATE, MEANINGFUL, MOST_MISSED, SoakFigures
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from robots_controller.degrees import in_degrees
+from robots_controller.degrees import for_program
 from robots_controller.interpreter import argument_kinds as kinds
 from robots_controller.interpreter.functions.common_arguments import JOINTS, POSE, WHOSE_AXES, six_numbers
 from robots_controller.interpreter.functions.lua_function import Argument, lua_function
@@ -227,7 +227,7 @@ class Motions(Family):
     ) -> LuaCallError:
         self._run.target.forget()
         where = command.function if command is current else f'{command.function} of line {command.line}'
-        self.error, self.error_text = error, f'{where}: {in_degrees(error.message)}'
+        self.error, self.error_text = error, f'{where}: {for_program(error)}'
         return LuaCallError(self.error_text)
 
     def begin_handler(self) -> int:

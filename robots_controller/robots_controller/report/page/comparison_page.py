@@ -48,7 +48,7 @@ def show_comparison(comparison: RunComparison, console: Console) -> None:
             f'{escape(report.run.source)}',
             highlight=False,
         )
-    console.print(change_table(comparison).rich())
+    change_table(comparison).show(console)
     console.print(f'[bold]B is {comparison.describe()}[/]', highlight=False)
 
 

@@ -14,7 +14,7 @@ from robots_controller.report.page.page_world import world
 from robots_controller.report.run_report import RunReport
 from robots_controller.report.run_signals import LIMITS
 from robots_controller.report.tables import ReportTable, line_table, motion_table
-from robots_core.errors import RobotsError
+from robots_core.errors import UnreadableFileError
 
 SHORTEST: Final = 1e-9  # s; a program that fails at once has no duration to divide by
 SCRIPTS: Final = ('data.js', 'timeline.js', 'panels.js', 'view3d.js', 'main.js')
@@ -68,7 +68,9 @@ def write_page(path: Path | str, text: str) -> None:
         Path(path).parent.mkdir(parents=True, exist_ok=True)
         Path(path).write_text(text, encoding='utf-8')
     except OSError as error:
-        raise RobotsError(f'the report cannot be written to {path}: {error.strerror or error}') from error
+        raise UnreadableFileError(
+            f'the report cannot be written to {path}: {error.strerror or error}'
+        ) from error
 
 
 def figure(label: str, value: str, note: str = '', trend: str = '') -> dict[str, str]:
@@ -95,7 +97,7 @@ def _figures(report: RunReport) -> list[dict[str, str]]:
         worst = max(report.moved, key=lambda item: item.path_deviation)
         found.append(
             figure(
-                'tool off path',
+                'measured off path',
                 f'{1e3 * worst.path_deviation:.3f} mm',
                 f'at most, in line {report.place(worst.motion)}',
             )

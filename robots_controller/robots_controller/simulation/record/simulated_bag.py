@@ -17,7 +17,7 @@ from robots_controller.recording.message_rows import MessageRows, marks
 from robots_controller.simulation.record import ros_messages as ros
 from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.simulated_clock import START
-from robots_core.errors import RobotsError
+from robots_core.errors import BagError, RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 from robots_planning.motion_kinds import KIND_OF_TOPIC
@@ -65,12 +65,12 @@ class SimulatedBag:
         self._connections: dict[str, Connection] = {}
         self._rows = self._templates(period)
         if path.exists():
-            raise RobotsError(f'{path} exists already; a bag needs a folder of its own')
+            raise BagError(f'{path} exists already; a bag needs a folder of its own')
         self._writer = CrashSafeWriter(path, chunks=CHUNKS)
         try:
             self._writer.open()
         except OSError as error:
-            raise RobotsError(f'{path}: the bag cannot be made: {error.strerror}') from error
+            raise BagError(f'{path}: the bag cannot be made: {error.strerror}') from error
         self.write('robot_description', 'std_msgs/msg/String', 0, ros.text(robot.description))
 
     def write(self, topic: str, type_name: str, nanoseconds: int, message: Any) -> None:

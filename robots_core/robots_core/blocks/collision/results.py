@@ -76,6 +76,12 @@ class CollisionError(PlanningError):
         advice: What to do about it, for a person; '' for nothing in particular.
     """
 
+    code = 'R303'
+    remedy = (
+        'Lead the motion around the obstacle by a point between, or use `{avoid = true}` on joint '
+        'motions; check scene and attached parts.'
+    )
+
     def __init__(self, place: PathProximity, margin: float, advice: str = '') -> None:
         x, y, z = (float(value) for value in place.tool0.r)
         message = f'the motion collides: {place.describe(margin)}'

@@ -3,18 +3,17 @@
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import Final, Literal, get_args
+from typing import Final
 
 from numpy.typing import ArrayLike
 
+from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
 from robots_core.blocks.drives.drive_train import DriveTrain, IdealDrive, SecondOrderDrive
 from robots_core.blocks.multibody.payload import NOTHING, Payload
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import one_of
 
-DriveLevel = Literal['ideal', 'second_order', 'rigid_body']
-DRIVE_LEVELS: Final[tuple[str, ...]] = get_args(DriveLevel)
 check_level: Final = one_of('drive level', DRIVE_LEVELS)
 
 

@@ -11,7 +11,7 @@ from robots_core.blocks.drives.drive_train import DriveTrain
 from robots_core.blocks.drives.feed_forward import FeedForward
 from robots_core.blocks.multibody.loaded_robot import LoadedRobot
 from robots_core.blocks.multibody.payload import NOTHING, Payload
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import InvalidInputError, NotNowError
 from robots_core.kernels.chain_dynamics import chain_dynamics_of, mass_matrix_and_bias
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.drive_data import DriveData
@@ -156,7 +156,7 @@ class RigidBodyDrive(DriveTrain):
             *self._fixed, self._state, self._start, self._end, self._feed, self._period, self._steps
         )
         if not finite:
-            raise RobotsError(
+            raise NotNowError(
                 f'the drives of robot {self.robot.name!r} lost their state: not finite any more'
             )
         self.position, self.velocity = read_only(self._state[kernel.Q]), read_only(self._state[kernel.Q_DOT])

@@ -69,7 +69,8 @@ class Miss(Protocol):
 
 def describe_miss(miss: Miss, hold: str) -> str:
     """'20 mm and 0.03 rad', or '20 mm' where no orientation is held."""
-    distance = f'{miss.position_error * 1e3:.3g} mm'
+    error = miss.position_error
+    distance = f'{error:.4g} m' if error >= 1.0 else f'{error * 1e3:.3g} mm'
     return distance if hold != POSE else f'{distance} and {miss.orientation_error:.3g} rad'
 
 

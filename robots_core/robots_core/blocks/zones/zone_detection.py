@@ -18,6 +18,9 @@ from robots_core.validation import Array
 class ZoneError(PlanningError):
     """A motion crosses the border of a zone that nothing opens."""
 
+    code = 'R304'
+    remedy = 'Stay inside or outside of the zone, or set the input that opens it (`docs/how_to/zones.md`).'
+
 
 class ZoneDetection:
     """Clearances and passages of a robot, for all zones of a scene.

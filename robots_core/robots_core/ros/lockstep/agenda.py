@@ -13,6 +13,12 @@ MOST_TURNS: Final = 10_000
 class LockstepError(RobotsError):
     """A lock-step run cannot go on; the message names the participant."""
 
+    code = 'R404'
+    remedy = (
+        'See the log of the node that the message names; `docs/how_to/lockstep.md` lists what a '
+        'lock-step run needs.'
+    )
+
 
 @dataclass(frozen=True)
 class Turn:

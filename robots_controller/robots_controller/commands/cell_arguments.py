@@ -1,0 +1,174 @@
+"""What `cell` and `simulate` take."""
+
+import argparse
+from typing import Any, Final
+
+from robots_controller.commands import value_kinds as kinds
+from robots_controller.defaults import LONGEST_TIME, RATE
+from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
+from robots_core.blocks.following.following_methods import METHODS
+from robots_core.operating_modes import OperatingMode
+from robots_core.plugins import ROBOT_MODELS, installed_plugins
+from robots_core.watchdog import WATCHDOG
+
+CELL_OPTIONS: Final = (
+    *('robot', 'drive', 'scene', 'io', 'io_map', 'rate', 'goal_tolerance', 'tool_speed_limit'),
+    *('operating_mode', 'payload', 'references', 'contact', 'orbit', 'guided'),
+)
+"""Names of the options that say what a cell is made of."""
+FILES: Final = {
+    'scene': ('FILE', 'scene with which the robot must not collide (YAML)'),
+    'io': ('FILE', 'scripted PLC to play (YAML)'),
+    'io_map': ('FILE', 'map of inputs and outputs to the topics of a PLC (YAML)'),
+    'references': ('BAG', 'recording whose messages guide or jog the robot'),
+    'contact': (
+        'FILE',
+        'what the tool touches, and force control that guides the robot there (YAML)',
+    ),
+    'orbit': (
+        'FILE',
+        "what the robot's base floats with in orbit: a target, a gripper, reaction wheels (YAML)",
+    ),
+}
+"""Options that name what is there, with what each is."""
+
+
+def cell_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `cell`."""
+    parser.add_argument(
+        '--program', default='', help='Lua robot program to run; its header can name its robot and files'
+    )
+    parser.add_argument('--namespace', type=kinds.namespace, default='/', help='ROS namespace of all nodes')
+    _add_what_a_cell_is_made_of(parser)
+    parser.add_argument(
+        '--record', type=kinds.folder, metavar='FOLDER', help='record a bag below this folder'
+    )
+    parser.add_argument('--once', action='store_true', help='end the cell when the program has ended')
+    parser.add_argument('--view', action='store_true', help='with --once: keep the page open until Ctrl-C')
+    parser.add_argument(
+        '--port',
+        type=kinds.port,
+        default=8080,
+        help='first port to try for the browser page; %(default)d by default',
+    )
+    parser.add_argument(
+        '--watchdog',
+        type=kinds.number('s', least=0.0),
+        default=WATCHDOG,
+        metavar='SECONDS',
+        help='time without a sign of life of a node after which the robot stops, s; 0 for no limit',
+    )
+    parser.add_argument(
+        '--debug-port',
+        type=kinds.port,
+        default=0,
+        help='port on which editors can debug the program; 0 for none',
+    )
+    parser.add_argument(
+        '--no-restart',
+        action='store_true',
+        help='end the cell when a node dies; by default the node is started again, and the robot stays still',
+    )
+    parser.add_argument(
+        '--lockstep', action='store_true', help='run in simulated time, as fast as the nodes can'
+    )
+    parser.add_argument(
+        '--composed',
+        action='store_true',
+        help='run all nodes but controller_node and drive_node in one process, in lock-step all nodes; '
+        'this needs less memory, and a node that dies ends the other nodes of the process',
+    )
+    parser.add_argument('--describe', action='store_true', help='print the nodes as JSON and start none')
+
+
+def simulate_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `simulate`."""
+    parser.add_argument('program', help='Lua robot program to run')
+    _add_what_a_cell_is_made_of(parser)
+    parser.add_argument(
+        '--bag', type=kinds.new_folder, metavar='FOLDER', help='write a bag; the folder must not exist'
+    )
+    parser.add_argument(
+        '--report', type=kinds.new_file, metavar='FILE', help='write a report as one HTML page'
+    )
+    parser.add_argument(
+        '--points',
+        default='',
+        metavar='FILE',
+        help='file of taught points; by default the one beside the program',
+    )
+    parser.add_argument(
+        '--longest',
+        type=kinds.number('s', above=0.0),
+        default=LONGEST_TIME,
+        metavar='SECONDS',
+        help='longest simulated time of the program, s; %(default)g by default',
+    )
+    kinds.add_patience(parser)
+
+
+def add_robot(parser: argparse.ArgumentParser, flag: str, text: str, **more: Any) -> None:
+    """Add an argument that names a robot; a shell completes it."""
+    action = parser.add_argument(flag, metavar='ROBOT', help=text, **more)
+    action.completer = _robot_names  # type: ignore[attr-defined]  # of argcomplete
+
+
+def _robot_names(**_: object) -> list[str]:
+    return sorted(installed_plugins(ROBOT_MODELS))
+
+
+def _add_what_a_cell_is_made_of(parser: argparse.ArgumentParser) -> None:
+    add_robot(parser, '--robot', 'name of the robot, or urdf:/path/to/robot.urdf', default='')
+    parser.add_argument(
+        '--drive',
+        default='second_order',
+        choices=DRIVE_LEVELS,
+        help='level of detail of the simulated drives; %(default)s by default',
+    )
+    for name, (metavar, text) in FILES.items():
+        kinds.add_file(parser, f'--{name.replace("_", "-")}', metavar, text)
+    parser.add_argument(
+        '--payload',
+        type=kinds.payload,
+        default='0,0,0,0',
+        metavar='KG,X,Y,Z',
+        help='payload: mass, centre of mass in tool0 (m), optionally inertia XX,XY,XZ,YY,YZ,ZZ (kg m^2)',
+    )
+    parser.add_argument(
+        '--rate',
+        type=kinds.number('Hz', above=0.0),
+        default=RATE,
+        metavar='HZ',
+        help='rate of the references, Hz; %(default)g by default',
+    )
+    parser.add_argument(
+        '--goal-tolerance',
+        type=kinds.number('rad', above=0.0),
+        metavar='RAD',
+        help='largest error with which an axis counts as being at its target, rad',
+    )
+    parser.add_argument(
+        '--tool-speed-limit',
+        type=kinds.number('m/s', least=0.0),
+        default=0.0,
+        metavar='M_PER_S',
+        help='highest speed of the tool and of the frames of all axes on every motion; 0 for no limit',
+    )
+    parser.add_argument(
+        '--operating-mode',
+        default=OperatingMode.AUTOMATIC.value,
+        choices=tuple(mode.value for mode in OperatingMode),
+        help='determines who may command the robot, and how fast it may move; %(default)s by default',
+    )
+    parser.add_argument(
+        '--guided',
+        default='',
+        choices=METHODS,
+        help='inverse kinematics with which the robot follows reference_pose',
+    )
+    parser.add_argument(
+        '--no-check',
+        dest='check',
+        action='store_false',
+        help='run the program even if check_program finds something wrong with it',
+    )

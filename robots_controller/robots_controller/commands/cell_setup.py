@@ -1,0 +1,39 @@
+"""What a program adds to the options of `cell` and `simulate`, and what is said before they start."""
+
+import argparse
+from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+
+from robots_controller.program.program_header import ProgramHeader, read_program_header
+from robots_core.errors import UnreadableFileError
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+
+
+def take_from_program(options: argparse.Namespace) -> None:
+    """Take what of its cell was not given from the program; `options.note` is for a person.
+
+    Raises:
+        RobotsError: a program that does not exist.
+    """
+    header = ProgramHeader()
+    if options.program:
+        if not Path(options.program).is_file():
+            raise UnreadableFileError(
+                f'program {options.program!r} not found; programs are Lua files, see programs/'
+            )
+        header = read_program_header(options.program)
+    names = ('robot', 'scene', 'io', 'references', 'contact', 'orbit')
+    own = {name: getattr(options, name) for name in names}
+    chosen = header.replaced_by(**own)
+    chosen.check_files()
+    for name in own:
+        setattr(options, name, getattr(chosen, name))
+    options.note = header.note(options.program, chosen.robot)
+
+
+def show_substitutions(robot: BaseRobotModel, console: Console) -> None:
+    """Say what the robot's files lack, and what was taken in its place."""
+    for sentence in robot.substitutions:
+        console.print(f'[yellow]{escape(robot.name)}: {escape(sentence)}[/]')

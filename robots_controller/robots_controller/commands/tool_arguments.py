@@ -1,0 +1,158 @@
+"""What the commands for programs, bags and robots take."""
+
+import argparse
+
+from robots_controller.commands import value_kinds as kinds
+from robots_controller.commands.cell_arguments import FILES, add_robot
+from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE, LONGEST_WALK, MOST_COMBINATIONS
+
+
+def check_program_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `check_program`."""
+    parser.add_argument('programs', nargs='+', metavar='PROGRAM', help='Lua files')
+    add_robot(
+        parser,
+        '--robot',
+        'robot to check the programs for; by default the one that each program names',
+        default='',
+    )
+    for flag, size in (('digital', DIGITAL_SIZE), ('analog', ANALOG_SIZE)):
+        parser.add_argument(
+            f'--{flag}',
+            type=kinds.whole_number(0),
+            default=size,
+            metavar='COUNT',
+            help=f'number of {flag} inputs and outputs; %(default)d by default',
+        )
+    parser.add_argument('--walk', action='store_true', help='simulate the programs too')
+    kinds.add_file(parser, '--scene', 'FILE', 'simulate, with this scene (YAML)')
+    kinds.add_file(
+        parser, '--io', 'FILE', 'simulate, with all combinations of the inputs of this PLC script (YAML)'
+    )
+    kinds.add_file(parser, '--io-map', *FILES['io_map'])
+    parser.add_argument(
+        '--combinations',
+        type=kinds.whole_number(1),
+        default=MOST_COMBINATIONS,
+        metavar='COUNT',
+        help='largest number of combinations to simulate; %(default)d by default',
+    )
+    parser.add_argument(
+        '--longest',
+        type=kinds.number('s', above=0.0),
+        default=LONGEST_WALK,
+        metavar='SECONDS',
+        help='longest simulated time of a combination, s; %(default)g by default',
+    )
+    kinds.add_patience(parser)
+
+
+def report_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `report`."""
+    parser.add_argument('bag', type=kinds.bag, metavar='BAG', help='a recorded bag, live or simulated')
+    parser.add_argument(
+        'other', type=kinds.bag, nargs='?', metavar='BAG', help='a second bag, to compare with the first'
+    )
+    parser.add_argument('-o', '--output', type=kinds.new_file, metavar='FILE', help='write an HTML page')
+    add_robot(parser, '--robot', 'name of the robot; by default the one that the bag names', default='')
+    kinds.add_file(parser, '--scene', 'FILE', 'scene around the robot, for distances (YAML)')
+    parser.add_argument(
+        '--namespace', type=kinds.namespace, default='/', help='ROS namespace of the recorded cell'
+    )
+
+
+def study_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `study`."""
+    kinds.add_file(parser, 'study', 'FILE', 'YAML file with the grid')
+    parser.add_argument(
+        '-o',
+        '--output',
+        type=kinds.folder,
+        metavar='FOLDER',
+        help='folder for the results; out/<name of the file> by default',
+    )
+    parser.add_argument(
+        '--scheduler',
+        default='',
+        metavar='ADDRESS',
+        help='run on the workers of the Dask scheduler at this address',
+    )
+    parser.add_argument(
+        '--workers',
+        type=kinds.whole_number(0),
+        default=0,
+        metavar='COUNT',
+        help='number of processes on this machine; 0, the default, is one for each core',
+    )
+
+
+def check_bag_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `check_bag`."""
+    parser.add_argument(
+        'recorded', type=kinds.bag, metavar='BAG', help='the bag to check: a folder, or a .mcap or .db3 file'
+    )
+    parser.add_argument(
+        '--against', type=kinds.bag, required=True, metavar='BAG', help='the bag that is expected'
+    )
+    kinds.add_file(parser, '--tolerances', 'FILE', 'tolerances (YAML); by default all values must be equal')
+    parser.add_argument('--junit', type=kinds.new_file, metavar='FILE', help='write the result as JUnit XML')
+    parser.add_argument('--partial', action='store_true', help='accept a recorded bag that was cut off')
+
+
+def replay_bag_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `replay_bag`, without those of ROS."""
+    parser.add_argument('bag', type=kinds.bag, metavar='BAG', help='a folder, or a .mcap or .db3 file')
+    parser.add_argument(
+        '--rate',
+        type=kinds.number('times the recorded speed', above=0.0),
+        default=1.0,
+        metavar='TIMES',
+        help='speed relative to the recording; %(default)g by default',
+    )
+    parser.add_argument(
+        '--start',
+        type=kinds.number('s', least=0.0),
+        default=0.0,
+        metavar='SECONDS',
+        help='time after the first message at which to begin, s',
+    )
+    parser.add_argument('--topics', nargs='+', default=(), help='publish only these topics')
+    parser.add_argument(
+        '--remap', nargs='+', default=(), metavar='FROM:=TO', help='publish topics under other names'
+    )
+    parser.add_argument(
+        '--wait',
+        type=kinds.number('s', least=0.0),
+        default=1.0,
+        metavar='SECONDS',
+        help='longest wait for subscribers, s; %(default)g by default',
+    )
+    parser.add_argument('--ros-args', nargs=argparse.REMAINDER, default=(), help='arguments of ROS follow')
+
+
+def lua_meta_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `lua_meta`."""
+    add_robot(
+        parser, '--robot', 'robot for whose number of axes to write the help; any by default', default=''
+    )
+
+
+def list_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `robots list`."""
+
+
+def show_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `robots show`."""
+    add_robot(parser, 'robot', 'name of a robot, or urdf:/path/to/robot.urdf')
+
+
+def check_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `robots check`."""
+    parser.add_argument(
+        'robot', metavar='FILE.urdf', help='URDF or xacro file; options may follow, as in file.urdf?tip=hand'
+    )
+
+
+def explain_arguments(parser: argparse.ArgumentParser) -> None:
+    """The arguments of `robots explain`."""
+    parser.add_argument('code', metavar='CODE', help='code at the end of an error, such as R101')
