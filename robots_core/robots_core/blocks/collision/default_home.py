@@ -32,8 +32,14 @@ def default_home(robot: BaseRobotModel, start: Array) -> Array:
     """
     free = _Contacts(robot)
     regular = _Regularity(robot)
-    good = [q for q in _candidates(robot, start) if regular.holds(q)]
-    return next((q for gap in (GAP, 0.0) for q in good if free.holds(q, gap)), start)
+    good: list[Array] = []
+    # The first of thousands of candidates are usually enough.
+    for q in _candidates(robot, start):
+        if regular.holds(q):
+            if free.holds(q, GAP):
+                return q
+            good.append(q)
+    return next((q for q in good if free.holds(q, 0.0)), start)
 
 
 def _candidates(robot: BaseRobotModel, start: Array) -> Iterator[Array]:
