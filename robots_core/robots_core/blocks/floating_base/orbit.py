@@ -103,7 +103,7 @@ class Orbit:
 
 
 def read_orbit(path: Path | str) -> Orbit:
-    """The orbit of a YAML file; `docs/how_to/debris_removal.md` describes the format.
+    """The orbit of a YAML file; `docs/reference/contact_and_orbit_files.md` describes it.
 
     Raises:
         InvalidInputError: a file that is missing or not such an orbit; names the file and the line.
