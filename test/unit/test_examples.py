@@ -29,3 +29,16 @@ def test_time_optimal_line(capsys: pytest.CaptureFixture[str]) -> None:
     first, second = output('time_optimal_line.py', capsys).splitlines()
     assert first.startswith('LinearCartesianDynamicProgramming')
     assert second.startswith('LinearCartesianLimited')
+
+
+def test_program_on_robots(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    picture = tmp_path / 'speeds.png'
+    robots = ['kuka_kr210_r2700', 'kuka_kr210_r3100']
+    runpy.run_path(str(EXAMPLES / 'program_on_robots.py'))['main'](
+        ['--robots', *robots, '--picture', str(picture)]
+    )
+    *lines, last = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == robots
+    assert all('4 motions, FINISHED' in line for line in lines)
+    assert last == str(picture)
+    assert picture.read_bytes().startswith(b'\x89PNG')
