@@ -215,6 +215,14 @@ docs: .venv/.installed_docs $(BUILD_STAMP)  ## The documentation as a site that 
 	@$(RUN) python -m sphinx --fail-on-warning --keep-going --quiet --builder html --conf-dir docs . out/docs
 	@echo "The site is in out/docs/docs/index.html"
 
+.PHONY: notebook
+notebook: build .venv/.installed_tests  ## Run the notebook of examples/ without Jupyter, and store its pictures in it
+	@$(RUN) python docs/run_notebook.py examples/robot_and_path.ipynb
+
+.PHONY: picture
+picture: build  ## The moving picture of the README, drawn by the page in a Chromium of this machine
+	@$(RUN) python docs/live_page.py programs/welding.lua kuka_kr210_r2700 robots_controller/doc/welding.webp
+
 .PHONY: plots
 plots: build .venv/benchmark/.installed  ## A picture per planner, every axis over its limits, in out/plots
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/programs:$$PWD/.venv/benchmark"; python test/benchmark/plot_planners.py

@@ -34,7 +34,8 @@ def tool_speed(run: SimulationRun) -> Array:
     """Speed of the flange, (k,) m/s, at the times of a run."""
     robot = load_robot_model(run.robot)
     r = np.array([robot.direct_kinematics(q)[0] for q in run.position])
-    return np.linalg.norm(np.gradient(r, run.period, axis=0), axis=1)
+    speed: Array = np.linalg.norm(np.gradient(r, run.period, axis=0), axis=1)
+    return speed
 
 
 def picture(runs: list[SimulationRun]) -> Figure:

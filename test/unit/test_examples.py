@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import runpy
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-EXAMPLES = Path(__file__).parents[2] / 'examples'
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / 'examples'
 
 
 def output(name: str, capsys: pytest.CaptureFixture[str]) -> str:
@@ -42,3 +45,18 @@ def test_program_on_robots(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert all('4 motions, FINISHED' in line for line in lines)
     assert last == str(picture)
     assert picture.read_bytes().startswith(b'\x89PNG')
+
+
+def outputs(notebook: dict[str, Any], kind: str) -> list[Any]:
+    """What is stored of a kind in the cells of a notebook."""
+    return [
+        one for cell in notebook['cells'] for one in cell.get('outputs', ()) if one['output_type'] == kind
+    ]
+
+
+def test_the_notebook_runs_and_its_stored_texts_are_those_that_it_prints() -> None:
+    path = EXAMPLES / 'robot_and_path.ipynb'
+    stored = json.loads(path.read_text())
+    run = runpy.run_path(str(ROOT / 'docs' / 'run_notebook.py'))['run_notebook'](path)
+    assert outputs(run, 'stream') == outputs(stored, 'stream')
+    assert len(outputs(run, 'display_data')) == len(outputs(stored, 'display_data')) == 4
