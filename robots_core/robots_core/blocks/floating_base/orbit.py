@@ -44,8 +44,8 @@ class Gripper:
 
     Attributes:
         reach: Distance from tool0 to the ring within which it closes, m.
-        speed: Highest speed of the ring as the gripper sees it, m/s.
-        rotation: Highest angular velocity of the target as the gripper sees it, rad/s.
+        speed: Highest speed of the ring relative to the gripper, m/s.
+        rotation: Highest angular velocity of the target relative to the gripper, rad/s.
     """
 
     reach: float
@@ -74,7 +74,7 @@ class Approach:
 
     Attributes:
         distance: Before the ring, along its z, at which the tool waits until it moves with the target, m.
-        speed: With which it goes on from there, m/s.
+        speed: With which it continues from there, m/s.
         camera_range: Distance from the base to the ring up to which the camera sees it, m.
     """
 
@@ -85,7 +85,7 @@ class Approach:
 
 @dataclass(frozen=True, eq=False)
 class Orbit:
-    """What is there at the start. The world is a frame that moves with the orbit; forces in it are neglected.
+    """State at the start. The world is a frame that moves with the orbit; forces in it are neglected.
 
     Attributes:
         target: The target.
