@@ -19,8 +19,8 @@ SHELL := /bin/bash
 PACKAGES := robots_core robots_models robots_planning robots_controller
 SOURCES := $(shell find $(PACKAGES) -type f -not -path '*/__pycache__/*')
 BUILD_STAMP := install/.built
-# Whoever keeps their own sources free of bytecode still wants what is installed to start fast: the nodes import
-# thousands of files.
+# Bytecode of what is installed is written even if the environment switches it off: nodes import thousands of files,
+# and start faster with it.
 unexport PYTHONDONTWRITEBYTECODE
 
 ifneq ($(wildcard $(ROS_DISTRO_SETUP)),)
@@ -162,7 +162,7 @@ benchmark-controller: build  ## The controller's timing side by side with a bare
 benchmark-simulate: build  ## How much faster than real time simulations are, and where the time goes
 	@$(RUN) python test/benchmark/benchmark_simulate.py
 
-# Without dependencies and beside the other packages: what a peer wants must not change what we run with.
+# Without dependencies and beside the other packages: the requirements of a peer must not change ours.
 .venv/benchmark/.installed: requirements-benchmark.txt $(VENV_STAMP)
 	@$(call INSTALL,--upgrade --no-deps --target .venv/benchmark -r $<)
 	@touch $@
@@ -196,7 +196,7 @@ benchmark-collision-free: build .venv/benchmark/.installed  ## Joint motions aro
 benchmark-programs: build  ## Delays of motion calls and inputs, Lua statements per second next to bare Lua
 	@$(RUN) python test/benchmark/benchmark_programs.py
 
-# A folder of its own: the package is large, and nobody else needs it.
+# A separate folder: the package is large, and needed here only.
 .venv/example_robots/.installed: requirements-example-robots.txt $(VENV_STAMP)
 	@$(call INSTALL,--upgrade --no-deps --target .venv/example_robots -r $<)
 	@touch $@

@@ -25,12 +25,12 @@ CELL_OPTIONS: Final = (
     *('robot', 'drive', 'scene', 'io', 'io_map', 'rate', 'goal_tolerance', 'tool_speed_limit'),
     *('operating_mode', 'payload', 'references', 'contact', 'orbit', 'guided'),
 )
-"""Names of the options that say what a cell is made of."""
+"""Names of the options that define a cell."""
 LOG_WIDTH: Final = 160  # characters; a log file has no width of its own, and tables need this much
 
 
 def add_cell_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say what a cell is made of."""
+    """Add the options that define a cell."""
     parser.add_argument('--robot', default='', help='name of the robot, or urdf:/path/to/robot.urdf')
     parser.add_argument(
         '--drive',

@@ -25,7 +25,7 @@ Made = TypeVar('Made')
 
 @dataclass(frozen=True, eq=False)
 class ContactSetup:
-    """What a file says.
+    """A wheel, its soil and its force control.
 
     Attributes:
         wheel: The wheel.
