@@ -19,8 +19,8 @@ SHELL := /bin/bash
 PACKAGES := robots_core robots_models robots_planning robots_controller
 SOURCES := $(shell find $(PACKAGES) -type f -not -path '*/__pycache__/*')
 BUILD_STAMP := install/.built
-# Whoever keeps their own sources free of bytecode still wants what is installed to start fast: the nodes import
-# thousands of files.
+# Bytecode of what is installed is written even if the environment switches it off: nodes import thousands of files,
+# and start faster with it.
 unexport PYTHONDONTWRITEBYTECODE
 
 ifneq ($(wildcard $(ROS_DISTRO_SETUP)),)
@@ -162,7 +162,7 @@ benchmark-controller: build  ## The controller's timing side by side with a bare
 benchmark-simulate: build  ## How much faster than real time simulations are, and where the time goes
 	@$(RUN) python test/benchmark/benchmark_simulate.py
 
-# Without dependencies and beside the other packages: what a peer wants must not change what we run with.
+# Without dependencies and beside the other packages: the requirements of a peer must not change ours.
 .venv/benchmark/.installed: requirements-benchmark.txt $(VENV_STAMP)
 	@$(call INSTALL,--upgrade --no-deps --target .venv/benchmark -r $<)
 	@touch $@
@@ -196,7 +196,7 @@ benchmark-collision-free: build .venv/benchmark/.installed  ## Joint motions aro
 benchmark-programs: build  ## Delays of motion calls and inputs, Lua statements per second next to bare Lua
 	@$(RUN) python test/benchmark/benchmark_programs.py
 
-# A folder of its own: the package is large, and nobody else needs it.
+# A separate folder: the package is large, and needed here only.
 .venv/example_robots/.installed: requirements-example-robots.txt $(VENV_STAMP)
 	@$(call INSTALL,--upgrade --no-deps --target .venv/example_robots -r $<)
 	@touch $@
@@ -214,6 +214,14 @@ load-example-robots: build .venv/example_robots/.installed  ## Load all robots o
 docs: .venv/.installed_docs $(BUILD_STAMP)  ## The documentation as a site that needs no network, in out/docs
 	@$(RUN) python -m sphinx --fail-on-warning --keep-going --quiet --builder html --conf-dir docs . out/docs
 	@echo "The site is in out/docs/docs/index.html"
+
+.PHONY: notebook
+notebook: build .venv/.installed_tests  ## Run the notebook of examples/ without Jupyter, and store its pictures in it
+	@$(RUN) python docs/run_notebook.py examples/robot_and_path.ipynb
+
+.PHONY: picture
+picture: build  ## The moving picture of the README, drawn by the page in a Chromium of this machine
+	@$(RUN) python docs/live_page.py programs/welding.lua kuka_kr210_r2700 robots_controller/doc/welding.webp
 
 .PHONY: plots
 plots: build .venv/benchmark/.installed  ## A picture per planner, every axis over its limits, in out/plots

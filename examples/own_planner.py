@@ -1,4 +1,4 @@
-"""A planner of one's own: all axes follow one polynomial of fifth order (docs/how_to/add_a_planner.md)."""
+"""A custom planner: all axes follow one polynomial of fifth order (docs/how_to/add_a_planner.md)."""
 
 import numpy as np
 

@@ -355,7 +355,7 @@ function inverseKinematics(x, y, z, phi1, phi2, phi3, near) end
 ---@overload fun(pose: Pose|number[], near?: number[])
 function isReachable(x, y, z, phi1, phi2, phi3, near) end
 
----Switches a digital output, now or when the robot is at the last target; the program goes on.
+---Switches a digital output, now or when the robot is at the last target; the program continues.
 ---@param index integer|string number of the output, from 1, or its name
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
 ---@param moment? "now"|"arrival" 'now' (default), or 'arrival': when the robot is at the last target, also where it runs through
@@ -371,7 +371,7 @@ function getDigitalInput(index) end
 ---@return boolean # true or false
 function getDigitalOutput(index) end
 
----Sets an analog output, now or when the robot is at the last target; the program goes on.
+---Sets an analog output, now or when the robot is at the last target; the program continues.
 ---@param index integer|string number of the output, from 1, or its name
 ---@param value number value of the output
 ---@param moment? "now"|"arrival" 'now' (default), or 'arrival': when the robot is at the last target, also where it runs through
@@ -402,7 +402,7 @@ function waitDigitalInput(index, value, timeout) end
 ---@return boolean # true, or false after `timeout`
 function waitAnalogInput(index, comparison, value, timeout) end
 
----Switches a digital output on, and off again after a time; the program goes on meanwhile.
+---Switches a digital output on, and off again after a time; the program continues meanwhile.
 ---@param index integer|string number of the output, from 1, or its name
 ---@param time number how long it is on (s)
 function pulseDigitalOutput(index, time) end

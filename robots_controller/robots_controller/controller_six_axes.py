@@ -59,7 +59,7 @@ class ControllerSixAxes:
     """A robot program with its planner, collision checks, controller and faults, stepped from outside.
 
     The name is the paper's; the robot has any number of axes. Physics and PLC are the caller's. Each `step`
-    is one period, whatever the machine's clock says: planning and the program's computing take no time, and
+    is one period, independent of the machine's clock: planning and the program's computing take no time, and
     the same measurements and inputs give the same references to the last bit. `simulate` runs the same cell
     with simulated drives and a scripted PLC. Call it from one thread; `close` it, or use a `with` statement.
 

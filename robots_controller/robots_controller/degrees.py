@@ -1,4 +1,4 @@
-"""Degrees: what robot programs write, and what is shown of them. Everything else counts in radians."""
+"""Degrees: the unit of angles in robot programs and in what is shown of them. All else uses radians."""
 
 import math
 import re
@@ -9,7 +9,7 @@ from robots_core.errors import RobotsError
 from robots_core.validation import Array
 
 _NUMBER: Final = r'[-+]?(?:inf|\d+(?:\.\d+)?(?:e[-+]?\d+)?)'
-# `rad (m)` is of axes that turn or slide, nobody says which.
+# `rad (m)` is a unit of axes that turn or slide; such values are not converted.
 _ANGLE: Final = re.compile(
     rf'(?P<value>{_NUMBER}|\[{_NUMBER}, {_NUMBER}\]) rad(?P<derivative>/s(?:\^\d)?)?(?!\w| \(m\))'
 )

@@ -1,4 +1,4 @@
-"""What this machine remembers until it is started anew: which cells run, and what has started once."""
+"""Files that last until this machine restarts: which cells run, and what has started once."""
 
 import fcntl
 import os

@@ -47,8 +47,8 @@ def simulate(
 
     It has the same blocks as a live cell: Lua program, planner with its check for collisions, controller,
     drives and scripted PLC. Nothing depends on the machine's clock: two runs are the same to the last bit,
-    but for what it took of the machine's time. Ctrl-C in the main thread ends the run early; it returns what
-    there is so far.
+    except for the time that they take. Ctrl-C in the main thread ends the run early; it returns what was
+    recorded so far.
 
     Args:
         program: Lua robot program.
@@ -57,7 +57,7 @@ def simulate(
         scene: What the robot keeps clear of (YAML, see `read_scene`); '' for nothing but itself.
         io: Script of the PLC that the program works with (YAML, see `read_plc_script`); '' for none.
         io_map: Map of inputs and outputs to topics of a PLC (YAML, see `read_io_map`); '' for none. Channels
-            have its names; its inputs keep their fail-safe values, as nobody publishes those topics.
+            have its names; its inputs keep their fail-safe values, as those topics have no publisher.
         bag: Folder to write a bag to, with the topics of a live recording; must not exist.
         rate: References per second, Hz.
         goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by

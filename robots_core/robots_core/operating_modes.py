@@ -1,4 +1,4 @@
-"""Operating modes of a robot cell, and who may command the robot in which."""
+"""Operating modes of a robot cell, and the commanders that each permits."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robots_core.named_choice import NamedChoice
 
 
 class Commander(NamedChoice):
-    """Who commands the robot: one at a time."""
+    """Commanders of a robot, one at a time."""
 
     NOBODY = 'NOBODY'
     PROGRAM = 'PROGRAM'
@@ -41,7 +41,7 @@ class ModeRules:
     Attributes:
         commanders: They may command the robot.
         tool_speed_limit: Of the tool and the frames of all axes on every motion, m/s; 0 for none.
-        held: Motions of programs go on only while run is held.
+        held: Motions of programs continue only while run is held.
         purpose: What the mode is for, for a person.
     """
 
@@ -97,8 +97,8 @@ def check_command(
 
     Args:
         sender: Where the command comes from.
-        commander: Who commands the robot.
-        mode: The cell's operating mode; None where no controller says so.
+        commander: The present commander.
+        mode: The cell's operating mode; None where no controller publishes one.
         guide: What the program lets guide its robot.
 
     Raises:

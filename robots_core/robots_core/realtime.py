@@ -1,4 +1,4 @@
-"""What a thread that keeps time asks of the system, which may not permit it."""
+"""Scheduling and idle latency that a periodic thread requests; the system may refuse them."""
 
 import os
 import struct

@@ -13,10 +13,10 @@ LOOK_PERIOD: Final = 0.1  # s between looks for the name of a stranger
 
 @dataclass(frozen=True)
 class Writers:
-    """Who writes to a topic.
+    """The nodes that may write to a topic.
 
     Attributes:
-        nodes: Names of the suite's nodes that do.
+        nodes: Names of the suite's nodes that write to it.
         places: As long as fewer nodes write, another one may, in the place of one of the suite.
         stream: There is a single writer, whose messages follow each other closely.
     """
@@ -38,17 +38,17 @@ WRITERS: Final[Mapping[str, Writers]] = {
 
 @dataclass
 class WriterWatch:
-    """Decides of each message of a topic whether it is of a writer, by its publisher's identity.
+    """Decides by the identity of its publisher whether a message of a topic is accepted.
 
     The first writer of a stream keeps its place until it is silent for `SILENCE`, or until the suite's own
-    node comes; a node that is started anew so takes the place of the one before. On other topics a node of
+    node comes: a restarted node takes the place of the one before. On other topics a node of
     the suite may always write, and another one as long as a place is free.
 
     Args:
         topic: Its name in `WRITERS`.
         namespace: Where the suite's nodes are, ending with a slash.
         publishers: Full node names by identity, of all publishers that are known.
-        on_stranger: Gets a line for a person when messages are dropped.
+        on_stranger: Called with a line of text when messages are dropped.
     """
 
     topic: str

@@ -178,7 +178,7 @@ class YamlSection:
         return [(yaml_value(item, self.file), item.start_mark.line + 1) for item in items]
 
     def finish(self, valid: Collection[str] = ()) -> None:
-        """Refuse keys that nobody asked for.
+        """Refuse keys that were not read.
 
         Args:
             valid: Further keys that the message names.

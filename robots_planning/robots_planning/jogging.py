@@ -19,7 +19,7 @@ NOT_FOLLOWING = 'a controller that does not follow'
 class Jogging:
     """Jogs a robot that stands and has no motion; the stream ends when it stands again.
 
-    A command holds for `timeout` from when it was given: a pendant goes on sending, and lets go by
+    A command holds for `timeout` from when it was given: a pendant keeps sending, and lets go by
     sending nothing. Commands and steps may come from two threads.
 
     Args:
@@ -69,7 +69,7 @@ class Jogging:
         """What stops or slows it, as in `TeachStep`."""
 
     def use_tool(self, tool: Pose, hold: str = '') -> None:
-        """Jog this tool centre point, a pose in tool0, and hold what `held_by` says, from the next jog on."""
+        """From the next jog on, jog this tool centre point, a pose in tool0, with `held_by` of `hold`."""
         if self._tool.distance_to(tool) != (0.0, 0.0) or self._hold != hold:
             self._tool, self._hold, self._next_box = tool, hold, None
 
@@ -111,7 +111,7 @@ class Jogging:
         return step
 
     def end(self) -> None:
-        """The stream is over: the next command starts another."""
+        """End the stream; the next command starts another one."""
         self.active = False
 
     def _jog(self, command: Array, age: float, put: Callable[[TeachBox], None]) -> None:

@@ -1,4 +1,4 @@
-"""What results of motions say."""
+"""Texts in the results of motions."""
 
 from typing import Final
 

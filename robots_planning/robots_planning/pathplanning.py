@@ -36,8 +36,8 @@ class PlannedMotion:
     """A verified plan.
 
     Attributes:
-        trajectory: What to do.
-        kind: What was commanded; None for a trajectory that was given.
+        trajectory: The trajectory.
+        kind: Kind of the command; None for a trajectory that was given.
         report: What verification found; `report.ok` is true.
     """
 
@@ -84,7 +84,7 @@ class PathPlanning:
         self.collision_margin = checked_margin(collision_margin)
         self._zones: ZoneDetection | None = None
         self.cancelled: Callable[[], bool] = lambda: False
-        """Whether the motion that is being planned was given up; plans that take long ask now and then."""
+        """Whether the motion that is being planned was cancelled; long plans check it now and then."""
 
     def plan(
         self,

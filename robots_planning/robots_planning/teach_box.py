@@ -48,7 +48,7 @@ LEASH = (0.002, 0.01)  # m, rad
 RAMP_TIME = 0.25  # s, in which a jogged tool gains its highest speed
 # Of the axes' accelerations, for changes of the tool's speed; the rest is for returning to its line. Where
 # they allow less than the least part of a change, near singularities, the tool leaves its line sooner than it
-# goes on without end.
+# never ends.
 FOLLOWED, LEAST_FOLLOWED = 0.9, 0.2
 OUT_OF_REACH = 'out of reach'  # of a tool: no axis is at a limit, but the arm is stretched or singular
 STANDSTILL = 1e-12  # rad/s (m/s)
@@ -90,8 +90,8 @@ class TeachBox:
     A command is a velocity that holds until the next one, and no longer than the timeout (dead-man): without
     a fresh command the axes brake to a stop, a tool along its line. Axes are jogged each on its own, the tool
     along and about axes of the base, the tool or the world by `ConstrainedInverseKinematics`. At a position
-    limit the axis stops, and with it a tool that cannot go on; the step names the limit. State and limits are
-    always such that braking ends before the position limits (see `viability`).
+    limit the axis stops, and with it a tool that cannot continue; the step names the limit. State and limits
+    are always such that braking ends before the position limits (see `viability`).
 
     An instance keeps scratch memory and the state of the motion: use one per thread.
 
@@ -247,7 +247,7 @@ class TeachBox:
                 break
         # At a limit speeds only halve from step to step; an axis that no position shows moving stands.
         end = np.where(np.abs(end) < STANDSTILL, 0.0, end)
-        # It stops at the limit but for rounding.
+        # It stops at the limit except for rounding.
         there = np.clip(q + 0.5 * dt * (q_dot + end), axes.lower, axes.upper)
         self._state = np.array([there, end, (end - q_dot) / dt])
         return self._result(jogging=True, limits=limits)

@@ -39,7 +39,7 @@ class Trajectory:
             values = getattr(self, name)
             if _frozen(values):
                 continue
-            # Compiled code is made for one layout of memory; another would be compiled anew, for seconds.
+            # Compiled code is made for one layout of memory; another would be compiled again, for seconds.
             values = np.array(values, dtype=np.float64, order='C')
             values.flags.writeable = False
             object.__setattr__(self, name, values)
@@ -145,7 +145,7 @@ def one_after_another(trajectories: Sequence[Trajectory]) -> Trajectory:
 
 
 def _frozen(values: object) -> bool:
-    """An array that nobody can write to, and that compiled code takes: it needs no copy."""
+    """A read-only array that compiled code can take, so that no copy is needed."""
     if type(values) is not np.ndarray or values.dtype is not FLOAT64:
         return False
     flags = values.flags

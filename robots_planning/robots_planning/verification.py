@@ -25,7 +25,7 @@ from robots_planning.trajectory import Trajectory
 
 SAMPLE_PERIOD = 1e-3  # s
 LONGEST_MOTION = 3600.0  # s
-DYNAMICS_PERIOD = 4e-3  # s, the controller's; torque changes slowly against it
+DYNAMICS_PERIOD = 4e-3  # s, the period of the controller; torques change little within it
 RATIO_TOLERANCE = 1e-3  # of a limit: what finite differences at the sample period can resolve
 POSITION_TOLERANCE = 1e-9  # rad (m), as the axis limits' own check
 REST_TOLERANCE = 1e-6  # of the velocity and acceleration limits, at both ends
@@ -48,7 +48,7 @@ class VerificationReport:
             their limits; 0 is rest, or the motion that was given.
         end_motion: Velocity or acceleration at the end, as part of its limit; 0 is rest.
         jumps: Largest step from one interval to the next of position (rad, m), and of velocity and
-            acceleration as parts of their limits; 0 but for rounding.
+            acceleration as parts of their limits; 0 except for rounding.
         jump_time: When the worst of them is, s.
         line_deviation: Largest distance of the tool from the line or path and of its ends from theirs, m;
             None without one.
@@ -171,7 +171,7 @@ def verify(
         tool: Pose of what follows line or path in tool0; tool0 itself by default.
         tools: Limits of the tool on the parts of the trajectory, in order.
         torque: Compute torques too.
-        start_motion: Velocity and acceleration, (n,) each, of the motion that it goes on from; it starts at
+        start_motion: Velocity and acceleration, (n,) each, of the motion that it continues from; it starts at
             rest without.
 
     Raises:

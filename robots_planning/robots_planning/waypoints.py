@@ -60,7 +60,7 @@ def trajectory_through(
     if velocity is None:
         spline = CubicSpline(t, q, bc_type='clamped')
         v, a = spline(t, 1), spline(t, 2)
-        v[[0, -1]] = 0.0  # but for rounding
+        v[[0, -1]] = 0.0  # except for rounding
     else:
         v = np.concatenate([rest, velocity])
         a = np.concatenate([rest, acceleration]) if acceleration is not None else _accelerations(t, q, v)

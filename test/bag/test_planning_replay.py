@@ -24,8 +24,8 @@ T = BAG_TYPES.types
 ROBOT = load_robot_model('ur10e')
 BEGIN = np.array([0.2, -1.2, 1.6, -1.9, -1.4, 0.3])
 COMMANDS = ('/ptpjoint_joint', '/ptpjoint_cartesian', '/ptpcartesian', '/circcartesian', '/splinecartesian')
-# The same code plans the same on every machine but for rounding, which inverse kinematics along a path does
-# not magnify; times of points are whole nanoseconds. Stamps are ids here and no times.
+# The same code plans the same on every machine except for rounding, which inverse kinematics along a path
+# does not magnify; times of points are whole nanoseconds. Stamps are ids here and no times.
 TOLERANCES = """
 align: /ptpjoint_joint
 default: {time: 1.0e-6, absolute: 1.0e-9, relative: 1.0e-9}

@@ -25,7 +25,7 @@ from robots_core.robot_model.analytic.axis_lines import AxisLines
 
 POSES = 500
 EXACT = 1e-9  # m and rad
-# The same posture, found from the pose: close to singularities the pose hardly tells the angles.
+# The same posture, found from the pose: close to singularities the pose hardly determines the angles.
 SAME_POSTURE = 1e-4  # rad
 
 

@@ -71,7 +71,7 @@ def dynamics_rows(robot: BaseRobotModel) -> Iterator[Row]:
     model = pin.buildModelFromXML(pinocchio_xml(read_urdf_chain(robot.description)))
     data = model.createData()
     samples = motions(robot)
-    # The bodies alone: the peer knows neither friction nor rotors.
+    # The bodies alone: the peer has neither friction nor rotors.
     bare = {'friction': False, 'rotors': False}
     numerical, function = NumericalDynamics(robot, **bare), FunctionDynamics(robot, **bare)
 

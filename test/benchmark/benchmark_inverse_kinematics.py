@@ -35,7 +35,7 @@ ROBOTS = ('ur5e', 'franka_fr3', 'kuka_lbr_iiwa14', 'kinova_j2n6s300', 'kuka_kr21
 CONSTRAINED_ROBOTS = (*ROBOTS, 'kuka_kr500_r2830')
 TOLERANCE = 1e-6  # m and rad
 # The peers' residual is half the squared error; searched a little more exactly, so that rounding of the check
-# costs nobody a solution.
+# costs no method a solution.
 LM_TOLERANCE = 0.5 * (0.9 * TOLERANCE) ** 2
 DT = 0.004
 STEPS = 500

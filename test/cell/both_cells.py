@@ -80,7 +80,7 @@ def check_changes(runs: Runs, image: str) -> None:
         [
             (round(stamp / TICK), channel, value)
             for stamp, channel, value in _changes(bag, image)
-            if 1e-9 * stamp < end  # a PLC goes on until the nodes end
+            if 1e-9 * stamp < end  # a PLC continues until the nodes end
         ]
         for bag in (runs.recorded, runs.simulated)
     )

@@ -116,7 +116,7 @@ def test_press_tending(lockstep_runs: LockstepRuns) -> None:
     assert [item[:2] for item in switched] == [(2, 1.0), (2, 0.0), (1, 1.0), (1, 0.0), (2, 1.0), (2, 0.0)]
     assert {item[2:] for item in switched if item[0] == 2} == {(down, up)}
     assert {item[2:] for item in switched if item[0] == 1} == {(outside, f'{program}:{to_press[1]}')}
-    # The pulse goes on while the robot moves.
+    # The pulse continues while the robot moves.
     (rise, _, one), (fall, _, zero) = (item for item in changes(run.bag, 'digital_outputs') if item[1] == 3)
     assert (one, zero) == (1.0, 0.0)
     assert fall - rise == pytest.approx(0.3, abs=run.switch_delay)

@@ -59,7 +59,7 @@ def distance_modulo_turns(robot: BaseRobotModel, solutions: np.ndarray, q: np.nd
 
 
 def knowable(robot: BaseRobotModel, q: np.ndarray) -> float:
-    """How well a pose tells the posture that made it, rad."""
+    """How well a pose determines the joint positions that it was computed from, rad."""
     smallest = float(np.linalg.svd(robot.jacobian(q), compute_uv=False)[-1])
     return PRINTED / max(smallest, 1e-12)
 

@@ -101,7 +101,7 @@ class Bench:
         return self.runner.wait_for(condition, what=what)
 
     def until_standing(self, references: list[Any]) -> None:
-        """Wait until the newest of these trajectory points, which go on coming, have no velocity."""
+        """Wait until the newest of these trajectory points, which keep coming, have no velocity."""
         count = len(references)
         self.wait(
             lambda: (

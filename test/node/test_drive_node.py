@@ -82,7 +82,7 @@ class DriveBench(Bench):
         return self.states[-1]
 
     def next_states(self, count: int) -> list[JointState]:
-        """States sent from now on, but for one that may be under way; older ones may still come in."""
+        """States sent from now on, except for one that may be under way; older ones may still come in."""
         now = 1e-9 * self.drive.get_clock().now().nanoseconds
 
         def sent() -> list[JointState]:

@@ -29,7 +29,7 @@ END_TIME = 240.0  # s from the stop to the end
 FAIL_TIME = 240.0  # s until a program has used up its memory
 SEED = int(os.environ.get('FUZZ_SEED', '20240607'))  # the same programs in every run
 
-# Each goes on until it is stopped.
+# Each continues until it is stopped.
 ENDLESS = {
     'deep recursion in pcall': 'local function f() pcall(f) f() end while true do pcall(f) end',
     'huge strings in pcall': "while true do pcall(string.rep, 'x', 1 << 40) pcall(string.rep, 'x', 5e7) end",
@@ -155,7 +155,7 @@ class FuzzBench(Bench):
         return self.state()
 
     def end_program(self) -> None:
-        """Hold the program, look at it, let it go on, and stop it."""
+        """Hold the program, look at it, let it continue, and stop it."""
         if self.ask('pause').success:
             self.ask('get_call_stack')
             self.ask('step')

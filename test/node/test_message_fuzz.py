@@ -1,4 +1,4 @@
-"""No message ends a node: every topic that it subscribes to gets generated ones, and it goes on serving."""
+"""No message ends a node: every topic that it subscribes to gets generated ones, and it continues serving."""
 
 from __future__ import annotations
 

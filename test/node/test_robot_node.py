@@ -1,4 +1,4 @@
-"""RobotNode: what callbacks refuse is reported, and the node goes on."""
+"""RobotNode: what callbacks refuse is reported, and the node continues."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ NAMES = list(ROBOT.axes_data.names)
 HOME = np.array(ROBOT.home)
 GOAL = HOME + 0.3
 PATIENT = 20.0  # s
-CRAWL = 0.002  # override: the motion goes on until it is raised
+CRAWL = 0.002  # override: the motion continues until it is raised
 
 
 class Cell(Bench):

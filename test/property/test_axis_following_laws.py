@@ -31,7 +31,7 @@ def test_a_resting_reference_is_reached_and_stood_at(
     following = AxisFollowing(AXES, DT)
     for _ in range(STEPS):
         q, q_dot, _ = following.step(q, q_dot, reference, still)
-        # Standing is no speed at all: whoever waits for it asks for zero.
+        # Standing is no speed at all: code that waits for it compares with zero.
         if not q_dot.any() and np.abs(q - reference).max() <= ROUNDING:
             break
     else:

@@ -161,7 +161,7 @@ def test_nearest_points_lie_on_both_bodies_at_their_distance(
 @given(geometries(), geometries(), poses())
 def test_libraries_find_contacts_alike(first: Geometry, second: Geometry, pose: Pose):
     fcl, coal = (pair(first, second, pose, engine) for engine in ENGINES)
-    if proximity(fcl[0], fcl[1]).distance > ENGINE_TOLERANCE:  # touching bodies may be told either way
+    if proximity(fcl[0], fcl[1]).distance > ENGINE_TOLERANCE:  # touching bodies may count as either
         assert fcl[0].contacts(fcl[1]) == coal[0].contacts(coal[1])
 
 
@@ -254,7 +254,7 @@ def test_what_passes_keeps_the_margin_everywhere(
     for time in np.linspace(path.start, end, 100)[:-1]:
         near = detection.distance(path.sample(time))
         assert near is not None
-        # 1e-3: a little later than the first instant may be told, by a way of 1e-4 m and what bends on it.
+        # 1e-3: a little later than the first instant may count, by 1e-4 m of travel and the bend of the path.
         assert near.distance > 0.0 or kept == 0.0 or end - time < 1e-3 * path.end
         assert near.distance >= kept - 1e-3 or end - time < 1e-3 * path.end
     if place is not None:

@@ -48,7 +48,7 @@ class LuaHost:
 
 # Each example writes its own file anew; the folder may be shared.
 SHARED_FOLDER = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
-# Waiting any time is tested with a stepped clock; what is halted, goes on when it is told to.
+# Waiting any time is tested with a stepped clock; what is halted, continues when the test resumes it.
 TAKES_TIME = ('wait', 'pulse', 'followReference', 'jog', 'halt')
 ROBOT_FUNCTIONS = sorted(name for name in LUA_FUNCTIONS if not name.startswith(TAKES_TIME))
 

@@ -18,7 +18,7 @@ DEADLINE = 120.0  # s, for programs that should need milliseconds
 
 
 def cell_with(**functions: Callable[..., Any]) -> DetachedCell:
-    """A cell without a robot, but for some functions of its port."""
+    """A cell without a robot, except for some functions of its port."""
     cell = DetachedCell()
     for name, function in functions.items():
         assert callable(getattr(cell, name)), name

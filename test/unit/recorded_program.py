@@ -19,7 +19,7 @@ LATCHED = ['/program_status', '/digital_outputs', '/lua_program_node/digital_inp
 
 
 class RecordedProgram:
-    """A program run that is made line by line; time goes on as the lines ask for."""
+    """A program run that is made line by line; time advances as the lines require."""
 
     def __init__(self, robot: BaseRobotModel, *, file: str = 'made_up.lua', seed: int = 0) -> None:
         self.robot = robot
@@ -72,7 +72,7 @@ class RecordedProgram:
         self._result(stamp, 0, 'reached', self.time - start)
 
     def refuse(self, q: np.ndarray, why: str) -> None:
-        """A motion that nobody plans."""
+        """A motion that is not planned."""
         stamp = self._stamp(self.time)
         header = TYPES['std_msgs/msg/Header'](stamp=stamp, frame_id='base')
         self._add('/ptpjoint_joint', self._joint_state(header, q, [], []))

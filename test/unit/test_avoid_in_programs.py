@@ -32,7 +32,7 @@ def test_the_option_holds_for_one_motion_and_the_setting_for_those_that_follow(t
     forth, again = run.motions[1].plan, run.motions[3].plan
     assert forth is not None
     assert again is not None
-    # The second start is where the controller's reference has arrived, but for rounding.
+    # The second start is where the controller's reference has arrived, except for rounding.
     np.testing.assert_allclose(forth.trajectory.position, again.trajectory.position, atol=1e-6)
     refused = run_text(tmp_path, THERE + AROUND + BACK, scene=scene)
     assert refused.error is not None

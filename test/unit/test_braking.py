@@ -22,7 +22,7 @@ def test_it_is_where_the_hardest_brake_turns_round(seed: int) -> None:
         # Ruckig's own extrema leave some out. Turning round takes less than the highest speed and ramps do.
         latest = 2.0 / acceleration + 2.0 * acceleration / jerk
         sampled = max(found.at_time(t)[0][0] for t in np.linspace(0.0, latest, 2001))
-        # Between samples the axis goes on by up to a dt^2 / 8.
+        # Between samples the axis continues by up to a dt^2 / 8.
         missed = acceleration * (latest / 2000.0) ** 2 / 8.0
         assert -1e-12 <= furthest(0.0, q_dot, q_ddot, acceleration, jerk) - sampled <= missed + 1e-12
 

@@ -213,7 +213,7 @@ def test_positions_that_jump_stop_the_robot(controller_of: Callable[..., Control
     assert not step.stop.drives_on
     assert step.run_state is RunState.FAILED
     assert str(step.error) == f'program.lua:1: {step.stop.reason}'
-    # A controller whose drives are off goes on from where the robot stands.
+    # A controller whose drives are off continues from where the robot stands.
     for _ in range(50):
         step = controller.step(elsewhere)
     assert np.array_equal(step.references, [elsewhere, 0.0 * elsewhere, 0.0 * elsewhere])

@@ -20,7 +20,7 @@ TEXT = 'std_msgs/msg/String'
 
 
 def content(path: Path) -> list[tuple[str, int, bytes]]:
-    """As a reader that knows nothing of us finds it."""
+    """As any other reader finds it."""
     with Reader(path) as reader:
         found = [(connection.topic, stamp, bytes(data)) for connection, stamp, data in reader.messages()]
         assert reader.message_count == len(found)

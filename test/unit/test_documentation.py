@@ -233,6 +233,7 @@ def test_the_index_leads_to_every_page_and_example() -> None:
     assert len(listed) == len(set(listed))
     pages = {page for page in PAGES if page != INDEX}
     examples = {path for path in (ROOT / 'examples').glob('*.py') if '__main__' in path.read_text()}
+    examples |= set((ROOT / 'examples').glob('*.ipynb'))
     assert {(DOCS / target).resolve() for target in listed} == pages | examples
 
 

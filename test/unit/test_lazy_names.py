@@ -1,4 +1,4 @@
-"""Packages hand their names on without loading what nobody asked for."""
+"""Packages export their names without loading modules that are not used."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ ROUNDING = 1e-12  # m, rad: of a chain of products in double precision
 
 
 class RobotHost(LuaHost):
-    """A host that knows the KUKA KR 210 and stands where it is told."""
+    """A host with a KUKA KR 210 that stands where a test puts it."""
 
     def __init__(self, folder: Path, **options: Any) -> None:
         self.robot = load_robot_model('kuka_kr210_r2700')

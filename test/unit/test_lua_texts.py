@@ -17,7 +17,7 @@ from .lua_host import LuaHost
         ('print({}, print, coroutine.create(print))', ['table: 1\tfunction: 2\tthread: 3']),
         ('local t = {} print(tostring(t) == tostring(t), tostring({}) == tostring({}))', ['true\tfalse']),
         ("local t = {} print(('%s|%5.2f|%-9s|%%s'):format(t, 2, t))", ['table: 1| 2.00|table: 1 |%s']),
-        # A metatable tells its own text or name.
+        # A metatable defines its own text or name.
         ("print(setmetatable({}, {__tostring = function() return 'door' end}))", ['door']),
         ("print(setmetatable({}, {__name = 'door'}))", ['door: 1']),
         ("print(setmetatable({}, {__metatable = false, __name = 'door'}))", ['door: 1']),

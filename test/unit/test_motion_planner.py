@@ -301,7 +301,7 @@ MIDDLE = str(WINDOW // 2 - 1)
 
 def test_a_long_chain_goes_on_from_the_middle_of_its_plan(cell: Cell) -> None:
     cell.bead(*range(WINDOW + 1))
-    assert cell.ids == [MIDDLE]  # the next plan may go on behind it
+    assert cell.ids == [MIDDLE]  # the next plan may continue behind it
     cell.bead(*range(WINDOW + 1, WINDOW + 4), last=True)
     assert cell.ids == [MIDDLE, str(WINDOW + 3)]
     before, after = cell.trajectory(0), cell.trajectory(1)

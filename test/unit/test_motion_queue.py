@@ -127,7 +127,7 @@ def test_a_motion_that_joins_the_running_one_leaves_no_trace(override: float) ->
         controller.speed.set_override(1.0)  # the path speed changes across the joint as on one path
         runs.append(run.until_holding())
     plain, led_on = runs
-    # The controller works in doubles on polynomials that are the same but for their time scale.
+    # The controller works in doubles on polynomials that are the same except for their time scale.
     np.testing.assert_allclose(led_on[: len(plain)], plain[: len(led_on)], atol=1e-9)
     outcomes = list(controller.outcomes)
     assert [(outcome.id, outcome.ok) for outcome in outcomes] == [('a', False), ('b', True)]
@@ -151,7 +151,7 @@ def test_motions_that_carry_each_other_on_are_one_motion_of_several_results(over
             controller.follow(last, 'c', run.now, join_time=-last.duration)
         runs.append(run.until_holding())
     plain, carried_on = runs
-    # The controller works in doubles on polynomials that are the same but for their time scale.
+    # The controller works in doubles on polynomials that are the same except for their time scale.
     np.testing.assert_allclose(carried_on, plain, atol=1e-9)
     assert [(outcome.id, outcome.ok, outcome.message) for outcome in controller.outcomes] == [
         ('a', True, 'passed'),

@@ -51,7 +51,7 @@ rules:
 @pytest.mark.parametrize(
     ('text', 'line', 'message'),
     [
-        ('{}', 1, 'the file says nothing'),
+        ('{}', 1, 'the file has no content'),
         (RULE % SET, 2, 'when is missing'),
         (RULE % 'when: start', 2, 'set is missing'),
         (RULE % f'when: digital_output.1, {SET}', 2, "when is 'digital_output.1'; valid are 'output rises'"),

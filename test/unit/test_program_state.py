@@ -24,7 +24,7 @@ DEADLINE = 10.0  # s, for threads that should need milliseconds
 
 
 class SteppedClock:
-    """Time that only moves when told to; says when somebody waits."""
+    """Time that advances only when the test sets it; `waits` is set when a thread waits."""
 
     def __init__(self) -> None:
         self.time = 0.0

@@ -38,7 +38,7 @@ def test_a_latency_is_asked_for_in_microseconds_for_as_long_as_wanted(
     with realtime.idle_latency(latency) as granted:
         assert granted
         assert device.read_bytes() == struct.pack('i', microseconds)
-        assert str(device) in open_files()  # the system forgets it when the file is closed
+        assert str(device) in open_files()  # the system drops the request when the file is closed
     assert str(device) not in open_files()
 
 

@@ -51,7 +51,7 @@ def test_a_twist_alone_leads_the_tool_on(robot: BaseRobotModel, posture: np.ndar
             movement.put_twist(TWIST, k * DT)
         step = movement.step(k * DT)
         assert step.state is MovementState.FOLLOWING
-    # It gains its speed first: the way is that of the twist but for some milliseconds, and no other.
+    # It gains its speed first: the way is that of the twist except for some milliseconds, and no other.
     behind = moved(start, TWIST, count * DT).error_to(Pose(*robot.direct_kinematics(step.q)))
     lost = -behind[:3] @ TWIST[:3] / (TWIST[:3] @ TWIST[:3])
     assert 0.0 <= lost < 0.1

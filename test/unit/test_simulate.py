@@ -135,7 +135,7 @@ def test_an_override_slows_the_motion_under_way(tmp_path: Path):
     move = 'ptpJointSpaceAngles(40, -90, 90, 0, 90, 0)'
     full, half = (run_text(tmp_path, f'{before} {move}') for before in ('', 'setOverride(0.5)'))
     assert half.motions[0].plan is not None
-    # Twice as long but for smoothing and settling, which the override does not touch.
+    # Twice as long except for smoothing and settling, which the override does not touch.
     assert half.duration == pytest.approx(full.duration + half.motions[0].plan.duration, abs=2 * PERIOD)
 
 

@@ -21,7 +21,7 @@ from written_bags import BAG_START, write_bag
 from .simulated_program import PERIOD, ROBOT, run_text
 
 RATE = 50.0  # Hz, of the sensor
-RADIUS, TURN = 0.05, 2.0  # m and s of the circle that it sees
+RADIUS, TURN = 0.05, 2.0  # m and s of the circle that it measures
 SPEED, ACCELERATION = 4.0 * np.pi * RADIUS / TURN, (4.0 * np.pi / TURN) ** 2 * RADIUS  # highest, m/s, m/s^2
 # The reference of a period is where the robot is at its end, and poses are extrapolated until the next one,
 # with the mean speed since the one before.
@@ -39,7 +39,7 @@ def stamped(k: int) -> int:
 
 
 def circle(time: float) -> Pose:
-    """Where the sensor wants the tool, from where the program brings it."""
+    """Where the sensor leads the tool, from where the program has moved it."""
     r, T = ROBOT_MODEL.direct_kinematics(READY)
     # It starts and ends at rest.
     angle = (

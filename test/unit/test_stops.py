@@ -1,4 +1,4 @@
-"""Stops by faults: category, latch, reset, and a robot that goes on from where it is."""
+"""Stops by faults: category, latch, reset, and a robot that continues from where it is."""
 
 from __future__ import annotations
 

@@ -127,7 +127,7 @@ def points_of(trajectory: Trajectory) -> list[np.ndarray]:
 
 
 class Mutation(NamedTuple):
-    """Something that breaks a sound trajectory, and what of it must be told."""
+    """Something that breaks a sound trajectory, and what must be reported of it."""
 
     told: str
     quantity: int  # of points_of

@@ -98,7 +98,7 @@ def test_forces_change_to_those_of_rolling_without_a_jump_and_stay_so() -> None:
     assert loads[-1] == pytest.approx(MODEL.forces(DEPTH, 0.4).load)
     change = abs(loads[0] - loads[-1]) * 1e-4 / (0.09 * (entry - leave))
     assert np.abs(np.diff(loads)).max() <= 1.01 * change
-    # Lifted and put down again, it begins anew.
+    # Lifted and put down again, it begins again.
     assert wheel.step(tool(1.5, 0.0, -0.01)).forces.load == 0.0
     assert wheel.step(pose).forces.load == pytest.approx(loads[0])
 

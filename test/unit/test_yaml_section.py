@@ -1,4 +1,4 @@
-"""YAML files whose mistakes are told with file and line."""
+"""YAML files whose mistakes are reported with file and line."""
 
 from __future__ import annotations
 

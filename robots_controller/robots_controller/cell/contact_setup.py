@@ -25,7 +25,7 @@ Made = TypeVar('Made')
 
 @dataclass(frozen=True, eq=False)
 class ContactSetup:
-    """What a file says.
+    """A wheel, its soil and its force control.
 
     Attributes:
         wheel: The wheel.
@@ -57,7 +57,7 @@ class ContactSetup:
 
 
 def read_contact(path: Path | str) -> ContactSetup:
-    """The setup of a YAML file; `docs/how_to/wheel_laboratory.md` describes it.
+    """The setup of a YAML file; `docs/reference/contact_and_orbit_files.md` describes it.
 
     Raises:
         InvalidInputError: a file that is missing or not such a setup; names the file and the line.

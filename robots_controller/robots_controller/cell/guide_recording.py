@@ -1,4 +1,4 @@
-"""GuideRecording: what sensors and persons that guided a robot said, read from a bag."""
+"""GuideRecording: the messages with which a sensor or a person guided a robot, read from a bag."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class GuidingMessage:
     Attributes:
         topic: One of `GUIDES`.
         time: When it came.
-        valid: When what it says was so, by its stamp.
+        valid: When its content was valid, by its stamp.
         data: The whole message, serialized; b'' for one that was not recorded.
         value: A `Pose`, a twist (6,) in m/s and rad/s, or the joints' velocities (n,) in rad/s (m/s).
         frame: Of a twist to jog with.

@@ -1,4 +1,4 @@
-"""GuideReplay: when the messages of a recording guide the robot."""
+"""GuideReplay: the times at which the messages of a recording guide the robot."""
 
 import math
 from collections import deque

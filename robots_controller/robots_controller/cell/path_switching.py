@@ -156,7 +156,7 @@ class PathSwitching:
     def finish(self, id_: str, *, ok: bool) -> None:
         """A motion has ended: what is left on a path that led to its end is switched now.
 
-        One that fails takes those with it that were sent after it; motions before it go on to their ends.
+        One that fails takes those with it that were sent after it; motions before it continue to their ends.
         """
         with self._lock:
             if not ok:

@@ -58,7 +58,7 @@ class ControllerPort(Protocol):
     def wait_for_command(self) -> None:
         """Wait until the controller has answered `command`; in the program's thread.
 
-        A motion sent before could be the first of a robot that nobody commands, which cannot be taken then.
+        A motion sent before could be the first of a free robot, which cannot be taken while it moves.
         """
 
     def set_override(self, value: float) -> None:
@@ -108,7 +108,7 @@ class ProgramObserver(Protocol):
         """The program is on another line."""
 
     def held_changed(self) -> None:
-        """The program is held, or goes on."""
+        """The program is held, or continues."""
 
     def ended(self, error: ProgramError | None) -> None:
         """The program has ended."""

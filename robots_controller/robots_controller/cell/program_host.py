@@ -49,7 +49,7 @@ class ProgramHost:
         io_labels: Names of inputs and outputs, see `IoImage`.
         orientation_convention: Order of the angles phi; the robot's own by default.
         planner_timeout: Longest wait of a motion for a planner, s.
-        fail_safe: Values of outputs when no running program answers for them, see `make_outputs_safe`.
+        fail_safe: Values of outputs when no program controls them, see `make_outputs_safe`.
         payload: What the robot carries until its program sets another payload, see `MotionSettings`.
         simulated: Time is simulated.
 
@@ -167,7 +167,7 @@ class ProgramHost:
         return f'{self.program.file} is paused'
 
     def resume(self) -> str:
-        """Let the program go on.
+        """Let the program continue.
 
         Raises:
             ProgramError: no program is held.
@@ -179,7 +179,7 @@ class ProgramHost:
         return f'{self.program.file} goes on'
 
     def step(self, step: Step) -> str:
-        """Let the program go on for one step; one that is open begins and is held before its first line.
+        """Let the program continue for one step; one that is open begins and is held before its first line.
 
         Raises:
             ProgramError: no program is open or held.
@@ -236,7 +236,7 @@ class ProgramHost:
             self.make_outputs_safe()
 
     def run_enabled(self, *, enabled: bool) -> None:
-        """A person holds run, or nobody needs to: otherwise the program is held."""
+        """A person holds run, or run is not needed: otherwise the program is held."""
         self.permission.enabled = enabled
         self.program.set_enabled(enabled=enabled)
         self.reporter.report()
@@ -388,7 +388,7 @@ class ProgramHost:
         self._observer.held_changed()
 
     def interrupted(self) -> None:
-        """See `CellPort`; motions that go on to their ends switch their outputs until then."""
+        """See `CellPort`; motions that continue to their ends switch their outputs until then."""
         self._unsafe = True
         if self.program.stopping or not self.motions.going_on:
             self.make_outputs_safe()

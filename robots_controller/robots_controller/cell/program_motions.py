@@ -75,7 +75,7 @@ class ProgramMotions:
 
     @property
     def going_on(self) -> bool:
-        """Motions are on their way that nobody has stopped."""
+        """Motions are under way that were not stopped."""
         with self._lock:
             return bool(self._sent or self._unsent) and not self._stopping
 

@@ -20,10 +20,10 @@ class RunPermission:
         self.stop_reason = ''
         """The fault that stops the robot until it is reset; '' for none."""
         self.enabled = True
-        """A person holds run, or nobody needs to."""
+        """A person holds run, or run is not needed."""
 
     def commander_changed(self, commander: Commander) -> None:
-        """Who commands the robot."""
+        """The commander of the robot."""
         self._commander = commander
         self._look()
 
@@ -37,7 +37,7 @@ class RunPermission:
 
         Raises:
             CommandRefusedError: another one commands the robot, or the mode excludes programs.
-            ProgramError: a fault stops the robot, or nobody holds run.
+            ProgramError: a fault stops the robot, or run is not held.
         """
         if self.stop_reason:
             raise ProgramError(f'{self.stop_reason}; controller_node/reset lets the robot move again')

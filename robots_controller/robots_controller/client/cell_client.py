@@ -41,6 +41,8 @@ PATIENCE: Final = 10.0  # s
 class CellClient:
     """A client of the live cell in a namespace: commands motions, reads and sets I/O, runs programs.
 
+    For example::
+
         with CellClient() as cell:
             cell.change_settings(speed_fraction=0.3)
             cell.move_joint(cell.robot.home).wait()
@@ -117,7 +119,7 @@ class CellClient:
         node.create_timer(WATCH_PERIOD, self._queue.watch)
 
     def close(self) -> None:
-        """Take back the settings and end the connection; motions that were sent go on."""
+        """Take back the settings and end the connection; motions that were sent continue."""
         if self._planner.differs({}):
             done = threading.Event()
             self._planner.configure({}, lambda _: done.set(), moving=False)
@@ -242,7 +244,7 @@ class CellClient:
 
     @property
     def commander(self) -> Commander:
-        """Who has the robot."""
+        """The commander of the robot."""
         return Commander(self._latched.get('commander', Commander.NOBODY))
 
     @property

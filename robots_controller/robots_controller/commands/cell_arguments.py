@@ -15,7 +15,7 @@ CELL_OPTIONS: Final = (
     *('robot', 'drive', 'scene', 'io', 'io_map', 'rate', 'goal_tolerance', 'tool_speed_limit'),
     *('operating_mode', 'payload', 'references', 'contact', 'orbit', 'guided'),
 )
-"""Names of the options that say what a cell is made of."""
+"""Names of the options that define a cell."""
 FILES: Final = {
     'scene': ('FILE', 'scene with which the robot must not collide (YAML)'),
     'io': ('FILE', 'scripted PLC to play (YAML)'),

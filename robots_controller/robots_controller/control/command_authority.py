@@ -10,13 +10,13 @@ HOLD_TIMEOUT: Final = 0.2  # s
 
 
 class CommandAuthority:
-    """Who commands the robot, in which mode, and whether a person holds run.
+    """The commander of the robot, the operating mode, and whether a person holds the run button.
 
-    One thread takes and gives back; another may ask `enabled`.
+    One thread calls `take` and `give_back`; another one may call `enabled`.
 
     Args:
         mode: The operating mode.
-        hold_timeout: Run counts as held for this long after the last sign of it, s; 0: nobody needs to.
+        hold_timeout: Run counts as held for this long after the last sign of it, s; 0: not needed.
     """
 
     def __init__(
@@ -27,7 +27,7 @@ class CommandAuthority:
         self._hold_timeout = hold_timeout
         self._held_at = -math.inf
         self.commander = Commander.NOBODY
-        """Who commands the robot."""
+        """The commander of the robot."""
 
     def set_mode(self, mode: OperatingMode) -> None:
         """Change the mode, while the robot stands; a commander that it excludes loses the robot."""
@@ -37,7 +37,7 @@ class CommandAuthority:
             self.commander = Commander.NOBODY
 
     def take(self, commander: Commander, *, standing: bool) -> None:
-        """Take the robot, which nobody commands; the one who has it may take it again.
+        """Take a free robot; its commander may take it again.
 
         Args:
             commander: Takes it.
@@ -64,7 +64,7 @@ class CommandAuthority:
         self.commander = Commander.NOBODY
 
     def take_over(self, commander: Commander) -> None:
-        """Take the robot, whoever commands it; the transport stops what moves it.
+        """Take the robot from any commander; the transport stops what moves it.
 
         Raises:
             CommandRefusedError: the mode excludes the commander.
@@ -77,7 +77,7 @@ class CommandAuthority:
         self._held_at = now if held else -math.inf
 
     def enabled(self, now: float) -> bool:
-        """Motions of programs may go on.
+        """Motions of programs may continue.
 
         Args:
             now: Time, s.
@@ -86,7 +86,7 @@ class CommandAuthority:
         return not needed or now - self._held_at <= self._hold_timeout
 
     def stream_enabled(self, now: float) -> bool:
-        """Streams may go on: who jogs holds a key, but what a program lets guide its robot does not."""
+        """Streams may continue. Jogging is held by its key, guidance for a program by the run button."""
         return self.commander is not Commander.PROGRAM or self.enabled(now)
 
     def speed_limit(self, limit: float) -> float:

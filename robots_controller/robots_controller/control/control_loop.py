@@ -42,7 +42,7 @@ class ControlPort(Protocol):
         """A fault holds the robot, the drives are switched, or the robot may move; also at the start."""
 
     def run_enabled(self, *, enabled: bool) -> None:
-        """Motions of programs may go on, or wait for a person who holds run; also at the start."""
+        """Motions of programs may continue, or wait until a person holds run; also at the start."""
 
 
 @dataclass(eq=False)
@@ -125,7 +125,7 @@ class ControlLoop:
         self._mailbox.append(lambda _: self.controller.speed.set_override(value))
 
     def change_caps(self) -> None:
-        """Compute anew how fast the frames may follow the motions that there are."""
+        """Recompute how fast the frames may follow the motions that there are."""
         controller = self.controller
         for coming in list(self._coming):
             coming.cap = controller.speed.cap(coming.trajectory)
@@ -204,7 +204,7 @@ class ControlLoop:
         return controller.step(now, position)
 
     def _look_at_silence(self, silence: float, now: float) -> None:
-        """The drives have braked meanwhile, off the path: the motion does not go on."""
+        """The drives have braked meanwhile, off the path: the motion does not continue."""
         if silence * self._processor_share() > self._watchdog:
             reason = f'the controller was held up for {silence:.3g} s'
             self.controller.trip(Fault.CONTROLLER_HELD_UP, reason, now)

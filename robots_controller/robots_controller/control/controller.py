@@ -200,7 +200,7 @@ class Controller:
             self._motion.failure = reason
 
     def trip(self, fault: Fault, reason: str, now: float, *, stands: bool = False) -> None:
-        """Stop by a fault, as its category says; the robot does not move again before `reset`.
+        """Stop by a fault, in its category; the robot does not move again before `reset`.
 
         Args:
             fault: The fault.

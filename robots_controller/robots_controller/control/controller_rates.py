@@ -21,7 +21,7 @@ class ControllerRates:
 
     Args:
         rate: Cycles per second, Hz.
-        feedback_timeout: Feedback that is older is lost, s: the robot is looked at more often than that.
+        feedback_timeout: Older feedback counts as lost, s; feedback is checked more often than that.
     """
 
     def __init__(self, rate: float, feedback_timeout: float) -> None:

@@ -86,7 +86,7 @@ class Fault(Enum):
     CONTROLLER_HELD_UP = (
         StopCategory.ZERO,
         'see references ended',
-        'controller_node was frozen for longer than `watchdog` while the robot moved, and lives on',
+        'controller_node was frozen for longer than `watchdog` while the robot moved, and continues to run',
         MOVING_ONLY,
     )
     REFERENCE_REFUSED = (

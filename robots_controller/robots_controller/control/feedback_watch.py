@@ -55,7 +55,7 @@ class FeedbackWatch:
         return self.position is None or self._watchdog.lost
 
     def restart(self) -> None:
-        """The reference was set anew."""
+        """The reference was set again."""
         self._anchor = None
 
     def look(self, now: float, feedback: Array | None, reference: Array | None) -> Finding | None:

@@ -12,8 +12,8 @@ from robots_core.motion_result import MotionResult
 from robots_core.validation import Array
 from robots_planning.trajectory import Trajectory
 
-# Two motions join where position, velocity and acceleration are the same, but for rounding in the polynomials
-# of both: rad (m), s.
+# Two motions join where position, velocity and acceleration are the same, except for rounding in both
+# polynomials: rad (m), s.
 JOIN_TOLERANCE = 1e-7
 
 
@@ -75,7 +75,7 @@ class FollowedMotion:
         return all(float(np.abs(own - its).max()) <= JOIN_TOLERANCE for own, its in states)
 
     def join(self, successor: FollowedMotion, join_time: float, *, passes: bool) -> None:
-        """Let another motion go on from a path time on."""
+        """Let another motion continue from a path time on."""
         self.successor, self.join_time, self.passes = successor, join_time, passes
         successor._before = (self, join_time)
         self.slow_down()

@@ -11,10 +11,10 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, positive
 from robots_planning.trajectory import Trajectory
 
-PATH_MARGIN: Final = 0.98  # the rest is what speeds rise between two places
+PATH_MARGIN: Final = 0.98  # the speed may rise by the rest between two places
 STEP: Final = 1e-6  # rad, m: of an axis, for differences of places
 REFRESH: Final = 10  # periods for which a stream's share of the axes' speeds holds
-STREAM_MARGIN: Final = 0.95  # the rest is what the frames' speeds may rise meanwhile
+STREAM_MARGIN: Final = 0.95  # the speeds of the frames may rise by the rest meanwhile
 
 
 class FrameSpeedLimit:
@@ -67,8 +67,8 @@ class FrameSpeedLimit:
         q, q_s, q_ss = trajectory.sample(times)
         places = np.array([self._places(row) for row in q])
         speeds = np.linalg.norm(np.diff(places, axis=0), axis=2) * (count / trajectory.duration)
-        # Speeds are means of intervals. One that changes evenly but for one instant differs from its mean by
-        # at most half of the difference between this interval and one of its neighbours.
+        # Speeds are means of intervals. One that changes evenly except for one instant differs from its mean
+        # by at most half of the difference between this interval and one of its neighbours.
         around = np.abs(np.diff(np.pad(speeds, ((1, 1), (0, 0)), mode='edge'), axis=0))
         fastest = (speeds + 0.5 * np.maximum(around[:-1], around[1:])).max(axis=1)
         limit = PATH_MARGIN * self._limit

@@ -13,7 +13,7 @@ class LimitGuard:
     """Checks every reference against position, velocity and acceleration limits.
 
     Velocity and acceleration are checked twice: as the reference states them, and as the difference to
-    the references before, which is what a drive sees.
+    the references before, which is what acts on a drive.
 
     Args:
         axes: The limits.

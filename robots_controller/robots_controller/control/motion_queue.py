@@ -40,7 +40,7 @@ class MotionQueue:
         Args:
             motion: What to follow.
             reference: Where the robot's reference stands if no motion is followed, (3, n).
-            join_time: Path time of the running motion at which this one goes on in its place, s; below 0:
+            join_time: Path time of the running motion at which this one continues in its place, s; below 0:
                 that of the last motion, from its end, at which this one carries it on; 0: after its end.
 
         Raises:
@@ -144,7 +144,7 @@ class MotionQueue:
 
 
 def _successors(motion: FollowedMotion | None) -> list[FollowedMotion]:
-    """Those that go on from a motion, one after the other."""
+    """Those that continue from a motion, one after the other."""
     found: list[FollowedMotion] = []
     while motion is not None and motion.successor is not None:
         motion = motion.successor

@@ -54,7 +54,7 @@ class PathSpeed:
 
     @property
     def end_speed(self) -> float:
-        """Path time per time, 0..1, at the end of the last period, so far as its change goes on."""
+        """Path time per time, 0..1, at the end of the last period, so far as its change continues."""
         return self._end / self._period
 
     @property

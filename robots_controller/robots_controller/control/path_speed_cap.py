@@ -119,6 +119,6 @@ def _viable(times: Array, allowed: Array, braking: Array, ramp: float, end: floa
                 rest = 1.0 - step * braking[1, node, axis]
                 if rest > 0.0:
                     highest = min(highest, (squares[k + 1] + step * braking[0, node, axis]) / rest)
-        # To go on at the same speed is always possible.
+        # To continue at the same speed is always possible.
         squares[k] = min(squares[k], max(highest, squares[k + 1]))
     return squares

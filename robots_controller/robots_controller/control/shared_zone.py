@@ -47,7 +47,7 @@ class ZoneState:
 
 
 def parse_zone_state(text: str) -> ZoneState:
-    """What `ZoneState.text` wrote.
+    """The state in a text of `ZoneState.text`.
 
     Raises:
         InvalidInputError: another text.
@@ -119,7 +119,7 @@ class SharedZone:
             claim = Claim(self._number, self._life)
         elif not needed and inside is False:
             claim, self.mine = None, False
-        # In this order: who has granted this robot's claim may have claimed the zone since.
+        # In this order: a robot that has granted the claim of this one may have claimed the zone since.
         if claim is not None and all(self._granted_by(name, claim) for name in self._others):
             self.mine = True
         granted = {}

@@ -43,7 +43,7 @@ class SpeedControl:
         self._acceleration, self._ramp_time = axes.acceleration, settings.ramp_time
         self._frame_limit = frame_limit
         self.authority = authority or CommandAuthority()
-        """Who commands the robot, and whether its motions may go on."""
+        """The commander of the robot, and whether its motions may continue."""
         self.zones = zones
         """Whose borders the robot does not cross while they are closed."""
         self.override = 1.0
@@ -110,7 +110,7 @@ class SpeedControl:
 
 
 def refuse_closed(borders: tuple[Border, ...]) -> None:
-    """Refuse a trajectory that crosses a border which nothing opens.
+    """Refuse a trajectory that crosses the border of a zone that is always closed.
 
     Raises:
         TrajectoryRefusedError: it does.

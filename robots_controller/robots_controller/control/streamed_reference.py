@@ -104,7 +104,7 @@ class StreamedReference:
             self.failure, self.stale = None, False
 
     def refuse_stopped(self, now: float) -> None:
-        """A stopped stream may begin anew after a pause: its sender has to notice.
+        """A stopped stream may begin again after a pause: its sender has to notice.
 
         Raises:
             TrajectoryRefusedError: it was stopped, and its points have not paused since.
@@ -122,7 +122,7 @@ class StreamedReference:
             self.failure, self.stale = reason, False
 
     def end(self, now: float, failure: str) -> MotionResult:
-        """Forget the stream; returns its result, '' being no failure."""
+        """Drop the stream; returns its result, '' for success."""
         if failure and not self.stale:
             self._refused_until = now + self.timeout
         self._point, self.failure, self.stale = None, None, False

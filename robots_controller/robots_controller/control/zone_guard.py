@@ -46,7 +46,7 @@ class ZoneGuard:
     Args:
         robot: The robot.
         scene: Its zones, and what is attached to the flange.
-        name: Of this robot for those that share zones; '' if nobody does, as in a simulation.
+        name: Of this robot for those that share zones; '' without such, as in a simulation.
         life: Of this process, see `Claim`.
 
     Raises:

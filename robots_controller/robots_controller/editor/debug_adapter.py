@@ -265,7 +265,7 @@ class DebugAdapter:
     # -- what the program does ----------------------------------------------------------------------
 
     def on_held(self) -> None:
-        """The program is held, or goes on."""
+        """The program is held, or continues."""
         stack, reason = self._program.call_stack, self._program.hold_reason
         self._references = []
         self._stack = stack

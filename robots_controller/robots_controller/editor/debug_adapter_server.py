@@ -56,7 +56,7 @@ class DebugAdapterServer:
                 one.close()
 
     def on_held(self) -> None:
-        """The program is held, or goes on."""
+        """The program is held, or continues."""
         if (adapter := self._adapter) is not None:
             adapter.on_held()
 

@@ -31,7 +31,7 @@ class LuaProgram(ProgramState):
     """A robot program and what it shares with the robot's side; every method is safe from any thread.
 
     The program commands a motion by setting the command state and `motion`, and waits; the robot's side
-    moves the robot and calls `finish_motion`, which sets IDLE and lets the program go on.
+    moves the robot and calls `finish_motion`, which sets IDLE and lets the program continue.
 
     Args:
         num_axes: n.
@@ -148,7 +148,7 @@ class LuaProgram(ProgramState):
         return self._hold('pause')
 
     def resume(self) -> bool:
-        """Let a held program go on.
+        """Let a held program continue.
 
         Returns:
             True if it was held.
@@ -156,7 +156,7 @@ class LuaProgram(ProgramState):
         return self._release(None)
 
     def set_enabled(self, *, enabled: bool) -> None:
-        """Hold the program as long as a person does not hold run, and let it go on when one does."""
+        """Hold the program as long as a person does not hold run, and let it continue when one does."""
         self._enabled = enabled
         if not enabled:
             self._hold('release')
@@ -164,7 +164,7 @@ class LuaProgram(ProgramState):
             self._release(None)
 
     def step(self, step: Step = 'over') -> bool:
-        """Let a held program go on for one step, see `Debugger.step`.
+        """Let a held program continue for one step, see `Debugger.step`.
 
         Returns:
             True if it was held.

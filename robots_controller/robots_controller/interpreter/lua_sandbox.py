@@ -130,7 +130,7 @@ class SandboxHost(Protocol):
         """Hold the program, which looks like this (see `call_stack`)."""
 
     def handled(self, abort: bool) -> None:  # noqa: FBT001  # called from Lua
-        """The handler has ended; the motion under way goes on, or not."""
+        """The handler has ended; the motion under way continues, or not."""
 
 
 @dataclass(frozen=True)

@@ -30,11 +30,11 @@ class ProgramRun:
         source: The program.
         state: What the program shares with its cell.
         cell: The cell.
-        view: What the program sees of the robot.
+        view: The robot as the program reads it.
         debugger: Where to hold.
         hold: Holds the program, if it runs.
-        tell_hold: The robot shall stand on its path, or go on.
-        held: The program is held and looks like this; without frames: it goes on.
+        tell_hold: The robot shall stand on its path, or continue.
+        held: The program is held and looks like this; without frames: it continues.
         line: The program or subprogram calls a robot function on another line, or is held before a line.
     """
 

@@ -32,7 +32,7 @@ class CellIo(ChannelDeclarations):
 
     @property
     def offline(self) -> PlcScript:
-        """The script where nobody publishes the map's topics: its inputs keep their fail-safe values."""
+        """The script for a map whose topics have no publisher: its inputs keep their fail-safe values."""
         silent = {row.channel: row.fail_safe for row in self.io_map.inputs}
         return replace(self.script, initial=MappingProxyType({**self.script.initial, **silent}))
 

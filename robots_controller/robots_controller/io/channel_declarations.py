@@ -1,4 +1,4 @@
-"""ChannelDeclarations: what a file of the cell says of channels, whether it scripts a PLC or maps to one."""
+"""ChannelDeclarations: the sections on channels that a scripted PLC and an I/O map have in common."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class ChannelDeclarations:
 
     Attributes:
         signals: Channels by their names.
-        fail_safe: Values of outputs when no running program answers for them.
+        fail_safe: Values of outputs when no program controls them.
         emergency_stop: Values of digital inputs that stop the robot, by channel.
     """
 

@@ -61,7 +61,7 @@ def emergency_stop_texts(stopping: Mapping[str, int]) -> list[str]:
 
 
 def parse_emergency_stop(texts: Iterable[str]) -> EmergencyInputs:
-    """What `emergency_stop_texts` wrote; an empty text says nothing.
+    """The inputs in texts of `emergency_stop_texts`; empty texts are ignored.
 
     Raises:
         InvalidInputError: not of the form 'digital_input.3=off'.

@@ -1,4 +1,4 @@
-"""Fail-safe values of outputs: what they have when no running program answers for them."""
+"""Fail-safe values of outputs, which they take when no program controls them."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def fail_safe_texts(values: FailSafe) -> list[str]:
 
 
 def parse_fail_safe(texts: Iterable[str]) -> dict[str, float | None]:
-    """What `fail_safe_texts` wrote; an empty text says nothing.
+    """The values in texts of `fail_safe_texts`; empty texts are ignored.
 
     Raises:
         InvalidInputError: not of the form output=value, no output, or a value that it cannot have.

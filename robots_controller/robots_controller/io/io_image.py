@@ -30,7 +30,7 @@ class Channel:
 
     Attributes:
         kind: 'digital' or 'analog'.
-        direction: 'input' or 'output', as the robot program sees it.
+        direction: 'input' or 'output' of the robot program.
         index: Counted from 1.
         label: The name it was given, '' for none.
     """

@@ -125,7 +125,7 @@ def parse_plc_script(text: str, file: str = 'plc.yaml') -> PlcScript:
     rules = tuple(_rule(item, signals) for item in section.sections('rules'))
     section.finish()
     if not (rules or start or declared.fail_safe or declared.emergency_stop):
-        raise section.error('the file says nothing; it needs rules, initial, fail_safe or emergency_stop')
+        raise section.error('the file has no content; it needs rules, initial, fail_safe or emergency_stop')
     return PlcScript(rules, MappingProxyType(start), **vars(declared))
 
 

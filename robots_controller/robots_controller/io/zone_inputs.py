@@ -78,7 +78,7 @@ def closing_texts(closing: Closing) -> list[str]:
 
 
 def parse_closing(texts: Iterable[str]) -> ZoneInputs:
-    """What `closing_texts` wrote; an empty text says nothing.
+    """The inputs in texts of `closing_texts`; empty texts are ignored.
 
     Raises:
         InvalidInputError: not of the form 'digital_input.3=off press'.

@@ -82,7 +82,7 @@ def run_cell(options: argparse.Namespace, console: Console) -> int:
     Raises:
         RobotsError: an unknown robot, a program that is not Lua, or the suite is not installed.
     """
-    # A wrong name and a program that is not Lua are said before anything starts.
+    # A wrong name and a program that is not Lua are reported before anything starts.
     robot = load_robot_model(options.robot)
     if not options.describe:
         show_substitutions(robot, console)

@@ -1,4 +1,4 @@
-"""Events of a running cell: what the monitor hears and the view shows."""
+"""Events of a running cell: what the monitor receives and the view shows."""
 
 from dataclasses import dataclass
 

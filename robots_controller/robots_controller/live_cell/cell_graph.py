@@ -149,7 +149,7 @@ def cell_graph(
     if guided and guided not in METHODS:
         raise OptionError(f'unknown inverse kinematics {guided!r}; valid are {", ".join(METHODS)}')
     tolerance = {} if goal_tolerance is None else {'goal_tolerance': goal_tolerance}
-    # Nobody holds run while time stands still.
+    # The run button is not needed while time stands still.
     held = {'hold_timeout': 0.0} if lockstep else {}
     mode = {'operating_mode': OperatingMode(operating_mode).value, **held}
     capped = {'tool_speed_limit': checked_speed_limit(tool_speed_limit)} if tool_speed_limit else {}

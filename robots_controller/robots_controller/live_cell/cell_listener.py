@@ -94,7 +94,7 @@ class CellListener:
         monitor: Gives the events.
         recorder: Writes the bag; None for none.
         held: A lock-step run has done all that was due at its first instant.
-        problem: Why a lock-step run cannot go on; '' if it can.
+        problem: Why a lock-step run cannot continue; '' if it can.
     """
 
     monitor: CellMonitor

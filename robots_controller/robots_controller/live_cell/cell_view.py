@@ -115,7 +115,7 @@ class CellView:
             self._print(f'  [yellow]{event.node}: {escape(in_degrees(event.message))}[/]')
 
     def _is_news(self, event: NodeHealth) -> bool:
-        """Not said of this node within the last seconds; trouble tends to repeat itself."""
+        """Not printed for this node within the last seconds: the same trouble often repeats."""
         now = time.monotonic()
         last = self._told.get(event.node, -REPEAT_TIME)
         if now - last < REPEAT_TIME:

@@ -14,7 +14,7 @@ CONTEXT: Final = multiprocessing.get_context('forkserver')
 
 
 def start() -> None:
-    """Start the server, unless it runs; it loads while this process goes on."""
+    """Start the server, unless it runs; it loads while this process continues."""
     # A fork keeps no threads, and those of a linear algebra library do not help matrices of this size.
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
     CONTEXT.set_forkserver_preload(['robots_controller.live_cell.loaded_nodes'])

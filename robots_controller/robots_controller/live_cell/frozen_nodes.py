@@ -35,7 +35,7 @@ class FrozenNodes:
         self._watchdogs: dict[str, Watchdog] = {}
 
     def started(self, name: str) -> None:
-        """A node is started anew: its silence counts from its first sign of life on."""
+        """A node is restarted: its silence counts from its first sign of life on."""
         self._watchdogs.pop(name, None)
 
     def look(self, now: float) -> list[str]:

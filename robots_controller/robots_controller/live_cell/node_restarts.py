@@ -23,7 +23,7 @@ class NodeRestarts:
     Args:
         processes: The nodes.
         monitor: Listens to them.
-        console: Where to say it.
+        console: Where restarts are reported.
         fail_safe: Values of outputs that are written while the program's node is dead.
         restarting: Nodes are started again.
     """
@@ -44,7 +44,7 @@ class NodeRestarts:
         self._reasons: dict[str, str] = {}  # by node
 
     def program_reported(self, status: ProgramStatus) -> None:
-        """The program's node said where the program is."""
+        """The program's node has reported its place in the program."""
         self._program = status
 
     def died(self, process: NodeProcess) -> bool:
@@ -73,7 +73,7 @@ class NodeRestarts:
         return started
 
     def _parameters(self, name: str) -> dict[str, Any]:
-        """What the next process of a node goes on from."""
+        """What the next process of a node continues from."""
         match name:
             case 'lua_program_node':
                 return self._of_program()

@@ -71,7 +71,7 @@ class RunningCell:
         self._starting = True
         self._reported = time.monotonic()
         self._foreign = ''
-        """A node of this cell's that lives in another process too."""
+        """A node of this cell that runs in another process too."""
         self.program_ended = False
 
     def others(self) -> str:
@@ -95,7 +95,7 @@ class RunningCell:
         self._listener.release()
         while self._healthy():
             self._show_events()
-            # What was sent before a program fails goes on to its end, and its outputs with it.
+            # What was sent before a program fails continues to its end, and its outputs with it.
             if self.program_ended and self._options.once and self._motion is None:
                 return ExitCode.FAILED if self._failed else ExitCode.OK
         return ExitCode.FAILED

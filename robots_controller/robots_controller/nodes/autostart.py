@@ -21,8 +21,8 @@ NEEDED: Final = ('planning_node', 'controller_node')
 class Autostart:
     """Waits for planner and controller, and starts the program once in each launch.
 
-    A node that a supervisor starts anew does not start its program by itself: nobody stands ready for the
-    robot's motion then.
+    A node that a supervisor restarts does not run its program: people near the robot do not expect it to
+    move then.
 
     Args:
         node: The program's node.

@@ -1,4 +1,4 @@
-"""CommanderServices: who commands the robot and in which mode, as messages of controller_node."""
+"""CommanderServices: the commander of the robot and the operating mode, as messages of controller_node."""
 
 from collections.abc import Callable
 from functools import partial
@@ -27,17 +27,17 @@ def authority_by_parameters(node: RobotNode) -> CommandAuthority:
     timeout = node.parameter(
         'hold_timeout',
         HOLD_TIMEOUT,
-        'in T1 and T2, run counts as held for this long after hold_to_run was true, s; 0: nobody needs to',
+        'in T1 and T2, run counts as held for this long after hold_to_run was true, s; 0: not needed',
         bounds=(0.0, 2.0),
     )
     return CommandAuthority(mode, hold_timeout=timeout)
 
 
 class CommanderServices:
-    """Publishes `commander`, `operating_mode` and `run_enabled`, latched; serves those who take the robot.
+    """Publishes `commander`, `operating_mode` and `run_enabled`, latched, and serves commanders.
 
     For each commander, `~/commander/<name>` takes the robot (true) or gives it back (false), and
-    `~/take_over/<name>` stops the robot and takes it from whoever has it.
+    `~/take_over/<name>` stops the robot and takes it from the present commander.
 
     Args:
         node: The controller's node.
@@ -60,11 +60,11 @@ class CommanderServices:
         self._publish()
 
     def run_enabled(self, *, enabled: bool) -> None:
-        """Motions of programs may go on, or wait."""
+        """Motions of programs may continue, or wait."""
         self._enabled_publisher.publish(Bool(data=enabled))
 
     def give_back(self, commander: Commander) -> None:
-        """A commander is gone: if it has the robot, nobody has it any more."""
+        """A commander is gone: if it has the robot, the robot becomes free."""
         if self._authority.commander is commander:
             self._authority.give_back(commander)
             self._publish()

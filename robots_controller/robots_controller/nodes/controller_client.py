@@ -116,6 +116,6 @@ class ControllerClient:
 
     def _on_commander(self, message: String) -> None:
         commander = Commander(message.data)
-        if commander is Commander.NOBODY and self._taken:  # of a controller that was started anew
+        if commander is Commander.NOBODY and self._taken:  # of a controller that was restarted
             self.command(taken=True)
         self._host.permission.commander_changed(commander)

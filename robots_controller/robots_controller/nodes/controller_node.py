@@ -220,7 +220,7 @@ class ControllerNode(RobotNode):
 
     def stream_refused(self, error: RobotsError, now: float) -> None:
         """See `ControlPort`."""
-        # A refused stream goes on at its rate: one line a second says enough.
+        # A refused stream continues at its rate: one line a second says enough.
         self.journal.error(f'joint_trajectory: {error}', throttle_duration_sec=REFUSAL_PERIOD)
         self._refusal, self._refusal_time = error, now
 

@@ -30,7 +30,7 @@ FRAME: Final = 'tool0'
 class ForceControlNode(RobotNode):
     """Publishes `reference_twist` while the program lets a sensor guide the robot.
 
-    `contact_status` says at all times what must stop the robot.
+    `contact_status` holds at all times what must stop the robot.
     """
 
     phase = Phase.ENVIRONMENT

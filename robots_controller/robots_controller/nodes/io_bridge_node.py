@@ -1,4 +1,4 @@
-"""io_bridge_node: connects inputs and outputs with any topics of a PLC, as a YAML file says."""
+"""io_bridge_node: connects inputs and outputs with any topics of a PLC, by a YAML file."""
 
 import time
 from functools import partial

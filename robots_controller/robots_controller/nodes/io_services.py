@@ -39,10 +39,10 @@ _WANTED: Final[dict[Kind, str]] = {
 class IoServices:
     """Publishes an image at every change, takes inputs from topics, and serves all channels by name.
 
-    Outputs are repeated every `OUTPUT_PERIOD`: their age says whether the robot program's node works.
+    Outputs are repeated every `OUTPUT_PERIOD`: their age shows whether the robot program's node works.
 
     Topics: `digital_inputs`, `analog_inputs` in; `digital_outputs`, `analog_outputs`, the inputs as the
-    program sees them below the node's name, and `forced_inputs` out, all latched.
+    program reads them below the node's name, and `forced_inputs` out, all latched.
     Services: `~/get_io`, `~/set_io`, `~/list_io`, `~/describe_io` with the types of parameter services, and
     `~/digital_input_1/set` and so on. A channel's name with `.force` behind it stands for its forced value;
     set to no value it releases the input.

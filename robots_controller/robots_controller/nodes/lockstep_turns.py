@@ -19,7 +19,7 @@ class LockstepTurns:
         self._turn = participant.create_turn(self._give, phase=Phase.PROGRAM)
 
     def changed(self) -> None:
-        """The waiting program may go on: it gets a turn at this instant."""
+        """The waiting program may continue: it gets a turn at this instant."""
         if self.clock.waiting:
             self._turn.ask(self._participant.time / NANOSECONDS)
 

@@ -153,7 +153,7 @@ class LuaProgramNode(RobotNode):
 
     def _names(self, channel: str) -> tuple[str, ...]:
         text = f'names of the {channel.replace("_", " ")}s, from the first on; an empty one names none'
-        # An empty list would have no type; one empty name says the same.
+        # An empty list would have no type; one empty name means the same.
         return tuple(self.parameter(f'{channel}_names', [''], text))
 
     # -- services -------------------------------------------------------------------------------------
@@ -329,7 +329,7 @@ class LuaProgramNode(RobotNode):
         self.host.make_outputs_safe()
         if self.context.ok():
             self._io.finish()
-        # With a logger ROS forgets its name, which a later node in this process may have.
+        # ROS drops the name of a logger with it, and a later node in this process may have the same name.
         self._print_logger = self.journal
         super().destroy_node()
 

@@ -49,10 +49,10 @@ class PlannerClient(PlannerSettings):
     def listens(self, kind: MotionKind = JOINT) -> bool:
         """A node that publishes `joint_trajectory` is subscribed to a motion's topic.
 
-        The number of subscriptions alone says nothing: a recorder has them too.
+        The number of subscriptions alone shows nothing: a recorder has them too.
         """
         publishers = publishers_of(self._node, 'joint_trajectory')
-        if publishers.keys() - self._planners:  # one that was started anew has its own settings
+        if publishers.keys() - self._planners:  # one that was restarted has its own settings
             self.forget()
         self._planners = {*publishers}
         return not subscribers_of(self._node, kind.topic).isdisjoint(publishers.values())
@@ -90,6 +90,6 @@ class PlannerClient(PlannerSettings):
         self._publishers[command.kind].publish(message)
 
     def followers(self) -> Mapping[bytes, str]:
-        """See `PlannerPort`; by endpoint: a node that was started anew has none of the motions."""
+        """See `PlannerPort`; by endpoint: a node that was restarted has none of the motions."""
         publishers = publishers_of(self._node, 'motion_result')
         return {identity: name.rpartition('/')[2] for identity, name in publishers.items()}

@@ -30,7 +30,7 @@ class PlannerSettings:
         self._original: dict[str, Any] = {}  # ParameterValue by name
 
     def forget(self) -> None:
-        """planning_node was started anew: it has its own settings."""
+        """planning_node was restarted: it has its own settings."""
         self._sent.clear()
         self._original.clear()
 

@@ -18,7 +18,7 @@ IDLE_PERIOD: Final = 3600.0  # s, of a timer that has nothing to do
 
 
 class PlcNode(RobotNode):
-    """Subscribes to the outputs and sets the inputs as a script says.
+    """Subscribes to the outputs and sets the inputs by the rules of a script.
 
     On the wall clock it acts at once. In simulated time it acts as a PLC does, once per cycle, on the outputs
     that have come since the last one, in their order.

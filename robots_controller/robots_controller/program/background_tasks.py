@@ -1,4 +1,4 @@
-"""BackgroundTasks: programs that run beside a robot program, in its thread, whenever they can go on."""
+"""BackgroundTasks: programs that run beside a robot program, in its thread, whenever they can continue."""
 
 import math
 from collections.abc import Callable, Generator
@@ -34,7 +34,7 @@ class BackgroundTasks:
 
     @property
     def next_time(self) -> float:
-        """When a task goes on at the latest, s; infinite for never."""
+        """When a task continues at the latest, s; infinite for never."""
         return min((task.end for task in self._tasks.values()), default=math.inf)
 
     def add(self) -> int:
@@ -44,7 +44,7 @@ class BackgroundTasks:
         return self._added
 
     def begin(self, number: int) -> None:
-        """A task can go on for the first time."""
+        """A task can continue for the first time."""
         self._tasks[number].ready = lambda: True
 
     def end(self, number: int) -> None:
@@ -52,12 +52,12 @@ class BackgroundTasks:
         self._tasks.pop(number, None)
 
     def next(self) -> int | None:
-        """A task that can go on, the one that started first before the others; None if there is none."""
+        """A task that can continue, the one that started first before the others; None if there is none."""
         now = self._clock.now() if self._tasks else 0.0
         return next((n for n, task in self._tasks.items() if now >= task.end or task.ready()), None)
 
     def run(self, number: int) -> None:
-        """A task goes on; without a wait it goes on again after a period."""
+        """A task continues; without a wait it continues again after a period."""
         self.current = number
         task = self._tasks[number]
         task.ready, task.end, task.calls = lambda: False, self._clock.now() + CALLS_PERIOD, 0
@@ -79,7 +79,7 @@ class BackgroundTasks:
     def waiting(
         self, ready: Callable[[], bool], duration: float | None = None
     ) -> Generator[None, None, bool]:
-        """Wait for a condition, as `ProgramState.waiting`; yields where others shall go on."""
+        """Wait for a condition, as `ProgramState.waiting`; yields where others shall continue."""
         assert self.current is not None
         task = self._tasks[self.current]
         end = math.inf if duration is None else self._clock.now() + duration

@@ -88,7 +88,7 @@ class CellPort(Protocol):
         """
 
     def hold(self, *, held: bool) -> None:
-        """Stop the robot on its path, or let it go on; from any thread."""
+        """Stop the robot on its path, or let it continue; from any thread."""
 
     def set_override(self, value: float) -> None:
         """Scale the speed of all motions, 0..1."""
@@ -101,7 +101,7 @@ class CellPort(Protocol):
 
     @property
     def simulated(self) -> bool:
-        """Time is simulated: nobody lets a held program go on, and no value is kept after the run."""
+        """Time is simulated: a held program continues at once, and no value is kept after the run."""
 
     def printed(self, text: str, line: int) -> None:
         """The program printed a text on a line."""
@@ -113,10 +113,10 @@ class CellPort(Protocol):
         """The program calls a robot function on another line than before, or is held before a line."""
 
     def held_changed(self) -> None:
-        """The program is held (`LuaProgram.call_stack` shows where), or goes on."""
+        """The program is held (`LuaProgram.call_stack` shows where), or continues."""
 
     def interrupted(self) -> None:
-        """The program fails or is stopped: called before its run state says so."""
+        """The program fails or is stopped: called before its run state changes."""
 
     def ended(self, error: ProgramError | None) -> None:
         """The program has ended: None, or why it failed. `LuaProgram.run_state` distinguishes a stop."""

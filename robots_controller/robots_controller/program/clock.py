@@ -1,4 +1,4 @@
-"""Clock: the time a robot program lives in, the wall's or a simulation's."""
+"""Clock: the time of a robot program, the wall's or a simulation's."""
 
 import math
 import threading
@@ -35,7 +35,7 @@ class Clock(Protocol):
         """The program has begun in its thread; a clock shared in turns lets it work until it waits."""
 
     def program_ended(self) -> None:
-        """The program has ended: it waits no more."""
+        """The program has ended and does not wait any longer."""
 
     def called(self) -> None:
         """The program calls a robot function; on a clock that stands while it computes, time may pass."""
@@ -57,7 +57,7 @@ class WallClock:
         return time.monotonic()
 
     def wait(self, condition: threading.Condition, deadline: float | None) -> None:
-        """Wait as `Clock.wait` says."""
+        """See `Clock.wait`."""
         if deadline is None:
             condition.wait()
         else:

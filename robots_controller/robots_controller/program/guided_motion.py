@@ -35,11 +35,11 @@ class GuidedMotion:
         self._wanted = self._guide = Guide.NONE
 
     def run(self, guide: Guide, ended: Callable[[], bool], duration: float) -> Generator[None, None, bool]:
-        """Hand the robot over until the program shall go on, and wait until it stands again.
+        """Hand the robot over until the program shall continue, and wait until it stands again.
 
         Args:
             guide: SENSOR or PERSON.
-            ended: The program shall go on.
+            ended: The program shall continue.
             duration: Longest time of it, s; braking comes after that.
 
         Returns:
@@ -73,7 +73,7 @@ class GuidedMotion:
             yield from self._standstill(guide)
 
     def handled(self, *, abort: bool) -> None:
-        """The handler of an input has ended: guidance goes on, or ends."""
+        """The handler of an input has ended: guidance continues, or ends."""
         if abort:
             self._wanted = Guide.NONE
         elif self._wanted is not self._guide:

@@ -1,4 +1,4 @@
-"""What a robot program sees of the robot, and where its last motion leads."""
+"""The robot as a program reads it, and where its last motion leads."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from robots_core.validation import Array
 
 @dataclass(frozen=True)
 class RobotView:
-    """The robot as a program sees it.
+    """The robot as a program reads it.
 
     Attributes:
         convention: Order of the orientation angles.

@@ -46,7 +46,7 @@ class PathSwitches:
         self._waiting = [item for item in self._waiting if item[2] not in commands]
 
     def delay(self, now: float, progress: float) -> float | None:
-        """Seconds until the next switch is due, if the robot goes on as between the last two calls.
+        """Seconds until the next switch is due, if the robot continues as between the last two calls.
 
         Calls may come late and then one upon the other: the robot is taken for no faster than planned.
 

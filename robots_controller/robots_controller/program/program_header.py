@@ -1,4 +1,4 @@
-"""ProgramHeader: what a robot program says at its top about the cell that it is for."""
+"""ProgramHeader: the cell of a robot program, from the comments at its top."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class ProgramHeader:
     one line or several.
 
     Attributes:
-        robot: The robot's name; '' where nothing is said.
+        robot: The robot's name; '' if the header has none.
         scene: What the robot keeps clear of (YAML); '' for nothing.
         io: Script of the PLC that the program works with (YAML); '' for none.
         references: Recording of what guides the robot (see `read_guide_recording`); '' for none.
@@ -73,7 +73,7 @@ class ProgramHeader:
 
 
 def read_program_header(program: Path | str) -> ProgramHeader:
-    """Read what a program says about its cell.
+    """Read the cell of a program from its header.
 
     Args:
         program: Lua robot program; its header names files as seen from its folder.

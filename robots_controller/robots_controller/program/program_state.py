@@ -27,7 +27,7 @@ class ProgramState:
     """Command state, motion, reference pose, I/O images and overrides, safe from any thread.
 
     One condition variable guards all changes and wakes all waiting threads; a stop interrupts every wait.
-    What the attributes say may be read at any time; methods change it.
+    The attributes may be read at any time; methods change them.
 
     Args:
         num_axes: n.
@@ -86,7 +86,7 @@ class ProgramState:
         return self.run_state in (RunState.RUNNING, RunState.PAUSED)
 
     def set_run_state(self, state: RunState) -> None:
-        """Set what the program does; beginning to run forgets an earlier stop."""
+        """Set what the program does; beginning to run clears an earlier stop."""
         with self.condition:
             if state is RunState.RUNNING and self.run_state is not RunState.PAUSED:
                 self.stopping = False
@@ -122,7 +122,7 @@ class ProgramState:
             return True
 
     def set_braked(self, *, braked: bool) -> None:
-        """Hold the motion under way for the handler of an input, or let it go on."""
+        """Hold the motion under way for the handler of an input, or let it continue."""
         with self.condition:
             self.braked = braked
             self.condition.notify_all()
@@ -162,7 +162,7 @@ class ProgramState:
                 raise ProgramStopped
 
     def needs_attention(self) -> bool:
-        """The program is paused, the handler of an input is due, a task can go on, or the alarm is due.
+        """The program is paused, the handler of an input is due, a task can continue, or the alarm is due.
 
         Raises:
             ProgramStopped: the program shall stop.
@@ -273,7 +273,7 @@ class ProgramState:
             self.reference_cartesian_position = reference_pose
 
     def finish_motion(self, error: RobotsError | None = None, command: MotionCommand | None = None) -> None:
-        """End a motion: the program goes on, or gets the error; IDLE again after the last one.
+        """End a motion: the program continues, or gets the error; IDLE again after the last one.
 
         Args:
             error: Why the robot does not stand at the target.

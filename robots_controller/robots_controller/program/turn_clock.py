@@ -10,7 +10,7 @@ NANOSECONDS: Final = 1_000_000_000
 CALLS_PER_PERIOD: Final = 200
 # Counted, not timed, so that each run is the same; in a live cell they take less than a millisecond.
 INSTRUCTIONS_PER_PERIOD: Final = 50_000
-# Computing between two calls takes no time; a program that goes on for longer waits in a loop for a change.
+# Computing between two calls takes no time; a program that continues for longer waits in a loop for a change.
 SPELLS_WITHOUT_TIME: Final = 20
 CALLS_PERIOD: Final = 0.004  # s
 
@@ -45,7 +45,7 @@ class TurnClock:
         self._spells = 0
         self._computed_at = -1
         self.busy = False
-        """The program that waits lets time pass alone, and could go on."""
+        """The program that waits lets time pass alone, and could continue."""
 
     @property
     def deadline_stamp(self) -> float:

@@ -49,7 +49,7 @@ def check_program(path: Path | str, sizes: Sizes) -> tuple[ProgramProblem, ...]:
 
     Found are errors of syntax, functions that do not exist, variables without a value, wrong numbers of
     arguments, indices, words and options that are not valid, comparisons that are always false, and
-    subprograms that are not there. What a program computes is not known: of such arguments nothing is said.
+    subprograms that are not there. Arguments that a program computes are not known, and not checked.
 
     Args:
         path: The program.

@@ -200,7 +200,7 @@ def _compare(
     if tolerance.mode == 'changes':
         recorded, expected = (_changes(messages, tolerance) for messages in (recorded, expected))
     for is_, should in zip(recorded, expected, strict=False):
-        # State at time zero fits whatever was said in the first moments after it.
+        # The state at time zero matches any message in the first moments after it.
         late = max(is_.time, 0.0) - max(should.time, 0.0)
         if difference := _field_difference(topic, is_, should, tolerance):
             return difference

@@ -11,7 +11,7 @@ def bag_qos(*, latched: bool, reliable: bool = True, depth: int = 1) -> Qos:
     """The profile of a publisher.
 
     Args:
-        latched: Who comes late gets the last message.
+        latched: A subscriber that comes later gets the last message.
         reliable: Every message arrives.
         depth: How many messages it keeps.
     """

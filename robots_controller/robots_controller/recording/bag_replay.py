@@ -15,7 +15,7 @@ class ReplayPlan:
 
     Attributes:
         topics: By the names under which they are published.
-        state: What latched topics said before the beginning: (topic, serialized message).
+        state: Last messages of latched topics before the beginning: (topic, serialized message).
         timeline: (s from the beginning, topic, serialized message), in order.
     """
 
@@ -42,8 +42,8 @@ def replay_plan(
     Args:
         bag: The bag.
         rate: Times faster than recorded.
-        start: Where to begin, s after the first message; what latched topics said before is their state.
-            At 0 the beginning is the first message that is not latched.
+        start: Where to begin, s after the first message. The last messages of latched topics before it are
+            their state. At 0 the beginning is the first message that is not latched.
         topics: Those to publish; all by default.
         remaps: New names of topics.
 

@@ -47,21 +47,21 @@ class _Extent:
 
 
 class _LastingMcap(McapWriter):
-    """Writes the file's end after every flush, and goes on over it."""
+    """Writes the file's end after every flush; the next messages overwrite it."""
 
     def __init__(self, path: Path, compression: CompressionMode) -> None:
         super().__init__(path, compression)
-        # What could not be written must not be tried again behind our back.
+        # Unbuffered: a buffer would try again later to write what has failed.
         self.bio = self.bio.detach()  # type: ignore[assignment]
         self._extents = deque([self._extent()], maxlen=MOST_BACK)
 
     def close_chunk(self) -> None:
-        """Write the messages that have come."""
+        """Write the messages received so far."""
         self._write_at_once(super().close_chunk)
         self._extents.append(self._extent())
 
     def close(self, version: int, metadata: str) -> None:
-        """Write what has come and the end of the file; more may follow."""
+        """Write the messages received so far and the end of the file; more may follow."""
         length = 0
 
         def write() -> None:

@@ -68,8 +68,8 @@ def late_references(rows: JointRows) -> Array:
     """How late each reference of a moving robot came after the one before, (k,) s; 0 for those in time.
 
     Stamps are the instants when references were due: multiples of the controller's period, with gaps where
-    messages were lost. A controller that was held up goes on from where it was: its references follow each
-    other by one period whatever the clock says.
+    messages were lost. A controller that was held up continues from where it was: its references follow each
+    other by one period on any clock.
 
     Args:
         rows: References with positions and velocities, at least one.

@@ -69,7 +69,7 @@ class MessageRows:
         """What `fill` was given for messages of anybody; None where they differ in anything else.
 
         Args:
-            messages: k, serialized, the first like the template but for what was filled in.
+            messages: k, serialized, the first like the template except for what was filled in.
 
         Returns:
             (k,) stamps in ns, 0 without a header; and for each group (k, size).

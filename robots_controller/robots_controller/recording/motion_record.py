@@ -240,7 +240,7 @@ def status_values(status: Any) -> dict[str, str]:
 
 
 class _Timeline:
-    """What statuses said, by time.
+    """Values of statuses, by time.
 
     Args:
         messages: (time in s, status), in order.
@@ -289,7 +289,7 @@ def _command(
 
 def _trajectory(message: Any, robot: BaseRobotModel) -> Trajectory:
     columns = joint_columns(message.joint_names, robot, f'joint_trajectory {_stamp_id(message)}')
-    # The first point's time says where it goes on from the running motion.
+    # The first point's time is where it continues from the running motion.
     time = np.array([seconds(point.time_from_start) for point in message.points])
     position, velocity, acceleration = (
         np.array([getattr(point, name) for point in message.points])[:, columns]

@@ -131,7 +131,7 @@ def _places(run: RecordedRun) -> Iterable[tuple[str, int]]:
 
 
 def _joined(spans: Iterable[Span]) -> Iterable[Span]:
-    """Neighbours of one line and activity as one."""
+    """Join neighbouring spans of the same line and activity."""
     for _, group in groupby(spans, key=lambda span: (span.file, span.line, span.activity)):
         first, *others = group
         yield replace(first, end=others[-1].end) if others else first

@@ -76,6 +76,6 @@ def zone_distances(
 
 
 def _tool_positions(signals: RunSignals, motion: MotionRecord, part: slice) -> Array:
-    """Where the references have the motion's tool, (k, 3) m."""
+    """Positions of the motion's tool according to the references, (k, 3) m."""
     r, T = (values[part] for values in signals.flange_reference)
     return np.asarray(r + T @ motion.settings.tool_pose.r)

@@ -62,7 +62,7 @@ class RecordedRun:
         motions: In order.
         program: Where the program was, by time.
         io: The channels in the bag.
-        distance: (time, smallest distance in m), (k, 2), as watched while it ran; empty if nobody watched.
+        distance: (time, smallest distance in m), (k, 2), of `collision_node`; empty if it did not run.
         duration: Of the program, s.
         program_state: How it ended.
         program_error: Why it failed, or ''.

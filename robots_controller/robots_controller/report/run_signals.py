@@ -107,7 +107,7 @@ def _steps(run: RecordedRun) -> tuple[Array, Array]:
     No acceleration is made of steps over a gap.
     """
     q = run.reference[0]
-    # A controller that was held up goes on from where it was: to the drives that is one period.
+    # A controller that was held up continues from where it was: to the drives that is one period.
     ticks = np.maximum(np.round(np.diff(run.time) / run.period), 1.0)
     step = (run.period * ticks - run.late[1:])[:, None]
     rate = np.diff(q, axis=0) / step

@@ -1,4 +1,4 @@
-"""InProcessCell: the cell in one process, but for its drives and its PLC."""
+"""InProcessCell: the cell in one process, except for its drives and its PLC."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -201,7 +201,7 @@ class InProcessCell:
         self._deliver()
 
     def work(self) -> None:
-        """Let the program work and the planner plan, until only time lets them go on.
+        """Let the program work and the planner plan, until only time lets them continue.
 
         The program starts with the first call: it finds a robot that stands, and its position.
         """
@@ -226,7 +226,7 @@ class InProcessCell:
         """Leave out periods of a robot that stands; returns how many, 0 if there are too few.
 
         Args:
-            until: When something happens that is not of this cell, s since the start; finite.
+            until: Time of the next event outside of this cell, s since the start; finite.
         """
         # A line is reported some periods after it was reached, not after its wait.
         if self._host.reporter.due or self.control.pending:
@@ -350,7 +350,7 @@ class InProcessCell:
             self._guard.progress(progress)
 
     def stream_refused(self, error: RobotsError, now: float) -> None:
-        """See `ControlPort`; a stopped sender goes on sending, as in a live cell."""
+        """See `ControlPort`; a stopped sender keeps sending, as in a live cell."""
 
     def stop_changed(self, state: StopState) -> None:
         """See `ControlPort`."""
@@ -359,7 +359,7 @@ class InProcessCell:
             self._mail.append(lambda: self._stopped(state.reason))
 
     def run_enabled(self, *, enabled: bool) -> None:
-        """See `ControlPort`; in a simulation nobody needs to hold run."""
+        """See `ControlPort`; a simulation needs no run button."""
         self.log.value('run_enabled', enabled)
 
     def _stopped(self, reason: str) -> None:
@@ -386,7 +386,7 @@ class InProcessCell:
         self.control.request(request)
 
     def command(self, *, taken: bool) -> None:
-        """See `ControllerPort`; nobody else is there."""
+        """See `ControllerPort`; there is no other commander."""
         if taken:
             self._authority.take(Commander.PROGRAM, standing=self.control.at_rest)
         else:

@@ -151,7 +151,7 @@ class SimulatedCell:
 
     def _guard_against_deadlocks(self) -> None:
         cell = self._cell
-        if cell.changed:  # the program may go on
+        if cell.changed:  # the program may continue
             return
         now = cell.clock.elapsed
         reason = self._deadlocks.reason(

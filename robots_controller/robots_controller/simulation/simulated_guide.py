@@ -170,7 +170,7 @@ class SimulatedGuide:
         active, command = self._jogging.active, message.value
         assert isinstance(command, np.ndarray)
         age, now = (message.time - message.valid) / NANOSECONDS, message.time / NANOSECONDS
-        with contextlib.suppress(RobotsError):  # jogging goes on, as in a live cell
+        with contextlib.suppress(RobotsError):  # jogging continues, as in a live cell
             if message.topic == 'teach_joints':
                 self._jogging.jog_axes(command, age, now)
             else:

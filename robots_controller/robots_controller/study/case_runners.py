@@ -57,7 +57,7 @@ def run_on_scheduler(cases: Sequence[StudyCase], address: str) -> Iterator[Resul
         address: tcp://host:port.
 
     Raises:
-        RobotsError: nobody answers there.
+        RobotsError: no scheduler answers there.
     """
     import distributed  # noqa: PLC0415  # starts threads
 

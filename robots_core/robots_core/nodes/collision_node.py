@@ -40,7 +40,7 @@ LEVELS = {'ok': DiagnosticStatus.OK, 'warning': DiagnosticStatus.WARN, 'error': 
 class CollisionNode(RobotNode):
     """Publishes `collision_status` and `min_distance`, and stops the controller when the margin is undercut.
 
-    Every `joint_trajectory` goes to a `CollisionGuard`, which sees the robot `rate` times a second.
+    Every `joint_trajectory` goes to a `CollisionGuard`, which checks the robot `rate` times a second.
     """
 
     def __init__(self, **options: Any) -> None:

@@ -29,7 +29,7 @@ class WatchedScene:
         self.scene = scene_by_parameter(node) if scene is None else scene
         on_change(self.scene)
         self._on_change = on_change
-        # Who publishes several objects one by one must not lose any; what is latched reaches the other one.
+        # COMMAND loses none of several objects that are sent one by one; STATE receives what is latched.
         for qos in (COMMAND, STATE):
             node.create_subscription(MarkerArray, 'collision_objects', self._on_objects, qos)
 

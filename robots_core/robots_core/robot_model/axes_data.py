@@ -37,7 +37,7 @@ class AxesData:
         gear_ratio: Motor revolutions per joint revolution; NaN where not published.
         rotor_inertia: Motor inertia at the motor side, kg m^2; 0 where not published.
         coulomb_friction: Friction of a sliding axis, N m (N), at the joint; 0 where not published.
-        viscous_friction: What friction grows with speed, N m s/rad (N s/m), at the joint; likewise.
+        viscous_friction: Increase of friction with speed, N m s/rad (N s/m), at the joint; likewise.
         prismatic: True for an axis that slides.
 
     Raises:

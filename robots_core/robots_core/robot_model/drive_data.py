@@ -12,7 +12,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, read_only
 
-# The rule for drives nobody publishes figures of: a speed control of this bandwidth on the inertia that the
+# The rule for drives without published figures: a speed control of this bandwidth on the inertia that the
 # effort accelerates at the acceleration limit; the position control and the integrator five times slower.
 DEFAULT_SPEED_BANDWIDTH: Final = 2.0 * np.pi * 20.0  # rad/s
 DEFAULT_SLOWER: Final = 5.0

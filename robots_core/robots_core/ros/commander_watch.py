@@ -1,4 +1,4 @@
-"""CommanderWatch: who commands the robot and in which mode, as controller_node says."""
+"""CommanderWatch: the commander of the robot and the operating mode, as controller_node publishes them."""
 
 from std_msgs.msg import String
 
@@ -15,15 +15,15 @@ class CommanderWatch:
     """Follows `commander`, `operating_mode` and `guide`; without a controller everyone may command.
 
     Args:
-        node: Who watches.
+        node: The node that subscribes.
     """
 
     def __init__(self, node: RobotNode) -> None:
         self._program = f'{node.get_namespace().rstrip("/")}/{PROGRAM_NODE}'
         self.commander = Commander.NOBODY
-        """Who commands the robot."""
+        """The commander of the robot."""
         self.mode: OperatingMode | None = None
-        """The operating mode; None before the controller has said it."""
+        """The operating mode; None before the controller has published it."""
         self.guide: Guide | None = None
         """What the program lets guide its robot; None without a program's node."""
         node.create_subscription(String, 'commander', self._on_commander, STATE)

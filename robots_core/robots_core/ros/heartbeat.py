@@ -23,7 +23,7 @@ PERIOD: Final = 0.04  # s
 class Heartbeat:
     """Publishes `~/heartbeat` from a thread of its own: callbacks that take long do not hold it up.
 
-    Its number is that of the process: one that was started anew has another.
+    Its number is that of the process: one that was restarted has another.
 
     In simulated time none is needed: lock-step misses a lost process by itself.
 
@@ -59,7 +59,7 @@ class HeartbeatWatch:
     In simulated time, and with a timeout of 0, none is ever lost.
 
     Args:
-        node: Who watches.
+        node: The node that watches.
         names: Names of the nodes, in the namespace of this one.
         timeout: See `Watchdog`, s.
         on_change: Called with a node's name and, when it is lost, a reason for a person; '' when it is back.

@@ -55,7 +55,7 @@ def _functions() -> tuple[Any, Any]:
 
 
 def publishers_are_identified() -> bool:
-    """Whether the middleware is one that says whose a message is."""
+    """Whether the middleware identifies the publisher of a message."""
     return get_rmw_implementation_identifier() in IDENTIFYING
 
 

@@ -11,7 +11,7 @@ def end_at_once_while_loading() -> None:
     """Let Ctrl-C and terminate end the process of a node, which has done nothing yet, without a word.
 
     Python's own way, an exception, is lost in imports that are tried with `except BaseException`, as trimesh
-    tries many: the node would go on without the import and without having been interrupted. `run` has the
+    tries many: the node would continue without the import and without having been interrupted. `run` has the
     signals from when it is called. Processes of other names, such as `cell`, are left alone.
     """
     if sys.argv[0].endswith(('_node', '_nodes')):

@@ -287,7 +287,7 @@ class RobotNode(TimedNode):
             self.refuse(topic, error, stream=stream)
 
     def refuse(self, topic: str, error: RobotsError, *, stream: bool = False) -> None:
-        """Log and report bad input on a topic; the node goes on.
+        """Log and report bad input on a topic; the node continues.
 
         Args:
             topic: Where it came from.

@@ -73,7 +73,7 @@ def run_nodes(make_nodes: Sequence[Callable[[], TimedNode]], args: list[str] | N
             for node in nodes:
                 executor.add_node(node)
             heartbeats = [Heartbeat(node) for node in nodes if not node.simulated_time]
-            gc.freeze()  # what is there now lives as long as the node
+            gc.freeze()  # what exists now is kept as long as the node
             together = _reported_together(nodes)
             while nodes[0].context.ok() and not stopping.is_set():
                 with together():

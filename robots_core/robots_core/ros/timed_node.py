@@ -94,7 +94,7 @@ class TimedNode(Node):
             self.context.try_shutdown()
 
     def held_up(self, silence: float) -> None:
-        """The process gave no sign of life for so long (s) and lives on; from the heartbeat's thread."""
+        """The process gave no sign of life for so long (s), and runs again; from the heartbeat's thread."""
 
     def start_loop(
         self,

@@ -12,7 +12,7 @@ from robots_planning.commands.command_queue import CommandChain, CommandQueue, Q
 from robots_planning.commands.motion_chain import ChainPlan, MotionChain, OpenEnd
 from robots_planning.pathplanning import PathPlanning
 
-# A motion that goes on from the running one does so this much later, which planning and messages take.
+# A motion that continues from the running one does so this much later, which planning and messages take.
 REPLACE_LEAD = 0.15  # s
 
 

@@ -12,8 +12,8 @@ from robots_planning.motion_settings import MotionSettings
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import Target
 
-# Motions that are planned at once. In a longer chain the next plan goes on from the middle of them; a program
-# has more than one and a half as many commands on their way.
+# Motions that are planned at once. In a longer chain the next plan continues from the middle of them; a
+# program has more than one and a half as many commands on their way.
 WINDOW: Final = 32
 
 
@@ -42,7 +42,7 @@ class CommandChain:
 
     Attributes:
         commands: One or several that blend, in their order.
-        goes_on: More are there that the last one blends into; their plan goes on from this one.
+        goes_on: More are there that the last one blends into; their plan continues from this one.
     """
 
     commands: tuple[QueuedCommand, ...]
@@ -82,7 +82,7 @@ class CommandQueue:
     """Collects blended commands to chains, and holds what runs. Safe to call from any thread.
 
     A motion that fails takes all with it that were commanded before it ended: after a stop the robot stands
-    until somebody commands it anew.
+    until somebody commands it again.
     """
 
     def __init__(self) -> None:
@@ -117,7 +117,7 @@ class CommandQueue:
             return chain
 
     def chains(self, settings: MotionSettings) -> bool:
-        """A command with these settings may go on in the chain of those held: the payload is the same."""
+        """A command with these settings may continue in the chain of those held: the payload is the same."""
         with self._lock:
             return not self._held or self._held[-1].settings.payload == settings.payload
 
@@ -173,7 +173,7 @@ class CommandQueue:
             return True
 
     def replaced(self, motion: RunningMotion) -> None:
-        """A motion goes on in the place of this one: what follows starts at that one's end."""
+        """A motion continues in the place of this one: what follows starts at that one's end."""
         with self._lock:
             self._running.pop(motion.id, None)
             self._known.difference_update(motion.ends)
@@ -198,7 +198,7 @@ class CommandQueue:
             return motion
 
     def forget(self) -> None:
-        """Nobody follows any motion: the controller is gone."""
+        """The controller is gone and follows no motion."""
         with self._lock:
             self._give_up()
             self._given_up.clear()

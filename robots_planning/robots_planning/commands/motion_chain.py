@@ -57,8 +57,8 @@ class ChainPlan:
         commands: Those in it, in order.
         motion: Their motion.
         ends: When each is done with, s of it.
-        open_end: Where another plan may go on; None if none does.
-        join_time: Where it goes on from another plan, s; see `MotionPlannerPort.send`.
+        open_end: Where another plan may continue; None if none does.
+        join_time: Where it continues from another plan, s; see `MotionPlannerPort.send`.
         stop: Why the chain stops before it, for a person; '' if it does not.
     """
 
@@ -71,7 +71,7 @@ class ChainPlan:
 
     @property
     def id(self) -> str:
-        """The motion's own: that of the last command before another plan may go on."""
+        """The motion's own: that of the last command before another plan may continue."""
         return self.commands[-1 if self.open_end is None else -1 - len(self.open_end.commands)].id
 
     @property
@@ -113,7 +113,7 @@ class MotionChain:
             return ChainPlan(commands, motion, (motion.duration,))
         paths = self._paths(commands, q_start)
         plans: list[tuple[Trajectory, tuple[float, ...], OpenEnd | None]] = []
-        # A blend of ways that lead back almost on themselves may leave no speed; then it stops.
+        # A blend at a corner that leads almost straight back may permit no speed; then the chain stops there.
         with contextlib.suppress(PlanningError):
             if paths:
                 path, corners = self._blended(commands, paths)
@@ -246,7 +246,7 @@ class MotionChain:
 def _opened(
     chain: CommandChain, timed: TimedPath, corners: Array, paths: Sequence[JointPath]
 ) -> tuple[Trajectory, tuple[float, ...], OpenEnd | None]:
-    """The trajectory of a chain, the ends of its commands but the last, and its open end if it goes on."""
+    """The trajectory of a chain, the ends of its commands but the last, and its open end if it continues."""
     trajectory, ends = timed.trajectory, timed.times_of(corners).tolist()
     count = len(chain.commands) // 2
     if not chain.goes_on or count == 0:

@@ -74,9 +74,9 @@ class MotionPlannerPort(Protocol):
 class MotionPlanner:
     """Plans commands in their order; one that comes while the robot moves follows the motions before it.
 
-    A command that cannot be planned ends with a result that says why; what becomes of a planned motion is the
-    controller's to report. Called by one thread, but for the work that it submits. See the paper's section 3
-    for `trigger`.
+    A command that cannot be planned ends with a result that gives the reason; the controller reports the
+    result of a planned motion. Called by one thread, except for the work that it submits. See the paper's
+    section 3 for `trigger`.
 
     Args:
         planning: Plans.

@@ -322,7 +322,7 @@ class PlanningNode(RobotNode):
                 self.ready()
 
     def _reference_publishers(self) -> set[bytes]:
-        # By identity: a controller that was started anew has none of the motions.
+        # By identity: a controller that was restarted has none of the motions.
         return {*publishers_of(self, 'joint_reference')}
 
     def destroy_node(self) -> None:

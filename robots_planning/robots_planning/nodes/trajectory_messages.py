@@ -18,7 +18,7 @@ BASE_FRAME = 'base'
 def trajectory_from_message(message: JointTrajectory, names: Sequence[str]) -> Trajectory:
     """The trajectory of a message, joints matched by name.
 
-    A first point at another time than 0 means that the trajectory goes on from another (see `join_time`).
+    A first point at another time than 0 means that the trajectory continues from another (see `join_time`).
 
     Raises:
         InvalidInputError: missing joints, points without velocity or acceleration, or values that make
@@ -30,7 +30,7 @@ def trajectory_from_message(message: JointTrajectory, names: Sequence[str]) -> T
 
 
 def join_time(message: JointTrajectory) -> float:
-    """Where a message's trajectory goes on from another, s; 0 if it does not.
+    """Where a message's trajectory continues from another, s; 0 if it does not.
 
     It is the time of its first point. Above 0 the trajectory takes the place of the running motion and counts
     time as that one does. Below 0 it carries on the last motion and counts time from that one's end.
@@ -47,7 +47,7 @@ def trajectory_message(
         trajectory: What to do.
         names: The joints.
         stamp: The command's id.
-        join_time: Where the trajectory goes on from another, s; see the function of this name.
+        join_time: Where the trajectory continues from another, s; see the function of this name.
     """
     message = JointTrajectory(joint_names=names)
     message.header.stamp = stamp

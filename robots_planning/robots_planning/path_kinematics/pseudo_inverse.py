@@ -12,7 +12,7 @@ SINGULAR = 1e-9
 # Ratio of the entries on the diagonal of R below which the singular values are checked. It is never below the
 # ratio of the singular values.
 SUSPICIOUS = 1e-7
-# Ratio below which a column is zero but for rounding.
+# Ratio below which a column is zero except for rounding.
 NOTHING = 1e-13
 
 

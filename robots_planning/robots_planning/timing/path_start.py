@@ -1,4 +1,4 @@
-"""PathStart: how a motion begins that goes on from another."""
+"""PathStart: how a motion begins that continues from another."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class PathStart:
     Attributes:
         s_dot: 1/s, above 0.
         s_ddot: 1/s^2.
-        smoothing: Of the time law that it goes on from.
+        smoothing: Of the time law that it continues from.
     """
 
     s_dot: float

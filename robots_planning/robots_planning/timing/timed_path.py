@@ -1,4 +1,4 @@
-"""TimedPath: a trajectory along a path, and what becomes of its points."""
+"""TimedPath: a trajectory along a path, with the times at which it passes the points of the path."""
 
 from __future__ import annotations
 

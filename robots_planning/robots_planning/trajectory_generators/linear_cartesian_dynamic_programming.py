@@ -18,7 +18,7 @@ class LinearCartesianDynamicProgramming(LineGenerator):
 
     Args:
         robot: The robot.
-        options: See `CartesianGenerator`; the limits of the tool are none by default.
+        options: See `CartesianGenerator`; by default the tool has no limits of its own.
 
     Raises:
         InvalidInputError: an option that is not valid.

@@ -33,7 +33,7 @@ def lockstep_problems(program: GeneratedProgram, folder: Path) -> list[str]:
 
 
 def live_problems(program: GeneratedProgram, simulation: SimulationRun, folder: Path) -> list[str]:
-    """What is not as in the simulation, but for the time that messages take.
+    """What is not as in the simulation, except for the time that messages take.
 
     A handler that ends a motion ends it elsewhere in every live run: only limits are checked there.
     """

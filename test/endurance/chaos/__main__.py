@@ -61,7 +61,7 @@ def main() -> int:
 def _in_one_cell(
     kind: type[Surroundings], program: Path, rounds: range, options: argparse.Namespace
 ) -> Iterator[Fault]:
-    """Faults of all nodes in a cell, each once in a round; a cell of no use any more is started anew."""
+    """Faults of all nodes in a cell, each once in a round; a cell of no use any more is restarted."""
     with tempfile.TemporaryDirectory(prefix='chaos_') as folder, reserved_domain() as environment:
         cell = kind(program, environment, Path(folder))
         nodes = [node for node in cell.nodes if options.node is None or node in options.node]

@@ -29,7 +29,7 @@ class FaultFigures:
     """What a fault did.
 
     Attributes:
-        stops: The robot had to stop: it moved, and cannot go on without the node.
+        stops: The robot had to stop: it moved, and cannot continue without the node.
         stands: When it stood, s after the fault; infinite for never; NaN where it need not stop.
         braking: How much of that it braked, s.
         deviation: How far the flange left its path until then, m.
@@ -88,7 +88,7 @@ def _stands(witness: JointSamples, speed: Array) -> float:
 
 
 def _braking(recording: Recording, robot: BaseRobotModel, stands: float) -> float:
-    """How long the robot braked: from the stop on, or as long as its limits take where none was told."""
+    """How long the robot braked: from the stop on, or as long as its limits take where none was reported."""
     if recording.latched < stands:
         return stands - recording.latched
     axes, feedback = robot.axes_data, recording.feedback.between(-JUST_BEFORE, 0.0)

@@ -1,4 +1,4 @@
-"""Observer: sees what a cell does, besides pressing its buttons."""
+"""Observer: records what a cell does, and calls its services as a person would."""
 
 import time
 from collections.abc import Sequence
@@ -56,7 +56,7 @@ class Observer(CellOperator):
         }
 
     def forget(self) -> None:
-        """Drop what has come, but for the newest message of each topic and newer plans."""
+        """Drop what has come, except for the newest message of each topic and newer plans."""
         recent = time.time() - KEPT
         with self._lock:
             for topic, found in self._found.items():

@@ -47,7 +47,7 @@ class Recording:
         resumed: When the node lived on or was started again; infinite for never.
         commanded: When a person commanded the robot again; infinite if that was not necessary.
         moved: When it moved again by that; infinite for never.
-        running: The program goes on, as if nothing had happened.
+        running: The program continues, as if nothing had happened.
     """
 
     node: str

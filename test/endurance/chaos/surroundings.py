@@ -151,7 +151,7 @@ class InCell(Surroundings):
 
 
 class Launched(Surroundings):
-    """On their own, with the parameters that the launch file gives them: nobody starts dead nodes again."""
+    """On their own, with the parameters that the launch file gives them: dead nodes are not started again."""
 
     name = 'launch'
 

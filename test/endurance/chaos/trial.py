@@ -1,4 +1,4 @@
-"""Trial: one node killed or frozen at a random moment, and a person who lets the robot go on."""
+"""Trial: one node killed or frozen at a random moment, and a person who lets the robot continue."""
 
 import contextlib
 import os
@@ -23,8 +23,8 @@ LONGEST_DELAY: Final = 5.0  # s from when the robot moves to the fault
 FROZEN: Final = (
     0.6,
     1.8,
-)  # s that a node is frozen which lives on: missed, and not yet killed by `cell`
-MOVES_ON: Final = 0.5  # s in which a program that goes on moves the robot, but for short waits
+)  # s that a node is frozen which continues to run: missed, and not yet killed by `cell`
+MOVES_ON: Final = 0.5  # s in which a program that continues moves the robot, except for short waits
 HELD: Final = 0b100  # bit of the PLC's word that keeps its value
 
 
@@ -40,9 +40,9 @@ class Trial:
         number: Of the trial; its random moment follows from it and the seed.
         node: The node.
         killed: Killed at once; otherwise frozen.
-        revived: A frozen node lives on later; otherwise it is killed later.
+        revived: A frozen node continues to run later; otherwise it is killed later.
         delay: s from when the robot moves to the fault.
-        frozen: s that it is frozen if it lives on.
+        frozen: s that it is frozen if it continues to run.
     """
 
     number: int

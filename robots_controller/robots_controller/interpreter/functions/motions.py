@@ -27,7 +27,7 @@ from robots_planning.motion_kinds import KIND_OF_FUNCTION
 
 @dataclass
 class _Handler:
-    """A handler that runs: whether the robot was held before it, and motions to be commanded anew."""
+    """A handler that runs: whether the robot was held before it, and motions to be commanded again."""
 
     held: bool
     interrupted: list[MotionCommand] = field(default_factory=list)
@@ -237,7 +237,7 @@ class Motions(Family):
         return self._state.interrupts.begin()
 
     def handled(self, *, abort: bool) -> None:
-        """The handler that began last has ended: the motion under way goes on, or ends there."""
+        """The handler that began last has ended: the motion under way continues, or ends there."""
         handler = self._handlers.pop()
         if self._state.braked and abort:
             self._abort_motions()

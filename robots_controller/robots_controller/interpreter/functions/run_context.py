@@ -42,7 +42,7 @@ class RunContext:
     Attributes:
         state: What the program shares with its cell.
         cell: The cell.
-        view: What the program sees of the robot.
+        view: The robot as the program reads it.
         subprogram: Gives a subprogram's or task's name and text.
         hold: Holds the program.
         target: Where the last motion leads.

@@ -41,7 +41,7 @@ class Signals(Family):
 
     @lua_function(DIGITAL_OUTPUT, SWITCH, MOMENT)
     def setDigitalOutput(self, index: float, value: float, moment: str | None) -> None:
-        """Switches a digital output, now or when the robot is at the last target; the program goes on."""
+        """Switches a digital output, now or when the robot is at the last target; the program continues."""
         self._set_output('digital', index, value, moment)
 
     @lua_function(DIGITAL_INPUT, returns=TRUE_OR_FALSE)
@@ -56,7 +56,7 @@ class Signals(Family):
 
     @lua_function(ANALOG_OUTPUT, Argument('value', kinds.NUMBER, '', 'value of the output'), MOMENT)
     def setAnalogOutput(self, index: float, value: float, moment: str | None) -> None:
-        """Sets an analog output, now or when the robot is at the last target; the program goes on."""
+        """Sets an analog output, now or when the robot is at the last target; the program continues."""
         self._set_output('analog', index, value, moment)
 
     @lua_function(ANALOG_INPUT, returns=A_NUMBER)
@@ -85,7 +85,7 @@ class Signals(Family):
 
     @lua_function(DIGITAL_OUTPUT, Argument('time', kinds.TIME, 's', 'how long it is on'))
     def pulseDigitalOutput(self, index: float, time: float) -> None:
-        """Switches a digital output on, and off again after a time; the program goes on meanwhile."""
+        """Switches a digital output on, and off again after a time; the program continues meanwhile."""
         self._run.pulses.start(int(index), time)
 
     def _wait(self, came: Callable[[], bool], timeout: float | None) -> Waiting:

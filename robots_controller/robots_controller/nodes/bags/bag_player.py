@@ -18,7 +18,7 @@ LAST_ACKNOWLEDGEMENT: Final = Duration(seconds=2.0)
 
 
 class BagPlayer(TimedNode):
-    """Publishes what a plan says; latched topics stay latched, all are reliable.
+    """Publishes the messages of a plan; latched topics stay latched, all are reliable.
 
     It begins when all topics have subscribers, and shuts its context down when all is published. In lock-step
     it begins with the run and takes part until that ends.

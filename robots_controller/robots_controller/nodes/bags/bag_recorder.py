@@ -39,7 +39,7 @@ class _RecordedTopic:
 
 
 class BagRecorder(Node):
-    """Subscribes to every topic that it sees and writes it as it came, with a thread of its own.
+    """Subscribes to every topic that it finds and writes it as received, with a thread of its own.
 
     Memory is bounded: a queue per topic and one chunk of the file. The bag on disk is whole after every
     `FLUSH_PERIOD`: a kill of the process costs what came since.

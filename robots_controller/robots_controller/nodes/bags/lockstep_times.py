@@ -31,7 +31,7 @@ class LockstepTimes:
     until the next look at the topics.
 
     Args:
-        clock: Takes `/clock`, with what the middleware says of each message.
+        clock: Takes `/clock`, with the middleware's information on each message.
     """
 
     def __init__(self, clock: Clocks) -> None:

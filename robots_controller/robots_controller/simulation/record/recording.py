@@ -12,7 +12,7 @@ INITIAL_SIZE: Final = 4096  # samples; 16 s at 250 Hz
 
 
 class Recording:
-    """Grows as the simulation goes on.
+    """Grows as the simulation continues.
 
     Args:
         num_axes: n.

@@ -25,7 +25,7 @@ KEPT_FROM = 500  # corners of all meshes; fewer take less than a second
 
 
 def allowed_pairs_of(robot: BaseRobotModel) -> AllowedPairs:
-    """Those stored with the robot; else found, and kept for bodies of many corners."""
+    """The pairs stored with the robot. If there are none, they are sampled, and cached for large meshes."""
     stored = robot.collision_model.allowed_pairs
     if stored is not None:
         return stored

@@ -26,7 +26,7 @@ Placed = TypeVar('Placed', bound=PlacedObject)
 def read_scene(path: Path | str) -> Scene:
     """The scene of a YAML file.
 
-    `docs/how_to/collisions.md` describes the format: lists `objects` and `zones` (in the base frame),
+    `docs/reference/scene_file.md` describes the format: lists `objects` and `zones` (in the base frame),
     `attached` (in tool0) and `may_touch`; lengths in metres, angles in radians about z, the new y and the
     new x.
 

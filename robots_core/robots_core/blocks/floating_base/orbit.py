@@ -44,8 +44,8 @@ class Gripper:
 
     Attributes:
         reach: Distance from tool0 to the ring within which it closes, m.
-        speed: Highest speed of the ring as the gripper sees it, m/s.
-        rotation: Highest angular velocity of the target as the gripper sees it, rad/s.
+        speed: Highest speed of the ring relative to the gripper, m/s.
+        rotation: Highest angular velocity of the target relative to the gripper, rad/s.
     """
 
     reach: float
@@ -74,7 +74,7 @@ class Approach:
 
     Attributes:
         distance: Before the ring, along its z, at which the tool waits until it moves with the target, m.
-        speed: With which it goes on from there, m/s.
+        speed: With which it continues from there, m/s.
         camera_range: Distance from the base to the ring up to which the camera sees it, m.
     """
 
@@ -85,7 +85,7 @@ class Approach:
 
 @dataclass(frozen=True, eq=False)
 class Orbit:
-    """What is there at the start. The world is a frame that moves with the orbit; forces in it are neglected.
+    """State at the start. The world is a frame that moves with the orbit; forces in it are neglected.
 
     Attributes:
         target: The target.
@@ -103,7 +103,7 @@ class Orbit:
 
 
 def read_orbit(path: Path | str) -> Orbit:
-    """The orbit of a YAML file; `docs/how_to/debris_removal.md` describes the format.
+    """The orbit of a YAML file; `docs/reference/contact_and_orbit_files.md` describes it.
 
     Raises:
         InvalidInputError: a file that is missing or not such an orbit; names the file and the line.

@@ -57,7 +57,7 @@ class Rendezvous:
             target.body, target.pose, velocity=target.velocity, angular_velocity=target.angular_velocity
         )
         self.guided = False
-        """The camera leads the tool; the approach begins anew when it does again."""
+        """The camera leads the tool; the approach begins again when it does again."""
         self.grasped = self.refused = self.at_rest = False
         self.report = ''
         """What became of the grasp, with its numbers; '' before."""

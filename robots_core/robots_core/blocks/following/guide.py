@@ -1,4 +1,4 @@
-"""Guide: what a program lets guide its robot."""
+"""Guide: what may guide the robot of a program."""
 
 from __future__ import annotations
 

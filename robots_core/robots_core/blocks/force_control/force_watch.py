@@ -12,7 +12,7 @@ from robots_core.watchdog import Watchdog
 
 
 class ForceWatch:
-    """Looks for a force beyond its limit, contact that nobody planned, and a sensor that falls silent.
+    """Detects a force beyond its limit, contact that was not planned, and a sensor that falls silent.
 
     A tool that is in contact when force control ends may stay so and be moved away; contact that begins while
     there is no force control is not planned. Silence counts under force control alone.

@@ -148,7 +148,7 @@ def correct(
 
 @compiled()
 def rate(chain: ChainArrays, q: Array, r: Array, T: Array, x_s: Array, rows: int, q_s: Array) -> bool:
-    """Fill q' (n,) with which the conditions go on to hold while the target moves with x' (6,).
+    """Fill q' (n,) with which the conditions continue to hold while the target moves with x' (6,).
 
     False where the arm cannot hold them.
     """

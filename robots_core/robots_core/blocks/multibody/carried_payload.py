@@ -1,4 +1,4 @@
-"""CarriedPayload: what a robot carries while a program says so."""
+"""CarriedPayload: the payload that a program has set for its robot."""
 
 from collections.abc import Callable, Sequence
 

@@ -69,8 +69,8 @@ class Zone:
         what: Of the robot: the tool centre point; or the bodies of the robot that its axes move, with what is
             attached to its flange.
         closed_by: Digital inputs, by channel or signal, and the values that close the border.
-        shared_with: Namespaces of other robots; one robot at a time crosses the border. With neither of both
-            it is always closed.
+        shared_with: Namespaces of other robots; one robot at a time crosses the border. Without
+            `closed_by` and `shared_with` it is always closed.
     """
 
     name: str

@@ -11,7 +11,7 @@ MOST_TURNS: Final = 10_000
 
 
 class LockstepError(RobotsError):
-    """A lock-step run cannot go on; the message names the participant."""
+    """A lock-step run cannot continue; the message names the participant."""
 
     code = 'R404'
     remedy = (

@@ -53,14 +53,14 @@ class Coordinator:
     """Goes through the phases of one instant after the other (see `Phase`), each as soon as all is quiet.
 
     The run begins at `START` when all expected participants have joined and found each other. While it is
-    held, the present instant goes on, with whatever services are called in it, and time stands still.
+    held, the present instant continues, with whatever services are called in it, and time stands still.
 
     All methods are called in the thread that spins the node.
 
     Args:
         node: Owner of the topics; spun by the caller.
         expected: Names of the participants, each with its namespace; others may join too before the start.
-        on_error: Called once when the run cannot go on; by default the error is raised where the node spins.
+        on_error: Called once when the run cannot continue; the default raises the error where the node spins.
         on_held: Called when nothing more is due at this instant and the run is held.
         held: The run is held from the beginning on.
         recorder: The run begins when all publishers have found its subscriptions.

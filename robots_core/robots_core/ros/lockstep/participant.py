@@ -53,14 +53,14 @@ PATIENCE: Final = 30.0  # s of the wall clock for a message that was sent
 
 
 class Participant:
-    """Counts a node's messages, sets its clock, and does what is due when the coordinator says so.
+    """Counts a node's messages, sets its clock, and does what is due when the coordinator permits it.
 
     A node that is no `TimedNode` creates with the methods of this class what shall be counted; what it
     creates itself is not waited for. Subscriptions are created before the node is spun. Time is `START` until
     the run begins; messages published before are sent then.
 
-    Callbacks run as messages arrive, and time stands still meanwhile. Work that goes on in a thread of the
-    node's own after the callback that gave it has returned holds `busy` as long as it goes on; what it
+    Callbacks run as messages arrive, and time stands still meanwhile. Work that continues in a thread of the
+    node's own after the callback that gave it has returned holds `busy` as long as it continues; what it
     publishes without is not waited for.
 
     Args:
@@ -248,7 +248,7 @@ class Participant:
             self.outbox.send(self)
 
     def report(self) -> list[int]:
-        """What the coordinator must know; what it knows already of counts is left out."""
+        """Report for the coordinator, without the counts that were sent before."""
         assert self._number is not None
         with self._lock:
             due = [NEVER] * len(Phase)

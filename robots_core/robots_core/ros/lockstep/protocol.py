@@ -64,7 +64,7 @@ class Announcement:
     Attributes:
         name: The node's name, with its namespace.
         endpoints: In the order of their numbers; more may follow, none goes.
-        matched: Version of the roster whose endpoints have all found each other, as far as this node sees.
+        matched: Version of the roster whose endpoints have all found each other, as this node finds.
     """
 
     name: str

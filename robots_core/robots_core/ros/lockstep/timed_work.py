@@ -22,7 +22,7 @@ class ScheduledLoop:
         self._work = work
         self._schedule = PeriodicSchedule(period, origin=origin)
         self.alive = True
-        """It goes on."""
+        """It continues."""
 
     @property
     def missed(self) -> int:
