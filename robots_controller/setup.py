@@ -6,6 +6,11 @@ from setuptools import find_packages, setup
 
 package_name = 'robots_controller'
 
+# Protocols that an I/O map may ask for.
+plant = {
+    'modbus': ['pymodbus>=3.11'],
+}
+
 setup(
     name=package_name,
     version='0.1.0',
@@ -22,6 +27,7 @@ setup(
         (f'share/{package_name}/config', glob('config/*.yaml')),
     ],
     install_requires=['setuptools'],
+    extras_require={**plant, 'plant': [one for protocol in plant.values() for one in protocol]},
     zip_safe=False,
     maintainer='The Robots developers',
     maintainer_email='maintainers@robots.example',

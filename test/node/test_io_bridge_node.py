@@ -173,7 +173,7 @@ def test_outputs_of_a_node_that_froze_stay_fail_safe_until_it_has_switched_them_
         DiagnosticStatus.WARN, 'has not switched it since; digital_output.1 is at its fail-safe'
     )
     image[:] = [0, 1, 1]
-    bench.wait(lambda: 'digital_output.1' not in bridge._topics[0]._left, 'the output switched off')
+    bench.wait(lambda: 'digital_output.1' not in bridge.bridge.left, 'the output switched off')
     image[:] = [1, 1, 1]
     bench.wait(lambda: words[-1] == 0b011, 'what the node has switched off and on')
 

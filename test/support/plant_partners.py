@@ -1,0 +1,133 @@
+"""Servers of a plant's protocols for tests, each as its library makes it, in a thread of this process."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import threading
+from collections.abc import Coroutine
+from typing import Any, TypeVar
+
+from pymodbus.constants import ExcCodes
+from pymodbus.server import ModbusTcpServer
+from pymodbus.simulator import DataType, SimData, SimDevice
+
+Result = TypeVar('Result')
+
+DEADLINE = 120.0  # s
+TABLES = ('coil', 'discrete_input', 'holding_register', 'input_register')
+READ_CODES = {'coil': 1, 'discrete_input': 2, 'holding_register': 3, 'input_register': 4}
+WRITE_CODES = {5: 'coil', 15: 'coil', 6: 'holding_register', 16: 'holding_register'}
+
+
+def free_port() -> int:
+    """A TCP port of this machine that nothing listens to now."""
+    with socket.socket() as probe:
+        probe.bind(('127.0.0.1', 0))
+        return int(probe.getsockname()[1])
+
+
+class Partner:
+    """An asyncio server in a thread; it can stop and start again, as a PLC that is switched off and on."""
+
+    def __init__(self) -> None:
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
+
+    def call(self, work: Coroutine[Any, Any, Result]) -> Result:
+        """Do something in the server's thread."""
+        return asyncio.run_coroutine_threadsafe(work, self._loop).result(DEADLINE)
+
+    def start(self) -> None:
+        """Listen."""
+        self.call(self._start())
+
+    def stop(self) -> None:
+        """Close all connections, and listen no more."""
+        self.call(self._stop())
+
+    def end(self) -> None:
+        """End the thread too."""
+        self.stop()
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(DEADLINE)
+        self._loop.close()
+
+    async def _start(self) -> None:
+        raise NotImplementedError
+
+    async def _stop(self) -> None:
+        raise NotImplementedError
+
+
+class ModbusPartner(Partner):
+    """A Modbus TCP server.
+
+    Args:
+        size: Coils and discrete inputs, and registers of each table.
+    """
+
+    def __init__(self, size: int = 32) -> None:
+        super().__init__()
+        self.port = free_port()
+        self._size = size
+        self.written: list[tuple[str, int, list[int]]] = []
+        """What clients have written: table, address, values."""
+        self.requests: list[int] = []
+        """Function codes."""
+        self.refuse: set[int] = set()
+        """Addresses that are refused as busy."""
+        self.answers = asyncio.Event()
+        """Not set: requests are not answered."""
+        self.answers.set()
+        self._server: Any = None
+        self._own = False
+
+    async def _start(self) -> None:
+        bits = [SimData(0, count=self._size, values=False, datatype=DataType.BITS)]
+        words = [SimData(0, count=self._size, values=0, datatype=DataType.REGISTERS)]
+        device = SimDevice(0, simdata=(bits, bits, words, words), action=self._on_request)
+        self._server = ModbusTcpServer(device, address=('127.0.0.1', self.port))
+        await self._server.serve_forever(background=True)
+
+    async def _stop(self) -> None:
+        if self._server is not None:
+            await self._server.shutdown()
+            self._server = None
+
+    async def answer(self) -> None:
+        """Answer requests again."""
+        self.answers.set()
+
+    def set(self, table: str, address: int, values: list[Any]) -> None:
+        """Set what the server has."""
+        self.call(self._set(table, address, values))
+
+    def get(self, table: str, address: int, count: int = 1) -> list[Any]:
+        """What the server has."""
+        return self.call(self._get(table, address, count))
+
+    async def _set(self, table: str, address: int, values: list[Any]) -> None:
+        self._own = True
+        await self._server.async_setValues(0, READ_CODES[table], address, values)
+        self._own = False
+
+    async def _get(self, table: str, address: int, count: int) -> list[Any]:
+        self._own = True
+        values: list[Any] = await self._server.async_getValues(0, READ_CODES[table], address, count)
+        self._own = False
+        return values[:count]
+
+    async def _on_request(
+        self, code: int, _start: int, address: int, count: int, _now: list[int], values: list[Any] | None
+    ) -> ExcCodes | None:
+        if self._own:
+            return None
+        self.requests.append(code)
+        await self.answers.wait()
+        if self.refuse & set(range(address, address + max(count, len(values or ())))):
+            return ExcCodes.DEVICE_BUSY
+        if code in WRITE_CODES and values:
+            self.written.append((WRITE_CODES[code], address, [int(value) for value in values]))
+        return None
