@@ -9,6 +9,7 @@ package_name = 'robots_controller'
 # Protocols that an I/O map may ask for.
 plant = {
     'modbus': ['pymodbus>=3.11'],
+    'mqtt': ['paho-mqtt>=2.0'],
 }
 
 setup(

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import socket
 import threading
 from collections.abc import Coroutine
 from typing import Any, TypeVar
 
+import paho.mqtt.client as mqtt
+from amqtt.broker import Broker
 from pymodbus.constants import ExcCodes
 from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
@@ -131,3 +134,69 @@ class ModbusPartner(Partner):
         if code in WRITE_CODES and values:
             self.written.append((WRITE_CODES[code], address, [int(value) for value in values]))
         return None
+
+
+class MqttPartner(Partner):
+    """An MQTT broker of amqtt, and a device at it that publishes and listens.
+
+    Args:
+        users: It knows whoever gives a name; nobody else is let in. By default everybody is.
+    """
+
+    def __init__(self, *, users: bool = False) -> None:
+        super().__init__()
+        self.port = free_port()
+        self.heard: list[tuple[str, Any]] = []
+        """Messages of all topics of the robot: topic and document."""
+        self._users = users
+        self._broker: Any = None
+        self._device: Any = None
+
+    async def _start(self) -> None:
+        config = {
+            'listeners': {'default': {'type': 'tcp', 'bind': f'127.0.0.1:{self.port}'}},
+            'plugins': {
+                'amqtt.plugins.authentication.AnonymousAuthPlugin': {'allow_anonymous': not self._users}
+            },
+        }
+        self._broker = Broker(config)
+        await self._broker.start()
+
+    async def _stop(self) -> None:
+        if self._broker is not None:
+            await self._broker.shutdown()
+            self._broker = None
+
+    def start(self) -> None:
+        """Listen, and let the device connect."""
+        super().start()
+        self._device = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2)
+        self._device.username_pw_set('device')
+        self._device.on_message = lambda _client, _data, message: self.heard.append(
+            (message.topic, json.loads(message.payload))
+        )
+        subscribed = threading.Event()
+        self._device.on_connect = lambda client, *_: client.subscribe('robot/#', 1)
+        self._device.on_subscribe = lambda *_: subscribed.set()
+        self._device.connect('127.0.0.1', self.port)
+        self._device.loop_start()
+        assert subscribed.wait(DEADLINE)
+
+    def stop(self) -> None:
+        """Disconnect the device, and listen no more."""
+        if self._device is not None:
+            self._device.disconnect()
+            self._device.loop_stop()
+            self._device = None
+        super().stop()
+
+    def publish(self, topic: str, *payloads: str) -> None:
+        """Publish as the device."""
+        for payload in payloads:
+            message = self._device.publish(topic, payload, 1)
+        message.wait_for_publish(DEADLINE)
+
+    def publish_each(self, messages: dict[str, str]) -> None:
+        """Publish to many topics as the device."""
+        for message in [self._device.publish(topic, payload, 1) for topic, payload in messages.items()]:
+            message.wait_for_publish(DEADLINE)
