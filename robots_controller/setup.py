@@ -10,6 +10,7 @@ package_name = 'robots_controller'
 plant = {
     'modbus': ['pymodbus>=3.11'],
     'mqtt': ['paho-mqtt>=2.0'],
+    'opcua': ['asyncua>=1.1'],
 }
 
 setup(

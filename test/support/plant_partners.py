@@ -11,6 +11,9 @@ from typing import Any, TypeVar
 
 import paho.mqtt.client as mqtt
 from amqtt.broker import Broker
+from asyncua import server as opcua
+from asyncua import ua
+from asyncua.crypto.permission_rules import User, UserRole
 from pymodbus.constants import ExcCodes
 from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
@@ -53,6 +56,7 @@ class Partner:
     def end(self) -> None:
         """End the thread too."""
         self.stop()
+        self.call(self._cancel_others())
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(DEADLINE)
         self._loop.close()
@@ -62,6 +66,13 @@ class Partner:
 
     async def _stop(self) -> None:
         raise NotImplementedError
+
+    @staticmethod
+    async def _cancel_others() -> None:
+        others = asyncio.all_tasks() - {asyncio.current_task()}
+        for task in others:
+            task.cancel()
+        await asyncio.gather(*others, return_exceptions=True)
 
 
 class ModbusPartner(Partner):
@@ -200,3 +211,89 @@ class MqttPartner(Partner):
         """Publish to many topics as the device."""
         for message in [self._device.publish(topic, payload, 1) for topic, payload in messages.items()]:
             message.wait_for_publish(DEADLINE)
+
+
+class OpcuaPartner(Partner):
+    """An OPC UA server of asyncua, with variables of a namespace of its own.
+
+    To make it takes seconds: it stops and starts with the same variables. Whoever does without encryption is
+    let in; users and applications that it does not know are not.
+
+    Args:
+        variables: Values by name, as ints, floats and bools; an int is an Int32.
+        certificate: Files of its certificate and key.
+        users: Passwords by name.
+        strangers: Applications whose certificates it does not trust.
+    """
+
+    NAMESPACE = 'urn:robots:press'
+
+    def __init__(
+        self,
+        variables: dict[str, float],
+        certificate: tuple[str, str],
+        users: dict[str, str],
+        strangers: tuple[str, ...] = (),
+    ) -> None:
+        super().__init__()
+        self.port = free_port()
+        self.endpoint = f'opc.tcp://127.0.0.1:{self.port}'
+        self._users, self._strangers = users, strangers
+        self._nodes: dict[str, Any] = {}
+        self._server = self.call(self._made(variables, certificate))
+        self._listens = False
+
+    async def _made(self, variables: dict[str, float], certificate: tuple[str, str]) -> Any:
+        server = opcua.Server(user_manager=self)
+        await server.init()
+        server.set_endpoint(self.endpoint)
+        await server.load_certificate(certificate[0])
+        await server.load_private_key(certificate[1])
+        policies = ua.SecurityPolicyType
+        server.set_security_policy([policies.NoSecurity, policies.Basic256Sha256_SignAndEncrypt])
+        server.set_certificate_validator(self._look_at_certificate)
+        index = await server.register_namespace(self.NAMESPACE)
+        for name, value in variables.items():
+            kind = ua.VariantType.Int32 if type(value) is int else None
+            node = await server.nodes.objects.add_variable(ua.NodeId(name, index), name, value, kind)
+            await node.set_writable()
+            self._nodes[name] = node
+        await server.start()
+        await server.bserver.stop()
+        return server
+
+    async def _start(self) -> None:
+        await self._server.bserver.start()
+        self._listens = True
+
+    async def _stop(self) -> None:
+        if self._listens:
+            await self._server.bserver.stop()
+            self._listens = False
+
+    def end(self) -> None:
+        """End the server and its thread."""
+        self.stop()
+        self.call(self._server.iserver.stop())
+        super().end()
+
+    def get_user(self, _server: Any, username: str = '', password: str = '', **_: Any) -> User | None:
+        """Of a client; None refuses it."""
+        known = not username or self._users.get(username) == password
+        return User(role=UserRole.User) if known else None
+
+    async def _look_at_certificate(self, _certificate: Any, application: Any) -> None:
+        if application.ApplicationUri in self._strangers:
+            raise ua.UaStatusCodeError(ua.StatusCodes.BadCertificateUntrusted)
+
+    def set(self, name: str, value: Any) -> None:
+        """Set a variable."""
+        self.call(self._nodes[name].write_value(value))
+
+    def get(self, name: str) -> Any:
+        """Value of a variable."""
+        return self.call(self._nodes[name].read_value())
+
+    def protect(self, name: str, *, writable: bool) -> None:
+        """Let clients write a variable, or not."""
+        self.call(self._nodes[name].set_writable(writable))

@@ -51,6 +51,16 @@ def test_the_example_of_tags():
     assert fields(io_map.outputs[0]).qos == TopicQos(durability='transient_local', depth=1)
 
 
+def test_the_example_of_a_plant_which_a_lock_step_run_refuses():
+    io_map = read_io_map(CONFIG / 'io_map_plant.yaml')
+    assert set(io_map.servers) == {'modbus plc', 'opcua press', 'mqtt plant'}
+    assert [row.period for row in io_map.inputs[:2]] == [0.05, 0.05]
+    with pytest.raises(
+        InvalidInputError, match=r'plant.yaml:17: modbus plc is not connected in lock-step; topics'
+    ):
+        io_map.check_simulated_time()
+
+
 def test_types_are_written_short_or_in_full():
     text = 'inputs:\n  - {channel: analog_input.1, topic: /a, type: %s, field: x}\n'
     for written, full in (

@@ -85,6 +85,16 @@ class IoMap(ChannelDeclarations):
     outputs: tuple[IoRow, ...] = ()
     servers: Mapping[str, PlantServer] = field(default_factory=lambda: MappingProxyType({}))
 
+    def check_simulated_time(self) -> None:
+        """Check that the map works where time is simulated.
+
+        Raises:
+            InvalidInputError: it has servers, which time does not wait for.
+        """
+        for row in (*self.inputs, *self.outputs):
+            if row.place.port in self.servers:
+                raise row.error(f'{row.place.port} is not connected in lock-step; topics are')
+
 
 def read_io_map(path: Path | str) -> IoMap:
     """The map of a file.

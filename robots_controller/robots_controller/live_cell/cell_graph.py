@@ -153,6 +153,8 @@ def cell_graph(
     mode = {'operating_mode': OperatingMode(operating_mode).value, **held}
     capped = {'tool_speed_limit': checked_speed_limit(tool_speed_limit)} if tool_speed_limit else {}
     cell_io = read_cell_io(io, io_map, orbit=orbit)
+    if lockstep:
+        cell_io.io_map.check_simulated_time()
     stopping = {'emergency_stop_inputs': emergency_stop_texts(cell_io.emergency_stop) or ['']}
     labels, fail_safe = cell_io.labels, fail_safe_texts(cell_io.fail_safe) or ['']
     names = {f'{image.removesuffix("s")}_names': list(names) for image, names in labels.items()}

@@ -1,11 +1,15 @@
 """io_bridge_node: connects inputs and outputs with a PLC, by topics or protocols, as a YAML file says."""
 
+import math
 import time
 from collections.abc import Iterable
+from datetime import UTC, datetime
 from functools import partial
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
+from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.srv import DescribeParameters
 
 from robots_controller.io.bridge.io_bridge import WRITER, IoBridge
 from robots_controller.io.bridge.io_port import IoPort
@@ -34,6 +38,8 @@ class IoBridgeNode(RobotNode):
         super().__init__('io_bridge_node', **options)
         path = self.parameter('io_map', '', 'YAML file that maps channels to topics and protocols')
         self._map = read_io_map(path) if path else IoMap()
+        if self.participant is not None:
+            self._map.check_simulated_time()
         declared = self.parameter(
             'fail_safe',
             [''],
@@ -55,6 +61,7 @@ class IoBridgeNode(RobotNode):
         self._outputs = OutputImages(self, [row.channel for row in self._map.outputs], self._on_outputs)
         for period, repeat in self.bridge.repetitions():
             self.create_timer(period, repeat)
+        self.create_service(DescribeParameters, '~/describe_io', self._describe)
         self.ready()  # also without a PLC
         self._update_inputs()
         self._watch = HeartbeatWatch(self, [WRITER], watchdog_parameter(self), lambda *_: self._on_outputs())
@@ -73,6 +80,21 @@ class IoBridgeNode(RobotNode):
             else:
                 ports[name] = OutputTopic(self, fields)
         return ports
+
+    def _describe(self, request: DescribeParameters.Request, response: DescribeParameters.Response) -> Any:
+        """Place and source time of channels, by their names or labels."""
+        texts: dict[str, list[str]] = {}
+        for channel, place, stamp in self.bridge.places():
+            text = place.text if place.text == place.source else f'{place.text} of {place.source}'
+            if math.isfinite(stamp):
+                text += f', measured {datetime.fromtimestamp(stamp, UTC).isoformat()}'
+            for name in filter(None, (channel.name, channel.label)):
+                texts.setdefault(name, []).append(text)
+        response.descriptors = [
+            ParameterDescriptor(name=name, description='; '.join(texts.get(name, ['is not in the I/O map'])))
+            for name in request.names
+        ]
+        return response
 
     def _report(self) -> None:
         problems = str(self.bridge.problems)

@@ -80,6 +80,15 @@ class IoBridge:
             self._look_for_silence(value, now)
             self._due = min(self._due, value.next_time(now))
 
+    def places(self) -> Iterator[tuple[Channel, Place, float]]:
+        """Where channels stand, and when their sources say that they measured them, s since 1970 or NaN."""
+        for values in self._inputs.values():
+            for value in values:
+                yield value.row.channel, value.row.place, value.stamp
+        for rows in self._outputs.values():
+            for row in rows:
+                yield row.channel, row.place, math.nan
+
     def next_time(self) -> float:
         """When an input may change without an arrival, s; infinite for never."""
         return self._due

@@ -8,6 +8,7 @@ from robots_controller.io.bridge.place import Place
 from robots_controller.io.io_image import Channel
 from robots_controller.io.plant.modbus_map import read_modbus_place, read_modbus_server
 from robots_controller.io.plant.mqtt_map import read_mqtt_place, read_mqtt_server
+from robots_controller.io.plant.opcua_map import read_opcua_place, read_opcua_server
 from robots_controller.io.plant.plant_link import PlantServer
 from robots_core.yaml_section import YamlSection
 
@@ -28,6 +29,7 @@ class PlantProtocol:
 PROTOCOLS: Final[Mapping[str, PlantProtocol]] = {
     'modbus': PlantProtocol(read_modbus_server, read_modbus_place),
     'mqtt': PlantProtocol(read_mqtt_server, read_mqtt_place),
+    'opcua': PlantProtocol(read_opcua_server, read_opcua_place),
 }
 
 
