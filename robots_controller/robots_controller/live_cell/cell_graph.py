@@ -199,6 +199,7 @@ def cell_graph(
             **names,
         ),
         node('robots_core', 'direct_kinematics_node'),
+        node('robots_core', 'robot_state_node'),
         node('robots_core', 'visualizer_node', port=port, scene=scene),
         *([node('robots_core', 'inverse_kinematics_node', method=guided)] if guided else []),
         *([node('robots_controller', 'guide_player_node', references=references)] if references else []),
