@@ -64,7 +64,7 @@ $(VENV_STAMP): $(REQUIREMENTS)
 	@$(OPEN_VENV)
 	@touch $@
 
-.venv/.installed_tests: requirements-test.txt .venv/.installed_study .venv/.installed_mujoco
+.venv/.installed_tests: requirements-test.txt .venv/.installed_study .venv/.installed_mujoco .venv/.installed_plant
 	@echo "Installing what tests need (once) ..."
 	@$(call INSTALL,-r $<)
 	@touch $@
@@ -77,11 +77,18 @@ $(VENV_STAMP): $(REQUIREMENTS)
 	@$(call INSTALL,-r $<)
 	@touch $@
 
+.venv/.installed_plant: requirements-plant.txt $(VENV_STAMP)
+	@$(call INSTALL,-r $<)
+	@touch $@
+
 .PHONY: test-requirements
 test-requirements: .venv/.installed_tests  ## Install what tests need besides
 
 .PHONY: study-requirements
 study-requirements: .venv/.installed_study  ## Install what the command `study` needs besides
+
+.PHONY: plant-requirements
+plant-requirements: .venv/.installed_plant  ## Install what I/O maps with Modbus, MQTT and OPC UA need besides
 
 $(BUILD_STAMP): $(VENV_STAMP) $(SOURCES)
 	@echo "Building the workspace (10 s) ..."

@@ -6,6 +6,13 @@ from setuptools import find_packages, setup
 
 package_name = 'robots_controller'
 
+# Protocols that an I/O map may ask for.
+plant = {
+    'modbus': ['pymodbus>=3.11'],
+    'mqtt': ['paho-mqtt>=2.0'],
+    'opcua': ['asyncua>=1.1'],
+}
+
 setup(
     name=package_name,
     version='0.1.0',
@@ -19,9 +26,10 @@ setup(
         ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
         (f'share/{package_name}', ['package.xml', 'LICENSE']),
         (f'share/{package_name}/launch', glob('launch/*.launch.py')),
-        (f'share/{package_name}/config', glob('config/*.yaml')),
+        (f'share/{package_name}/config', glob('config/*.yaml') + glob('config/*.rviz')),
     ],
     install_requires=['setuptools'],
+    extras_require={**plant, 'plant': [one for protocol in plant.values() for one in protocol]},
     zip_safe=False,
     maintainer='The Robots developers',
     maintainer_email='maintainers@robots.example',

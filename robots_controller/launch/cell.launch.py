@@ -5,8 +5,9 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-from ament_index_python.packages import get_package_prefix
+from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
+from launch.conditions import IfCondition
 from launch.substitutions import EnvironmentVariable, LaunchConfiguration
 from launch_ros.actions import Node
 
@@ -86,6 +87,17 @@ def generate_launch_description() -> LaunchDescription:
                 default_value='false',
                 description='true: all nodes but controller_node and drive_node share a process',
             ),
+            DeclareLaunchArgument('rviz', default_value='false', description='true: show the robot in RViz'),
             OpaqueFunction(function=nodes),
+            Node(
+                package='rviz2',
+                executable='rviz2',
+                arguments=[
+                    '-d',
+                    str(Path(get_package_share_directory('robots_controller'), 'config', 'cell.rviz')),
+                ],
+                namespace=LaunchConfiguration('namespace'),
+                condition=IfCondition(LaunchConfiguration('rviz')),
+            ),
         ]
     )

@@ -31,6 +31,7 @@ CHANGES: Final[Mapping[str, Mapping[str, Change]]] = {
         **dict.fromkeys(('breakpoints', 'step_mode'), Change.ANYTIME),
     },
     'direct_kinematics_node': {'tool': Change.ANYTIME},
+    'robot_state_node': dict.fromkeys(('tool', 'work'), Change.ANYTIME),
     'dynamics_node': dict.fromkeys(('filter_time', 'base_orientation', 'payload'), Change.ANYTIME),
     'drive_node': dict.fromkeys(
         ('fault_stopped', 'fault_frozen', 'fault_lost', 'fault_noise'), Change.ANYTIME

@@ -108,6 +108,7 @@ def test_every_mistake_is_explained_and_the_next_program_runs(
         'drive_node',
         'lua_program_node',
         'planning_node',
+        'robot_state_node',
         'visualizer_node',
     }
     assert 'Traceback' not in ''.join(file.read_text() for file in cell.out.glob('*/log/*.log'))

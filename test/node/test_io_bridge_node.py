@@ -8,9 +8,11 @@ from typing import Any
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseArray, Wrench
+from rcl_interfaces.srv import DescribeParameters
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool, Float32, Float64, Float64MultiArray, UInt8, UInt8MultiArray, UInt16MultiArray
 
+from plant_partners import ModbusPartner
 from robots_controller.nodes.io_bridge_node import WATCH_PERIOD, IoBridgeNode
 from robots_core.errors import InvalidInputError
 from robots_core.ros.heartbeat import Heartbeat
@@ -173,7 +175,7 @@ def test_outputs_of_a_node_that_froze_stay_fail_safe_until_it_has_switched_them_
         DiagnosticStatus.WARN, 'has not switched it since; digital_output.1 is at its fail-safe'
     )
     image[:] = [0, 1, 1]
-    bench.wait(lambda: 'digital_output.1' not in bridge._topics[0]._left, 'the output switched off')
+    bench.wait(lambda: 'digital_output.1' not in bridge.bridge.left, 'the output switched off')
     image[:] = [1, 1, 1]
     bench.wait(lambda: words[-1] == 0b011, 'what the node has switched off and on')
 
@@ -251,6 +253,38 @@ def test_an_output_that_does_not_fit_is_reported(bridge: Any):
     plc.wait_for_health(DiagnosticStatus.WARN, 'analog_output.1 would be 300; uint8 ends at 255')
     message.data[0] = 3.0
     plc.wait_for_health(DiagnosticStatus.OK, 'ready')
+
+
+def test_rows_of_a_plant_beside_those_of_topics(bridge: Any):
+    partner = ModbusPartner()
+    plc = bridge(f"""
+modbus:
+  press: {{host: 127.0.0.1, port: {partner.port}, period: 0.02, response_timeout: 60.0}}
+inputs:
+  - {{channel: digital_input.1, topic: ready, type: Bool}}
+  - {{channel: digital_input.2, modbus: {{discrete_input: 3}}}}
+outputs:
+  - {{channel: digital_output.1, modbus: {{coil: 1}}}}
+""")
+    plc.wait_for_health(DiagnosticStatus.WARN, 'modbus press: 127.0.0.1:')
+    partner.start()
+    partner.set('discrete_input', 3, [True])
+    plc.wait_for_health(DiagnosticStatus.OK, 'ready')
+    plc.publish('ready', Bool(data=True))
+    plc.wait_for_input('digital', [1, 1])
+    plc.repeat('digital_outputs', UInt8MultiArray(data=[1]), STATE)
+    plc.wait(lambda: partner.get('coil', 1) == [True], 'the output')
+    names = ['digital_output.1', 'digital_input.9']
+    described = plc.call(
+        'io_bridge_node/describe_io', DescribeParameters.Request(names=names), DescribeParameters
+    )
+    assert [one.description for one in described.descriptors] == [
+        'coil 1 of unit 1 of modbus press',
+        'is not in the I/O map',
+    ]
+    plc.runner.destroy(plc.bridge)
+    assert partner.written[-1] == ('coil', 1, [0])  # fail-safe, and confirmed before the end
+    partner.end()
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""visualizer_node: a page at a published address that follows joint_states; description and transforms."""
+"""visualizer_node: a page at a published address that follows joint_states."""
 
 from __future__ import annotations
 
@@ -8,16 +8,13 @@ from urllib.request import urlopen
 
 import numpy as np
 import pytest
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from std_msgs.msg import String
 
-from robots_core import Pose, load_robot_model
+from robots_core import load_robot_model
 from robots_core.blocks.visualizer import Visualizer
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.transforms import LinkTransforms
 from robots_core.nodes.visualizer_node import VisualizerNode
 from robots_core.ros.messages import diagnostic_values, doubles
 from robots_core.ros.qos import COMMAND, STATE
@@ -43,16 +40,6 @@ def test_health_tells_the_address_of_the_page(ros_nodes: Any):
     assert url == node.url
     with urlopen(url, timeout=240.0) as page:  # noqa: S310  # our own address
         assert page.status == 200
-
-
-def test_description_is_latched(ros_nodes: Any):
-    make_node(ros_nodes)
-    texts: list[str] = []
-    ros_nodes.create_node().create_subscription(
-        String, 'robot_description', lambda message: texts.append(message.data), STATE
-    )
-    ros_nodes.wait_for(lambda: texts, what='the description')
-    assert texts == [load_robot_model(ROBOT).description]
 
 
 def test_page_follows_joint_states_and_survives_bad_ones(ros_nodes: Any, monkeypatch: pytest.MonkeyPatch):
@@ -92,21 +79,3 @@ def test_bad_host_ends_the_node(ros_context: Any):
     overrides = [Parameter('host', value='192.0.2.1')]  # reserved for documentation
     with pytest.raises(InvalidInputError, match='cannot serve at host'):
         VisualizerNode(context=ros_context, parameter_overrides=overrides)
-
-
-@pytest.mark.parametrize('prefix', ['', 'left/'])
-def test_transforms_place_every_link(prefix: str):
-    robot = load_robot_model(ROBOT)
-    q = robot.home + 0.1
-    stamp = Time(sec=3, nanosec=4)
-    messages = LinkTransforms(robot, prefix=prefix).messages(stamp, q)
-    links = [f'link_{i}' for i in range(1, 8)]
-    assert [message.child_frame_id for message in messages] == [prefix + name for name in [*links, 'tool0']]
-    r, T = robot.kinematic_model.frame_axes(q)
-    expected = [*map(Pose, r, T), Pose(*robot.direct_kinematics(q))]
-    for message, pose in zip(messages, expected, strict=True):
-        assert message.header.stamp == stamp
-        assert message.header.frame_id == f'{prefix}base_link'
-        t, o = message.transform.translation, message.transform.rotation
-        its = Pose.from_quaternion([t.x, t.y, t.z], [o.x, o.y, o.z, o.w])
-        assert its.distance_to(pose) == pytest.approx((0.0, 0.0), abs=1e-9)  # a quaternion's rounding

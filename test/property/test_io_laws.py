@@ -4,25 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from types import SimpleNamespace
 from typing import Any
 
 from hypothesis import given
 from hypothesis import strategies as st
 
+from robots_controller.io.bridge.topic_field import TopicField
 from robots_controller.io.fail_safe import fail_safe_texts, parse_fail_safe, safe_value
 from robots_controller.io.field_path import FieldPath
-from robots_controller.io.io_conversion import INTEGERS, InputValue, from_field, to_field
+from robots_controller.io.io_conversion import InputValue, from_field, to_field
 from robots_controller.io.io_image import Channel, IoImage
 from robots_controller.io.io_map import IoRow, parse_io_map
 from robots_controller.io.io_signals import parse_channel
+from robots_controller.io.number_kinds import INTEGERS
 from robots_controller.io.plc_script import parse_plc_script
 from robots_controller.io.scripted_plc import InputChange, ScriptedPlc
 from robots_core.errors import InvalidInputError
 
 
 def row(channel: str, **options: Any) -> IoRow:
-    return IoRow(parse_channel(channel, {}), 'a', 'b', FieldPath.parse('data'), **options)
+    return IoRow(parse_channel(channel, {}), TopicField('a', 'b', FieldPath.parse('data')), **options)
 
 
 @given(st.sampled_from(sorted(INTEGERS)), st.data())
@@ -67,11 +68,11 @@ def test_a_debounced_input_changes_exactly_when_a_value_has_lasted(
     events: list[tuple[float, bool]], debounce: float
 ):
     value = InputValue(row('digital_input.1', debounce=debounce), 0.0)
-    value.receive(SimpleNamespace(data=0), 0.0)
+    value.receive(0, 0.0)
     history, now = [(0.0, False)], 0.0
     for pause, on in events:
         now += pause
-        value.receive(SimpleNamespace(data=on), now)
+        value.receive(on, now)
         if on != history[-1][1]:
             history.append((now, on))
     # By the definition: the last level that lasted for the debounce time, up to the moment of asking.

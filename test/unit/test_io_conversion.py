@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from robots_controller.io.bridge.topic_field import TopicField
 from robots_controller.io.field_path import FieldPath
 from robots_controller.io.io_conversion import InputValue, from_field, to_field
 from robots_controller.io.io_map import IoRow
@@ -16,13 +16,8 @@ from robots_core.errors import InvalidInputError
 
 
 def row(channel: str, **options: Any) -> IoRow:
-    return IoRow(
-        parse_channel(channel, {}), 'plc/a', 'std_msgs/msg/UInt16', FieldPath.parse('data'), **options
-    )
-
-
-def sample(value: object) -> Any:
-    return SimpleNamespace(data=value)
+    place = TopicField('plc/a', 'std_msgs/msg/UInt16', FieldPath.parse('data'))
+    return IoRow(parse_channel(channel, {}), place, **options)
 
 
 @pytest.mark.parametrize(
@@ -69,8 +64,8 @@ def test_a_value_that_overflows_is_told():
 
 def test_a_value_counts_once_it_has_lasted():
     value = InputValue(row('digital_input.1', debounce=0.1), 0.0)
-    value.receive(sample(0), 0.0)
-    value.receive(sample(1), 1.0)
+    value.receive(0, 0.0)
+    value.receive(1, 1.0)
     assert value.update(1.09) == 0.0
     assert value.next_time(1.09) == 1.1
     assert value.update(1.1) == 1.0
@@ -80,37 +75,37 @@ def test_a_value_counts_once_it_has_lasted():
 def test_a_bounce_begins_the_wait_anew():
     value = InputValue(row('digital_input.1', debounce=0.125), 0.0)
     for time, raw in ((0.0, 0), (1.0, 1), (1.0625, 0), (1.125, 1)):
-        value.receive(sample(raw), time)
+        value.receive(raw, time)
     assert value.update(1.2499) == 0.0
     assert value.update(1.25) == 1.0
 
 
 def test_a_value_that_lasts_through_many_messages_is_not_delayed():
     value = InputValue(row('digital_input.1', debounce=0.1), 0.0)
-    value.receive(sample(0), 0.0)
+    value.receive(0, 0.0)
     for k in range(11):
-        value.receive(sample(1), 1.0 + 0.01 * k)
+        value.receive(1, 1.0 + 0.01 * k)
     assert value.update(1.1) == 1.0
 
 
 def test_silence_leads_to_the_fail_safe_value_and_the_first_message_back():
     value = InputValue(row('digital_input.1', timeout=0.5, fail_safe=1.0, debounce=0.1), 0.0)
     assert value.update(0.0) == 1.0
-    value.receive(sample(0), 0.1)
+    value.receive(0, 0.1)
     assert value.update(0.59) == 0.0
     assert value.next_time(0.59) == 0.6
     assert not value.silent(0.59)
     assert value.update(0.6) == 1.0
     assert value.silent(0.6)
     assert value.next_time(0.6) == math.inf
-    value.receive(sample(0), 2.0)
+    value.receive(0, 2.0)
     assert value.update(2.0) == 0.0
 
 
 def test_a_message_without_a_value_does_not_end_the_silence():
     value = InputValue(row('digital_input.1', timeout=0.5), 0.0)
     with pytest.raises(InvalidInputError):
-        value.receive(sample(math.nan), 0.4)
+        value.receive(math.nan, 0.4)
     assert value.silent(0.5)
 
 

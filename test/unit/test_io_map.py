@@ -7,12 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from robots_controller.io.io_map import TopicQos, parse_io_map, read_io_map
+from robots_controller.io.bridge.topic_field import TopicField, TopicQos
+from robots_controller.io.io_map import IoRow, parse_io_map, read_io_map
 from robots_core.errors import InvalidInputError
 
 CONFIG = Path(__file__).parents[2] / 'robots_controller' / 'config'
 
 ROW = '  - {channel: %s, topic: plc/a, type: UInt16MultiArray, field: "data[0]"%s}\n'
+
+
+def fields(row: IoRow) -> TopicField:
+    assert isinstance(row.place, TopicField)
+    return row.place
 
 
 def inputs(*rows: tuple[str, str]) -> str:
@@ -29,8 +35,8 @@ def test_the_example_of_words():
     assert bits == {f'digital_input.{n}': bit for n, bit in ((1, 0), (2, 1), (3, 2), (4, 3), (5, 8))}
     contact = next(row for row in io_map.inputs if row.channel.index == 5)
     assert (contact.invert, contact.debounce, contact.timeout, contact.fail_safe) == (True, 0.02, 0.5, 0.0)
-    assert {row.type for row in io_map.inputs} == {'std_msgs/msg/UInt16MultiArray'}
-    assert [row.path.text for row in io_map.outputs] == ['data[0]'] * 3 + ['data[1]']
+    assert {fields(row).type for row in io_map.inputs} == {'std_msgs/msg/UInt16MultiArray'}
+    assert [row.place.text for row in io_map.outputs] == ['data[0]'] * 3 + ['data[1]']
     assert [row.period for row in io_map.outputs] == [0.1] * 3 + [math.inf]
 
 
@@ -41,8 +47,18 @@ def test_the_example_of_tags():
         *('press_ready', 'press_closed', 'part_present', 'press_force')
     ]
     assert io_map.inputs[1].fail_safe == 1.0
-    assert io_map.inputs[3].qos == TopicQos(reliability='best_effort')
-    assert io_map.outputs[0].qos == TopicQos(durability='transient_local', depth=1)
+    assert fields(io_map.inputs[3]).qos == TopicQos(reliability='best_effort')
+    assert fields(io_map.outputs[0]).qos == TopicQos(durability='transient_local', depth=1)
+
+
+def test_the_example_of_a_plant_which_a_lock_step_run_refuses():
+    io_map = read_io_map(CONFIG / 'io_map_plant.yaml')
+    assert set(io_map.servers) == {'modbus plc', 'opcua press', 'mqtt plant'}
+    assert [row.period for row in io_map.inputs[:2]] == [0.05, 0.05]
+    with pytest.raises(
+        InvalidInputError, match=r'plant.yaml:17: modbus plc is not connected in lock-step; topics'
+    ):
+        io_map.check_simulated_time()
 
 
 def test_types_are_written_short_or_in_full():
@@ -52,7 +68,7 @@ def test_types_are_written_short_or_in_full():
         ('geometry_msgs/Point', 'geometry_msgs/msg/Point'),
         ('geometry_msgs/msg/Point', 'geometry_msgs/msg/Point'),
     ):
-        assert parse_io_map(text % written).inputs[0].type == full
+        assert fields(parse_io_map(text % written).inputs[0]).type == full
 
 
 @pytest.mark.parametrize(

@@ -134,7 +134,7 @@ def payload(text: str) -> tuple[float, ...]:
 
 
 def bag(text: str) -> Path:
-    """A recorded bag that exists, a folder or a file, or a folder with one bag in it, at most two folders down."""
+    """A recorded bag that exists: a folder or a file, or one at most two folders below."""
     path = Path(text)
     if not path.exists():
         raise argparse.ArgumentTypeError(

@@ -1,21 +1,19 @@
-"""Values between channels and messages: scale, bits, debounce and fail-safe; the time is handed in."""
+"""Values between channels and their places: scale, bits, debounce and fail-safe; the time is handed in."""
 
 import math
-from collections.abc import Mapping
-from typing import Any, Final
+import sys
+from typing import Final
 
 from robots_controller.io.io_map import IoRow
+from robots_controller.io.number_kinds import INTEGERS
 from robots_core.errors import InvalidInputError
 
-INTEGERS: Final[Mapping[str, tuple[int, int]]] = {
-    **{f'int{size}': (-(2 ** (size - 1)), 2 ** (size - 1) - 1) for size in (8, 16, 32, 64)},
-    **{f'uint{size}': (0, 2**size - 1) for size in (8, 16, 32, 64)},
-}
-"""Ranges of the whole numbers that a field can be."""
+SHOWN: Final = 60
+"""Letters of what is no value."""
 
 
 class InputValue:
-    """Value of one input, from its messages and the time.
+    """Value of one input, from what arrives for it and the time.
 
     Args:
         row: The input.
@@ -24,20 +22,27 @@ class InputValue:
 
     def __init__(self, row: IoRow, start: float) -> None:
         self.row = row
+        self.stamp = math.nan
+        """Of the newest value, s since 1970."""
         self._heard = start
         self._spoke = False
         self._value = row.fail_safe
         self._coming: float | None = None  # what is debounced
         self._since = start
 
-    def receive(self, message: Any, now: float) -> None:
-        """Take the value of a message that came now.
+    def receive(self, raw: object, now: float, stamp: float = math.nan) -> None:
+        """Take what its place holds, which came now.
+
+        Args:
+            raw: What its place holds.
+            now: s.
+            stamp: When its source says that it measured it, s since 1970; NaN where it does not say.
 
         Raises:
-            InvalidInputError: the message has no such field, or not a finite number there; the message does
-                not count.
+            InvalidInputError: not a finite number; it does not count.
         """
-        value = from_field(self.row, self.row.path.get(message))
+        value = from_field(self.row, raw)
+        self.stamp = stamp
         self.update(now)
         first, self._spoke, self._heard = not self._spoke, True, now
         if value == self._value or self.row.debounce == 0.0 or first:
@@ -65,33 +70,57 @@ class InputValue:
 
 
 def from_field(row: IoRow, raw: object) -> float:
-    """Value of an input from what its field holds.
+    """Value of an input from what its place holds.
 
     A digital input is on for every number but 0: programmable controllers say 1, 255 or -1.
 
     Raises:
         InvalidInputError: not a finite number, or a bit of what is not a whole number.
     """
-    try:
-        number = int(raw) if isinstance(raw, (bool, int)) else float(raw)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        raise InvalidInputError(f'{row.path.text} is {raw!r}; needed is a number') from None
-    if not math.isfinite(number):
-        raise InvalidInputError(f'{row.path.text} is {number}; needed is a finite number')
+    number, shown = _number(raw), repr(raw)[:SHOWN]
+    if number is None:
+        raise InvalidInputError(f'{row.place.text} is {shown}; needed is a number')
+    if not abs(number) <= sys.float_info.max:
+        raise InvalidInputError(f'{row.place.text} is {shown}; needed is a finite number')
     if row.bit is not None:
         if not float(number).is_integer():
-            raise InvalidInputError(f'{row.path.text} is {number!r}; a bit needs a whole number')
+            raise InvalidInputError(f'{row.place.text} is {number!r}; a bit needs a whole number')
         number = int(number) >> row.bit & 1
     if row.channel.kind == 'digital':
         return float((number != 0) != row.invert)
     value = row.scale * number + row.offset
     if not math.isfinite(value):
-        raise InvalidInputError(f'{row.path.text} is {number:g}; times {row.scale:g} it is no finite number')
+        raise InvalidInputError(f'{row.place.text} is {number:g}; times {row.scale:g} it is no finite number')
     return value
 
 
+def _number(raw: object) -> int | float | None:
+    """A value as a number; None for what is none, as a text of digits: its source sends another type."""
+    if isinstance(raw, str):
+        return None
+    try:
+        return int(raw) if isinstance(raw, int) else float(raw)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        return None
+
+
+def check_kind(row: IoRow, raw: object, kind: str) -> None:
+    """Check that what came for an input is of the kind that its place has.
+
+    Raises:
+        InvalidInputError: its place has whole numbers of a range. `from_field` refuses what is no number.
+    """
+    if kind not in INTEGERS or not isinstance(raw, (int, float)):
+        return
+    low, high = INTEGERS[kind]
+    if not low <= raw <= high or raw != int(raw):
+        raise InvalidInputError(
+            f'{row.place.text} is {repr(raw)[:SHOWN]}; {kind} is a whole number in {low}..{high}'
+        )
+
+
 def to_field(row: IoRow, value: float, kind: str, before: float) -> tuple[bool | int | float, str]:
-    """What the field of an output holds.
+    """What the place of an output holds.
 
     Args:
         row: The output.

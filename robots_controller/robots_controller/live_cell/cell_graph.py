@@ -154,6 +154,8 @@ def cell_graph(
     mode = {'operating_mode': OperatingMode(operating_mode).value, **held}
     capped = {'tool_speed_limit': checked_speed_limit(tool_speed_limit)} if tool_speed_limit else {}
     cell_io = read_cell_io(io, io_map, orbit=orbit)
+    if lockstep:
+        cell_io.io_map.check_simulated_time()
     stopping = {'emergency_stop_inputs': emergency_stop_texts(cell_io.emergency_stop) or ['']}
     labels, fail_safe = cell_io.labels, fail_safe_texts(cell_io.fail_safe) or ['']
     names = {f'{image.removesuffix("s")}_names': list(names) for image, names in labels.items()}
@@ -198,6 +200,7 @@ def cell_graph(
             **names,
         ),
         node('robots_core', 'direct_kinematics_node'),
+        node('robots_core', 'robot_state_node'),
         node('robots_core', 'visualizer_node', port=port, scene=scene),
         *([node('robots_core', 'inverse_kinematics_node', method=guided)] if guided else []),
         *([node('robots_controller', 'guide_player_node', references=references)] if references else []),

@@ -27,7 +27,7 @@ from robots_core.ros.timed_node import TimedNode
 SWITCH_INTERVAL = 1e-4  # s
 POLL = 0.01  # s
 # Nodes that only show what happens, and never hold up a lock-step run.
-ONLOOKERS = ('visualizer_node',)
+ONLOOKERS = ('robot_state_node', 'visualizer_node')
 
 
 class CellOperator(TimedNode):

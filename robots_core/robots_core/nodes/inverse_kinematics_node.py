@@ -26,7 +26,7 @@ from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import STREAM
+from robots_core.ros.qos import SENSOR, STREAM
 from robots_core.ros.reference_stream import ReferenceStream
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
@@ -90,8 +90,8 @@ class InverseKinematicsNode(RobotNode):
         self._durations: deque[float] = deque(maxlen=round(10.0 * rate))
         self._refusal, self._refusal_time = '', -math.inf
 
-        self._poses = PolledSubscription(self, PoseStamped, 'reference_pose', STREAM)
-        self._twists = PolledSubscription(self, TwistStamped, 'reference_twist', STREAM)
+        self._poses = PolledSubscription(self, PoseStamped, 'reference_pose', SENSOR)
+        self._twists = PolledSubscription(self, TwistStamped, 'reference_twist', SENSOR)
         self._controller = PolledSubscription(self, JointTrajectory, 'joint_reference', STREAM)
         self.commanders = CommanderWatch(self)
         self._stream = ReferenceStream(

@@ -7,7 +7,7 @@ from visualization_msgs.msg import MarkerArray
 from robots_core.blocks.collision.scene import Scene
 from robots_core.nodes.scene_messages import updated_scene
 from robots_core.nodes.scene_parameter import scene_by_parameter
-from robots_core.ros.qos import COMMAND, STATE
+from robots_core.ros.qos import COMMAND, STATE, subscribe_any, subscribe_quietly
 from robots_core.ros.robot_node import RobotNode
 
 
@@ -30,8 +30,8 @@ class WatchedScene:
         on_change(self.scene)
         self._on_change = on_change
         # COMMAND loses none of several objects that are sent one by one; STATE receives what is latched.
-        for qos in (COMMAND, STATE):
-            node.create_subscription(MarkerArray, 'collision_objects', self._on_objects, qos)
+        subscribe_any(node, MarkerArray, 'collision_objects', self._on_objects, COMMAND)
+        subscribe_quietly(node, MarkerArray, 'collision_objects', self._on_objects, STATE)
 
     def _on_objects(self, message: MarkerArray) -> None:
         scene = updated_scene(self.scene, message)

@@ -38,7 +38,7 @@ from robots_core.ros.messages import (
 )
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import publishers_of
-from robots_core.ros.qos import COMMAND, STATE, STREAM
+from robots_core.ros.qos import COMMAND, STATE, STREAM, subscribe_any
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array, fraction, one_of
@@ -140,7 +140,7 @@ class PlanningNode(RobotNode):
                 self.create_subscription_with_sender(message_type, kind.topic, command, COMMAND)
             )
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)
-        self.create_subscription(PoseStamped, 'reference_pose', self._on_reference_pose, STREAM)
+        subscribe_any(self, PoseStamped, 'reference_pose', self._on_reference_pose, STREAM)
         self.create_subscription_with_sender(Bool, 'trigger', self._on_trigger, COMMAND)
 
     def _use_new_command(self, value: str) -> None:

@@ -1,0 +1,57 @@
+"""IoPort: what the rows of an I/O map exchange values with, a topic or the server of a protocol."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from robots_controller.io.bridge.place import Place
+
+Number = bool | int | float
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """What a partner says of a place.
+
+    Attributes:
+        place: The place.
+        value: The value as it came; None where there is a problem instead.
+        problem: Why there is no value, '' for none.
+        stamp: When the source says that it measured the value, s since 1970; NaN where it does not say.
+    """
+
+    place: Place
+    value: object = None
+    problem: str = ''
+    stamp: float = math.nan
+
+
+class IoPort(Protocol):
+    """One partner of rows. None of the methods blocks, except `finish` for as long as it may."""
+
+    def kind(self, place: Place) -> str:
+        """Type of the number there: 'boolean', 'float', 'double' or one of `INTEGERS`."""
+
+    def arrivals(self) -> Sequence[Arrival]:
+        """What came since the last call, in order."""
+
+    def send(self, values: Mapping[Place, Number]) -> None:
+        """Write values, in this order and after those of earlier calls.
+
+        What cannot be written now is written as soon as it can be, with the newest value of each place.
+        """
+
+    def problems(self) -> Mapping[str, str]:
+        """What is wrong with this port now, each with a key that stays while the problem does."""
+
+    def news(self) -> Sequence[str]:
+        """What is to be logged once: connected again, values lost, since the last call."""
+
+    def finish(self, end: float) -> None:
+        """Wait until the partner has what was sent, at most until a time of `time.monotonic`, s."""
+
+    def close(self) -> None:
+        """End the connection."""

@@ -1,0 +1,60 @@
+"""Problems: what is wrong now, each told once however often it happens."""
+
+from collections.abc import Callable, Mapping
+from typing import Final
+
+TELL_AGAIN: Final = 5.0  # s
+
+
+class Problems:
+    """What is wrong now, by keys; a problem that comes and goes is told at most once in `TELL_AGAIN`.
+
+    Args:
+        tell: Logs a warning.
+    """
+
+    def __init__(self, tell: Callable[[str], None]) -> None:
+        self._tell = tell
+        self._now: dict[str, str] = {}
+        self._told: dict[str, tuple[float, int]] = {}  # when, and how often since
+        self.count = 0
+        """How often `set` was called with a problem that counts."""
+
+    def __str__(self) -> str:
+        return '; '.join(self._now.values())
+
+    def set(self, key: str, problem: str, now: float, *, counts: bool = False) -> None:
+        """Set or, with '', clear a problem.
+
+        Args:
+            key: The same for the same problem.
+            problem: What is wrong.
+            now: s.
+            counts: Each call with a problem is a value that was lost.
+        """
+        if not problem:
+            self._now.pop(key, None)
+            return
+        self.count += counts
+        fresh = key not in self._now
+        self._now[key] = problem
+        last, times = self._told.get(key, (-TELL_AGAIN, 0))
+        if fresh and now - last >= TELL_AGAIN:
+            self._tell(f'{problem} ({times} times more before)' if times else problem)
+            self._told[key] = now, 0
+        elif counts or fresh:
+            self._told[key] = last, times + 1
+
+    def replace(self, prefix: str, problems: Mapping[str, str], now: float) -> None:
+        """Set all problems of one origin; those that it has no more are cleared.
+
+        Args:
+            prefix: Of the origin's keys.
+            problems: What is wrong, by the rest of the key.
+            now: s.
+        """
+        for key in [key for key in self._now if key.startswith(prefix)]:
+            if key.removeprefix(prefix) not in problems:
+                self.set(key, '', now)
+        for key, problem in problems.items():
+            self.set(prefix + key, problem, now)

@@ -1,0 +1,121 @@
+"""TopicField: a number inside the messages of a ROS topic, as a row of an I/O map names it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final
+
+from robots_controller.io.field_path import FieldPath
+from robots_core.errors import InvalidInputError
+from robots_core.yaml_section import YamlSection
+
+KEYS: Final = ('topic', 'type', 'field', 'qos')
+
+STD_TYPES: Final = (
+    *('Bool', 'Int8', 'Int16', 'Int32', 'Int64', 'UInt8', 'UInt16', 'UInt32', 'UInt64', 'Float32', 'Float64'),
+    *(f'{kind}{size}MultiArray' for kind in ('Int', 'UInt') for size in (8, 16, 32, 64)),
+    *('Float32MultiArray', 'Float64MultiArray'),
+)
+"""Types that are written without their package, std_msgs."""
+
+# As in ROS, the defaults first.
+RELIABILITIES: Final = ('reliable', 'best_effort')
+DURABILITIES: Final = ('volatile', 'transient_local')
+
+
+@dataclass(frozen=True)
+class TopicQos:
+    """Quality of service of an external topic."""
+
+    reliability: str = RELIABILITIES[0]
+    durability: str = DURABILITIES[0]
+    depth: int = 10
+
+
+@dataclass(frozen=True)
+class TopicField:
+    """A field of a topic.
+
+    Attributes:
+        topic: The external topic.
+        type: Its type, as package/msg/Name.
+        path: The field.
+        qos: Of the topic.
+    """
+
+    topic: str
+    type: str
+    path: FieldPath
+    qos: TopicQos = field(default_factory=TopicQos)
+
+    @property
+    def port(self) -> str:
+        """The topic."""
+        return self.topic
+
+    @property
+    def source(self) -> str:
+        """The topic."""
+        return self.topic
+
+    @property
+    def text(self) -> str:
+        """The field."""
+        return self.path.text
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The field."""
+        return (self.path.text,)
+
+
+def read_topic_field(item: YamlSection) -> TopicField:
+    """The keys `topic`, `type`, `field` and `qos` of a row.
+
+    Raises:
+        InvalidInputError: one of them is missing or not valid; with file and line.
+    """
+    return TopicField(_topic(item), _type(item), _path(item), _qos(item))
+
+
+def _topic(item: YamlSection) -> str:
+    topic = item.text('topic')
+    parts = topic.removeprefix('/').removeprefix('~/').split('/')
+    if not all(part.isidentifier() and part.isascii() for part in parts):
+        raise item.error(f'{topic!r} is no topic; topics are like plc/inputs or /plc/inputs', 'topic')
+    return topic
+
+
+def _type(item: YamlSection) -> str:
+    text = item.text('type')
+    if text in STD_TYPES:
+        return f'std_msgs/msg/{text}'
+    parts = text.split('/')
+    if len(parts) == 2:
+        parts.insert(1, 'msg')
+    if len(parts) != 3 or parts[1] != 'msg' or not all(part.isidentifier() for part in parts):
+        raise item.error(
+            f'{text!r} is no message type; types are package/msg/Name or one of {", ".join(STD_TYPES)}',
+            'type',
+        )
+    return '/'.join(parts)
+
+
+def _path(item: YamlSection) -> FieldPath:
+    try:
+        return FieldPath.parse(item.text('field', 'data'))
+    except InvalidInputError as error:
+        raise item.error(error.message, 'field') from None
+
+
+def _qos(item: YamlSection) -> TopicQos:
+    section = item.section('qos')
+    if section is None:
+        return TopicQos()
+    qos = TopicQos(
+        section.text('reliability', RELIABILITIES[0], among=RELIABILITIES),
+        section.text('durability', DURABILITIES[0], among=DURABILITIES),
+        section.whole('depth', 10, low=1, high=1000),
+    )
+    section.finish()
+    return qos

@@ -1,0 +1,61 @@
+"""Users and certificates of a server, as an I/O map names them; secrets are in files of their own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from robots_core.files import read_text
+from robots_core.yaml_section import YamlSection
+
+
+@dataclass(frozen=True)
+class Credentials:
+    """Who we are, and how the other is known; '' for what is not needed.
+
+    Attributes:
+        user: Name of the user.
+        password_file: Text file with the password in its first line.
+        certificate: File of our own certificate.
+        key: File of its private key.
+        trusted: File of the certificate, or of its authority, that the server must have.
+    """
+
+    user: str = ''
+    password_file: str = ''
+    certificate: str = ''
+    key: str = ''
+    trusted: str = ''
+
+    def password(self) -> str:
+        """The password; '' for none.
+
+        Raises:
+            InvalidInputError: the file cannot be read.
+        """
+        return read_text(self.password_file, 'password file').partition('\n')[0] if self.password_file else ''
+
+
+def read_credentials(section: YamlSection) -> Credentials:
+    """The keys `user`, `password_file`, `certificate`, `key` and `trusted` of a server.
+
+    Raises:
+        InvalidInputError: half of a pair, or no such file; with file and line.
+    """
+    found = Credentials(
+        section.text('user', ''),
+        *(_file(section, key) for key in ('password_file', 'certificate', 'key', 'trusted')),
+    )
+    if found.password_file and not found.user:
+        raise section.error('password_file needs a user', 'password_file')
+    if bool(found.certificate) != bool(found.key):
+        given = 'certificate' if found.certificate else 'key'
+        raise section.error('certificate and key need each other', given)
+    return found
+
+
+def _file(section: YamlSection, key: str) -> str:
+    path = section.text(key, '')
+    if path and not Path(path).expanduser().is_file():
+        raise section.error(f'{key} {path!r} is no file', key)
+    return str(Path(path).expanduser()) if path else ''

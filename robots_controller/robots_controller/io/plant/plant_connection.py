@@ -1,0 +1,199 @@
+"""PlantConnection: a port of an I/O map whose partner is reached by a link, in a thread of its own."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from threading import Condition, Thread
+from typing import Final
+
+from robots_controller.io.bridge.io_port import Arrival, Number
+from robots_controller.io.bridge.place import Place
+from robots_controller.io.plant.plant_link import LinkError, PlantLink
+from robots_controller.io.plant.waiting_writes import WaitingWrites
+
+FIRST_PAUSE: Final = 0.2  # s
+LONGEST_PAUSE: Final = 5.0  # s
+RETRY_PERIOD: Final = 1.0  # s, of what the partner refuses
+MOST_ARRIVALS: Final = 20_000
+"""Values that wait for the loop; beyond it the oldest are lost."""
+FINISH_TIMEOUT: Final = 1.0  # s, for the thread to end
+
+
+class PlantConnection:
+    """Keeps a link open: reads, writes in order, and opens it again after ever longer pauses.
+
+    Args:
+        name: Of the partner, for messages.
+        link: To it.
+        wake: Called in another thread when values have arrived or the state has changed.
+        first_pause: Before the second attempt to connect, s; doubled from one to the next.
+        longest_pause: s.
+        retry_period: Of what the partner refuses, s.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        link: PlantLink,
+        wake: Callable[[], None],
+        *,
+        first_pause: float = FIRST_PAUSE,
+        longest_pause: float = LONGEST_PAUSE,
+        retry_period: float = RETRY_PERIOD,
+    ) -> None:
+        self._name, self._link, self._wake = name, link, wake
+        self._pauses = first_pause, longest_pause
+        self._retry_period = retry_period
+        self._changed = Condition()
+        self._ended = False
+        self._down = f'{name}: not connected yet'
+        self._busy = False
+        self._waiting = WaitingWrites()
+        self._arrivals: deque[Arrival] = deque()
+        self._lost_arrivals = 0
+        self._news: list[str] = []
+        self._problems: dict[str, str] = {'connection': self._down}
+        self._thread = Thread(target=self._run, name=name, daemon=True)
+        self._thread.start()
+
+    # -- the loop's side --------------------------------------------------------------------------
+
+    def kind(self, place: Place) -> str:
+        """Type of the number at a place."""
+        return self._link.kind(place)
+
+    def arrivals(self) -> Sequence[Arrival]:
+        """What came since the last call."""
+        with self._changed:
+            arrivals, self._arrivals = self._arrivals, deque()
+            lost, self._lost_arrivals = self._lost_arrivals, 0
+            if lost:
+                self._news.append(f'{self._name}: {lost} values came faster than they could be taken; lost')
+        return arrivals
+
+    def send(self, values: Mapping[Place, Number]) -> None:
+        """Write values after those of earlier calls."""
+        with self._changed:
+            self._waiting.add(values)
+            self._changed.notify_all()
+
+    def problems(self) -> Mapping[str, str]:
+        """What is wrong now; replaced, never changed."""
+        return self._problems
+
+    def news(self) -> Sequence[str]:
+        """What is to be logged once."""
+        with self._changed:
+            news, self._news = self._news, []
+        return news
+
+    def finish(self, end: float) -> None:
+        """Wait until all is written, if there is a connection."""
+        with self._changed:
+            self._changed.wait_for(
+                lambda: self._down or not (self._waiting or self._busy), max(0.0, end - time.monotonic())
+            )
+
+    def close(self) -> None:
+        """End the thread; what is not written yet is not written any more."""
+        with self._changed:
+            self._ended = True
+            self._changed.notify_all()
+        self._thread.join(FINISH_TIMEOUT)
+
+    # -- the thread's side ------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        first, longest = self._pauses
+        pause = first
+        while not self._ended:
+            began = time.monotonic()
+            try:
+                self._link.open(self._hear)
+                self._set_up()
+                self._serve()
+            except LinkError as error:
+                self._set_down(error.message)
+            except Exception as error:  # noqa: BLE001  # a partner can make its library raise anything
+                self._set_down(repr(error))
+            self._link.close()
+            if time.monotonic() - began > longest:
+                pause = first
+            with self._changed:
+                self._changed.wait_for(lambda: self._ended, pause)
+            pause = min(2.0 * pause, longest)
+
+    def _serve(self) -> None:
+        due = retry = time.monotonic()
+        while True:
+            now = time.monotonic()
+            if now >= due:
+                due = self._link.read(now)
+            if now >= retry:
+                retry = now + self._retry_period
+                with self._changed:
+                    self._waiting.retry_refused()
+            with self._changed:
+                wait = min(due, retry) - time.monotonic()
+                self._changed.wait_for(lambda: self._ended or self._waiting, max(0.0, wait))
+                if self._ended:
+                    return
+                values = self._waiting.take() if self._waiting else {}
+                self._busy = bool(values)
+            if values:
+                self._write(values)
+
+    def _write(self, values: Mapping[Place, Number]) -> None:
+        refused = self._link.write(values)
+        with self._changed:
+            before = len(self._waiting.refused)
+            self._waiting.confirm(values, refused)
+            self._busy = False
+            self._changed.notify_all()
+            if refused or before:
+                self._state_problems()
+        if refused or before:
+            self._notify()
+
+    def _hear(self, arrivals: Iterable[Arrival]) -> None:
+        with self._changed:
+            quiet = not self._arrivals
+            self._arrivals.extend(arrivals)
+            while len(self._arrivals) > MOST_ARRIVALS:
+                self._arrivals.popleft()
+                self._lost_arrivals += 1
+        if quiet:
+            self._notify()
+
+    def _set_up(self) -> None:
+        with self._changed:
+            self._down = ''
+            self._waiting.start_again()
+            overtaken, self._waiting.overtaken = self._waiting.overtaken, 0
+            more = f'; {overtaken} values of outputs were overtaken by newer ones' if overtaken else ''
+            self._news.append(f'{self._name}: connected{more}')
+            self._state_problems()
+        self._notify()
+
+    def _set_down(self, reason: str) -> None:
+        with self._changed:
+            self._down = f'{self._name}: {reason}; connecting again and again'
+            self._busy = False
+            self._state_problems()
+            self._changed.notify_all()
+        self._notify()
+
+    def _notify(self) -> None:
+        if not self._ended:
+            self._wake()
+
+    def _state_problems(self) -> None:
+        problems = {'connection': self._down} if self._down else {}
+        refused = self._waiting.refused
+        if refused and not self._down:
+            place, why = next(iter(refused.items()))
+            others = f' and {len(refused) - 1} more outputs' if len(refused) > 1 else ''
+            problems['refused'] = f'{self._name}: refuses {place.text}{others}, tried again and again: {why}'
+        self._problems = problems

@@ -1,0 +1,88 @@
+"""PlantLink: one protocol's part of a connection to a plant."""
+
+import logging
+from collections.abc import Callable, Iterable, Mapping
+from importlib import import_module
+from typing import Any, Protocol
+
+from robots_controller.io.bridge.io_port import Arrival, Number
+from robots_controller.io.bridge.place import Place
+from robots_core.errors import InvalidInputError, RobotsError
+
+
+class LinkError(RobotsError):
+    """The connection cannot be opened, or is lost."""
+
+
+class PlantLink(Protocol):
+    """A connection that is opened, used and closed by one thread; all methods may block for a response time.
+
+    `open`, `read` and `write` raise a LinkError where the partner cannot be reached or does not answer; the
+    link is closed then, and opened again later.
+    """
+
+    def kind(self, place: Place) -> str:
+        """Type of the number there: 'boolean', 'float', 'double' or one of `INTEGERS`."""
+
+    def open(self, hear: Callable[[Iterable[Arrival]], None]) -> None:
+        """Connect.
+
+        Args:
+            hear: Takes what arrives from now on, in any thread.
+        """
+
+    def read(self, now: float) -> float:
+        """Read what is due, and check that the partner is there.
+
+        Args:
+            now: s of `time.monotonic`.
+
+        Returns:
+            When to call again, s.
+        """
+
+    def write(self, values: Mapping[Place, Number]) -> Mapping[Place, str]:
+        """Write values in their order, and wait until they are confirmed; those refused, and why."""
+
+    def close(self) -> None:
+        """End the connection, whether it is open or not."""
+
+
+class PlantServer(Protocol):
+    """A server that an I/O map declares."""
+
+    @property
+    def port(self) -> str:
+        """As of its places."""
+
+    @property
+    def polling(self) -> float | None:
+        """Period of inputs whose row has none, s; None where the server speaks by itself."""
+
+    def link(self, inputs: Mapping[Place, float], outputs: Iterable[Place]) -> PlantLink:
+        """A link to it, not open yet.
+
+        Args:
+            inputs: Places to read, and how often where the protocol polls, s.
+            outputs: Places to write.
+
+        Raises:
+            InvalidInputError: the protocol's library is not installed.
+        """
+
+
+def library(module: str, package: str, protocol: str) -> Any:
+    """A protocol's library.
+
+    Raises:
+        InvalidInputError: it is not installed.
+    """
+    # The connection says what is wrong, once.
+    logging.getLogger(module.partition('.')[0]).setLevel(logging.CRITICAL)
+    try:
+        return import_module(module)
+    except ImportError as error:
+        raise InvalidInputError(
+            f'{protocol} needs the package {package}, which cannot be imported ({error}): '
+            f'make plant-requirements, or pip install {package}'
+        ) from None

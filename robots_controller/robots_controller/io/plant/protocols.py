@@ -1,0 +1,75 @@
+"""The protocols of an I/O map: their servers and places in its file."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from robots_controller.io.bridge.place import Place
+from robots_controller.io.io_image import Channel
+from robots_controller.io.plant.modbus_map import read_modbus_place, read_modbus_server
+from robots_controller.io.plant.mqtt_map import read_mqtt_place, read_mqtt_server
+from robots_controller.io.plant.opcua_map import read_opcua_place, read_opcua_server
+from robots_controller.io.plant.plant_link import PlantServer
+from robots_core.yaml_section import YamlSection
+
+
+@dataclass(frozen=True)
+class PlantProtocol:
+    """How a protocol is written in a map.
+
+    Attributes:
+        read_server: Reads an entry of the protocol's section, with its name.
+        read_place: Reads what a row has below the protocol's name.
+    """
+
+    read_server: Callable[[YamlSection, str], PlantServer]
+    read_place: Callable[[YamlSection, Channel, Any], Place]
+
+
+PROTOCOLS: Final[Mapping[str, PlantProtocol]] = {
+    'modbus': PlantProtocol(read_modbus_server, read_modbus_place),
+    'mqtt': PlantProtocol(read_mqtt_server, read_mqtt_place),
+    'opcua': PlantProtocol(read_opcua_server, read_opcua_place),
+}
+
+
+def read_servers(section: YamlSection) -> dict[str, PlantServer]:
+    """The servers of a map, by protocol and name with a space between.
+
+    Raises:
+        InvalidInputError: what is wrong, with its line.
+    """
+    servers: dict[str, PlantServer] = {}
+    for name, protocol in PROTOCOLS.items():
+        for below, server in section.entries(name):
+            if (entry := below.section(server)) is None or not server:
+                raise below.error(f'{name} needs a name and settings for each server', server)
+            made = protocol.read_server(entry, server)
+            entry.finish()
+            servers[made.port] = made
+    return servers
+
+
+def read_plant_place(
+    item: YamlSection, channel: Channel, servers: Mapping[str, PlantServer]
+) -> tuple[Place, PlantServer] | None:
+    """The place of a row at a server, which it names where there are several; None for a row of a topic.
+
+    Raises:
+        InvalidInputError: what is wrong, with its line.
+    """
+    named = [name for name in (*PROTOCOLS, 'topic') if name in item]
+    if len(named) > 1:
+        raise item.error(f'{" and ".join(named)} exclude each other; a row has one place', named[1])
+    if not named or named[0] == 'topic':
+        return None
+    (name,) = named
+    below = item.section(name)
+    assert below is not None
+    own = [port.removeprefix(f'{name} ') for port in servers if port.startswith(f'{name} ')]
+    if not own:
+        raise item.error(f'there is no server below {name} at the top of the file', name)
+    server = servers[f'{name} {below.text("server", own[0] if len(own) == 1 else None, among=own)}']
+    place = PROTOCOLS[name].read_place(below, channel, server)
+    below.finish()
+    return place, server

@@ -1,0 +1,89 @@
+"""robot_state_node: the robot's description, and its frames on /tf and /tf_static."""
+
+from collections.abc import Iterable
+from functools import partial
+from importlib import import_module
+from typing import Any, Final
+
+from builtin_interfaces.msg import Time
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from robots_core.blocks.link_frames import FramePose, LinkFrames
+from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
+from robots_core.nodes.transforms import transform_message
+from robots_core.ros.messages import joint_values
+from robots_core.ros.qos import COMMAND, SENSOR, STATE
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.run import run
+
+MAX_RATE: Final = 1000.0  # Hz
+FRAMES: Final = {'tool': 'tool0', 'work': 'base'}
+"""Parents of the frames that parameters place."""
+
+
+class RobotStateNode(RobotNode):
+    """Publishes `robot_description`, latched, and where tf2_msgs is installed `/tf` and `/tf_static`.
+
+    Without tf2_msgs it says so once, and publishes the description alone.
+    """
+
+    takes_part = False  # a display does not hold time
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('robot_state_node', **options)
+        rate = self.parameter('rate', 50.0, 'highest rate of /tf, Hz', bounds=(0.1, MAX_RATE))
+        placed = {
+            name: self.parameter(
+                name,
+                NO_TOOL,
+                f'frame {name} in {parent}: x y z (m), quaternion x y z w',
+                read=pose_from_parameter,
+            )
+            for name, parent in FRAMES.items()
+        }
+        self._frames = LinkFrames(self.robot.description)
+        self._placed = {name: FramePose(FRAMES[name], name, pose) for name, pose in placed.items()}
+        namespace = self.get_namespace().strip('/')
+        self._prefix = f'{namespace}/' if namespace else ''
+        self._description = self.create_publisher(String, 'robot_description', STATE)
+        self._description.publish(String(data=self.robot.description))
+        self._tf: Any = None
+        try:
+            self._message = import_module('tf2_msgs.msg').TFMessage
+        except ImportError as error:
+            self.ready(f'ready; no transforms: tf2_msgs cannot be imported ({error})')
+            self.journal.info(f'no transforms are published: tf2_msgs cannot be imported ({error})')
+            return
+        self._tf = self.create_publisher(self._message, '/tf', COMMAND)
+        self._static = self.create_publisher(self._message, '/tf_static', STATE)
+        self._publish_static()
+        self.add_post_set_parameters_callback(self._use_parameters)
+        self.poll(JointState, 'joint_states', self._publish, SENSOR, rate=rate)
+        self.ready()
+
+    def _publish(self, message: JointState) -> None:
+        names = self.robot.axes_data.names
+        q = joint_values(message.name, message.position, names, 'joint_states')  # refuses what is not valid
+        others = dict(zip(message.name, message.position, strict=True))
+        positions = {**others, **dict(zip(names, map(float, q), strict=True))}
+        self._tf.publish(self._transforms(message.header.stamp, self._frames.moving(positions)))
+        self.ready()
+
+    def _publish_static(self) -> None:
+        stamp = self.get_clock().now().to_msg()
+        self._static.publish(self._transforms(stamp, (*self._frames.fixed, *self._placed.values())))
+
+    def _transforms(self, stamp: Time, frames: Iterable[FramePose]) -> Any:
+        return self._message(transforms=[transform_message(stamp, frame, self._prefix) for frame in frames])
+
+    def _use_parameters(self, parameters: list[Parameter]) -> None:
+        changed = {one.name: one.value for one in parameters if one.name in FRAMES}
+        for name, value in changed.items():
+            self._placed[name] = FramePose(FRAMES[name], name, pose_from_parameter(value))
+        if changed:
+            self._publish_static()
+
+
+main: Final = partial(run, RobotStateNode)
