@@ -54,6 +54,8 @@ def _check(program: str, options: argparse.Namespace) -> bool:
         left_out = (
             '' if result.walked == result.possible else f' of {result.possible}; --combinations for more'
         )
+        for way in result.ways:
+            print(way, file=sys.stderr)
         print(f'{program}: walked with {result.walked} combinations of inputs{left_out}', file=sys.stderr)
     for problem in problems:
         print(problem)

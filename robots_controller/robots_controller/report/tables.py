@@ -10,7 +10,7 @@ from rich.table import Table
 
 from robots_controller.report.comparison import NOTICED, LineChange, RunComparison
 from robots_controller.report.line_times import LineTime, time_spans
-from robots_controller.report.motion_columns import Column
+from robots_controller.report.motion_columns import NOTHING, Column
 from robots_controller.report.run_report import RunReport
 
 BAR_WIDTH: Final = 24
@@ -102,6 +102,11 @@ def line_table(report: RunReport) -> ReportTable:
 
 def motion_table(report: RunReport, columns: Sequence[Column]) -> ReportTable:
     """Figures by motion."""
+    columns = [
+        column
+        for column in columns
+        if not column.optional or any(column.text(item) != NOTHING for item in report.motions)
+    ]
     named: list[tuple[str, Kind]] = [
         (column.name, 'text' if column.words else 'number') for column in columns
     ]
