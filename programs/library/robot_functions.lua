@@ -39,6 +39,7 @@
 ---@class JointOptions
 ---@field jointBlend? number deg, zone in which the corner to the next motion may be cut
 ---@field avoid? boolean|0|1 whether joint motions go around what is in the way
+---@field on_blocked? "stop"|"replan" what an obstacle does that comes into the path of a motion with avoid
 ---@field on_path? PathSwitch|PathSwitch[]
 
 ---Moves the tool on a straight line to a pose; returns when the robot stands there.
@@ -192,10 +193,12 @@ function setConfiguration(configuration) end
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
 function setJerkLimited(value) end
 
----Lets joint motions go around what is in the way. A search counts postures, 25 000 a second of its budget, and not time: a slow computer finds the same.
+---Lets joint motions go around what is in the way. A search counts postures, 25 000 a second of its budget, and not time: a slow computer finds the same. An obstacle that comes into the path of such a motion stops it; with 'replan' it then goes around that from where the robot stands, at most `most` times (5).
 ---@param value boolean|0|1 0 or false: off, 1 or true: on
 ---@param budget? number longest search for a way around (s)
-function setAvoid(value, budget) end
+---@param on_blocked? "stop"|"replan" one of stop, replan
+---@param most? integer how often one motion may be replanned
+function setAvoid(value, budget, on_blocked, most) end
 
 ---Sets acceleration limits of the next motions; nil leaves one as it is.
 ---@param fraction? number part of the axes' limits of acceleration

@@ -33,6 +33,13 @@ def joints_to_program(q: Array, prismatic: tuple[bool, ...]) -> tuple[float, ...
     return tuple(float(v) if s else math.degrees(v) for v, s in zip(q, slides, strict=True))
 
 
+def joints_text(q: Array, prismatic: tuple[bool, ...]) -> str:
+    """Joint positions (n,) for a person: '(90.00 deg, 0.500 m)'."""
+    slides = prismatic or (False,) * len(q)
+    values = zip(joints_to_program(q, slides), slides, strict=True)
+    return f'({", ".join(f"{v:.3f} m" if slide else f"{v:.2f} deg" for v, slide in values)})'
+
+
 def pose_to_program(r: Array, angles: Array) -> tuple[float, ...]:
     """Position (3,) m and orientation angles (3,) rad as a program has them."""
     return (*map(float, r), *map(math.degrees, angles))

@@ -18,12 +18,15 @@ class MotionResult:
         ok: The robot stands at the target, or passed it where motions blend.
         message: 'reached', 'passed', or the reason why not.
         details: Further facts: duration (s), progress (0..1), or the data of the error.
+        blocked: The robot stands before an obstacle. The planner leads it around, or ends the motion with
+            another result.
     """
 
     id: str
     ok: bool
     message: str
     details: Mapping[str, Any] = field(default_factory=dict)
+    blocked: bool = False
 
     @classmethod
     def refused(cls, id_: str, error: RobotsError) -> MotionResult:

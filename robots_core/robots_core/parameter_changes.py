@@ -21,7 +21,7 @@ CHANGES: Final[Mapping[str, Mapping[str, Change]]] = {
         **dict.fromkeys(('rotation_speed', 'rotation_acceleration'), Change.NEXT_MOTION),
         **dict.fromkeys(('jerk_limited', 'joint_planner', 'cartesian_planner'), Change.NEXT_MOTION),
         **dict.fromkeys(('configuration', 'hold', 'tool', 'base', 'payload'), Change.NEXT_MOTION),
-        **dict.fromkeys(('avoid', 'avoid_budget'), Change.NEXT_MOTION),
+        **dict.fromkeys(('avoid', 'avoid_budget', 'on_blocked', 'most_replans'), Change.NEXT_MOTION),
         **dict.fromkeys(('blend_zone', 'joint_blend_zone', 'new_command'), Change.NEXT_MOTION),
         'collision_margin': Change.STANDING,
     },

@@ -16,7 +16,7 @@ from robots_core.errors import InvalidInputError
 from robots_core.orientation import rotation_from_quaternion
 from robots_core.pose import Pose
 from robots_core.robot_model.analytic.configuration import Configuration
-from robots_core.validation import bounded_vector, finite_vector
+from robots_core.validation import bounded_vector, finite_vector, one_of
 from robots_planning.planner_choice import check_planner
 from robots_planning.trajectory_generators.base import usable_fraction
 
@@ -24,6 +24,8 @@ IDENTITY: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 DEFAULT_PLANNERS: Final = {'joint_planner': 'linear_joint', 'cartesian_planner': 'limited'}
 NOTHING: Final = (0.0, 0.0, 0.0, 0.0)
 FARTHEST: Final = {'tool': 10.0, 'base': 1000.0}  # m
+ON_BLOCKED: Final = ('stop', 'replan')
+MOST_REPLANS: Final = 100
 NORM_TOLERANCE = 1e-6  # of a quaternion; single precision is meant as one
 
 
@@ -47,6 +49,9 @@ class MotionSettings:
             `joint_planner`; where a line collides, the refusal says whether such a motion is free.
         avoid_budget: Longest search for a way around, in seconds at 25 000 postures per second: what is found
             does not depend on the computer.
+        on_blocked: What becomes of a motion that goes around what is in the way if an obstacle comes into
+            its path and stops it: 'stop' ends it, 'replan' leads it around from where the robot stands.
+        most_replans: How often one motion may go on so, 1 to 100.
         configuration: Posture that joint motions to a pose end in, as 'front/up/no_flip'; '' for the nearest.
         hold: What motions to poses hold: 'pose', 'directions' (the position, and of the orientation what the
             arm can) or 'position'; '' for what the arm can.
@@ -74,6 +79,8 @@ class MotionSettings:
     cartesian_planner: str = DEFAULT_PLANNERS['cartesian_planner']
     avoid: bool = False
     avoid_budget: float = 2.0
+    on_blocked: str = ON_BLOCKED[0]
+    most_replans: int = 5
     configuration: str = ''
     hold: str = ''
     tool: tuple[float, ...] = IDENTITY
@@ -90,6 +97,11 @@ class MotionSettings:
     def blends(self) -> bool:
         """The motion may run through to the next one."""
         return self.blend_zone > 0.0 or self.joint_blend_zone > 0.0
+
+    @property
+    def replans(self) -> bool:
+        """A joint motion goes around what stops it."""
+        return self.avoid and self.on_blocked == 'replan'
 
     @property
     def tool_pose(self) -> Pose:
@@ -148,6 +160,11 @@ def _flag(value: object, name: str) -> None:
         raise InvalidInputError(f'{name} = {value!r} must be true or false')
 
 
+def _count(value: object, name: str) -> None:
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST_REPLANS:
+        raise InvalidInputError(f'{name} = {value!r} must be a whole number in [1, {MOST_REPLANS}]')
+
+
 def _planner(value: object, name: str) -> None:
     # The defaults are valid, and importing planners takes half a second, which readers of settings need not.
     if value != DEFAULT_PLANNERS[name]:
@@ -173,6 +190,8 @@ CHECKS: Final[dict[str, Callable[[Any, str], object]]] = {
     'joint_planner': _planner,
     'cartesian_planner': _planner,
     'avoid': _flag,
+    'on_blocked': lambda value, name: one_of(name, ON_BLOCKED)(value),
+    'most_replans': _count,
     'configuration': known_configuration,
     'hold': check_hold,
     'tool': frame,
@@ -193,6 +212,8 @@ DESCRIPTIONS: Final = {
     'cartesian_planner': 'planner of Cartesian motions: the name of an installed one',
     'avoid': 'joint motions go around what is in the way',
     'avoid_budget': 'longest search for a way around, s at 25 000 postures per second',
+    'on_blocked': "what an obstacle in the path does to a motion with avoid: 'stop', or 'replan' around it",
+    'most_replans': 'how often one motion may be replanned, 1 to 100',
     'configuration': "posture for a pose, as 'front/up/no_flip'; '' for the nearest",
     'hold': "what of poses is held: 'pose', 'directions' or 'position'; '' for what the arm can",
     'tool': 'tool centre point in tool0: x y z (m), quaternion x y z w',

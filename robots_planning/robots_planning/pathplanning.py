@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.results import CollisionError
+from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import CollisionDetection, checked_margin
 from robots_core.blocks.inverse_kinematics.hold import POSE, held_by
 from robots_core.blocks.multibody.loaded_robot import loaded_robot
@@ -39,11 +40,14 @@ class PlannedMotion:
         trajectory: The trajectory.
         kind: Kind of the command; None for a trajectory that was given.
         report: What verification found; `report.ok` is true.
+        via: Postures (k, n) that a way around obstacles leads along, rad (m); None of other motions, and of
+            blended ones.
     """
 
     trajectory: Trajectory
     kind: MotionKind | None
     report: VerificationReport
+    via: Array | None = None
 
     @property
     def duration(self) -> float:
@@ -86,6 +90,15 @@ class PathPlanning:
         self.cancelled: Callable[[], bool] = lambda: False
         """Whether the motion that is being planned was cancelled; long plans check it now and then."""
 
+    def set_scene(self, scene: Scene) -> None:
+        """Plan in another scene from the next motion on; from any thread, also while one is being planned.
+
+        Raises:
+            InvalidInputError: see `CollisionDetection.set_scene`.
+        """
+        if self.collision is not None:
+            self.collision = self.collision.with_scene(scene)
+
     def plan(
         self,
         kind: MotionKind,
@@ -113,6 +126,7 @@ class PathPlanning:
         """
         settings = settings or MotionSettings()
         trajectory = self.trajectory(kind, q_start, target, settings)
+        via = self.generator(kind, settings).via
         geometry: ToolGeometry = {}
         tools: tuple[ToolSection, ...] = ()
         if kind.cartesian:
@@ -121,7 +135,8 @@ class PathPlanning:
             start = Pose(*self.robot.direct_kinematics(trajectory.position[0])) @ settings.tool_pose
             geometry = self.generator(kind, settings).geometry(start, in_base(kind, target, settings))
         try:
-            return self.checked(trajectory, kind, settings, geometry=geometry, tools=tools)
+            motion = self.checked(trajectory, kind, settings, geometry=geometry, tools=tools)
+            return replace(motion, via=via)
         except CollisionError as error:
             if not (kind.cartesian and settings.avoid):
                 raise
@@ -237,16 +252,30 @@ class PathPlanning:
         """
         if self.collision is None:
             return
-        path = JointPath(trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration)
+        path = _joint_path(trajectory)
+        scene = self.collision.scene
         self.collision.check(path, margin=self.collision_margin)
-        if self._zones is None or self._zones.scene is not self.collision.scene:
-            self._zones = ZoneDetection(self.robot, self.collision.scene)
+        if self._zones is None or self._zones.scene is not scene:
+            self._zones = ZoneDetection(self.robot, scene)
         since = path.start
         for section, following in zip(tools, (*tools[1:], None), strict=True):
             if following is None or not np.array_equal(section.tool, following.tool):
                 self._zones.set_tool(section.tool)
                 self._zones.check(path, since, min(section.until, path.end))
                 since = section.until
+
+    def in_the_way(self, trajectory: Trajectory, since: float) -> str:
+        """What a trajectory comes too close to from a time on, s, for a person."""
+        place = None
+        if self.collision is not None:
+            place = self.collision.first_approach(
+                _joint_path(trajectory), margin=self.collision_margin, since=since
+            )
+        return (
+            'nothing that the planner has in its scene'
+            if place is None
+            else place.describe(self.collision_margin)
+        )
 
     def warm_up(self) -> None:
         """Plan a tiny motion of every kind, so that the first real one finds all code loaded."""
@@ -285,6 +314,10 @@ class PathPlanning:
         if kind.target == 'joints':  # which need no configuration, and every robot has them
             settings = replace(settings, configuration='')
         return planner.from_settings(self.loaded(settings), settings)
+
+
+def _joint_path(trajectory: Trajectory) -> JointPath:
+    return JointPath(trajectory.time, trajectory.position, trajectory.velocity, trajectory.acceleration)
 
 
 def tool_section(kind: MotionKind, settings: MotionSettings, until: float) -> ToolSection:

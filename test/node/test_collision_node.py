@@ -41,7 +41,7 @@ class CollisionBench(Bench):
         self.distances = self.collect('min_distance', Float64, STATE, lambda message: message.data)
         self.statuses = self.collect('collision_status', DiagnosticStatus, STATE)
         self.stops = 0
-        self.peer.create_service(Trigger, '~/stop', self.on_stop)
+        self.peer.create_service(Trigger, '~/stop_before_collision', self.on_stop)
         self.node = self.start_node(CollisionNode, robot_model=ROBOT, **parameters)
         for topic, kind, qos in (
             ('joint_states', JointState, STATE),

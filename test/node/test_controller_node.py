@@ -17,7 +17,13 @@ from robots_core import load_robot_model
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.drive_node import DriveNode
 from robots_core.ros.heartbeat import Heartbeat
-from robots_core.ros.messages import diagnostic_values, doubles, motion_result_from_message, stamp_id
+from robots_core.ros.messages import (
+    diagnostic_values,
+    doubles,
+    id_stamp,
+    motion_result_from_message,
+    stamp_id,
+)
 from robots_core.ros.qos import COMMAND, SENSOR, STATE
 from robots_core.ros.timed_node import TimedNode
 
@@ -75,12 +81,17 @@ class ControllerBench(Bench):
         return id_
 
     def send(
-        self, start: np.ndarray, goal: np.ndarray, duration: float = 1.0, names: list[str] | None = None
+        self,
+        start: np.ndarray,
+        goal: np.ndarray,
+        duration: float = 1.0,
+        names: list[str] | None = None,
+        id_: str = '',
     ) -> str:
-        """Send a minimum-jerk motion; returns its id."""
+        """Send a minimum-jerk motion, stamped now if it has no id; returns its id."""
         zero = doubles(np.zeros(start.size))
         message = JointTrajectory(joint_names=names or NAMES)
-        message.header.stamp = self.peer.get_clock().now().to_msg()
+        message.header.stamp = id_stamp(id_) if id_ else self.peer.get_clock().now().to_msg()
         for time, q in ((0.0, start), (duration, goal)):
             point = JointTrajectoryPoint(positions=doubles(q), velocities=zero, accelerations=zero)
             point.time_from_start.sec, point.time_from_start.nanosec = int(time), int(1e9 * (time % 1))
@@ -156,6 +167,20 @@ def test_stop_gives_the_motion_up_and_the_next_one_runs(bench: ControllerBench) 
     bench.override(1.0)
     bench.send(bench.references[-1], HOME)
     assert bench.result().ok
+
+
+def test_a_motion_before_an_obstacle_goes_on_under_its_id_unless_somebody_stops_it(
+    bench: ControllerBench,
+) -> None:
+    sent = bench.send_slowly(AWAY)
+    bench.ask('stop_before_collision')
+    result = bench.result()
+    assert (result.id, result.blocked, result.message) == (sent, True, 'stopped before a collision')
+    bench.until_standing()
+    bench.ask('stop')
+    bench.send(bench.references[-1], HOME, id_=sent)
+    refused = bench.result()
+    assert 'does not go around what is in its way: stopped by ~/stop' in refused.message
 
 
 def test_an_empty_trajectory_stops(bench: ControllerBench) -> None:

@@ -13,7 +13,7 @@ from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks import AttachedObject, CollisionDetection, JointPath, Scene, SceneObject
 from robots_core.blocks.collision.path_certificate import FREE
 from robots_core.blocks.collision.results import CollisionError
-from robots_core.errors import InvalidInputError, JointLimitError
+from robots_core.errors import InvalidInputError, JointLimitError, PlanningError
 from robots_core.robot_model.shapes import Box, Capsule, Geometry, Mesh, Sphere
 from robots_planning import CollisionFreeJoint, MotionSettings, PathPlanning, Trajectory
 from robots_planning.free_paths.free_path_search import (
@@ -24,6 +24,8 @@ from robots_planning.free_paths.free_path_search import (
 )
 from robots_planning.free_paths.free_postures import BlockedPostureError
 from robots_planning.motion_kinds import JOINT, JOINT_TO_POSE, LINE
+
+from .small_arms import name_of
 
 MARGIN = 0.005  # m
 FINE = 0.01  # s, between postures of the dense check
@@ -247,6 +249,41 @@ def test_a_tool_larger_than_the_robot_is_planned_with():
     pole = AttachedObject('pole', Capsule(0.02, 3.0), Pose(np.array([0.0, 0.0, 1.5]), np.eye(3)))
     collision = CollisionDetection(robot(), scene=Scene((POST,), (pole,)))
     check_free(collision, planner(collision).generate(START, TARGET))
+
+
+def test_a_robot_without_collision_shapes_cannot_avoid_what_is_there():
+    arm = load_robot_model(name_of(3))
+    collision = CollisionDetection(arm, scene=Scene((POST,)))
+    with pytest.raises(PlanningError, match='has no collision shapes, so that it can avoid nothing'):
+        CollisionFreeJoint(arm, collision=collision).generate(arm.home, arm.home + 0.2)
+    rod = AttachedObject('rod', Capsule(0.02, 0.2), Pose(np.array([0.0, 0.0, 0.2]), np.eye(3)))
+    held = CollisionDetection(arm, scene=Scene((POST,), (rod,)))
+    assert CollisionFreeJoint(arm, collision=held).generate(arm.home, arm.home + 0.2).duration > 0.0
+
+
+def test_a_start_that_no_jog_leaves_says_so():
+    r, _ = robot().direct_kinematics(START)
+    with pytest.raises(BlockedPostureError, match=r'the start collides: .* meets .*no jog of one axis by up'):
+        planner(detection_of(item('block', Box((9.0, 9.0, 9.0)), *r))).generate(START, TARGET)
+
+
+def test_a_margin_larger_than_the_free_space_is_refused_with_both():
+    """Between two plates, at whose middle the flange cannot be any farther from them."""
+    r, _ = robot().direct_kinematics(TARGET)
+    plates = (item(f'plate_{z:g}', Box((0.4, 0.4, 0.02)), r[0], r[1], r[2] + z) for z in (-0.45, 0.45))
+    collision = detection_of(*plates)
+    closest = collision.distance(TARGET)
+    assert closest is not None
+    planner(collision, margin=0.5 * closest.distance).generate(START, TARGET)
+    with pytest.raises(BlockedPostureError, match=r'the target is too close: .* the margin is 500 mm'):
+        planner(collision, margin=0.5).generate(START, TARGET)
+
+
+def test_a_plan_is_given_up_as_soon_as_it_is_cancelled():
+    planning = PathPlanning(robot(), collision=divided_room(), collision_margin=MARGIN)
+    planning.cancelled = lambda: True
+    with pytest.raises(SearchCancelledError):
+        planning.plan(JOINT, *SIDES, MotionSettings(avoid=True, avoid_budget=60.0))
 
 
 def test_a_search_is_given_up_within_a_few_hundred_postures():

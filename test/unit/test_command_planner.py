@@ -44,6 +44,7 @@ class Desk:
             path_time=lambda: self.path_time,
             send=self.sent.append,
             refuse=self.refuse,
+            give_up=self.refuse,
         )
 
     def refuse(self, order: QueuedCommand, error: RobotsError) -> None:

@@ -148,7 +148,7 @@ def test_the_motion_settings_are_those_of_the_planner() -> None:
     said = {'': 'nearest', False: 'false', 'tool': 'tool0', 'base': "the robot's base", 'payload': 'nothing'}
     said['hold'] = 'what the arm can'
     for field in fields(MotionSettings):
-        number = isinstance(field.default, float)
+        number = isinstance(field.default, int | float) and not isinstance(field.default, bool)
         expected = f'{field.default:g}' if number else said.get(field.name) or said.get(field.default)
         assert listed.pop(field.name) == (expected or field.default)
     assert not listed

@@ -107,7 +107,7 @@ def test_our_programs_pass(path: Path, capsys: pytest.CaptureFixture[str]):
         ),
         (
             'ptpJointSpaceAngles(1, 2, 3, 4, 5, 6, {blend = 1})',
-            'valid are jointBlend (deg), avoid and on_path',
+            'valid are jointBlend (deg), avoid, on_blocked and on_path',
         ),
         (
             'ptpCartesianSpace({1, 2, 3, 4, 5, 6}, {blend = 0})',

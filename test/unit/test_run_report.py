@@ -8,9 +8,11 @@ import pytest
 
 from robots_controller.report.comparison import compare_runs
 from robots_controller.report.line_times import time_spans
+from robots_controller.report.motion_columns import SUMMARY
 from robots_controller.report.page.page import report_page
 from robots_controller.report.run_report import RunReport, run_report
 from robots_controller.report.run_signals import energy
+from robots_controller.report.tables import motion_table
 from robots_core.errors import RobotsError
 from robots_core.robot_choice import load_robot_model
 from written_bags import BAG_START, BAG_TYPES, write_bag
@@ -112,6 +114,13 @@ def test_distances_are_told_with_a_scene(tmp_path: Path, report: RunReport):
     assert 0.0 < near.smallest < 0.3
     # Nothing on the sampled curve is closer; the search is exact to a millimetre.
     assert near.curve[:, 1].min() >= near.smallest - 1e-3
+    found = run_report(report.run.source, scene=scene)
+    closest = {item.motion.line: item.closest for item in found.moved}
+    assert closest[near.line] == pytest.approx(near.smallest, abs=1e-3)
+    assert min(closest.values()) >= near.smallest - 1e-3
+    names = [name for name, _ in motion_table(found, SUMMARY).columns]
+    assert 'closest mm' in names
+    assert 'closest mm' not in [name for name, _ in motion_table(report, SUMMARY).columns]
 
 
 def test_a_run_is_as_fast_as_itself(report: RunReport):

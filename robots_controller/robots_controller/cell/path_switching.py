@@ -153,6 +153,19 @@ class PathSwitching:
                 motions.clear()
             self._next_time = math.inf
 
+    def blocked(self, id_: str) -> None:
+        """An obstacle has stopped a motion: what it has not switched waits for its next plan, or its end."""
+        with self._lock:
+            plan = self._planned.pop(id_, None)
+            if plan is not None:
+                waiting = {
+                    one: replace(command, switches=plan.switches.waiting(command))
+                    for one, command in plan.commands.items()
+                    if one in self._commanded
+                }
+                self._sent = {**waiting, **self._sent}
+            self._next_time = math.inf
+
     def finish(self, id_: str, *, ok: bool) -> None:
         """A motion has ended: what is left on a path that led to its end is switched now.
 

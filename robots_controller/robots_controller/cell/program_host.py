@@ -101,6 +101,7 @@ class ProgramHost:
             planner_timeout=planner_timeout,
             on_sent=self._sent,
             on_result=self._ended,
+            on_blocked=self.switching.blocked,
         )
         self.permission = RunPermission(self.lose_robot)
         self._files: dict[MotionCommand, str] = {}  # the programs of motions that were not sent yet

@@ -32,6 +32,7 @@ class ProgramMotions:
         clock: The program's time.
         planner_timeout: Longest wait for a planner, s.
         on_sent: A motion is being sent, with its id.
+        on_blocked: An obstacle has stopped the motion with this id; its result follows.
         on_result: A motion has ended; its id ('' if it was not sent), and None, or why the robot is not at
             the target.
     """
@@ -45,14 +46,16 @@ class ProgramMotions:
         planner_timeout: float,
         on_sent: Callable[[str, MotionCommand], None],
         on_result: Callable[[str, MotionCommand, RobotsError | None], None],
+        on_blocked: Callable[[str], None] = lambda _: None,
     ) -> None:
         self._planner, self._stop, self._clock = planner, stop, clock
         self._planner_timeout = planner_timeout
-        self._on_sent, self._on_result = on_sent, on_result
+        self._on_sent, self._on_blocked, self._on_result = on_sent, on_blocked, on_result
         # Entered again by an answer of the planner that is there at once.
         self._lock = threading.RLock()
         self._unsent: deque[MotionCommand] = deque()
         self._sent: dict[str, MotionCommand] = {}  # by id, oldest first
+        self._blocked: dict[str, tuple[float, MotionResult]] = {}  # by id: since when, s, and by what
         self._configuring: MotionCommand | None = None  # whose settings are on their way
         self._flush = False
         self._since = 0.0  # when the command came, or when all its followers were last present
@@ -100,6 +103,12 @@ class ProgramMotions:
     def result(self, result: MotionResult) -> None:
         """A motion has ended."""
         with self._lock:
+            if result.blocked and result.id in self._sent:
+                # The planner leads the motion around, or ends it with what is in the way.
+                self._blocked[result.id] = (self._clock.now(), result)
+                self._on_blocked(result.id)
+                return
+            self._blocked.pop(result.id, None)
             command = self._sent.pop(result.id, None)
             if command is None:
                 return
@@ -122,7 +131,7 @@ class ProgramMotions:
         with self._lock:
             now, stopping = self._clock.now(), self._stopping
             waiting = self._unsent and not self._full
-            problem = self._unplanned(now) if waiting else self._lost(now)
+            problem = self._unplanned(now) if waiting else self._lost(now) or self._unanswered(now)
         if problem:
             self._give_up(problem)
         elif stopping:
@@ -141,8 +150,8 @@ class ProgramMotions:
     def _give_up(self, reason: str) -> None:
         with self._lock:
             given_up = list(self._sent.items()) + [('', command) for command in self._unsent]
-            self._sent.clear()
-            self._unsent.clear()
+            for motions in (self._sent, self._unsent, self._blocked):
+                motions.clear()
             self._configuring, self._stopping = None, False
         for id_, command in given_up:
             self._on_result(id_, command, PlanningError(reason))
@@ -204,6 +213,13 @@ class ProgramMotions:
             'planning_node is not running, or in another namespace'
         )
 
+    def _unanswered(self, now: float) -> str:
+        """Why a blocked motion ends without a word of the planner, which is another one than ours."""
+        if not self._blocked or any(replans(command) for command in self._sent.values()):
+            return ''
+        since, result = next(iter(self._blocked.values()))
+        return result.message if now - since > self._planner_timeout else ''
+
     def _lost(self, now: float) -> str:
         if not self._sent:
             return ''
@@ -216,6 +232,11 @@ class ProgramMotions:
             return ''
         names = ', '.join(sorted(gone)) or 'every node that could end the motion'
         return f'{names} has been gone for {LOST_TIMEOUT:g} s while the robot moved: is it still running?'
+
+
+def replans(command: MotionCommand) -> bool:
+    """Whether the planner leads a motion around what stops it."""
+    return bool(command.settings.get('avoid')) and command.settings.get('on_blocked') == 'replan'
 
 
 def _number(id_: str) -> int:

@@ -163,6 +163,10 @@ class ControlLoop:
         """Stop and give up all motions for this reason; a pause stays."""
         self._mailbox.append(partial(self._stop, reason, resume=False))
 
+    def stop_before_collision(self) -> None:
+        """Stop before an obstacle, see `Controller.stop_before_collision`; a pause stays."""
+        self._mailbox.append(lambda _: self.controller.stop_before_collision())
+
     def trip(self, fault: Fault, reason: str, *, stands: bool = False) -> None:
         """Stop by a fault, see `Controller.trip`."""
         self._mailbox.append(partial(self.controller.trip, fault, reason, stands=stands))

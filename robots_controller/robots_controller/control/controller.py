@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from robots_controller.control.blocked_motion import BlockedMotion
 from robots_controller.control.brake import Brake
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_controller.control.faults import Fault, StopCategory
@@ -26,7 +27,7 @@ from robots_core.errors import NotNowError, TrajectoryRefusedError
 from robots_core.motion_result import MotionResult
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array
-from robots_planning.motion_results import PASSED
+from robots_planning.motion_results import BLOCKED, PASSED
 from robots_planning.trajectory import Trajectory
 
 if TYPE_CHECKING:  # it loads the reading of meshes, which a controller without zones does not need
@@ -82,6 +83,7 @@ class Controller:
         self._motions = MotionQueue(axes)
         self._stream = StreamedReference(axes, period=period, timeout=self.settings.stream_timeout)
         self._brake: Brake | None = None
+        self._blocked = BlockedMotion(self.speed.authority)
         self._feedback = FeedbackWatch(axes, self.settings, processor_share)
         self.stops = StopLatch()
         """What stopped the robot, until `reset`."""
@@ -156,6 +158,7 @@ class Controller:
         if self.state in (ControllerState.BRAKING, ControllerState.STREAMING):
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
         refuse_closed(borders)
+        self._blocked.begin(id_)
         standing = self._motion is None
         assert self.reference is not None
         motion = FollowedMotion(trajectory, id_, now, cap, borders)
@@ -184,6 +187,7 @@ class Controller:
         if self._motion is not None or self._brake is not None:
             raise TrajectoryRefusedError('the robot is still moving; stop it first or wait for motion_result')
         if not self._stream.active:
+            self._blocked.give_up('a stream has moved the robot')
             self._stream.begin(id_, now)
         self._stream.put(point, now)
 
@@ -196,8 +200,15 @@ class Controller:
     def stop(self, reason: str) -> None:
         """Stop on the path and give up the motion; without one, nothing happens."""
         self._stream.stop(reason)
-        if self._motion is not None and self._motion.failure is None:
+        self._blocked.give_up(reason)
+        if self._motion is not None and self._motion.failure in (None, BLOCKED):
             self._motion.failure = reason
+
+    def stop_before_collision(self) -> None:
+        """Stop on the path before an obstacle; the motion may go on around it under its id."""
+        self._stream.stop(BLOCKED)
+        if self._motion is not None and self._motion.failure is None:
+            self._motion.failure = BLOCKED
 
     def trip(self, fault: Fault, reason: str, now: float, *, stands: bool = False) -> None:
         """Stop by a fault, in its category; the robot does not move again before `reset`.
@@ -392,13 +403,16 @@ class Controller:
             self._finish(self._motion, now, reason, ok=False)
 
     def _finish(self, motion: FollowedMotion, now: float, message: str, *, ok: bool) -> None:
-        self.outcomes.append(motion.outcome(now, message, ok=ok))
+        blocked = message == BLOCKED
+        self.outcomes.append(motion.outcome(now, message, ok=ok, blocked=blocked))
         if ok:
             self._motions.start_next(now)
             if self._motion is not None:
                 self._following.begin(self._motion, self.speed.of_motion(self._motion, now))
             return
+        if blocked:
+            self._blocked.put(motion.id)
         for unbegun in self._motions.clear():
             unbegun.start = now
             reason = f'given up with the motion before it: {message}'
-            self.outcomes.append(unbegun.outcome(now, reason, ok=False))
+            self.outcomes.append(unbegun.outcome(now, reason, ok=False, blocked=blocked))

@@ -55,14 +55,14 @@ class FollowedMotion:
         self._before: tuple[FollowedMotion, float] | None = None
         self._times: list[float] = trajectory.time.tolist()
 
-    def outcome(self, now: float, message: str, *, ok: bool) -> MotionResult:
+    def outcome(self, now: float, message: str, *, ok: bool, blocked: bool = False) -> MotionResult:
         """Its result, if it ends now (s)."""
         details: dict[str, str | float] = {
             'duration': round(now - self.start, 6),
             'planned_duration': round(min(self.trajectory.duration, self.join_time), 6),
             'progress': round(self.progress, 6),
         }
-        return MotionResult(self.id, ok, message, details)
+        return MotionResult(self.id, ok, message, details, blocked)
 
     @property
     def progress(self) -> float:

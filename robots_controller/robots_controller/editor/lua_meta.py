@@ -67,6 +67,7 @@ HEADER: Final = f"""---@meta
 ---@class JointOptions
 ---@field jointBlend? number deg, zone in which the corner to the next motion may be cut
 ---@field avoid? boolean|0|1 whether joint motions go around what is in the way
+---@field on_blocked? "stop"|"replan" what an obstacle does that comes into the path of a motion with avoid
 ---@field on_path? PathSwitch|PathSwitch[]
 """
 

@@ -11,6 +11,7 @@ from robots_core.blocks.inverse_kinematics.hold import HOLDS
 from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.robot_model.analytic.configuration import CONFIGURATIONS
 from robots_planning.motion_kinds import KIND_OF_FUNCTION
+from robots_planning.motion_settings import ON_BLOCKED as ON_BLOCKED_CHOICES
 from robots_planning.planner_choice import available_planners
 
 COMPARISONS: Final = ('<', '<=', '>', '>=', '==', '~=')
@@ -116,6 +117,7 @@ MOMENT: Final = _choice(('now', 'arrival'), ' or ')
 COMPARISON: Final = _choice(COMPARISONS)
 CONVENTION: Final = _choice(ORIENTATION_CONVENTIONS)
 HOLD: Final = _choice(HOLDS)
+ON_BLOCKED: Final = _choice(ON_BLOCKED_CHOICES)
 CONFIGURATION: Final = _choice(CONFIGURATIONS)
 JOINT_PLANNER: Final = _planner('joint_planner')
 CARTESIAN_PLANNER: Final = _planner('cartesian_planner')

@@ -35,12 +35,14 @@ class MotionOptions:
     Attributes:
         blend: Zone of the corner, m or rad; 0 for none.
         avoid: Whether this motion goes around what is in the way; None as it is set.
+        on_blocked: What an obstacle does that comes into its path, one of `ON_BLOCKED`; None as it is set.
         switches: Outputs to switch on the way.
         until: Ends the motion where it holds.
     """
 
     blend: float = 0.0
     avoid: bool | None = None
+    on_blocked: str | None = None
     switches: tuple[PathSwitch, ...] = ()
     until: Condition | None = None
 
@@ -51,6 +53,7 @@ _BLENDS: Final = {
 }
 
 _AVOID: Final = Argument('avoid', kinds.SWITCH)
+_ON_BLOCKED: Final = Argument('on_blocked', kinds.ON_BLOCKED)
 
 
 def check_options(function: LuaFunction, table: LuaTable, sizes: Sizes) -> MotionOptions:
@@ -60,22 +63,26 @@ def check_options(function: LuaFunction, table: LuaTable, sizes: Sizes) -> Motio
         LuaCallError: naming the option, what came and what is valid.
     """
     blend_argument = _BLENDS[function.options]
-    blend, avoid = 0.0, None
+    blend, avoid, on_blocked = 0.0, None, None
     switches: tuple[PathSwitch, ...] = ()
-    known = (blend_argument.name, 'avoid', 'on_path')
+    # What moves on a path of the tool does not leave it.
+    joint = ('on_blocked',) if function.options == 'joint' else ()
+    known = (blend_argument.name, 'avoid', *joint, 'on_path')
     for key, given in table.fields.items():
         if key == blend_argument.name:
             blend = check_value(function.name, f'options.{key}', blend_argument, given, sizes)
         elif key == 'avoid':
             avoid = bool(check_value(function.name, 'options.avoid', _AVOID, given, sizes))
+        elif key in joint:
+            on_blocked = check_value(function.name, f'options.{key}', _ON_BLOCKED, given, sizes)
         elif key == 'on_path':
             switches = _check_switches(function.name, given, sizes)
         else:
             raise LuaCallError(
                 f'{function.name}: options has no {key}{did_you_mean(key, known)}; valid are '
-                f'{blend_argument.name} ({blend_argument.unit}), avoid and on_path'
+                f'{blend_argument.name} ({blend_argument.unit}), {", ".join(known[1:-1])} and {known[-1]}'
             )
-    return MotionOptions(blend, avoid, switches)
+    return MotionOptions(blend, avoid, on_blocked, switches)
 
 
 def _check_switches(function: str, given: LuaArgument, sizes: Sizes) -> tuple[PathSwitch, ...]:

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
-from robots_controller.degrees import in_degrees, joints_to_program
+from robots_controller.degrees import in_degrees, joints_text
 from robots_controller.live_cell.cell_events import (
     Event,
     MotionCommanded,
@@ -145,6 +145,9 @@ class CellView:
         self._show_running()
 
     def _show_end(self, event: MotionResult) -> None:
+        if event.blocked:
+            self._print(f'{MARGIN}[yellow]{event.message}[/]')
+            return
         self._commanded.pop(event.id, None)
         self._planned.pop(event.id, None)
         self._show_running()
@@ -175,10 +178,4 @@ class CellView:
         if isinstance(target, Pose):
             x, y, z = target.r
             return f'({x:.3f}, {y:.3f}, {z:.3f}) m'
-        slides = self._prismatic or (False,) * len(target)
-        values = zip(joints_to_program(target, slides), slides, strict=False)
-        return (
-            '('
-            + ', '.join(f'{value:.3f} m' if slide else f'{value:.2f} deg' for value, slide in values)
-            + ')'
-        )
+        return joints_text(target, self._prismatic)

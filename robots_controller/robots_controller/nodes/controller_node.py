@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import math
 import sys
+from dataclasses import replace
 from functools import partial
 from typing import Any, Final
 
@@ -141,7 +142,7 @@ class ControllerNode(RobotNode):
         }
         for request, answer in answers.items():
             self.serve(request, partial(self._request, request, answer))
-        self._offer_emergency_stops()
+        self._offer_stops()
         self._take_over()
         self._foreign_writers: set[str] = set()
         if self.participant is None:
@@ -166,7 +167,8 @@ class ControllerNode(RobotNode):
         if interrupted:
             self._control.trip(Fault.CONTROLLER_LOST, interrupted)
 
-    def _offer_emergency_stops(self) -> None:
+    def _offer_stops(self) -> None:
+        self.serve('stop_before_collision', self._stop_before_collision)
         self.serve('emergency_stop', self._stop_at_once)
         self.serve('reset', self._reset)
         subscribe_state(self, Bool, 'emergency_stop', self._on_emergency_stop)
@@ -210,7 +212,7 @@ class ControllerNode(RobotNode):
         # Compared with the stamp of a motion that was commanded meanwhile.
         ended = self.get_clock().now().nanoseconds / NANOSECONDS
         details = {**result.details, 'ended': f'{ended:.9f}'}
-        self._publish_result(MotionResult(result.id, result.ok, result.message, details))
+        self._publish_result(replace(result, details=details))
         if not result.ok:
             self.journal.warning(f'motion stopped: {result.message}')
 
@@ -354,6 +356,10 @@ class ControllerNode(RobotNode):
     def _request(self, request: ControllerRequest, answer: str) -> str:
         self._control.request(request)
         return answer
+
+    def _stop_before_collision(self) -> str:
+        self._control.stop_before_collision()
+        return 'stopping on the path before an obstacle'
 
     def look_after_health(self) -> None:
         """Report it, with the loop's figures."""

@@ -41,6 +41,10 @@ class PathSwitches:
         del self._waiting[: len(switches)]
         return switches
 
+    def waiting(self, command: MotionCommand) -> tuple[PathSwitch, ...]:
+        """The switches of a motion that are not due yet."""
+        return tuple(switch for _, switch, of in self._waiting if of is command)
+
     def leave(self, commands: Collection[MotionCommand]) -> None:
         """Forget the switches of motions that have another path now."""
         self._waiting = [item for item in self._waiting if item[2] not in commands]

@@ -12,6 +12,7 @@ from robots_controller.io.plc_script import PlcScript, read_plc_script
 from robots_controller.program_check.input_combinations import InputCombination, input_combinations
 from robots_controller.program_check.lenient_planning import LenientPlanning
 from robots_controller.program_check.motion_problems import motion_problems, refusal
+from robots_controller.program_check.planned_way import PlannedWay, planned_way
 from robots_controller.program_check.program_check import ProgramProblem
 from robots_controller.simulation.cell_parts import cell_parts
 from robots_controller.simulation.simulated_cell import SimulatedCell
@@ -29,11 +30,13 @@ class WalkResult:
         problems: By file and line; each with the combinations of inputs that lead to it.
         walked: Number of combinations that were walked.
         possible: Number of combinations that there are.
+        ways: What motions with `avoid` take, by file and line.
     """
 
     problems: tuple[ProgramProblem, ...]
     walked: int
     possible: int
+    ways: tuple[PlannedWay, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -93,7 +96,15 @@ def walk_program(
             others = list(pool.map(walk, combinations[1:]))
     else:
         others = [walk(combination) for combination in combinations[1:]]
-    return WalkResult(tuple(_together(combinations, [first, *others])), len(combinations), len(everything))
+    walks = [first, *others]
+    problems = tuple(_together(combinations, [problems for problems, _ in walks]))
+    ways = dict.fromkeys(way for _, ways in walks for way in ways)
+    return WalkResult(
+        problems,
+        len(combinations),
+        len(everything),
+        tuple(sorted(ways, key=lambda way: (way.file, way.line))),
+    )
 
 
 def _walk(
@@ -106,11 +117,12 @@ def _walk(
     longest: float,
     patience: float,
     until: float,
-) -> list[ProgramProblem]:
-    """Problems of one walk, in the order in which they were met; none begins after `until`."""
+) -> tuple[list[ProgramProblem], list[PlannedWay]]:
+    """Problems and ways around obstacles of one walk, in their order; none begins after `until`."""
     left = until - time.monotonic()
     if left <= 0.0:
-        return [ProgramProblem(Path(program).name, 0, f'not walked within the patience of {patience:g} s')]
+        late = f'not walked within the patience of {patience:g} s'
+        return [ProgramProblem(Path(program).name, 0, late)], []
     parts = cell_parts(program, robot=robot, scene=scene)
     planning = LenientPlanning(parts.planning)
     plc_script = combination.script(_script(io))
@@ -119,6 +131,7 @@ def _walk(
     cell = SimulatedCell(parts, drive='ideal', longest=longest, patience=left)
     run = cell.run()
     found: dict[ProgramProblem, None] = {}
+    ways: list[PlannedWay] = []
     for motion in run.motions:
         if motion.plan is None:
             continue
@@ -131,11 +144,13 @@ def _walk(
                 loaded_robot(parts.robot, motion.settings.payload), motion.plan, motion.settings.hold
             )
         )
+        if error is None and motion.settings.avoid and not command.kind.cartesian:
+            ways.append(planned_way(planning, motion))
         for reason in reasons:
             found[ProgramProblem(file, command.line, f'{command.function}: {reason}')] = None
     if run.error is not None:
         found[ProgramProblem(run.error.file, run.error.line, run.error.reason)] = None
-    return list(found)
+    return list(found), ways
 
 
 def _script(io: Path | str) -> PlcScript:

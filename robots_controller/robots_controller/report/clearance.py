@@ -1,10 +1,12 @@
 """Clearance: how close the robot came to itself and its surroundings, and when."""
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from robots_controller.recording.motion_record import MotionRecord
 from robots_controller.report.recorded_run import RecordedRun
 from robots_core.blocks.collision.joint_path import JointPath
 from robots_core.blocks.collision.scene import Scene
@@ -25,6 +27,7 @@ class Clearance:
         first: Name of one part.
         second: Name of the other part.
         curve: (time in s, distance in m), (k, 2).
+        motions: Smallest distance of each motion of the run, m; NaN of one that did not begin.
     """
 
     smallest: float
@@ -33,6 +36,7 @@ class Clearance:
     first: str
     second: str
     curve: Array
+    motions: tuple[float, ...] = ()
 
     def describe(self) -> str:
         """One line for a person."""
@@ -64,6 +68,7 @@ def clearance(run: RecordedRun, scene: Scene) -> Clearance | None:
     found = [collision.distance(path.sample(time)) for time in times]
     curve = [(time, near.distance) for time, near in zip(times, found, strict=True) if near is not None]
     near = closest.proximity
+    motions = tuple(_of_motion(collision, path, motion) for motion in run.motions)
     return Clearance(
         smallest=near.distance,
         time=closest.time,
@@ -71,4 +76,15 @@ def clearance(run: RecordedRun, scene: Scene) -> Clearance | None:
         first=near.first,
         second=near.second,
         curve=read_only(np.array(curve).reshape(-1, 2)),
+        motions=motions,
     )
+
+
+def _of_motion(collision: CollisionDetection, path: JointPath, motion: MotionRecord) -> float:
+    """The smallest distance while a motion runs, m; NaN if it did not begin."""
+    rows = (path.time >= motion.start) & (path.time <= motion.end)
+    if not motion.moved or rows.sum() < 2:
+        return math.nan
+    values = (path.time, path.position, path.velocity, path.acceleration)
+    closest = collision.closest_approach(JointPath(*(one[rows] for one in values)))
+    return math.nan if closest is None else closest.proximity.distance

@@ -19,11 +19,13 @@ class Column:
         name: Its name, with unit.
         text: The cell of a motion.
         words: It holds words, not numbers.
+        optional: A table in which it is empty does not have it.
     """
 
     name: str
     text: Callable[[MotionFigures], str]
     words: bool = False
+    optional: bool = False
 
 
 def number(value: float | None, digits: int) -> str:
@@ -60,6 +62,7 @@ OFF_LINE: Final = Column(
 OFF_PATH: Final = Column('measured off path mm', lambda item: number(1e3 * item.path_deviation, 3))
 LAG: Final = Column('lag mm', lambda item: number(1e3 * item.lag, 2))
 WAY: Final = Column('way m', lambda item: number(item.length, 3))
+CLOSEST: Final = Column('closest mm', lambda item: number(1e3 * item.closest, 1), optional=True)
 FASTEST: Final = Column('top m/s', lambda item: number(item.fastest, 2))
 ENERGY: Final = Column('energy kJ', lambda item: number(item.energy / 1e3, 2))
 DECIDING: Final = Column(
@@ -72,8 +75,9 @@ USES: Final = tuple(Column(quantity, _use(quantity)) for quantity in QUANTITIES)
 
 VERDICT: Final = (KIND, PLANNED, REAL, MISSED, OFF_LINE, OFF_PATH, *USES)
 """Of `cell` and `simulate`."""
-SUMMARY: Final = (PLANNED, REAL, MISSED, OFF_LINE, OFF_PATH, LAG, WAY, ENERGY, DECIDING)
+SUMMARY: Final = (PLANNED, REAL, MISSED, OFF_LINE, OFF_PATH, LAG, CLOSEST, WAY, ENERGY, DECIDING)
 """Of `report` in the terminal."""
 PAGE: Final = (
-    KIND, PLANNED, REAL, MISSED, OFF_LINE, OFF_PATH, LAG, WAY, FASTEST, DECIDING, SHARE, *USES, ENERGY
+    KIND, PLANNED, REAL, MISSED, OFF_LINE, OFF_PATH, LAG, CLOSEST, WAY, FASTEST, DECIDING, SHARE, *USES,
+    ENERGY,
 )  # fmt: skip

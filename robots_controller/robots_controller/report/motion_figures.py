@@ -99,6 +99,7 @@ class MotionFigures:
         path_deviation: Largest distance of the tool to the planned path, m.
         lag: Largest distance of the tool to where the reference is at that time, m.
         energy: That the axes take up, J.
+        closest: Smallest distance to anything, m; NaN without a scene.
         problem: Why the motion is not as it should be; '' if it is.
     """
 
@@ -114,6 +115,7 @@ class MotionFigures:
     path_deviation: float = math.nan
     lag: float = math.nan
     energy: float = math.nan
+    closest: float = math.nan
     problem: str = ''
 
     @property

@@ -1,6 +1,6 @@
 """RunReport: the analysis of a recorded run, which terminal, page, comparison and study show."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -98,11 +98,17 @@ def run_report(
     run = read_run(bag, robot=robot, namespace=namespace, source=source)
     signals = RunSignals.of(run)
     surroundings = read_scene(scene) if scene else None
+    distances = clearance(run, surroundings) if surroundings is not None else None
+    motions = motion_figures(run, signals)
+    if distances is not None:
+        motions = tuple(
+            replace(item, closest=closest) for item, closest in zip(motions, distances.motions, strict=True)
+        )
     return RunReport(
         run=run,
         signals=signals,
         lines=line_times(run),
-        motions=motion_figures(run, signals),
-        clearance=clearance(run, surroundings) if surroundings is not None else None,
+        motions=motions,
+        clearance=distances,
         scene=surroundings,
     )

@@ -9,7 +9,7 @@ from rich.markup import escape
 
 from robots_controller.report.comparison import NOTICED, LineChange, RunComparison
 from robots_controller.report.line_times import LineTime, time_spans
-from robots_controller.report.motion_columns import KIND, Column
+from robots_controller.report.motion_columns import KIND, NOTHING, Column
 from robots_controller.report.run_report import RunReport
 from robots_controller.terminal_table import Kind, TerminalTable
 
@@ -94,6 +94,11 @@ def line_table(report: RunReport) -> ReportTable:
 
 def motion_table(report: RunReport, columns: Sequence[Column]) -> ReportTable:
     """Figures by motion."""
+    columns = [
+        column
+        for column in columns
+        if not column.optional or any(column.text(item) != NOTHING for item in report.motions)
+    ]
     named: list[tuple[str, Kind]] = [
         (column.name, 'text' if column.words else 'number') for column in columns
     ]

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 from robots_controller.cell.guide_replay import GuideReplay
 from robots_controller.cell.program_host import ProgramHost
@@ -26,8 +27,9 @@ from robots_controller.simulation.simulated_contact import contact_of_cell
 from robots_controller.simulation.simulated_guide import GuideSource, SimulatedGuide
 from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGuard
 from robots_core.blocks.collision.joint_path import JointPath
+from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.following.guide import Guide
-from robots_core.errors import NotNowError, ProgramError, RobotsError
+from robots_core.errors import InvalidInputError, NotNowError, ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander
 from robots_core.validation import Array
@@ -156,6 +158,16 @@ class InProcessCell:
         self._host.open(self._parts.program, self._parts.points_file or '')
         self._host.permission.mode_changed(mode)
         self._watch_inputs()
+
+    def set_scene(self, scene: Scene) -> None:
+        """Change what is around the robot, as `collision_objects` does in a live cell.
+
+        Raises:
+            InvalidInputError: see `CollisionDetection.set_scene`, or the cell was begun without a scene.
+        """
+        if self._guard is None:
+            raise InvalidInputError('a cell without a scene has no guard that a new scene could be given to')
+        self._guard.set_scene(scene)
 
     def step(self) -> Array | None:
         """Go on to the next period, and let the controller make its step.
@@ -297,8 +309,8 @@ class InProcessCell:
         bits = self.program.io.bits('digital_inputs')
         self._watched.look(bits[: self._inputs.get('digital_inputs', 0)].tolist())
 
-    def _stop_before_collision(self, reason: str) -> bool:  # noqa: ARG002  # as ~/stop, which takes none
-        self.control.request('stop')
+    def _stop_before_collision(self, reason: str) -> bool:  # noqa: ARG002  # as the service, which takes none
+        self.control.stop_before_collision()
         return True
 
     def _note_start(self) -> None:
@@ -318,9 +330,10 @@ class InProcessCell:
             self._guard.planned(id_, path)
 
     def _motion_ended(self, result: MotionResult) -> None:
-        if self._guard is not None:
-            self._guard.ended(result.id)
-        self.records.ended(result, self.clock.elapsed)
+        if not result.blocked:
+            if self._guard is not None:
+                self._guard.ended(result.id)
+            self.records.ended(result, self.clock.elapsed)
         self._host.motions.result(result)
         self.changed = True
 
@@ -329,7 +342,7 @@ class InProcessCell:
     def result(self, result: MotionResult) -> None:
         """See `ControlPort`."""
         details = {**result.details, 'ended': f'{self.clock.now():.9f}'}
-        result = MotionResult(result.id, result.ok, result.message, details)
+        result = replace(result, details=details)
         self.log.result(result)
         self._mail.append(lambda: self._control_ended(result))
 

@@ -1,6 +1,9 @@
 """CollisionDetection: contacts and distances of a robot with itself and its surroundings."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
+from copy import copy
 from typing import Final
 
 import numpy as np
@@ -70,6 +73,11 @@ class CollisionDetection:
         """The current scene."""
         return self._scene
 
+    @property
+    def blind(self) -> bool:
+        """There are obstacles, and neither the robot nor what it holds has a body that could meet them."""
+        return bool(self._scene.objects) and self._set.first.size == 0
+
     def set_scene(self, scene: Scene) -> None:
         """Replace all obstacles and attached objects.
 
@@ -103,6 +111,16 @@ class CollisionDetection:
             self._surfaces[self._set.first] | self._surfaces[self._set.second]
         )
         self._scene = scene
+
+    def with_scene(self, scene: Scene) -> CollisionDetection:
+        """Another instance with its own scratch memory, of the same robot in another scene.
+
+        Raises:
+            InvalidInputError: as `set_scene`.
+        """
+        other = copy(self)
+        other.set_scene(scene)
+        return other
 
     def _without_held_apart(
         self, solids: Sequence[Solid], pairs: list[tuple[int, int]], held: set[str]

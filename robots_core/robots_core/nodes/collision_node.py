@@ -51,7 +51,9 @@ class CollisionNode(RobotNode):
         )
         lookahead = self.parameter('lookahead', LOOKAHEAD, 'stop this long before, s', bounds=(0.0, 60.0))
         rate = self.parameter('rate', LOOK_RATE, 'looks per second, Hz', bounds=(0.1, MAX_RATE))
-        controller = self.parameter('controller', 'controller_node', 'node whose ~/stop is called')
+        controller = self.parameter(
+            'controller', 'controller_node', 'node whose ~/stop_before_collision is called'
+        )
         self.guard = CollisionGuard(
             CollisionDetection(self.robot, engine=engine), self._stop, margin=margin, lookahead=lookahead
         )
@@ -59,7 +61,7 @@ class CollisionNode(RobotNode):
 
         self._status = self.create_publisher(DiagnosticStatus, 'collision_status', STATE)
         self._distance = self.create_publisher(Float64, 'min_distance', STATE)
-        self._stop_client = self.create_client(Trigger, f'{controller}/stop')
+        self._stop_client = self.create_client(Trigger, f'{controller}/stop_before_collision')
         self._scene = WatchedScene(self, self._on_scene)
         self.create_subscription(JointTrajectory, 'joint_trajectory', self._on_trajectory, COMMAND)
         self.create_subscription(Float64, 'motion_progress', self._on_progress, STREAM)
@@ -83,7 +85,8 @@ class CollisionNode(RobotNode):
         self.guard.progress(fraction(message.data, 'motion_progress'))
 
     def _on_result(self, message: DiagnosticStatus) -> None:
-        if self.guard.ended(motion_result_from_message(message).id):
+        result = motion_result_from_message(message)
+        if not result.blocked and self.guard.ended(result.id):
             self._clear()
 
     # -- what goes out -------------------------------------------------------------------------------
@@ -109,7 +112,7 @@ class CollisionNode(RobotNode):
         self.ready(objects=len(self.guard.detection.scene.objects))
 
     def _stop(self, reason: str) -> bool:
-        """Call the controller's ~/stop; False if no node serves it."""
+        """Call the controller's ~/stop_before_collision; False if no node serves it."""
         client = self._stop_client
         served = is_served(self, client)
         text = 'stopped the controller' if served else f'no node serves {client.srv_name} to stop the robot'

@@ -211,6 +211,8 @@ def number_in(values: Mapping[str, str], key: str, default: float) -> float:
 def motion_result_message(result: MotionResult, robot: str) -> DiagnosticStatus:
     """A result as it travels on `motion_result`; `robot` is the robot's name."""
     level = DiagnosticStatus.OK if result.ok else DiagnosticStatus.ERROR
+    if result.blocked:
+        level = DiagnosticStatus.WARN
     values = {'id': result.id, **result.details}
     return diagnostic_status('motion', result.message, level=level, hardware_id=robot, **values)
 
@@ -225,4 +227,5 @@ def motion_result_from_message(status: DiagnosticStatus) -> MotionResult:
     for key in RESULT_NUMBERS:
         number_in(details, key, 0.0)
     id_ = details.pop('id', '')
-    return MotionResult(id_, status.level == DiagnosticStatus.OK, status.message, details)
+    ok, blocked = (status.level == level for level in (DiagnosticStatus.OK, DiagnosticStatus.WARN))
+    return MotionResult(id_, ok, status.message, details, blocked)

@@ -10,6 +10,8 @@ from robots_core.errors import PlanningError, RobotsError
 from robots_core.validation import Array
 from robots_planning.commands.command_queue import CommandChain, CommandQueue, QueuedCommand, RunningMotion
 from robots_planning.commands.motion_chain import ChainPlan, MotionChain, OpenEnd
+from robots_planning.free_paths.free_path_search import SearchCancelledError
+from robots_planning.motion_results import BLOCKED
 from robots_planning.pathplanning import PathPlanning
 
 # A motion that continues from the running one does so this much later, which planning and messages take.
@@ -26,6 +28,7 @@ class CommandPlanner:
         path_time: How far the running motion is, s of its plan.
         send: Sends a motion.
         refuse: Answers a command that becomes no motion.
+        give_up: Answers one that an obstacle has stopped and that does not go on around it.
     """
 
     def __init__(
@@ -37,6 +40,7 @@ class CommandPlanner:
         path_time: Callable[[], float],
         send: Callable[[ChainPlan], None],
         refuse: Callable[[QueuedCommand, RobotsError], None],
+        give_up: Callable[[QueuedCommand, RobotsError], None],
     ) -> None:
         self.replace = False
         """A joint motion takes the place of the running motion, and does not wait for its end."""
@@ -44,10 +48,11 @@ class CommandPlanner:
         self._chain = MotionChain(planning.robot, planning)
         self._open: OpenEnd | None = None
         self._standing, self._path_time = standing, path_time
-        self._send, self._refuse = send, refuse
+        self._send, self._refuse, self._give_up = send, refuse, give_up
 
     def plan(self, chain: CommandChain) -> None:
         """Plan a chain of commands as one motion, or one by one if they do not blend."""
+        self.go_around()
         try:
             self._plan(chain)
         except RobotsError as error:
@@ -55,6 +60,26 @@ class CommandPlanner:
                 self._refuse(chain.commands[0], error)
             else:
                 self._plan_each(chain.commands)
+
+    def go_around(self, before: CommandChain | None = None) -> None:
+        """Plan what an obstacle has stopped from where the robot stands, if it is older than a chain."""
+        while (chain := self._queue.around(before)) is not None:
+            first, *later = chain.commands
+            try:
+                self._plan(chain)
+            except RobotsError as error:
+                self._give_up(first, self._not_around(chain, error))
+                for command in later:
+                    self._refuse(command, PlanningError(f'given up with motion {first.id} before it'))
+
+    def _not_around(self, chain: CommandChain, error: RobotsError) -> RobotsError:
+        """Why a motion does not go on around an obstacle."""
+        if chain.blocked is None:
+            return error
+        first, place = chain.commands[0], chain.blocked
+        what = self._planning.in_the_way(place.trajectory, place.since)
+        attempt = f'attempt {first.replans} of {first.settings.most_replans} to go around it'
+        return PlanningError(f'{BLOCKED}: {what}; {attempt} failed: {error.message}', **error.details)
 
     def _plan_each(self, commands: tuple[QueuedCommand, ...]) -> None:
         for place, command in enumerate(commands):
@@ -68,13 +93,17 @@ class CommandPlanner:
 
     def _plan(self, chain: CommandChain) -> None:
         while True:
+            self.go_around(before=chain)
             failures = self._queue.failures
             # Only a motion that fails gives up those after it; see `CommandQueue`.
             self._planning.cancelled = partial(self._failed_since, failures)
             if reason := self._queue.given_up(chain.commands):
                 raise PlanningError(reason)
             running = self._queue.running
-            planned = self._planned(chain, running)
+            try:
+                planned = self._planned(chain, running)
+            except SearchCancelledError:
+                continue
             join_time = planned.motion.duration if planned.open_end is None else planned.open_end.time
             motion = RunningMotion(planned.id, planned.motion.trajectory, planned.ends_by_id, join_time)
             if self._queue.planned(motion, failures):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -27,6 +28,7 @@ class QueuedCommand:
         target: Joint positions (n,), a pose, or the poses of an arc or a spline.
         settings: The modal settings of that instant.
         received: When it came, s.
+        replans: How often it was led around an obstacle that came into its path.
     """
 
     id: str
@@ -34,6 +36,26 @@ class QueuedCommand:
     target: Target
     settings: MotionSettings
     received: float
+    replans: int = 0
+
+    @property
+    def may_replan(self) -> bool:
+        """It may be led around another obstacle."""
+        wanted = self.settings.replans and not self.kind.cartesian
+        return wanted and self.replans < self.settings.most_replans
+
+
+@dataclass(frozen=True, eq=False)
+class Blocked:
+    """Where an obstacle has stopped a motion.
+
+    Attributes:
+        trajectory: Its plan.
+        since: Where the robot stands on it, s.
+    """
+
+    trajectory: Trajectory
+    since: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,10 +65,12 @@ class CommandChain:
     Attributes:
         commands: One or several that blend, in their order.
         goes_on: More are there that the last one blends into; their plan continues from this one.
+        blocked: Where an obstacle has stopped the first one, to go on around it; None for a new one.
     """
 
     commands: tuple[QueuedCommand, ...]
     goes_on: bool = False
+    blocked: Blocked | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +97,11 @@ class RunningMotion:
             if id_ != self.id:
                 yield id_, progress == 1.0 or end <= done
 
+    def left(self, progress: float) -> list[str]:
+        """Ids of the commands that are not done with at that part of the plan: its own always."""
+        done = {id_ for id_, passed in self.passed(progress) if passed}
+        return [id_ for id_ in self.ends if id_ not in done] or [self.id]
+
     def without(self, ids: Mapping[str, float]) -> RunningMotion:
         """The motion without commands that another one carries on."""
         return replace(self, ends={id_: end for id_, end in self.ends.items() if id_ not in ids})
@@ -82,14 +111,17 @@ class CommandQueue:
     """Collects blended commands to chains, and holds what runs. Safe to call from any thread.
 
     A motion that fails takes all with it that were commanded before it ended: after a stop the robot stands
-    until somebody commands it again.
+    until somebody commands it again. One that an obstacle stops continues from there if its settings permit it,
+    and so do those after it.
     """
 
     def __init__(self) -> None:
         self._lock = threading.RLock()
         self._held: list[QueuedCommand] = []
         self._goes_on = False
-        self._known: set[str] = set()
+        self._known: dict[str, QueuedCommand | None] = {}  # in their order; None for a given trajectory
+        self._around: list[CommandChain] = []  # stopped by an obstacle, to be planned before all others
+        self._stale: set[str] = set()  # planned anew before the controller has answered them
         self._running: dict[str, RunningMotion] = {}
         self._given_up: dict[str, RunningMotion] = {}  # with one before them; the controller's answers come
         self._failed_at = -float('inf')
@@ -106,7 +138,7 @@ class CommandQueue:
     def hold(self, command: QueuedCommand) -> CommandChain | None:
         """Take a command; returns what is to be planned now, None while more may be planned with it."""
         with self._lock:
-            self._known.add(command.id)
+            self._known[command.id] = command
             self._held.append(command)
             if not command.settings.blends:
                 return self.release()
@@ -137,7 +169,7 @@ class CommandQueue:
     def refused(self, id_: str) -> None:
         """A command was answered without a motion."""
         with self._lock:
-            self._known.discard(id_)
+            self._forget([id_])
 
     # -- motions -------------------------------------------------------------------------------------
 
@@ -176,7 +208,7 @@ class CommandQueue:
         """A motion continues in the place of this one: what follows starts at that one's end."""
         with self._lock:
             self._running.pop(motion.id, None)
-            self._known.difference_update(motion.ends)
+            self._forget(motion.ends)
 
     def ended(self, id_: str, *, ok: bool, at: float) -> RunningMotion | None:
         """A motion has ended; returns it if it is one of these, or was given up with one of them.
@@ -190,12 +222,68 @@ class CommandQueue:
             motion = self._running.pop(id_, None)
             if motion is None:
                 return self._given_up.pop(id_, None)
-            self._known.difference_update(motion.ends)
+            self._forget(motion.ends)
             if not ok:
-                self._failed_at, self._failed = max(at, self._failed_at), id_
-                self._failures += 1
-                self._give_up()
+                self._fail(id_, at)
             return motion
+
+    def blocked(self, id_: str, progress: float) -> list[str] | None:
+        """An obstacle has stopped a motion at a part of its plan, 0..1: have it planned from there.
+
+        Returns:
+            Ids of the commands in it that were done with; None if it may not go on, and nothing has changed.
+        """
+        with self._lock:
+            motion = self._running.get(id_)
+            if motion is None:
+                return None
+            left = motion.left(progress)
+            first = self._known.get(left[0])
+            if first is None or not first.may_replan:
+                return None
+            self._known[first.id] = replace(first, replans=first.replans + 1)
+            passed = [one for one in motion.ends if one not in left]
+            self._forget(passed)
+            place = Blocked(motion.trajectory, progress * motion.trajectory.duration)
+            waiting = [other for other in self._running.values() if other is not motion]
+            self._around += [self._chain(left, place), *(self._chain(list(other.ends)) for other in waiting)]
+            self._stale.update(other.id for other in waiting)
+            self._running.clear()
+            self._failures += 1
+            return passed
+
+    def stale(self, id_: str) -> bool:
+        """Whether a result is of a plan that waited behind a blocked motion and was replaced; true once."""
+        with self._lock:
+            known = id_ in self._stale
+            self._stale.discard(id_)
+            return known
+
+    def replans(self, id_: str, progress: float) -> int:
+        """How often the motion at a part of a plan, 0..1, was led around an obstacle."""
+        with self._lock:
+            motion = self._running.get(id_)
+            command = None if motion is None else self._known.get(motion.left(progress)[0])
+            return 0 if command is None else command.replans
+
+    def around(self, before: CommandChain | None = None) -> CommandChain | None:
+        """Takes out the oldest chain that was stopped by an obstacle, if any is older than another one."""
+        with self._lock:
+            order = {id_: number for number, id_ in enumerate(self._known)}
+
+            def place(chain: CommandChain) -> float:
+                return order.get(chain.commands[0].id, math.inf)
+
+            oldest = min(self._around, key=place, default=None)
+            if oldest is None or (before is not None and place(before) < place(oldest)):
+                return None
+            self._around.remove(oldest)
+            return oldest
+
+    def fail(self, id_: str, at: float) -> None:
+        """A motion that is not running goes nowhere: what was commanded until then, s, is void."""
+        with self._lock:
+            self._fail(id_, at)
 
     def forget(self) -> None:
         """The controller is gone and follows no motion."""
@@ -203,8 +291,22 @@ class CommandQueue:
             self._give_up()
             self._given_up.clear()
 
+    def _chain(self, ids: list[str], blocked: Blocked | None = None) -> CommandChain:
+        commands = (self._known.get(id_) for id_ in ids)
+        return CommandChain(tuple(one for one in commands if one is not None), blocked=blocked)
+
+    def _fail(self, id_: str, at: float) -> None:
+        self._failed_at, self._failed = max(at, self._failed_at), id_
+        self._failures += 1
+        self._give_up()
+
+    def _forget(self, ids: Iterable[str]) -> None:
+        for id_ in ids:
+            self._known.pop(id_, None)
+
     def _give_up(self) -> None:
         for motion in self._running.values():
-            self._known.difference_update(motion.ends)
+            self._forget(motion.ends)
         self._given_up |= self._running
         self._running.clear()
+        self._stale.clear()

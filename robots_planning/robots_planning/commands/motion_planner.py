@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Final, Protocol
 
 import numpy as np
@@ -16,7 +17,7 @@ from robots_planning.commands.command_planner import REPLACE_LEAD, CommandPlanne
 from robots_planning.commands.command_queue import CommandChain, CommandQueue, QueuedCommand, RunningMotion
 from robots_planning.commands.motion_chain import ChainPlan
 from robots_planning.motion_kinds import LINE, MotionKind
-from robots_planning.motion_results import PASSED
+from robots_planning.motion_results import BLOCKED, PASSED
 from robots_planning.motion_settings import MotionSettings
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory
@@ -93,6 +94,7 @@ class MotionPlanner:
             path_time=self._path_time,
             send=self._send,
             refuse=self._refuse,
+            give_up=self._fail,
         )
         self.settings = MotionSettings()
         """Hold for the commands that come from now on."""
@@ -222,24 +224,54 @@ class MotionPlanner:
         Returns:
             False if it is none of this planner's.
         """
+        if not result.ok and self._queue.stale(result.id):
+            return True
+        progress = 1.0 if result.ok else float(result.details.get('progress', 1.0))
+        if result.blocked and self._goes_around(result, progress):
+            return True
+        replans = self._queue.replans(result.id, progress)
         motion = self._queue.ended(result.id, ok=result.ok, at=ended)
         if motion is None:
             return False
         self._progress = (0.0, self._port.time())  # of the one after it
-        progress = 1.0 if result.ok else float(result.details.get('progress', 1.0))
         for id_, passed in motion.passed(progress):
             message = PASSED if passed else result.message
             self._port.answer(MotionResult(id_, passed, message, result.details))
         if result.ok and not self.moving:
             self._port.finished(done=True)
+        if result.blocked:
+            self._port.submit(partial(self._end_blocked, motion, result, progress, replans))
         if not result.ok:
             self.release()  # what was held for a chain is void
         return True
+
+    def _goes_around(self, result: MotionResult, progress: float) -> bool:
+        """Whether a motion that an obstacle has stopped is planned around it."""
+        passed = self._queue.blocked(result.id, progress)
+        if passed is None:
+            return False
+        self._progress = (0.0, self._port.time())
+        for id_ in passed:
+            self._port.answer(MotionResult(id_, ok=True, message=PASSED, details=result.details))
+        self._port.submit(self._commands.go_around)
+        return True
+
+    def _end_blocked(
+        self, motion: RunningMotion, result: MotionResult, progress: float, replans: int
+    ) -> None:
+        """Say what is in the way of a motion that does not go around it."""
+        trajectory = motion.trajectory
+        what = self.planning.in_the_way(trajectory, progress * trajectory.duration)
+        again = f' again, after {replans} ways around, as many as most_replans allows' if replans else ''
+        message = f'{BLOCKED}{again}: {what}'
+        self._port.answer(MotionResult(result.id, ok=False, message=message, details=result.details))
 
     def lose_controller(self, reason: str) -> None:
         """The controller ends no motion any more: end them in its place."""
         for motion in self.motions:
             self._port.answer(MotionResult(motion.id, ok=False, message=reason))
+        if not self.motions:
+            self._queue.fail('of the lost controller', self._port.time())
 
     def forget(self) -> None:
         """The controller is gone, and its motions with it."""
@@ -298,6 +330,10 @@ class MotionPlanner:
     def _refuse(self, command: QueuedCommand, error: RobotsError) -> None:
         self._queue.refused(command.id)
         self.refuse(command.id, command.kind, error)
+
+    def _fail(self, command: QueuedCommand, error: RobotsError) -> None:
+        self._queue.fail(command.id, self._port.time())
+        self._refuse(command, error)
 
     def _path_time(self) -> float:
         progress, reported = self._progress

@@ -21,7 +21,7 @@ class CommandInbox:
     """
 
     def __init__(self, node: RobotNode) -> None:
-        self._waiting: list[tuple[tuple[int, int], Callable[[], None]]] = []
+        self._waiting: list[tuple[tuple[int, int], Callable[[], object]]] = []
         self._more = False
         self._subscriptions: list[Subscription] = []
         self._node = node
@@ -35,7 +35,7 @@ class CommandInbox:
         """A subscription puts its commands here."""
         self._subscriptions.append(subscription)
 
-    def put(self, stamp: Time, act: Callable[[], None]) -> None:
+    def put(self, stamp: Time, act: Callable[[], object]) -> None:
         """Call `act` after all commands that were sent before `stamp` and are here already."""
         self._waiting.append(((stamp.sec, stamp.nanosec), act))
         if self._turn is not None:

@@ -73,8 +73,8 @@ class PlanningNode(RobotNode):
         margin = self.parameter(
             'collision_margin', COLLISION_MARGIN, 'distance that motions keep, m', read=usable_margin
         )
-        self._scene = WatchedScene(self, collision.set_scene)
         planning = PathPlanning(self.robot, collision=collision, collision_margin=margin)
+        self._scene = WatchedScene(self, planning.set_scene)
         planning.warm_up()
         self.planner = MotionPlanner(planning, self)
         self.planner.configure(self._settings())
@@ -243,9 +243,13 @@ class PlanningNode(RobotNode):
 
     def _on_motion_result(self, message: DiagnosticStatus) -> None:
         result = motion_result_from_message(message)
-        if self._action is not None:
+        if self._action is not None and not result.blocked:
             self._action.ended(result)
-        self.planner.result(result, number_in(result.details, 'ended', self.time()))
+        ended = partial(self.planner.result, result, number_in(result.details, 'ended', self.time()))
+        if result.blocked:  # the way around is planned as a command: from the last reference, in its phase
+            self._inbox.put(self.get_clock().now().to_msg(), ended)
+        else:
+            ended()
 
     # -- the planner's port: messages out, from its thread too ---------------------------------------
 

@@ -15,7 +15,7 @@ from robots_core.errors import PlanningError, UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array, positive
-from robots_planning.free_paths.free_path_search import FreePathSearch
+from robots_planning.free_paths.free_path_search import FreePathSearch, FreeWay
 from robots_planning.free_paths.free_postures import (
     BlockedPostureError,
     blocked_target,
@@ -80,7 +80,7 @@ class CollisionFreeJoint(JointSpaceGenerator):
         self._timing = TimeOptimalTiming(
             robot, self.velocity, self.acceleration, effort, jerk=self.jerk if jerk_limited else None
         )
-        self._last: tuple[object, JointPath] | None = None
+        self._last: tuple[object, JointPath, Array] | None = None
 
     @classmethod
     def from_settings(cls, robot: BaseRobotModel, settings: MotionSettings, **options: Any) -> Self:
@@ -118,16 +118,24 @@ class CollisionFreeJoint(JointSpaceGenerator):
         nearest = goals[0]
         if float(np.abs(nearest - start).max()) < SHORTEST_MOVE:
             raise _NoWayToGoError(nearest)
+        self.via = np.empty((0, start.size))
         if self.collision is None:
             return super().joint_path(start, nearest)
         key = (start.tobytes(), goals.tobytes(), self.collision.scene, self.margin)
         if self._last is not None and self._last[0] == key:  # asked again, for a chain or its stops
+            self.via = self._last[2]
             return self._last[1]
-        path = self._free_path(self.collision, start, goals)
-        self._last = (key, path)
+        way = self._free_way(self.collision, start, goals)
+        path, self.via = rounded(way), way.postures[1:-1]
+        self._last = (key, path, self.via)
         return path
 
-    def _free_path(self, collision: CollisionDetection, start: Array, goals: Array) -> JointPath:
+    def _free_way(self, collision: CollisionDetection, start: Array, goals: Array) -> FreeWay:
+        if collision.blind:
+            raise PlanningError(
+                f'{self.robot.name} has no collision shapes, so that it can avoid nothing; its URDF needs '
+                '<collision> in its links'
+            )
         check_start(self.robot, collision, start)
         reasons = [blocked_target(collision, start, goal, self.margin) for goal in goals]
         free = goals[[reason is None for reason in reasons]]
@@ -136,7 +144,7 @@ class CollisionFreeJoint(JointSpaceGenerator):
         search = FreePathSearch(
             self.robot, collision, margin=self.margin, budget=self._budget, seed=self._seed
         )
-        return rounded(search.way(start, free, self._cancelled))
+        return search.way(start, free, self._cancelled)
 
     def _goals(self, start: Array, target: Target) -> Array:
         """Postures (k, n) that reach a target, the nearest first."""

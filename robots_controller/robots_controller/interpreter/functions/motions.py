@@ -122,6 +122,13 @@ class Motions(Family):
         settings = dict(self._run.settings)
         if options.avoid is not None:
             settings['avoid'] = options.avoid
+        if options.on_blocked is not None:
+            if options.on_blocked == 'replan' and not settings.get('avoid'):
+                raise LuaCallError(
+                    f"{function}: on_blocked = 'replan' leads around what is in the way; "
+                    'it needs avoid = true, here or by setAvoid'
+                )
+            settings['on_blocked'] = options.on_blocked
         command = MotionCommand(
             kind,
             self._run.line,

@@ -13,7 +13,7 @@ from robots_controller.interpreter.lua_sandbox import Result, Waiting
 from robots_core.blocks.inverse_kinematics.hold import HOLDS
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.orientation import ORIENTATION_CONVENTIONS
-from robots_planning.motion_settings import frame_numbers
+from robots_planning.motion_settings import ON_BLOCKED, frame_numbers
 
 
 def _speeds(what: str, unit: str) -> tuple[Argument, ...]:
@@ -122,13 +122,21 @@ class Settings(Family):
     @lua_function(
         SWITCH,
         Argument('budget', kinds.POSITIVE, 's', 'longest search for a way around', optional=True),
+        Argument('on_blocked', kinds.ON_BLOCKED, '', f'one of {", ".join(ON_BLOCKED)}', optional=True),
+        Argument('most', kinds.COUNT, '', 'how often one motion may be replanned', optional=True),
     )
-    def setAvoid(self, value: float, budget: float | None) -> None:
+    def setAvoid(
+        self, value: float, budget: float | None, on_blocked: str | None, most: float | None
+    ) -> None:
         """Lets joint motions go around what is in the way.
 
         A search counts postures, 25 000 a second of its budget, and not time: a slow computer finds the same.
+        An obstacle that comes into the path of such a motion stops it; with 'replan' it then goes around that
+        from where the robot stands, at most `most` times (5).
         """
-        self._run.change(avoid=bool(value), **_given(avoid_budget=budget))
+        count = None if most is None else int(most)
+        given = _given(avoid_budget=budget, on_blocked=on_blocked, most_replans=count)
+        self._run.change(avoid=bool(value), **given)
 
     @lua_function(*_speeds('acceleration', 's^2'))
     def setAcceleration(self, *limits: float | None) -> None:

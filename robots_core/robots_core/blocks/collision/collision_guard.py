@@ -102,14 +102,14 @@ class CollisionGuard:
         self._stop_before_dangers()
 
     def planned(self, id_: str, path: JointPath) -> None:
-        """Watch a motion from now on, after those before it.
+        """Watch a motion from now on, after those before it; one with a known id has another path now.
 
         Raises:
             InvalidInputError: a path of another number of axes, or far past their limits.
         """
         self._check(path)
         motion = _Motion(path, self.detection.first_approach(path, margin=self.margin))
-        if not self.motions:
+        if next(iter(self.motions), id_) == id_:  # the first one, or its way around an obstacle
             self._progress = 0.0
         self.motions[id_] = motion
         start = self.detection.distance(path.sample(path.start))
