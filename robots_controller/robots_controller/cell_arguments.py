@@ -11,7 +11,7 @@ from typing import Final
 from rich.console import Console
 from rich.markup import escape
 
-from robots_controller.program.program_header import ProgramHeader, read_program_header
+from robots_controller.program.program_header import HEADER_FILES, ProgramHeader, read_program_header
 from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.blocks.multibody.payload import payload_of
@@ -23,7 +23,7 @@ from robots_planning.motion_settings import NOTHING
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 CELL_OPTIONS: Final = (
     *('robot', 'drive', 'scene', 'io', 'io_map', 'rate', 'goal_tolerance', 'tool_speed_limit'),
-    *('operating_mode', 'payload', 'references', 'contact', 'orbit', 'guided'),
+    *('operating_mode', 'payload', 'references', 'contact', 'orbit', 'cabin', 'guided'),
 )
 """Names of the options that say what a cell is made of."""
 LOG_WIDTH: Final = 160  # characters; a log file has no width of its own, and tables need this much
@@ -89,6 +89,12 @@ def add_cell_arguments(parser: argparse.ArgumentParser) -> None:
         help="what the robot's base floats with in orbit: a target, a gripper, reaction wheels (YAML)",
     )
     parser.add_argument(
+        '--cabin',
+        default='',
+        metavar='FILE',
+        help='cabin that the robot moves so that a person in it feels a vehicle (YAML)',
+    )
+    parser.add_argument(
         '--guided',
         default='',
         choices=METHODS,
@@ -123,9 +129,7 @@ def take_from_program(options: argparse.Namespace) -> None:
         if not Path(options.program).is_file():
             raise RobotsError(f'program {options.program!r} not found; programs are Lua files, see programs/')
         header = read_program_header(options.program)
-    own = {
-        name: getattr(options, name) for name in ('robot', 'scene', 'io', 'references', 'contact', 'orbit')
-    }
+    own = {name: getattr(options, name) for name in ('robot', *HEADER_FILES)}
     chosen = header.replaced_by(**own)
     for name in own:
         setattr(options, name, getattr(chosen, name))

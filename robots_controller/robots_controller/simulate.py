@@ -37,6 +37,7 @@ def simulate(
     references: Path | str = '',
     contact: Path | str = '',
     orbit: Path | str = '',
+    cabin: Path | str = '',
     guided: str = METHODS[0],
     longest: float = LONGEST_TIME,
     on_progress: Callable[[float, int], None] | None = None,
@@ -71,6 +72,8 @@ def simulate(
             `read_contact`), in the place of a recording; '' for nothing.
         orbit: Orbit in which the robot's base floats, and what it is to grasp there (YAML, see `read_orbit`);
             '' for a robot that stands.
+        cabin: Cabin that the robot carries (YAML, see `read_cabin`): the recording then holds its driver's
+            inputs, or the motion of a vehicle; '' for none.
         guided: Inverse kinematics that follows its `reference_pose`, one of `METHODS`.
         longest: The program fails if it has not ended after this simulated time, s.
         on_progress: Called about 25 times a simulated second with the time in s and the line of the program.
@@ -99,6 +102,7 @@ def simulate(
         references=references,
         contact=contact,
         orbit=orbit,
+        cabin=cabin,
         guided=guided,
     )
     cell = SimulatedCell(

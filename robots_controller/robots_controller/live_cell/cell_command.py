@@ -30,6 +30,7 @@ from robots_controller.live_cell.cell_listener import CellListener, listen
 from robots_controller.live_cell.cell_view import CellView
 from robots_controller.live_cell.node_processes import NodeProcesses
 from robots_controller.live_cell.running_cell import RunningCell, occupied
+from robots_controller.program.program_header import HEADER_FILES
 from robots_controller.program_check.first_check import check_first, sizes_of
 from robots_controller.runtime_folder import alone
 from robots_core.blocks.following.following_methods import METHODS
@@ -39,7 +40,7 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.ros.middleware import choose_transports
 from robots_core.watchdog import WATCHDOG
 
-FILES = ('program', 'io', 'io_map', 'scene', 'references', 'contact', 'orbit')  # options
+FILES = ('program', 'io_map', *HEADER_FILES)  # options
 GRAPH_OPTIONS = (*CELL_OPTIONS, 'program', 'watchdog', 'port', 'debug_port', 'lockstep', 'composed')
 
 
@@ -107,7 +108,7 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     take_from_program(options)
     options.robot = options.robot or DEFAULT_ROBOT
     options.namespace = '/' + options.namespace.strip('/')
-    others = options.references or options.contact or options.orbit
+    others = options.references or options.contact or options.orbit or options.cabin
     options.guided = options.guided or (METHODS[0] if others else '')
     for name in FILES:
         path = getattr(options, name)

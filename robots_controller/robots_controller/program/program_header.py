@@ -9,7 +9,9 @@ from typing import Final
 
 from robots_controller.interpreter.lua_source import read_source
 
-_ENTRY: Final = re.compile(r'(Robot|Scene|IO|References|Contact|Orbit): (\S+)\s*')
+_ENTRY: Final = re.compile(r'(Robot|Scene|IO|References|Contact|Orbit|Cabin): (\S+)\s*')
+HEADER_FILES: Final = ('scene', 'io', 'references', 'contact', 'orbit', 'cabin')
+"""What a header may name beside the robot."""
 _LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
 
 
@@ -17,8 +19,8 @@ _LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
 class ProgramHeader:
     """The cell of a program, from lines of its first comment.
 
-    `-- Robot: NAME  Scene: FILE  IO: FILE  References: BAG  Contact: FILE  Orbit: FILE`, all or some, in
-    one line or several.
+    `-- Robot: NAME  Scene: FILE  IO: FILE  References: BAG  Contact: FILE  Orbit: FILE  Cabin: FILE`, all or
+    some, in one line or several.
 
     Attributes:
         robot: The robot's name; '' where nothing is said.
@@ -27,6 +29,7 @@ class ProgramHeader:
         references: Recording of what guides the robot (see `read_guide_recording`); '' for none.
         contact: What its tool touches, and force control there (see `read_contact`); '' for nothing.
         orbit: Orbit in which the robot's base floats (YAML); '' for a robot that stands.
+        cabin: Cabin that the robot carries (YAML); '' for none.
     """
 
     robot: str = ''
@@ -35,6 +38,7 @@ class ProgramHeader:
     references: str = ''
     contact: str = ''
     orbit: str = ''
+    cabin: str = ''
 
     def replaced_by(self, **given: str) -> ProgramHeader:
         """The same with all that is given, and not '', in the place of its own."""
@@ -64,6 +68,5 @@ def read_program_header(program: Path | str) -> ProgramHeader:
         if _LINE.fullmatch(line):
             found |= {key.lower(): value for key, value in _ENTRY.findall(line)}
     folder = source.path.resolve().parent
-    keys = ('scene', 'io', 'references', 'contact', 'orbit')
-    files = {key: str(folder / found[key]) for key in keys if key in found}
+    files = {key: str(folder / found[key]) for key in HEADER_FILES if key in found}
     return ProgramHeader(robot=found.get('robot', ''), **files)
