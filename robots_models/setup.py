@@ -38,6 +38,7 @@ setup(
             'kinova_j2n6s300 = robots_models.kinova_j2n6s300.model:KinovaJ2n6s300',
             'kuka_kr210_r2700 = robots_models.kuka_kr210_r2700.model:KukaKr210R2700',
             'kuka_kr210_r3100 = robots_models.kuka_kr210_r3100.model:KukaKr210R3100',
+            'kuka_kr500_linear_axis = robots_models.kuka_kr500_linear_axis.model:KukaKr500LinearAxis',
             'kuka_kr500_r2830 = robots_models.kuka_kr500_r2830.model:KukaKr500R2830',
             'kuka_lbr_iiwa14 = robots_models.kuka_lbr_iiwa14.model:KukaLbrIiwa14',
             'manutec_r3 = robots_models.manutec_r3.model:ManutecR3',

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-COLOURS: Final = ('#2f6fb0', '#e08a2c', '#3d9a5f', '#b5464b', '#7b63a8', '#5b6672')
+COLOURS: Final = ('#2f6fb0', '#e08a2c', '#3d9a5f', '#b5464b', '#7b63a8', '#5b6672', '#2aa5a0')
 STYLE: Final[dict[Any, Any]] = {
     'font.size': 10,
     'axes.edgecolor': '#b8bfc7',

@@ -1,10 +1,12 @@
 """Draw what the person in the cabin feels, the limits and the tracking; run by `make plots-motion-simulator`.
 
-The program is simulated, unless `--run BAG` names a recorded run of it.
+The program is simulated, unless `--run BAG` names a recorded run of it; the same for the program of the robot
+on a linear axis, and `--run-on-axis BAG`.
 """
 
 from __future__ import annotations
 
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -14,8 +16,8 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
 from drawing.figures import COLOURS, drawing_style, plot_parser, recorded, save, title_and_legend
-from motion_simulator.cabin import ENVELOPE, ROBOT
-from motion_simulator.recorded_cabin import RecordedCabin, read_cabin
+from motion_simulator.recorded_cabin import RecordedCabin, read_recorded_cabin
+from robots_controller.program.program_header import read_program_header
 from robots_controller.simulate import simulate
 from robots_core.blocks import Payload, VehicleMotion
 from robots_core.blocks.motion_cueing.cabin_envelope import DIRECTIONS
@@ -25,9 +27,9 @@ from robots_core.validation import Array
 
 PROGRAMS: Final = Path(__file__).parents[1]
 PROGRAM: Final = PROGRAMS / 'motion_simulator.lua'
-REFERENCES: Final = PROGRAMS / 'motion_simulator' / 'double_lane_change'
+ON_AXIS: Final = PROGRAMS / 'motion_simulator' / 'on_linear_axis.lua'
 CABIN: Final = Payload(300.0, np.array([0.0, 0.0, 0.7]))  # as in the program
-WANTED, ASKED, FELT = '#9aa3ad', '#e08a2c', '#2f6fb0'
+WANTED, ASKED, FELT, WITH_AXIS = '#9aa3ad', '#e08a2c', '#2f6fb0', '#3d9a5f'
 LIMIT: Final = '#c8434a'
 
 
@@ -55,7 +57,7 @@ def felt_figure(cabin: RecordedCabin) -> Figure:
         rows[index, 1].set_ylabel(f'{name}, rad/s')
     rows[0, 0].set_title('specific force', loc='left')
     rows[0, 1].set_title('angular velocity', loc='left')
-    _finish(figure, rows, f'What the person feels in the cabin of {ROBOT}', ncols=3)
+    _finish(figure, rows, f'What the person feels in the cabin of {cabin.robot.name}', ncols=3)
     return figure
 
 
@@ -85,7 +87,7 @@ def limits_figure(cabin: RecordedCabin) -> Figure:
             row.axhspan(sign, 1.2 * sign, color=LIMIT, alpha=0.10, linewidth=0.0)
             row.axhline(sign, color=LIMIT, linewidth=0.8)
         row.set(ylim=(-1.2, 1.2), yticks=[-1, 0, 1], ylabel=name)
-    _finish(figure, rows, f'The axes of {ROBOT} over their limits; shaded: beyond', ncols=6)
+    _finish(figure, rows, f'The axes of {cabin.robot.name} over their limits; shaded: beyond', ncols=7)
     return figure
 
 
@@ -97,12 +99,12 @@ def tracking_figure(cabin: RecordedCabin) -> Figure:
         np.array([values[0] for values in found])
         for found in ([s.washout for s in cabin.steps], [s.cabin for s in cabin.steps])
     )
-    given = cabin.cabin()
+    given = cabin.ways()
     for index, row in enumerate(rows):
         row.plot(cabin.time, washout[:, index], color=WANTED, label='washout filter')
         row.plot(cabin.time, asked[:, index], color=ASKED, label='cabin, inside its envelope')
         row.plot(cabin.drive_time, given[:, index], color=FELT, label='robot')
-        bound = ENVELOPE.reach[index]
+        bound = cabin.cabin.envelope.reach[index]
         for sign in (-1.0, 1.0):
             row.axhspan(sign * bound, sign * 1.15 * bound, color=LIMIT, alpha=0.10, linewidth=0.0)
         row.set(
@@ -112,7 +114,34 @@ def tracking_figure(cabin: RecordedCabin) -> Figure:
     for row, values, unit in ((grid[3, 0], position, 'mm'), (grid[3, 1], angle, 'mrad')):
         row.plot(cabin.drive_time, 1e3 * values, color=COLOURS[3])
         row.set(ylabel=f'robot to cueing, {unit}', ylim=(0.0, None))
-    _finish(figure, grid, f'The cabin of {ROBOT} in its envelope; shaded: beyond', ncols=3)
+    _finish(figure, grid, f'The cabin of {cabin.robot.name} in its envelope; shaded: beyond', ncols=3)
+    return figure
+
+
+def axis_figure(standing: RecordedCabin, sliding: RecordedCabin) -> Figure:
+    """Force forward and surge of the same drive, with and without the linear axis."""
+    figure, rows = plt.subplots(4, 1, sharex=True, figsize=(11.0, 9.0), layout='constrained')
+    wanted, _ = _columns([step.wanted for step in standing.steps])
+    rows[0].plot(standing.time, wanted[:, 0], color=WANTED, label='wanted: the scaled motion of the car')
+    for cabin, colour, label in (
+        (standing, FELT, 'felt on the robot that stands'),
+        (sliding, WITH_AXIS, 'felt on the linear axis'),
+    ):
+        felt, _ = _columns(cabin.felt())
+        there = np.interp(cabin.drive_time, standing.time, wanted[:, 0])
+        ways = cabin.ways()
+        rows[0].plot(cabin.drive_time, felt[:, 0], color=colour, label=label)
+        rows[1].plot(cabin.drive_time, felt[:, 0] - there, color=colour)
+        rows[2].plot(cabin.drive_time, ways[:, 0], color=colour)
+        rows[3].plot(cabin.drive_time, ways[:, 4], color=colour)
+    first = sliding.drives[0, :, 0]
+    rows[2].plot(sliding.drive_time, first - first[0], color=WITH_AXIS, linestyle='--', label='of it by E1')
+    rows[2].legend(frameon=False)
+    for row, name in zip(
+        rows, ('forward, m/s²', 'felt - wanted, m/s²', 'surge, m', 'pitch, rad'), strict=True
+    ):
+        row.set_ylabel(name)
+    _finish(figure, rows, 'Force forward, with and without a linear axis', ncols=3)
     return figure
 
 
@@ -156,16 +185,31 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run from the command line."""
     parser = plot_parser('motion_simulator', __doc__)
     parser.add_argument(
-        '--references', type=Path, default=REFERENCES, metavar='BAG', help='what guided the robot'
+        '--run-on-axis', type=Path, metavar='BAG', help='recorded run on the axis; simulated by default'
     )
     options = parser.parse_args(arguments)
-    guided = options.references
-    run = recorded(options, lambda bag: simulate(PROGRAM, robot=ROBOT, references=guided, bag=bag))
-    cabin = read_cabin(run, guided)
+    standing = _recorded(PROGRAM, options.run, options.folder)
+    sliding = _recorded(ON_AXIS, options.run_on_axis, options.folder / 'on_axis')
     with drawing_style():
         figures = {'felt': felt_figure, 'limits': limits_figure, 'tracking': tracking_figure}
-        save(((name, draw(cabin)) for name, draw in figures.items()), options.folder)
-    print('\n'.join(describe(cabin)))
+        save(((name, draw(standing)) for name, draw in figures.items()), options.folder)
+        save(
+            (('with_axis', axis_figure(standing, sliding)), ('limits_on_axis', limits_figure(sliding))),
+            options.folder,
+        )
+    for cabin in (standing, sliding):
+        print('\n'.join([cabin.robot.name, *describe(cabin)]))
+
+
+def _recorded(program: Path, run: Path | None, folder: Path) -> RecordedCabin:
+    header = read_program_header(program)
+    options = Namespace(run=run, folder=folder)
+    robot, cabin = header.robot, header.cabin
+    bag = recorded(
+        options,
+        lambda to: simulate(program, robot=robot, cabin=cabin, references=header.references, bag=to),
+    )
+    return read_recorded_cabin(bag, robot=robot, cabin=cabin)
 
 
 if __name__ == '__main__':

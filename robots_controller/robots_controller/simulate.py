@@ -38,6 +38,7 @@ def simulate(
     references: Path | str = '',
     contact: Path | str = '',
     orbit: Path | str = '',
+    cabin: Path | str = '',
     guided: str = METHODS[0],
     longest: float = LONGEST_TIME,
     patience: float = math.inf,
@@ -73,6 +74,8 @@ def simulate(
             `read_contact`), in the place of a recording; '' for nothing.
         orbit: Orbit in which the robot's base floats, and what it is to grasp there (YAML, see `read_orbit`);
             '' for a robot that stands.
+        cabin: Cabin that the robot carries (YAML, see `read_cabin`): the recording then holds its driver's
+            inputs, or the motion of a vehicle; '' for none.
         guided: Inverse kinematics that follows its `reference_pose`, one of `METHODS`.
         longest: The program fails if it has not ended after this simulated time, s.
         patience: It fails, too, if that has taken more of this machine's time, s; names the line.
@@ -104,6 +107,7 @@ def simulate(
         references=references,
         contact=contact,
         orbit=orbit,
+        cabin=cabin,
         guided=guided,
     )
     cell = SimulatedCell(

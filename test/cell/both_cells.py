@@ -41,6 +41,7 @@ def check_both_cells(lockstep: LockstepRun, drive: str, bag: Path, **options: An
         'references': header.references,
         'contact': header.contact,
         'orbit': header.orbit,
+        'cabin': header.cabin,
     }
     run = simulate(lockstep.program, drive=drive, rate=lockstep.rate, bag=bag, **options)
     assert lockstep.returncode == (0 if run.ok else 1), lockstep.text

@@ -97,3 +97,25 @@ def test_published_effort_of_axis_2_holds_the_payload_it_is_said_to_hold(
     enough, too_much = reserve.values()
     assert enough > -0.01 * kuka.axes_data.effort[1]  # the grid and the payload's rounding to kilograms
     assert too_much < 0.0
+
+
+def test_a_linear_axis_carries_the_same_robot():
+    """With the carriage in its middle, flange and dynamics are those of the robot that stands."""
+    sliding, standing = (load_robot_model(f'kuka_kr500_{name}') for name in ('linear_axis', 'r2830'))
+    assert sliding.axes_data.prismatic == (True, *[False] * 6)
+    assert 'ictive' in sliding.structural_data.source
+    for name in ('lower', 'velocity', 'acceleration', 'jerk', 'effort'):
+        np.testing.assert_array_equal(
+            getattr(sliding.axes_data, name)[1:], getattr(standing.axes_data, name), name
+        )
+    q, q_dot, q_ddot = np.random.default_rng(2).uniform(-1.0, 1.0, (3, 6))
+    axis = np.array([2.0, -1.0, 0.0])  # m, m/s, m/s^2
+    rows = [np.concatenate([[first], rest]) for first, rest in zip(axis, (q, q_dot, q_ddot), strict=True)]
+    r, T = standing.direct_kinematics(q)
+    moved, turned = sliding.direct_kinematics(rows[0])
+    np.testing.assert_allclose(moved, r + np.array([axis[0], 0.0, 0.0]), atol=EXACT)
+    np.testing.assert_allclose(turned, T, atol=EXACT)
+    tau, M, _ = sliding.rigid_dynamics(*rows)
+    np.testing.assert_allclose(tau[1:], standing.rigid_dynamics(q, q_dot, q_ddot)[0], rtol=1e-9)
+    carriage = sliding.structural_data.carriage_kg
+    assert M[0, 0] == pytest.approx(carriage + sum(standing.rigid_dynamics_model.masses))

@@ -10,11 +10,13 @@ from typing import Any, Final
 from robots_controller.live_cell.cell_monitor import CellMonitor
 from robots_core.ros.run import run
 
+CABIN: Final = str(Path('programs/motion_simulator/cabin.yaml').resolve())
 CONTACT: Final = str(Path('programs/wheel_laboratory/regolith_simulant.yaml').resolve())
 OPTIONS: Final[dict[str, dict[str, Any]]] = {
     'visualizer_node': {'port': 0},
     'io_bridge_node': {'io_map': str(Path('robots_controller/config/io_map_words.yaml').resolve())},
     'force_control_node': {'contact': CONTACT},
+    'motion_cueing_node': {'cabin': CABIN},
     'wheel_soil_node': {'contact': CONTACT},
     'plc_node': {'script': str(Path('programs/io/press_tending.yaml').resolve())},
 }

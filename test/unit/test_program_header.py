@@ -12,7 +12,7 @@ from robots_controller.io.plc_script import read_plc_script
 from robots_controller.program.program_header import ProgramHeader, read_program_header
 from robots_controller.simulation import command_line
 from robots_core import load_robot_model
-from robots_core.blocks import read_orbit, read_scene
+from robots_core.blocks import read_cabin, read_orbit, read_scene
 from robots_core.errors import RobotsError
 
 PROGRAMS = sorted((Path(__file__).parents[2] / 'programs').glob('*.lua'))
@@ -44,7 +44,8 @@ def test_only_a_line_of_the_first_comment_says_it(tmp_path: Path, text: str, rob
 def test_files_are_seen_from_the_program_s_folder(tmp_path: Path):
     header = header_of(
         tmp_path,
-        '-- Robot: ur5e  Scene: scenes/car.yaml\n-- IO: /plc.yaml  References: drive  Orbit: o.yaml\n',
+        '-- Robot: ur5e  Scene: scenes/car.yaml\n-- IO: /plc.yaml  References: drive\n'
+        '-- Orbit: o.yaml  Cabin: c.yaml\n',
     )
     assert header == ProgramHeader(
         'ur5e',
@@ -52,6 +53,7 @@ def test_files_are_seen_from_the_program_s_folder(tmp_path: Path):
         '/plc.yaml',
         str(tmp_path / 'drive'),
         orbit=str(tmp_path / 'o.yaml'),
+        cabin=str(tmp_path / 'c.yaml'),
     )
 
 
@@ -79,7 +81,10 @@ def test_programs_name_their_cell_and_fit_it(program: Path, capsys: pytest.Captu
     if header.io:
         read_plc_script(header.io)
     if header.references:
-        read_guide_recording(header.references, load_robot_model(header.robot).axes_data.names)
+        joints = load_robot_model(header.robot).axes_data.names
+        read_guide_recording(header.references, joints, cabin=bool(header.cabin))
+    if header.cabin:
+        read_cabin(header.cabin)
     if header.orbit:
         read_orbit(header.orbit)
     assert bool(header.io) == (program.parent / 'io' / f'{program.stem}.yaml').is_file()

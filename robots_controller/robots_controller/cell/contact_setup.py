@@ -84,7 +84,7 @@ def read_contact(path: Path | str) -> ContactSetup:
 
 
 def check_one_guide(*guides: Path | str) -> None:
-    """Check that one sensor at most guides the robot of a cell: a recording, force control, or a camera.
+    """Check that a recording or a cabin, force control, or a camera guides the robot of a cell, not two.
 
     Raises:
         RobotsError: there are more.
@@ -92,7 +92,8 @@ def check_one_guide(*guides: Path | str) -> None:
     given = [str(guide) for guide in guides if guide]
     if len(given) > 1:
         raise OptionError(
-            f'{" and ".join(given)} both guide the robot: give a recording, a contact or an orbit, not two'
+            f'{" and ".join(given)} both guide the robot: give a recording or a cabin, a contact or an '
+            f'orbit, not two'
         )
 
 

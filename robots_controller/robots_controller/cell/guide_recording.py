@@ -13,6 +13,9 @@ import numpy as np
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.recording.joint_rows import seconds
 from robots_core.blocks.following.guide import Guide
+from robots_core.blocks.motion_cueing.cockpit import INPUTS, read_input
+from robots_core.blocks.motion_cueing.driven_vehicle import DriverInputs
+from robots_core.blocks.motion_cueing.vehicle_motion import VehicleMotion
 from robots_core.errors import BagError, InvalidInputError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector
@@ -35,11 +38,12 @@ class GuidingMessage:
     """A message that guides the robot. Times are in ns, in a recording since the robot was handed over.
 
     Attributes:
-        topic: One of `GUIDES`.
+        topic: One of `GUIDES`, or of the `INPUTS` of a cabin.
         time: When it came.
         valid: When its content was valid, by its stamp.
         data: The whole message, serialized; b'' for one that was not recorded.
-        value: A `Pose`, a twist (6,) in m/s and rad/s, or the joints' velocities (n,) in rad/s (m/s).
+        value: A `Pose`, a twist (6,) in m/s and rad/s, or the joints' velocities (n,) in rad/s (m/s); for a
+            cabin, a driver's inputs or the motion of a vehicle.
         frame: Of a twist to jog with.
     """
 
@@ -47,7 +51,7 @@ class GuidingMessage:
     time: int
     valid: int
     data: bytes = field(repr=False)
-    value: Pose | Array
+    value: Pose | Array | DriverInputs | VehicleMotion
     frame: JogAxes = 'base'
 
     def replayed(self, start: int) -> GuidingMessage:
@@ -66,11 +70,13 @@ class GuideRecording:
         path: The bag.
         messages: In order.
         types: package/msg/Name of their topics.
+        guides: Topics, by what guides a robot.
     """
 
     path: Path
     messages: tuple[GuidingMessage, ...] = field(repr=False)
     types: Mapping[str, str]
+    guides: Mapping[Guide, tuple[str, ...]] = field(default_factory=lambda: GUIDES)
 
     def check(self, guide: Guide) -> None:
         """Check that it holds something of this guide.
@@ -78,14 +84,14 @@ class GuideRecording:
         Raises:
             RobotsError: it holds nothing for it.
         """
-        needed = GUIDES[guide]
+        needed = self.guides[guide]
         if not self.types.keys() & set(needed):
             raise BagError(
                 f'{self.path} holds no {" or ".join(needed)}, only {", ".join(sorted(self.types))}'
             )
 
 
-def read_guide_recording(path: Path | str, joints: Sequence[str]) -> GuideRecording:
+def read_guide_recording(path: Path | str, joints: Sequence[str], *, cabin: bool = False) -> GuideRecording:
     """Read what guided a robot, from a recording of a sensor or of a whole cell.
 
     It begins where the recorded cell handed its robot over for the first time (its topic `guide`),
@@ -94,14 +100,17 @@ def read_guide_recording(path: Path | str, joints: Sequence[str]) -> GuideRecord
     Args:
         path: A rosbag2 folder, or one .mcap or .db3 file.
         joints: Names of the robot's n joints.
+        cabin: The robot carries a cabin, and its driver's inputs or the motion of a vehicle are read in the
+            place of references.
 
     Raises:
         RobotsError: not a readable bag, or a message in it that is not valid.
     """
     bag = read_bag(path)
-    topics = [f'/{topic}' for guide in GUIDES for topic in GUIDES[guide]]
+    guides = {**GUIDES, Guide.SENSOR: tuple(INPUTS)} if cabin else GUIDES
+    topics = [f'/{topic}' for guide in guides for topic in guides[guide]]
     found = bag.deserialized([*topics, '/guide'])
-    start = _start(bag, [stamp for topic in topics for stamp, _ in found[topic]], found['/guide'])
+    start = _start(bag, topics, [stamp for topic in topics for stamp, _ in found[topic]], found['/guide'])
     values = {topic: enumerate(found[topic], 1) for topic in topics}
     messages = []
     for topic, stamp, data in bag.messages:
@@ -118,22 +127,26 @@ def read_guide_recording(path: Path | str, joints: Sequence[str]) -> GuideRecord
         valid = min(stamped, stamp) if abs(stamped - stamp) < SAME_CLOCK * NANOSECONDS else stamp
         messages.append(GuidingMessage(topic[1:], stamp - start, valid - start, data, value, frame))
     types = {message.topic: bag.topics[f'/{message.topic}'].type for message in messages}
-    return GuideRecording(bag.path, tuple(messages), types)
+    return GuideRecording(bag.path, tuple(messages), types, guides)
 
 
-def _start(bag: Bag, stamps: Sequence[int], guides: Sequence[tuple[int, Any]]) -> int:
+def _start(bag: Bag, topics: Sequence[str], stamps: Sequence[int], guides: Sequence[tuple[int, Any]]) -> int:
     handed_over = [stamp for stamp, guide in guides if guide.data in {*GUIDES}]
     first = handed_over[0] if handed_over else min(stamps, default=None)
     if first is None or max(stamps, default=first - 1) < first:
-        topics = ', '.join(topic for guide in GUIDES for topic in GUIDES[guide])
+        needed = ', '.join(topic[1:] for topic in topics)
         raise BagError(
-            f'{bag.path} holds nothing that guides a robot: needed is one of {topics}; it holds '
+            f'{bag.path} holds nothing that guides a robot: needed is one of {needed}; it holds '
             f'{", ".join(sorted(bag.topics)) or "nothing"}'
         )
     return first
 
 
-def _value(topic: str, message: Any, joints: Sequence[str]) -> tuple[Pose | Array, JogAxes]:
+def _value(
+    topic: str, message: Any, joints: Sequence[str]
+) -> tuple[Pose | Array | DriverInputs | VehicleMotion, JogAxes]:
+    if topic[1:] in INPUTS:
+        return read_input(topic[1:], message), 'base'
     match topic:
         case '/reference_pose':
             p, o = message.pose.position, message.pose.orientation

@@ -13,7 +13,7 @@ from robots_core.watchdog import WATCHDOG
 
 CELL_OPTIONS: Final = (
     *('robot', 'drive', 'scene', 'io', 'io_map', 'rate', 'goal_tolerance', 'tool_speed_limit'),
-    *('operating_mode', 'payload', 'references', 'contact', 'orbit', 'guided'),
+    *('operating_mode', 'payload', 'references', 'contact', 'orbit', 'cabin', 'guided'),
 )
 """Names of the options that define a cell."""
 FILES: Final = {
@@ -29,6 +29,7 @@ FILES: Final = {
         'FILE',
         "what the robot's base floats with in orbit: a target, a gripper, reaction wheels (YAML)",
     ),
+    'cabin': ('FILE', 'cabin that the robot moves so that a person in it feels a vehicle (YAML)'),
 }
 """Options that name what is there, with what each is."""
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.markup import escape
 
-from robots_controller.program.program_header import ProgramHeader, read_program_header
+from robots_controller.program.program_header import HEADER_FILES, ProgramHeader, read_program_header
 from robots_core.errors import UnreadableFileError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 
@@ -24,7 +24,7 @@ def take_from_program(options: argparse.Namespace) -> None:
                 f'program {options.program!r} not found; programs are Lua files, see programs/'
             )
         header = read_program_header(options.program)
-    names = ('robot', 'scene', 'io', 'references', 'contact', 'orbit')
+    names = ('robot', *HEADER_FILES)
     own = {name: getattr(options, name) for name in names}
     chosen = header.replaced_by(**own)
     chosen.check_files()

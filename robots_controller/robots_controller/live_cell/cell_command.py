@@ -64,7 +64,7 @@ def complete_options(options: argparse.Namespace) -> argparse.Namespace:
         raise OptionError('--once needs a --program to run')
     take_from_program(options)
     options.robot = options.robot or DEFAULT_ROBOT
-    others = options.references or options.contact or options.orbit
+    others = options.references or options.contact or options.orbit or options.cabin
     options.guided = options.guided or (METHODS[0] if others else '')
     for name in ('program', *FILES):
         path = getattr(options, name)

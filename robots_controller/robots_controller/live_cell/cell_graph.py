@@ -17,6 +17,7 @@ from robots_controller.io.zone_inputs import closing_inputs, closing_texts
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
 from robots_core.blocks.following.following_methods import METHODS
+from robots_core.blocks.motion_cueing.cabin import read_cabin
 from robots_core.errors import InstallationError, OptionError
 from robots_core.operating_modes import OperatingMode
 from robots_core.watchdog import LONGEST, WATCHDOG, checked_watchdog
@@ -100,6 +101,7 @@ def cell_graph(
     references: str = '',
     contact: str = '',
     orbit: str = '',
+    cabin: str = '',
     debug_port: int = 0,
     debug_token: str = '',
     lockstep: bool = False,
@@ -131,6 +133,8 @@ def cell_graph(
             the place of a recording; none by default.
         orbit: Orbit in which the robot's base floats (see `read_orbit`), whose camera publishes what guides
             the robot; none by default.
+        cabin: Cabin that the robot carries (see `read_cabin`): the recording then holds its driver's inputs,
+            or the motion of a vehicle; none by default.
         debug_port: Port on this machine where editors debug the program; 0 for none.
         debug_token: What editors must give there; the program node makes one if it is empty.
         lockstep: All nodes take part in a lock-step run.
@@ -140,9 +144,11 @@ def cell_graph(
         RobotsError: no such level or method, a file that is not valid, or both set inputs of the same kind.
     """
     check_level(drive)
-    check_one_guide(references, contact, orbit)
+    check_one_guide(references or cabin, contact, orbit)
     if contact:
         read_contact(contact)
+    if cabin:
+        read_cabin(cabin)
     watched = {'watchdog': checked_watchdog(watchdog)}
     # In lock-step the controller is that of a simulation.
     feedback = {} if lockstep else {'feedback_timeout': watchdog or LONGEST}
@@ -162,6 +168,7 @@ def cell_graph(
     zones = read_scene(scene).zones if scene else ()
     zoned = {'scene': scene, 'zone_inputs': closing_texts(closing_inputs(zones, cell_io.signals)) or ['']}
     drives = {'rate': rate, 'level': drive, 'payload': list(payload)} | ({'orbit': orbit} if orbit else {})
+    played = {'references': references, 'cabin': cabin}
     plc_cycle = {'cycle': 1.0 / rate} if lockstep else {}
 
     def node(package: str, executable: str, **parameters: Any) -> NodeDescription:
@@ -203,7 +210,8 @@ def cell_graph(
         node('robots_core', 'robot_state_node'),
         node('robots_core', 'visualizer_node', port=port, scene=scene),
         *([node('robots_core', 'inverse_kinematics_node', method=guided)] if guided else []),
-        *([node('robots_controller', 'guide_player_node', references=references)] if references else []),
+        *([node('robots_controller', 'guide_player_node', **played)] if references else []),
+        *([node('robots_core', 'motion_cueing_node', cabin=cabin)] if cabin else []),
         *(
             [
                 node('robots_controller', name, contact=contact)

@@ -27,8 +27,9 @@ class GuidePlayerNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('guide_player_node', **options)
         path = self.parameter('references', '', 'bag of what guides or jogs the robot')
+        cabin = self.parameter('cabin', '', 'cabin (YAML): what moves it is played, joy and vehicle_imu')
         if path:
-            self._open(read_guide_recording(path, self.robot.axes_data.names))
+            self._open(read_guide_recording(path, self.robot.axes_data.names, cabin=bool(cabin)))
         else:
             self.ready('ready; parameter references is empty, nothing is played')
 

@@ -12,7 +12,9 @@ from typing import Final
 from robots_controller.interpreter.lua_source import read_source
 from robots_core.errors import ProgramError
 
-_ENTRY: Final = re.compile(r'(Robot|Scene|IO|References|Contact|Orbit): (\S+)\s*')
+_ENTRY: Final = re.compile(r'(Robot|Scene|IO|References|Contact|Orbit|Cabin): (\S+)\s*')
+HEADER_FILES: Final = ('scene', 'io', 'references', 'contact', 'orbit', 'cabin')
+"""What a header may name beside the robot."""
 _LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
 
 
@@ -20,8 +22,8 @@ _LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
 class ProgramHeader:
     """The cell of a program, from lines of its first comment.
 
-    `-- Robot: NAME  Scene: FILE  IO: FILE  References: BAG  Contact: FILE  Orbit: FILE`, all or some, in
-    one line or several.
+    `-- Robot: NAME  Scene: FILE  IO: FILE  References: BAG  Contact: FILE  Orbit: FILE  Cabin: FILE`, all or
+    some, in one line or several.
 
     Attributes:
         robot: The robot's name; '' if the header has none.
@@ -30,6 +32,7 @@ class ProgramHeader:
         references: Recording of what guides the robot (see `read_guide_recording`); '' for none.
         contact: What its tool touches, and force control there (see `read_contact`); '' for nothing.
         orbit: Orbit in which the robot's base floats (YAML); '' for a robot that stands.
+        cabin: Cabin that the robot carries (YAML); '' for none.
         file: The program's file name.
         lines: Its lines, by what they name.
     """
@@ -40,6 +43,7 @@ class ProgramHeader:
     references: str = ''
     contact: str = ''
     orbit: str = ''
+    cabin: str = ''
     file: str = field(default='', compare=False)
     lines: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}), compare=False)
 
@@ -92,8 +96,7 @@ def read_program_header(program: Path | str) -> ProgramHeader:
             found |= here
             lines |= dict.fromkeys(here, number)
     folder = source.path.resolve().parent
-    keys = ('scene', 'io', 'references', 'contact', 'orbit')
-    files = {key: str(folder / found[key]) for key in keys if key in found}
+    files = {key: str(folder / found[key]) for key in HEADER_FILES if key in found}
     return ProgramHeader(
         robot=found.get('robot', ''), file=source.file, lines=MappingProxyType(lines), **files
     )

@@ -25,6 +25,7 @@ from robots_controller.io.zone_inputs import ZoneInputs, closing_inputs
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.following.following_methods import METHODS
+from robots_core.blocks.motion_cueing.cabin import Cabin, read_cabin
 from robots_core.operating_modes import OperatingMode
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -57,6 +58,7 @@ class CellParts:
         references: What guides the robot; None for nothing.
         contact: What its tool touches, and the force control that guides it then; None for nothing.
         orbit: Path of the orbit in which the robot's base floats, '' for none.
+        cabin: The cabin that it carries; None for none.
         guided: Inverse kinematics that follows `reference_pose`, one of `METHODS`.
         period: Of the controller, s.
         unguided: The robot stands while the program lets others guide it.
@@ -79,6 +81,7 @@ class CellParts:
     references: GuideRecording | None
     contact: ContactSetup | None
     orbit: str
+    cabin: Cabin | None
     guided: str
     period: float
     unguided: bool = False
@@ -101,6 +104,7 @@ def cell_parts(
     references: Path | str = '',
     contact: Path | str = '',
     orbit: Path | str = '',
+    cabin: Path | str = '',
     guided: str = METHODS[0],
 ) -> CellParts:
     """The parts of a cell; the arguments are those of `simulate`. The robot may be loaded already.
@@ -109,7 +113,7 @@ def cell_parts(
         RobotsError: an unknown robot or level, a file that is not valid, a number out of range.
     """
     period = 1.0 / positive(rate, 'rate', 'Hz')
-    check_one_guide(references, contact, orbit)
+    check_one_guide(references or cabin, contact, orbit)
     model = load_robot_model(robot) if isinstance(robot, str) else robot
     cell_io = read_cell_io(io, io_map, orbit=orbit)
     collision = CollisionDetection(model, scene=read_scene(scene) if scene else None)
@@ -140,9 +144,14 @@ def cell_parts(
         zone_inputs=ZoneInputs(closing_inputs(zones, cell_io.signals)),
         scene=str(scene),
         io=str(io),
-        references=read_guide_recording(references, model.axes_data.names) if references else None,
+        references=_recording(references, model, cabin) if references else None,
         contact=read_contact(contact) if contact else None,
         orbit=str(orbit),
+        cabin=read_cabin(cabin) if cabin else None,
         guided=guided,
         period=period,
     )
+
+
+def _recording(path: Path | str, robot: BaseRobotModel, cabin: Path | str) -> GuideRecording:
+    return read_guide_recording(path, robot.axes_data.names, cabin=bool(cabin))

@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from robots_controller.cell.guide_replay import GuideReplay
 from robots_controller.cell.program_host import ProgramHost
 from robots_controller.control.control_loop import ControllerRequest, ControlLoop
 from robots_controller.control.controller import NO_FEEDBACK, Controller, ControllerState
@@ -23,6 +22,7 @@ from robots_controller.simulation.record.events import Event
 from robots_controller.simulation.record.motion_records import MotionRecords
 from robots_controller.simulation.record.simulated_bag import SimulatedBag
 from robots_controller.simulation.simulated_clock import START, SimulatedClock
+from robots_controller.simulation.simulated_cockpit import guide_of_cell
 from robots_controller.simulation.simulated_contact import contact_of_cell
 from robots_controller.simulation.simulated_guide import GuideSource, SimulatedGuide
 from robots_core.blocks.collision.collision_guard import LOOK_RATE, CollisionGuard
@@ -111,9 +111,8 @@ class InProcessCell:
         link.on_settings = self._settings_changed
         self.program = self._host.program
         self._contact = contact_of_cell(parts, self.program.io, self.control, self.log)
-        replay = None if parts.references is None else GuideReplay(parts.references)
         self.guide_player = SimulatedGuide(
-            camera or self._contact or replay,
+            camera or self._contact or guide_of_cell(parts),
             parts.robot,
             self.control,
             self._planner,

@@ -160,11 +160,13 @@ class SimulatedGuide:
             self._on_message(message, source.types[message.topic])
 
     def _follow(self, message: GuidingMessage) -> None:
-        self._heard = True
         if isinstance(message.value, Pose):
             self._sensor.put(message.value, message.valid / NANOSECONDS)
-        else:
+        elif isinstance(message.value, np.ndarray):
             self._sensor.put_twist(message.value, message.valid / NANOSECONDS)
+        else:  # of a vehicle, which its cockpit has taken
+            return
+        self._heard = True
 
     def _jog(self, message: GuidingMessage) -> None:
         active, command = self._jogging.active, message.value

@@ -30,7 +30,13 @@ from .inverse_kinematics.damped_least_squares import DampedLeastSquares as Dampe
 from .inverse_kinematics.ik_result import IkBatch as IkBatch
 from .inverse_kinematics.ik_result import IkResult as IkResult
 from .inverse_kinematics.redundancy import Redundancy as Redundancy
+from .motion_cueing.cabin import Cabin as Cabin
+from .motion_cueing.cabin import read_cabin as read_cabin
 from .motion_cueing.cabin_envelope import CabinEnvelope as CabinEnvelope
+from .motion_cueing.cockpit import Cockpit as Cockpit
+from .motion_cueing.driven_vehicle import DrivenVehicle as DrivenVehicle
+from .motion_cueing.driven_vehicle import DriverInputs as DriverInputs
+from .motion_cueing.driven_vehicle import VehicleData as VehicleData
 from .motion_cueing.motion_cueing import CueingStep as CueingStep
 from .motion_cueing.motion_cueing import MotionCueing as MotionCueing
 from .motion_cueing.vehicle_motion import VehicleMotion as VehicleMotion

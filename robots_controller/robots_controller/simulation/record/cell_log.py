@@ -245,7 +245,7 @@ class CellLog:
         """A message that guides the robot has arrived."""
         if self._bag is not None:
             before = self._cost.switch('recording')
-            data = message.data or _serialized_twist(message, type_name)
+            data = message.data or _serialized(message, type_name)
             self._bag.write_serialized(message.topic, type_name, self._clock.nanoseconds, data)
             self._cost.switch(before)
 
@@ -334,9 +334,13 @@ class CellLog:
         self._cost.switch(before)
 
 
-def _serialized_twist(message: GuidingMessage, type_name: str) -> memoryview:
-    assert isinstance(message.value, np.ndarray)
-    return ros.typestore().serialize_cdr(ros.twist_stamped(message.valid, message.value), type_name)
+def _serialized(message: GuidingMessage, type_name: str) -> memoryview:
+    if isinstance(message.value, Pose):
+        made = ros.pose_stamped(message.valid, message.value)
+    else:
+        assert isinstance(message.value, np.ndarray)
+        made = ros.twist_stamped(message.valid, message.value)
+    return ros.typestore().serialize_cdr(made, type_name)
 
 
 def _nanoseconds(id_: str) -> int:

@@ -17,6 +17,7 @@ from robots_core.blocks.inverse_kinematics.constrained import (
 from robots_core.blocks.inverse_kinematics.damped_least_squares import DampedLeastSquares
 from robots_core.blocks.inverse_kinematics.held_inverse_kinematics import HeldInverseKinematics
 from robots_core.blocks.inverse_kinematics.hold import POSE, held_by, weights_of
+from robots_core.blocks.inverse_kinematics.redundancy import Redundancy
 from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -70,6 +71,10 @@ class PoseFollowing(ABC):
             UnreachablePoseError: the method finds no solution.
         """
 
+    def begin(self, q: Array) -> None:
+        """The robot is guided from joint positions q (n,) on, rad (m)."""
+        del q
+
     def brake(self, q: Array, q_dot: Array) -> Array:
         """State (3, n) after a period of braking."""
         return self._axes.brake(q, q_dot)
@@ -80,11 +85,24 @@ class PoseFollowing(ABC):
 
 
 class ConstrainedFollowing(PoseFollowing):
-    """By `ConstrainedInverseKinematics`: inside all limits, torques included, along the reference's path."""
+    """By `ConstrainedInverseKinematics`: inside all limits, torques included, along the reference's path.
+
+    A robot on a sliding axis keeps the posture in which it began, as far as the axis can go in its place.
+    """
 
     def __init__(self, robot: BaseRobotModel, dt: float, tool: Pose, hold: str = '') -> None:
         super().__init__(robot, dt, tool, hold)
-        self._ik = ConstrainedInverseKinematics(robot, dt, tool=tool, weights=weights_of(self.hold))
+        self._ik = ConstrainedInverseKinematics(
+            robot,
+            dt,
+            tool=tool,
+            weights=weights_of(self.hold),
+            redundancy=Redundancy.sliding(robot.axes_data, robot.home),
+        )
+
+    def begin(self, q: Array) -> None:
+        """See `PoseFollowing.begin`."""
+        self._ik.prefer(q)
 
     def follow(self, pose: Pose, twist: Array, q: Array, q_dot: Array) -> FollowedStep:
         """See `PoseFollowing.follow`."""

@@ -130,6 +130,7 @@ class RealtimeMovement:
         if q_dot is not None:
             moving = np.clip(finite_vector(q_dot, axes.num_axes, 'q_dot'), -axes.velocity, axes.velocity)
         self._state = np.array([start, moving, still])
+        self._following.begin(start)
         self._movement = MovementState.STALE if moving.any() else MovementState.IDLE
         self._integrated: Pose | None = None
 

@@ -7,7 +7,11 @@ from robots_core.blocks.inverse_kinematics.constrained_kernel import NOT_FINITE,
 from robots_core.blocks.inverse_kinematics.constrained_step import ConstrainedStep
 from robots_core.blocks.inverse_kinematics.hold import held_by, weights_of
 from robots_core.blocks.inverse_kinematics.quadratic_program import SOLVED
-from robots_core.blocks.inverse_kinematics.redundancy import Redundancy, redundancy_arrays
+from robots_core.blocks.inverse_kinematics.redundancy import (
+    PREFERRED_POSITIONS,
+    Redundancy,
+    redundancy_arrays,
+)
 from robots_core.errors import InvalidInputError
 from robots_core.kernels.chain_dynamics import ChainDynamics
 from robots_core.kernels.serial_chain import SerialChain
@@ -149,6 +153,16 @@ class ConstrainedInverseKinematics:
         return ConstrainedStep(
             values, slack, position_error, orientation_error, status == SOLVED, active, self._names
         )
+
+    def prefer(self, q: ArrayLike) -> None:
+        """Stay near other joint positions from now on, (n,) rad (m), where the redundancy criterion has such.
+
+        Raises:
+            JointLimitError: they lie outside the limits.
+            InvalidInputError: they have another shape or are not finite.
+        """
+        if self._fixed[3][0] == PREFERRED_POSITIONS:
+            self._fixed[3][1][:] = self.robot.axes_data.check_position(q, 'preferred')
 
     def _refuse(self, q: Array, q_dot: Array, twist: Array) -> None:
         """Raise the error for invalid arguments of a step."""

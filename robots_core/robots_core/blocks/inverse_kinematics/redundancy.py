@@ -12,7 +12,7 @@ from robots_core.kernels.compiled import compiled
 from robots_core.kernels.small_matrices import damped_gram, solve_lower, solve_transposed
 from robots_core.kernels.vectors import cross, dot, row_of
 from robots_core.robot_model.axes_data import AxesData
-from robots_core.validation import Array, read_only
+from robots_core.validation import Array, finite_vector, read_only
 
 NO_CRITERION: Final = 0
 PREFERRED_POSITIONS: Final = 1
@@ -20,6 +20,7 @@ LIMITS: Final = 2
 MANIPULABILITY: Final = 3
 # Regularisation of squared singular values, which keeps the measure finite in a singularity.
 REGULARISATION: Final = 1e-4
+POSE_SIZE: Final = 6
 MANIPULABILITY_STEP: Final = 0.3  # rad, for a change of the measure by a factor e per radian
 
 RedundancyArrays = tuple[int, Array, Array]
@@ -33,18 +34,27 @@ class Redundancy:
     Attributes:
         kind: One of PREFERRED_POSITIONS, LIMITS, MANIPULABILITY.
         preferred: Preferred joint positions, (n,) rad (m); empty for the other kinds.
+        weights: Of the axes then, (n,), 0..1; empty for 1 of all.
     """
 
     kind: int
     preferred: Array = field(default_factory=lambda: np.empty(0))
+    weights: Array = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, 'preferred', read_only(self.preferred))
+        for name in ('preferred', 'weights'):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     @classmethod
-    def near(cls, q: ArrayLike) -> Redundancy:
-        """Stay near joint positions `q`, (n,) rad (m)."""
-        return cls(PREFERRED_POSITIONS, np.asarray(q, dtype=np.float64))
+    def near(cls, q: ArrayLike, weights: ArrayLike = ()) -> Redundancy:
+        """Stay near joint positions `q`, (n,) rad (m); axes with a weight of 0 go where they may."""
+        return cls(PREFERRED_POSITIONS, np.asarray(q, dtype=np.float64), np.asarray(weights, np.float64))
+
+    @classmethod
+    def sliding(cls, axes: AxesData, q: ArrayLike) -> Redundancy | None:
+        """Let sliding axes carry the others, which stay near `q`; None for a robot with none to spare."""
+        turning = ~np.array(axes.prismatic)
+        return cls.near(q, turning) if turning.size > POSE_SIZE and not turning.all() else None
 
     @classmethod
     def away_from_limits(cls) -> Redundancy:
@@ -61,11 +71,12 @@ class Redundancy:
 
         Raises:
             JointLimitError: the preferred positions lie outside the limits.
-            InvalidInputError: they have another shape or are not finite.
+            InvalidInputError: they, or the weights, have another shape or are not finite.
         """
         n = axes.num_axes
         if self.kind == PREFERRED_POSITIONS:
-            return axes.check_position(self.preferred, 'preferred'), np.ones(n)
+            weights = finite_vector(self.weights, n, 'weights') if self.weights.size else np.ones(n)
+            return axes.check_position(self.preferred, 'preferred'), weights
         if self.kind == LIMITS:
             middle, half = axes.middle_and_half
             if np.isinf(half).all():

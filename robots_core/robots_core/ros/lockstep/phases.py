@@ -18,15 +18,17 @@ class Phase(IntEnum):
 
     ENVIRONMENT = 0
     """Sensors, bridges to a PLC, bag players."""
-    GUIDANCE = 1
+    CUEING = 1
+    """What makes references of the sensors' messages, such as those that move a cabin."""
+    GUIDANCE = 2
     """Streams of references made from what the sensors measured, or from a jog command."""
-    CONTROL = 2
+    CONTROL = 3
     """The controller."""
-    DRIVES = 3
+    DRIVES = 4
     """The drives."""
-    OBSERVE = 4
+    OBSERVE = 5
     """Whatever looks at the robot: collision watch, kinematics, health; a PLC at the end of its cycle."""
-    PLANNING = 5
+    PLANNING = 6
     """Planners, when all commands of a program's turn have come."""
-    PROGRAM = 6
+    PROGRAM = 7
     """Robot programs; planners and programs have turns until none has anything to do at this instant."""

@@ -1,0 +1,85 @@
+"""SimulatedCockpit: what moves a cabin is played from a recording, and cued as the node does."""
+
+import math
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+from typing import Final
+
+from robots_controller.cell.guide_recording import NANOSECONDS, GuideRecording, GuidingMessage
+from robots_controller.cell.guide_replay import GuideReplay
+from robots_controller.simulation.cell_parts import CellParts
+from robots_controller.simulation.simulated_guide import GuideSource
+from robots_core.blocks.following.following_methods import RATE
+from robots_core.blocks.following.guide import Guide
+from robots_core.blocks.motion_cueing.cabin import Cabin
+from robots_core.blocks.motion_cueing.cockpit import INPUTS, Cockpit
+from robots_core.blocks.motion_cueing.driven_vehicle import DriverInputs
+from robots_core.blocks.motion_cueing.vehicle_motion import VehicleMotion
+from robots_core.errors import PlanningError
+from robots_core.periodic_schedule import PeriodicSchedule
+from robots_core.pose import Pose
+
+POSE, TWIST = 'reference_pose', 'reference_twist'
+PERIOD: Final = round(NANOSECONDS / RATE)  # ns
+
+
+class SimulatedCockpit:
+    """A `GuideSource` of the poses that cue a recorded motion, 250 times a second.
+
+    Args:
+        cabin: The cabin.
+        recording: The inputs of its driver, or the motion of a vehicle; None for none.
+    """
+
+    start: int | None = 0
+
+    def __init__(self, cabin: Cabin, recording: GuideRecording | None) -> None:
+        self.types: Mapping[str, str] = MappingProxyType(
+            {POSE: 'geometry_msgs/msg/PoseStamped', TWIST: 'geometry_msgs/msg/TwistStamped', **INPUTS}
+        )
+        self._cabin, self._cockpit = cabin, Cockpit(cabin, 1.0 / RATE)
+        self._replay = None if recording is None else GuideReplay(recording)
+        self._times = PeriodicSchedule(PERIOD)
+        self._handed_over = False
+
+    @property
+    def next_time(self) -> float:
+        """See `GuideSource`."""
+        return 0.0 if self._handed_over else math.inf
+
+    def hand_over(self, guide: Guide, now: int) -> None:
+        """See `GuideSource`."""
+        if guide is Guide.PERSON or (guide is Guide.SENSOR and self._replay is None):
+            what = 'teach box' if guide is Guide.PERSON else 'driver'
+            raise PlanningError(f'a simulation has no {what}; --references names a recording of one')
+        if self._replay is not None:
+            self._replay.hand_over(guide, now)
+        self._handed_over = guide is Guide.SENSOR
+        if not self._handed_over:
+            self._cockpit.reset()
+
+    def due(self, now: int) -> Iterator[GuidingMessage]:
+        """See `GuideSource`."""
+        for time in self._times.due(now):
+            newest: dict[str, DriverInputs | VehicleMotion] = {}
+            for message in () if self._replay is None else self._replay.due(time):
+                assert isinstance(message.value, (DriverInputs, VehicleMotion))
+                newest[message.topic] = message.value
+                yield message
+            if not self._handed_over:
+                continue
+            for value in newest.values():
+                self._cockpit.take(value)
+            step = self._cockpit.step()
+            pose = self._cabin.flange_of(step)
+            # As its message has it: the way through a quaternion rounds.
+            pose = Pose.from_quaternion(pose.r, pose.quaternion())
+            yield GuidingMessage(POSE, time, time, b'', pose)
+            yield GuidingMessage(TWIST, time, time, b'', self._cabin.twist_of(step))
+
+
+def guide_of_cell(parts: CellParts) -> GuideSource | None:
+    """What a recording guides the robot of a cell with, through its cabin if it has one; None for nothing."""
+    if parts.cabin is not None:
+        return SimulatedCockpit(parts.cabin, parts.references)
+    return None if parts.references is None else GuideReplay(parts.references)

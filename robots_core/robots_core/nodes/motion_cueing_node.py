@@ -1,0 +1,76 @@
+"""motion_cueing_node: a cabin that follows the motion of a vehicle, which a person drives or a topic has."""
+
+from functools import partial
+from typing import Any, Final
+
+from geometry_msgs.msg import PoseStamped, TwistStamped
+from std_msgs.msg import String
+
+from robots_core.blocks.following.following_methods import RATE
+from robots_core.blocks.following.guide import Guide
+from robots_core.blocks.motion_cueing.cabin import Cabin, read_cabin
+from robots_core.blocks.motion_cueing.cockpit import INPUTS, Cockpit, read_input
+from robots_core.ros.lockstep.phases import Phase
+from robots_core.ros.message_class import message_class
+from robots_core.ros.messages import pose_stamped_message, twist_stamped_message
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import COMMAND, STREAM, subscribe_state
+from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.run import run
+
+REASON_SHOWN: Final = 1.0  # s
+
+
+class MotionCueingNode(RobotNode):
+    """Publishes `reference_pose` and `reference_twist` while the program lets a sensor guide the robot.
+
+    Takes the driver's inputs from `joy` (steering and pedal, each -1..1), or the motion of a vehicle that is
+    simulated elsewhere from `vehicle_imu`. The cabin starts in its middle, and returns there when both fall
+    silent.
+    """
+
+    phase = Phase.CUEING
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('motion_cueing_node', **options)
+        path = self.parameter('cabin', '', 'the cabin, its envelope and its cueing (YAML)')
+        if path:
+            self._open(read_cabin(path))
+        self.ready('ready' if path else 'ready; parameter cabin is empty, nothing is cued')
+
+    def _open(self, cabin: Cabin) -> None:
+        self._cabin, self._cockpit = cabin, Cockpit(cabin, 1.0 / RATE)
+        self._guiding = self._moved = False
+        self._inputs = {
+            topic: PolledSubscription(self, message_class(kind), topic, STREAM)
+            for topic, kind in INPUTS.items()
+        }
+        self._poses = self.create_publisher(PoseStamped, 'reference_pose', COMMAND)
+        self._twists = self.create_publisher(TwistStamped, 'reference_twist', COMMAND)
+        subscribe_state(self, String, 'guide', self._on_guide)
+        self.start_loop(self._step, period=1.0 / RATE, name='motion cueing')
+
+    def _on_guide(self, message: String) -> None:
+        self._guiding = message.data == Guide.SENSOR
+
+    def _step(self, _now: float) -> None:
+        messages = {topic: subscription.take() for topic, subscription in self._inputs.items()}
+        if not self._guiding:
+            if self._moved:
+                self._cockpit.reset()
+            self._moved = False
+            return
+        self._moved = True
+        for topic, message in messages.items():
+            if message is not None:
+                with self.refusing(topic):
+                    self._cockpit.take(read_input(topic, message))
+        step = self._cockpit.step()
+        stamp = self.get_clock().now().to_msg()
+        self._poses.publish(pose_stamped_message(stamp, self._cabin.flange_of(step)))
+        self._twists.publish(twist_stamped_message(stamp, self._cabin.twist_of(step)))
+        if step.limits:
+            self.journal.info('; '.join(step.limits), throttle_duration_sec=REASON_SHOWN)
+
+
+main: Final = partial(run, MotionCueingNode)
