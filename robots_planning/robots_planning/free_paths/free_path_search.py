@@ -128,7 +128,8 @@ class FreePathSearch:
         counts: Indices = np.array([1, len(ends) - 1])
         blocked: Indices = np.zeros(margins.size, dtype=np.int64)
         closest = np.array([np.inf, 0.0, 0.0])
-        domain, work = self._domain(ends), certificate.work
+        box = np.array([ends.min(axis=0), ends.max(axis=0)])
+        domain, work = self._domain(box), certificate.work
         most = int(self._budget * POSTURES_PER_SECOND)
         while work[0] < most:
             if cancelled():
@@ -137,6 +138,7 @@ class FreePathSearch:
                 certificate.body,
                 certificate.placed,
                 margins,
+                box,
                 domain,
                 self._weights,
                 trees,
@@ -157,10 +159,10 @@ class FreePathSearch:
                 )
         raise self._none(trees, blocked, closest)
 
-    def _domain(self, ends: Array) -> Array:
+    def _domain(self, box: Array) -> Array:
         """Lowest and highest posture of samples, (2, n): inside the limits, a turn where they are wide."""
-        low = np.maximum(self._axes.lower, ends.min(axis=0) - AROUND)
-        return np.array([low, np.minimum(self._axes.upper, ends.max(axis=0) + AROUND)])
+        low = np.maximum(self._axes.lower, box[0] - AROUND)
+        return np.array([low, np.minimum(self._axes.upper, box[1] + AROUND)])
 
     def _none(self, trees: tuple[Tree, Tree], blocked: Indices, closest: Array) -> NoFreePathError:
         names: dict[tuple[str, str], int] = {}

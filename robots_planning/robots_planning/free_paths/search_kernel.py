@@ -11,7 +11,13 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from robots_core.blocks.collision.certificate_kernel import FREE, BodyArrays, PlacedArrays, certify_line
+from robots_core.blocks.collision.certificate_kernel import (
+    FREE,
+    BodyArrays,
+    PlacedArrays,
+    blocking_pair,
+    certify_line,
+)
 from robots_core.blocks.collision.pair_kernels import Indices
 from robots_core.kernels.compiled import compiled
 from robots_core.validation import Array
@@ -21,7 +27,8 @@ Tree = tuple[Array, Indices]
 Random = NDArray[np.uint64]
 """State of a generator of random numbers, (1,)."""
 
-RANGE = 2.0  # of one edge, in the weighted norm
+PATIENCE = 3  # shortcuts in a row that are not free
+RANGE = 1.2  # of one edge, in the weighted norm
 
 
 @compiled()
@@ -73,6 +80,7 @@ def grow(
     body: BodyArrays,
     placed: PlacedArrays,
     margins: Array,
+    box: Array,
     domain: Array,
     weights: Array,
     trees: tuple[Tree, Tree],
@@ -89,7 +97,8 @@ def grow(
         body: The robot and its scene.
         placed: Scratch memory.
         margins: Distance that each pair keeps, (p,) m.
-        domain: Lowest and highest posture of samples, (2, n).
+        box: Lowest and highest joint positions of start and targets, (2, n).
+        domain: Lowest and highest posture of samples, (2, n), around these.
         weights: Of the axes in the norm, (n,).
         trees: From the start, and from the targets.
         counts: Their numbers of rows, (2,).
@@ -108,13 +117,20 @@ def grow(
     while work[0] < until and counts.max() < capacity:
         a = 0 if counts[0] <= counts[1] else 1
         tree, other = trees[a], trees[1 - a]
+        # More of them near the ends, where short ways are.
+        reach = uniform(random)
         for axis in range(n):
-            sample[axis] = domain[0, axis] + (domain[1, axis] - domain[0, axis]) * uniform(random)
+            low = box[0, axis] + reach * (domain[0, axis] - box[0, axis])
+            high = box[1, axis] + reach * (domain[1, axis] - box[1, axis])
+            sample[axis] = low + (high - low) * uniform(random)
         work[0] += 1
         near, length = _nearest(tree, counts[a], weights, sample)
         part = min(1.0, RANGE / length) if length > 0.0 else 1.0
         new[:] = tree[0][near] + part * (sample - tree[0][near])
-        pair, _ = certify_line(body, placed, tree[0][near], new, margins, work)
+        # Its end alone decides most often, and takes one posture.
+        pair = blocking_pair(body, placed, new, margins)
+        if pair == FREE:
+            pair, _ = certify_line(body, placed, tree[0][near], new, margins, work)
         if pair != FREE:
             blocked[pair] += 1
             continue
@@ -159,14 +175,15 @@ def shorten(
         margins: Distance that each pair keeps, (p,) m.
         weights: Of the axes in the norm that is made smaller, (n,).
         path: Postures, (m, n), with free lines between them.
-        tries: Number of shortcuts that are tried.
+        tries: Number of shortcuts that are tried at most, until `PATIENCE` in a row are not free.
         random: Random numbers.
         work: Number of postures that were looked at.
     """
     path = _without_detours(body, placed, margins, path, work)
+    failed = 0
     for _ in range(tries):
         count = len(path)
-        if count == 2:
+        if count == 2 or failed == PATIENCE:
             break
         along = np.zeros(count)
         for row in range(1, count):
@@ -182,12 +199,14 @@ def shorten(
             continue
         first = path[i] + (low - along[i]) / (along[i + 1] - along[i]) * (path[i + 1] - path[i])
         last = path[j] + (high - along[j]) / (along[j + 1] - along[j]) * (path[j + 1] - path[j])
+        failed += 1
         # The pieces that are left of both lines are parts of free ones.
         if certify_line(body, placed, first, last, margins, work)[0] == FREE:
             shorter = np.empty((i + 3 + count - 1 - j, path.shape[1]))
             shorter[: i + 1], shorter[i + 1], shorter[i + 2] = path[: i + 1], first, last
             shorter[i + 3 :] = path[j + 1 :]
             path = shorter
+            failed = 0
     return _without_detours(body, placed, margins, path, work)
 
 
