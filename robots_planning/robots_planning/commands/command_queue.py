@@ -111,8 +111,8 @@ class CommandQueue:
     """Collects blended commands to chains, and holds what runs. Safe to call from any thread.
 
     A motion that fails takes all with it that were commanded before it ended: after a stop the robot stands
-    until somebody commands it again. One that an obstacle stops continues from there with those after it, if its
-    settings permit that.
+    until somebody commands it again. A motion that an obstacle stops continues from there, with those after
+    it, if its settings permit that.
     """
 
     def __init__(self) -> None:
