@@ -26,7 +26,7 @@ from robots_core.validation import Array
 
 TOPIC: Final = 'vehicle_imu'
 TYPE: Final = INPUTS[TOPIC]
-IMU_RATE: Final = 100.0  # Hz, of the generated manoeuvre
+IMU_RATE: Final = 125.0  # Hz, of the generated manoeuvre: every second sample of the cueing
 SHORTEST: Final = 2  # samples
 NANOSECONDS: Final = 1_000_000_000
 START: Final = 1_600_000_000 * NANOSECONDS  # a day long past

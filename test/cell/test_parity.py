@@ -18,7 +18,6 @@ from .lockstep_runs import PROGRAMS, LockstepRuns
 
 NAMES = sorted(file.name for file in PROGRAMS.glob('*.lua'))
 CASES = [(name, drive) for name in NAMES for drive in DRIVE_LEVELS]
-CASES.remove(('debris_removal.lua', 'rigid_body'))  # drives of that level stand on the ground
 # Of guidance without a recording there is nothing to compare.
 LANGUAGE = sorted(f'language/{file.name}' for file in (PROGRAMS / 'language').glob('*.lua'))
 CASES += [(name, 'rigid_body') for name in LANGUAGE if name != 'language/guided.lua']

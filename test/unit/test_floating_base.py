@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ellipj
 
 from robots_core import Pose, load_robot_model
+from robots_core.blocks.drives.rigid_body_drive import RigidBodyDrive
 from robots_core.blocks.floating_base.floating_base import FloatingBase
 from robots_core.blocks.floating_base.tumbling_body import TumblingBody
 from robots_core.blocks.multibody.free_floating import FreeFloatingRobot
@@ -164,3 +165,62 @@ def test_bad_input_is_named():
         base.step(ROBOT.home, np.zeros(3), PERIOD, np.zeros(2))
     with pytest.raises(InvalidInputError, match='three moments of inertia above 0'):
         TumblingBody(Payload(10.0), Pose.identity())
+
+
+@pytest.mark.parametrize('rotors', [None, [0.0, 0.0, 0.0], [5.0, 5.0, 2.5]])
+def test_an_impact_reaches_the_joints(rotors: list[float] | None):
+    """The impulse between two bodies that a rigid grasp joins, by matrices of Pinocchio's free-flyer."""
+    base = FloatingBase(ROBOT, ROBOT.home, twist=TWIST)
+    base.step(*swing(PERIOD), PERIOD)
+    q, q_dot = swing(2 * PERIOD)
+    base.step(q, q_dot, PERIOD)
+    place, (tool, _) = base.pose, base.tool
+    held = Pose(np.array([0.1, 0.2, 0.9]), Rotation.from_rotvec([0.3, 0.2, 0.1]).as_matrix())
+    body = Payload(220.0, np.array([0.1, 0.0, 0.0]), np.diag([30.0, 60.0, 75.0]))
+    motion = {'velocity': [0.02, -0.01, 0.03], 'angular_velocity': [0.04, 0.02, 0.01]}
+    target = TumblingBody(body, tool @ held, **motion)
+    model = FreeFloatingRobot(ROBOT, q).model
+    data = model.createData()
+    configuration = np.concatenate([place.r, place.quaternion(), q])
+    M = pin.crba(model, data, configuration) + np.diag([*np.zeros(6), *(rotors or np.zeros(3))])
+    J = pin.computeFrameJacobian(
+        model, data, configuration, model.getFrameId('tool0'), pin.LOCAL_WORLD_ALIGNED
+    )
+    arm = pin.skew(target.center_of_mass - tool.r)  # of the target, seen from the tool, world axes
+    turned = target.pose.T @ body.inertia @ target.pose.T.T
+    m = body.mass
+    inertia = np.block([[m * np.eye(3), -m * arm], [m * arm, turned - m * arm @ arm]])
+    there = np.concatenate([target.velocity_at(tool.r), target.angular_velocity])
+    v = np.concatenate([base.twist, q_dot])
+    free = slice(None) if rotors is not None else slice(0, 6)  # coordinates that the impulse may change
+    moved = np.zeros((9, 6))
+    moved[free] = np.linalg.solve(M[free, free], J[:, free].T)  # by an impulse on the tool
+    impulse = np.linalg.solve(J @ moved + np.linalg.inv(inertia), there - J @ v)
+    after = v + moved @ impulse
+    payload, brought, start = body.seen_from(held), target.momentum, base.momentum
+    held_up = base.impulse(payload, brought)
+    base.take(payload, brought, struck_inertia=rotors)
+    np.testing.assert_allclose(base.twist, after[:6], atol=1e-12)
+    np.testing.assert_allclose(base.joint_velocity, after[6:], atol=1e-12)
+    np.testing.assert_allclose(base.momentum, start + brought, atol=1e-10)
+    if rotors is None:
+        np.testing.assert_allclose(held_up, (M @ (after - v) - J.T @ impulse)[6:], atol=1e-11)
+        assert np.abs(held_up).max() > 1.0
+    else:
+        assert np.abs(after[6:] - q_dot).max() > 1e-3
+
+
+def test_rigid_body_drives_move_it_as_their_torques_move_pinocchio_s_free_flyer():
+    base = FloatingBase(ROBOT, ROBOT.home, twist=TWIST)
+    period, start = 1e-3, base.momentum
+    drive = RigidBodyDrive(ROBOT, ROBOT.home, period=period, base=base, longest_step=period)
+    driven = FreeFloatingRobot(ROBOT, ROBOT.home, twist=TWIST)
+    for k in range(1, 401):
+        q, q_dot = drive.step(*swing(k * period))
+        base.step(q, q_dot, period)
+        driven.step(drive.joint_torque, period)
+    assert np.abs(q - ROBOT.home).max() > 0.02
+    np.testing.assert_allclose(driven.position, q, atol=1e-5)
+    np.testing.assert_allclose(driven.velocity, q_dot, atol=1e-4)
+    np.testing.assert_allclose(driven.base_twist, base.twist, atol=1e-5)
+    np.testing.assert_allclose(base.momentum, start, atol=1e-9)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,14 +25,21 @@ PERIOD = 0.02  # s
 Q, STILL = np.array(ROBOT.home), np.zeros(3)
 
 
-def before_the_tool(*, spin: float = 0.02, away: float = 0.0, capacity: float = 50.0) -> Orbit:
-    """A target whose ring is before tool0 by a distance, m, and that turns about its x, rad/s."""
+def before_the_tool(
+    *, spin: float = 0.02, away: float = 0.0, capacity: float = 50.0, duration: float = 0.2
+) -> Orbit:
+    """A target whose ring is before tool0 by a distance, m, and that turns about its x, rad/s.
+
+    The gripper needs a duration, s, to close.
+    """
     r, _ = ROBOT.direct_kinematics(Q)
     ring = Pose(np.array([-0.9, 0.0, 0.0]), np.eye(3))
     place = Pose(r + np.array([0.9 + away, 0.0, 0.0]), np.eye(3))
     body, turn = Payload(220.0, inertia=np.diag([30.0, 60.0, 75.0])), np.array([spin, 0.0, 0.0])
     target = Target(body, place, STILL, turn, ring, 0.7)
-    return Orbit(target, Gripper(0.005, 0.05, 0.06), Wheels(2.0, capacity, 1.0), Approach(0.4, 0.03, 4.0))
+    return Orbit(
+        target, Gripper(0.005, 0.05, 0.06, duration), Wheels(2.0, capacity, 1.0), Approach(0.4, 0.03, 4.0)
+    )
 
 
 def test_both_come_to_rest_and_their_momentum_stays():
@@ -128,8 +136,52 @@ def test_the_base_moves_on_while_brakes_hold_the_joints(tmp_path: Path):
     drives.rest()
     np.testing.assert_allclose(drives.rendezvous.base.momentum, momentum, atol=1e-10)
     assert not drives.velocity.any()
-    with pytest.raises(InvalidInputError, match='rigid_body move a robot that stands'):
-        drive_train('rigid_body', ROBOT, Q, period=PERIOD, orbit=path)
+
+
+def test_a_grasp_that_loads_the_joints_too_much_is_refused():
+    bodies = Rendezvous(ROBOT, Q, before_the_tool(duration=1e-4), period=PERIOD)
+    bodies.close(closing=True)
+    moving = np.array([0.01, 0.0, 0.0])
+    bodies.step(Q + PERIOD * moving, moving)
+    assert re.fullmatch(
+        r'grasp refused: the grasp within 0\.0001 s would load J\d with [\d.e+]+ N m, its limit is \d+ N m',
+        bodies.report,
+    )
+
+
+@pytest.mark.parametrize('level', ['second_order', 'rigid_body'])
+def test_the_joints_hold_or_yield_as_their_drives_do(tmp_path: Path, level: str):
+    """The arm swings against the ring; drives with masses are struck, and bring the joints back."""
+    drives = drive_train(level, ROBOT, Q, period=0.004, orbit=_near_the_ring(tmp_path))
+    bodies = drives.rendezvous
+    assert bodies is not None
+    start = bodies.momentum.sum(axis=0)
+    bodies.close(closing=True)
+    rows = [drives.step(Q, STILL) for _ in range(100)]
+    assert bodies.grasped, bodies.report
+    struck = np.array([q_dot for _, q_dot in rows])
+    if level == 'rigid_body':
+        assert np.abs(struck[0]).max() > 1e-4
+        assert np.abs(struck[-1]).max() < 0.05 * np.abs(struck[0]).max()
+        assert (np.abs(drives.torque) <= ROBOT.axes_data.effort).all()
+    else:
+        np.testing.assert_allclose(struck, 0.0, atol=1e-12)
+    np.testing.assert_allclose(bodies.momentum.sum(axis=0), start, atol=1e-9)
+
+
+def _near_the_ring(folder: Path) -> Path:
+    """The orbit of the program with its ring at the tool."""
+    r, T = ROBOT.direct_kinematics(Q)
+    ring = Pose.from_angles([-0.9, 0.0, 0.0], [0.0, 1.5708, 0.0])
+    place = Pose(r, T) @ ring.inverse()
+    text = ORBIT.read_text()
+    x, y, z, w = place.quaternion()
+    old = 'pose: {position: [3.5, 0.25, 1.9]}'
+    assert old in text
+    new = f'pose: {{position: {place.r.tolist()}, quaternion: [{x}, {y}, {z}, {w}]}}'
+    path = folder / 'orbit.yaml'
+    path.write_text(text.replace(old, new))
+    return path
 
 
 @pytest.mark.parametrize(

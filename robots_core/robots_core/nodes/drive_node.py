@@ -68,9 +68,7 @@ class DriveNode(RobotNode):
         start = self.parameter(
             'initial_position', [float('nan')], "joint positions at start, rad; the robot's home by default"
         )
-        orbit = self.parameter(
-            'orbit', '', 'ideal, second_order: orbit in which the base floats (YAML); empty: it stands'
-        )
+        orbit = self.parameter('orbit', '', 'orbit in which the base floats (YAML); empty: it stands')
         axes = self.robot.axes_data
         q = self.robot.home if np.isnan(start).all() else axes.check_position(start, 'initial_position')
         self._period = 1.0 / rate

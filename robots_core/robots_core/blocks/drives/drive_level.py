@@ -1,18 +1,22 @@
 """Levels of simulated drives: ideal, second-order, and rigid-body."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from numpy.typing import ArrayLike
 
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
 from robots_core.blocks.drives.drive_train import DriveTrain, IdealDrive, SecondOrderDrive
 from robots_core.blocks.multibody.payload import NOTHING, Payload
-from robots_core.errors import InvalidInputError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import one_of
+
+if TYPE_CHECKING:
+    from robots_core.blocks.floating_base.floating_base import FloatingBase
 
 check_level: Final = one_of('drive level', DRIVE_LEVELS)
 
@@ -28,6 +32,7 @@ def drive_train(
     payload: Payload = NOTHING,
     feed_forward: bool = True,
     orbit: Path | str = '',
+    base: FloatingBase | None = None,
 ) -> DriveTrain:
     """Drives of a robot.
 
@@ -42,22 +47,27 @@ def drive_train(
         payload: Payload on tool0, for `rigid_body`.
         feed_forward: Feed-forward by the model of robot and payload, for `rigid_body` (see `RigidBodyDrive`).
         orbit: Orbit in which the robot's base floats (YAML, see `read_orbit`); '' for one that stands.
+        base: Base that floats with something else than an orbit, for `rigid_body`.
 
     Raises:
         InvalidInputError: no such level, a file that is no orbit, or values out of range.
     """
     check_level(level)
     if orbit:
-        if level == 'rigid_body':
-            raise InvalidInputError(
-                'drives of level rigid_body move a robot that stands; with an orbit, valid are ideal and '
-                'second_order'
-            )
-        joints = drive_train(level, robot, q, period=period, bandwidth=bandwidth, damping=damping)
         floating_drive: Callable[..., DriveTrain] = import_module(
             'robots_core.blocks.drives.floating_drive'
         ).floating_drive
-        return floating_drive(joints, robot, orbit, period=period, payload=payload)
+        return floating_drive(
+            level,
+            robot,
+            q,
+            orbit,
+            period=period,
+            bandwidth=bandwidth,
+            damping=damping,
+            payload=payload,
+            feed_forward=feed_forward,
+        )
     if level == 'ideal':
         return IdealDrive(q, period=period)
     if level == 'second_order':
@@ -66,4 +76,4 @@ def drive_train(
     rigid_body_drive: Callable[..., DriveTrain] = import_module(
         'robots_core.blocks.drives.rigid_body_drive'
     ).RigidBodyDrive
-    return rigid_body_drive(robot, q, period=period, payload=payload, feed_forward=feed_forward)
+    return rigid_body_drive(robot, q, period=period, payload=payload, feed_forward=feed_forward, base=base)

@@ -60,6 +60,26 @@ class DriveTrain(ABC):
     def load(self, payload: Payload) -> None:  # noqa: B027  # most drives have no masses
         """Carry this payload from now on; it counts in drives with masses."""
 
+    def push(self, torque: Array) -> None:  # noqa: B027
+        """Torques on the joints from outside of the robot from now on, (n,), N m (N).
+
+        They count in drives with masses: J^T f of a wrench f on the tool.
+
+        Raises:
+            InvalidInputError: another shape, or NaN or infinity.
+        """
+
+    def strike(self, q_dot: Array) -> None:  # noqa: B027
+        """An impact has changed the velocities to `q_dot`, (n,), rad/s (m/s); see `struck_inertia`."""
+
+    @property
+    def struck_inertia(self) -> Array | None:
+        """Inertia of the drives that an impact moves, (n,), kg m^2 (kg); None for joints that hold.
+
+        Drives without masses have no limit of their torque: they hold.
+        """
+        return None
+
 
 class IdealDrive(DriveTrain):
     """Drives that follow the reference exactly.

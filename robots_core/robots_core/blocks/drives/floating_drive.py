@@ -1,10 +1,12 @@
 """FloatingDrive: drives of an arm whose base floats."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from robots_core.blocks.drives.drive_level import drive_train
 from robots_core.blocks.drives.drive_train import DriveTrain
 from robots_core.blocks.floating_base.orbit import read_orbit
 from robots_core.blocks.floating_base.rendezvous import Rendezvous
@@ -14,10 +16,12 @@ from robots_core.validation import Array, read_only
 
 
 class FloatingDrive(DriveTrain):
-    """Drives of any level without masses, and the bodies in orbit that they move.
+    """Drives of any level, and the bodies in orbit that they move.
 
-    The base reacts to the motion of the joints, and the torques are those that this motion takes. What the
-    arm carries changes by a grasp alone: a payload that a program sets counts in its plans.
+    The base reacts to the motion of the joints, and the torques are those that this motion takes, of level
+    `rigid_body` those of the motors. A grasp strikes the joints, which yield if their drives have
+    masses, and hold otherwise.
+    What the arm carries changes by a grasp alone: a payload that a program sets counts in its plans.
 
     Args:
         drives: The drives of the joints.
@@ -28,12 +32,13 @@ class FloatingDrive(DriveTrain):
 
     def __init__(self, drives: DriveTrain, rendezvous: Rendezvous) -> None:
         self._drives, self.rendezvous = drives, rendezvous
+        rendezvous.struck_inertia = drives.struck_inertia
         self.position, self.velocity = drives.position, drives.velocity
         self._torque = read_only(np.zeros_like(drives.position))
 
     @property
     def torque(self) -> Array:
-        """See `DriveTrain.torque`; without friction and rotors."""
+        """See `DriveTrain.torque`; without friction and rotors unless the drives have masses."""
         return self._torque
 
     def step(self, q_ref: ArrayLike, q_dot_ref: ArrayLike | None = None) -> tuple[Array, Array]:
@@ -51,15 +56,29 @@ class FloatingDrive(DriveTrain):
         self.rendezvous.base.stop_joints()
 
     def _move(self, q: Array, q_dot: Array) -> tuple[Array, Array]:
+        before = self.rendezvous.grasped
         self.rendezvous.step(q, q_dot)
+        base, torque = self.rendezvous.base, self._drives.torque
+        if self.rendezvous.grasped and not before:
+            q_dot = base.joint_velocity
+            self._drives.strike(q_dot)
         self.position, self.velocity = q, q_dot
-        self._torque = read_only(self.rendezvous.base.torque)
+        self._torque = read_only(base.torque if torque is None else torque)
         return q, q_dot
 
 
 def floating_drive(
-    drives: DriveTrain, robot: BaseRobotModel, orbit: Path | str, *, period: float, payload: Payload
+    level: str,
+    robot: BaseRobotModel,
+    q: ArrayLike,
+    orbit: Path | str,
+    *,
+    period: float,
+    payload: Payload,
+    **options: Any,
 ) -> FloatingDrive:
     """Drives of the joints and the bodies of an orbit's file; see `drive_train`."""
-    bodies = Rendezvous(robot, drives.position, read_orbit(orbit), period=period, payload=payload)
-    return FloatingDrive(drives, bodies)
+    start = np.array(q, dtype=np.float64)
+    bodies = Rendezvous(robot, start, read_orbit(orbit), period=period, payload=payload)
+    joints = drive_train(level, robot, start, period=period, payload=payload, base=bodies.base, **options)
+    return FloatingDrive(joints, bodies)

@@ -1,7 +1,9 @@
 """RigidBodyDrive: simulation of controllers, motors, gears, friction and rigid bodies."""
 
+from __future__ import annotations
+
 from math import ceil
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,10 +14,13 @@ from robots_core.blocks.drives.feed_forward import FeedForward
 from robots_core.blocks.multibody.loaded_robot import LoadedRobot
 from robots_core.blocks.multibody.payload import NOTHING, Payload
 from robots_core.errors import InvalidInputError, NotNowError
-from robots_core.kernels.chain_dynamics import chain_dynamics_of, mass_matrix_and_bias
+from robots_core.kernels.chain_dynamics import DynamicsArrays, chain_dynamics_of, mass_matrix_and_bias
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.robot_model.drive_data import DriveData
 from robots_core.validation import Array, finite_vector, positive, read_only
+
+if TYPE_CHECKING:
+    from robots_core.blocks.floating_base.floating_base import FloatingBase
 
 # With 0.25 ms the published motion of the Manutec r3 is met to 5e-6 rad; the error falls with the step.
 DEFAULT_STEP: Final = 0.25e-3  # s
@@ -43,6 +48,8 @@ class RigidBodyDrive(DriveTrain):
         feed_forward: Add motor torques and positions by the robot's model, its payload and friction
             (see `FeedForward`); without, the cascade is that of RobotR3.
         longest_step: Of the integration, s, at most 1 ms; a period is divided into equal ones.
+        base: Base of the robot that floats; None for one that stands. Its mass matrix and bias torques are
+            then those at the start of each period.
 
     Raises:
         InvalidInputError: values out of range, or a robot whose own dynamics are not those of its bodies.
@@ -58,6 +65,7 @@ class RigidBodyDrive(DriveTrain):
         drives: DriveData | None = None,
         feed_forward: bool = False,
         longest_step: float = DEFAULT_STEP,
+        base: FloatingBase | None = None,
     ) -> None:
         n = robot.num_axes
         self.robot = robot
@@ -73,20 +81,34 @@ class RigidBodyDrive(DriveTrain):
         elastic = np.isfinite(self.drives.stiffness)
         self._motors = np.where(elastic, n - 1 + np.cumsum(elastic), np.arange(n)).astype(np.int64)
         self._start, self._end, self._feed = np.zeros((3, 2, n))
+        self._outside, self._base = np.zeros(n), base
+        self._floating = np.zeros((0, 0) if base is None else (n, n + 1))
         self._state = np.zeros((kernel.STATE_ROWS, n))
         q = finite_vector(q, n, 'q')
-        self._model = FeedForward(self._dynamics, self.drives, q) if feed_forward else None
+        self._feeds_forward = feed_forward
         self._reference = np.array(q)
         self._rest(q)
         # Compiled code is loaded here and not in the first step of a real-time loop.
         self._fixed = (self._dynamics, self._drive, self._motors)
-        kernel.advance(*self._fixed, self._state.copy(), self._end, self._end, self._feed, self._period, 1)
+        kernel.advance(
+            *self._fixed,
+            self._state.copy(),
+            self._end,
+            self._end,
+            self._feed,
+            self._outside,
+            self._floating,
+            self._period,
+            1,
+        )
 
     def _rest(self, q: Array) -> None:
         """Start at rest at `q`, with all torques in balance with the weight and no friction."""
         n, drives, state = q.size, self.drives, self._state
         M, weight = np.empty((n, n)), np.empty(n)
         mass_matrix_and_bias(self._dynamics, np.array(q), np.zeros(n), M, weight)
+        weight -= self._outside
+        self._model = self._feed_forward(q) if self._feeds_forward else None
         state[kernel.Q] = q
         self.position, self.velocity = read_only(q), read_only(np.zeros(n))
         state[kernel.MOTOR] = q + weight / drives.stiffness
@@ -107,8 +129,6 @@ class RigidBodyDrive(DriveTrain):
         q = self.position
         for values in (self._state, self._end, self._feed):
             values[:] = 0.0
-        if self._model is not None:
-            self._model = FeedForward(self._dynamics, self.drives, q)
         self._reference = q
         self._rest(q)
 
@@ -118,6 +138,31 @@ class RigidBodyDrive(DriveTrain):
         if self._model is not None:
             self._model.load(self._dynamics)
         self._fixed = (self._dynamics, self._drive, self._motors)
+
+    def push(self, torque: Array) -> None:
+        """See `DriveTrain.push`; the feed-forward does not know of it."""
+        self._outside[:] = finite_vector(torque, self._outside.size, 'torque')
+
+    def strike(self, q_dot: Array) -> None:
+        """See `DriveTrain.strike`; behind an elastic gear the motor keeps its speed."""
+        self._state[kernel.Q_DOT], self._state[kernel.Q_DDOT] = q_dot, 0.0
+        rigid = np.isinf(self.drives.stiffness)
+        self._state[kernel.MOTOR_DOT, rigid] = q_dot[rigid]
+        self.velocity = read_only(self._state[kernel.Q_DOT])
+
+    @property
+    def struck_inertia(self) -> Array:
+        """See `DriveTrain.struck_inertia`."""
+        return np.where(np.isinf(self.drives.stiffness), self.drives.inertia, 0.0)
+
+    def _feed_forward(self, q: Array) -> FeedForward:
+        if self._base is None:
+            return FeedForward(self._dynamics, self.drives, q)
+        return FeedForward(self._dynamics, self.drives, q, self._fill_floating)
+
+    def _fill_floating(self, _: DynamicsArrays, q: Array, q_dot: Array, M: Array, bias: Array) -> None:
+        assert self._base is not None
+        M[:], bias[:] = self._base.joint_dynamics(q, q_dot)
 
     @property
     def torque(self) -> Array:
@@ -152,8 +197,19 @@ class RigidBodyDrive(DriveTrain):
             self._end[0], self._end[1] = q_ref, velocity
         else:
             self._end[0], self._end[1], self._feed[0] = self._model.advance(q_ref, velocity, self._period)
+        if self._base is not None:
+            M, bias = self._base.joint_dynamics(self.position, self.velocity)
+            self._floating[:, :n], self._floating[:, n] = M, bias
         finite = kernel.advance(
-            *self._fixed, self._state, self._start, self._end, self._feed, self._period, self._steps
+            *self._fixed,
+            self._state,
+            self._start,
+            self._end,
+            self._feed,
+            self._outside,
+            self._floating,
+            self._period,
+            self._steps,
         )
         if not finite:
             raise NotNowError(

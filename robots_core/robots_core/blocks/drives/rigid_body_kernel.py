@@ -118,6 +118,8 @@ def advance(
     start: Array,
     end: Array,
     feed: Array,
+    outside: Array,
+    floating: Array,
     period: float,
     steps: int,
 ) -> bool:
@@ -125,6 +127,8 @@ def advance(
 
     The reference (2, n) of the motors, position and velocity, leads from `start` to `end` on a cubic. `feed`
     (2, n) is the feed-forward of the controllers: torques of this period, and friction of moving axes.
+    `outside` (n,) are torques from outside of the robot on the joints. `floating` (n, n + 1) are mass matrix
+    and bias torques of a robot whose base floats, for this period; (0, 0) for one that stands.
     `motors` (n,) holds the index of the motor's speed among the unknowns: that of the joint if the gear is
     rigid, else after all joints.
 
@@ -142,7 +146,7 @@ def advance(
         for j in range(n):
             step.q[j] = state[Q, j] + 0.5 * h * (state[Q_DOT, j] + 0.25 * h * state[Q_DDOT, j])
             step.q_dot[j] = state[Q_DOT, j] + 0.5 * h * state[Q_DDOT, j]
-        fill_dynamics(dynamics, step.q, step.q_dot, step.bodies, step.M, step.bias, step.weight)
+        _bodies(dynamics, outside, floating, step)
         step.saturated[:] = 0.0
         for _ in range(n + 1):
             _motor_torques(drive, state, h, step)
@@ -155,6 +159,21 @@ def advance(
     for j in range(n):
         total += abs(state[Q, j]) + abs(state[Q_DOT, j]) + abs(state[TORQUE, j])
     return bool(np.isfinite(total))
+
+
+@compiled()
+def _bodies(dynamics: DynamicsArrays, outside: Array, floating: Array, step: Step) -> None:
+    """Fill the mass matrix and the torques at constant speed, less those from outside."""
+    n = outside.size
+    if floating.shape[0] == n:
+        for i in range(n):
+            step.bias[i] = floating[i, n]
+            for j in range(n):
+                step.M[i, j] = floating[i, j]
+    else:
+        fill_dynamics(dynamics, step.q, step.q_dot, step.bodies, step.M, step.bias, step.weight)
+    for j in range(n):
+        step.bias[j] -= outside[j]
 
 
 @compiled()

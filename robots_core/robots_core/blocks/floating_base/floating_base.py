@@ -85,6 +85,11 @@ class FloatingBase:
         return read_only(self._twist)
 
     @property
+    def joint_velocity(self) -> Array:
+        """Velocities of the joints, (n,), rad/s (m/s), read-only."""
+        return read_only(self._q_dot)
+
+    @property
     def tool(self) -> tuple[Pose, Array]:
         """Pose of tool0 in the world, and its twist (6,), m/s and rad/s, world axes."""
         T, v, omega = self._place.rotation, self._twist[:3], self._twist[3:]
@@ -164,21 +169,68 @@ class FloatingBase:
         """Hold the joints where they are, by their brakes; what they had of the momentum goes to the base."""
         self._hold(np.zeros(self._n))
 
-    def take(self, payload: Payload, momentum: ArrayLike) -> None:
+    def take(self, payload: Payload, momentum: ArrayLike, *, struck_inertia: ArrayLike | None = None) -> None:
         """Carry a body from now on that is fixed to tool0, and with it its momentum.
 
-        The joints keep their velocities: gears of a high ratio do not yield to the impact.
+        The impact is that of rigid bodies. Joints that hold keep their velocities. Those that yield have no
+        impulse from their drives: with the generalised momenta p of the bodies before it,
+        (M + I) v = p + J^T P + I v_before for all coordinates, where P is the momentum of the body at the
+        tool and I the inertia of the rotors (R. Featherstone, Rigid Body Dynamics Algorithms, 2008,
+        section 11.7).
 
         Args:
             payload: The body, seen from tool0.
             momentum: That it had before, (6,), as `momentum`.
+            struck_inertia: Of the drives' rotors at joints that yield, (n,), kg m^2 (kg); None for joints
+                that hold.
 
         Raises:
-            InvalidInputError: a momentum of another shape or not finite.
+            InvalidInputError: a momentum or inertia of another shape or not finite.
         """
-        self._h = self._h + finite_vector(momentum, 6, 'momentum')
+        momentum = finite_vector(momentum, 6, 'momentum')
+        q_dot: Array = self._q_dot
+        if struck_inertia is not None:
+            rotors = np.concatenate([np.zeros(6), finite_vector(struck_inertia, self._n, 'struck_inertia')])
+            M, p = self._struck(payload, momentum)
+            p += rotors * np.concatenate([self._twist, q_dot])
+            q_dot = np.linalg.solve(M + np.diag(rotors), p)[6:]
+        self._h = self._h + momentum
         self._carry(self.payload + payload)
-        self._hold(self._q_dot)
+        self._hold(q_dot)
+
+    def impulse(self, payload: Payload, momentum: ArrayLike) -> Array:
+        """Impulses in the joints if they hold while the robot takes a body, (n,), N m s (N s); see `take`."""
+        M, p = self._struck(payload, finite_vector(momentum, 6, 'momentum'))
+        twist = np.linalg.solve(M[:6, :6], p[:6] - M[:6, 6:] @ self._q_dot)
+        return np.asarray(M[6:, :6] @ twist + M[6:, 6:] @ self._q_dot - p[6:])
+
+    def _struck(self, payload: Payload, momentum: Array) -> tuple[Array, Array]:
+        """Mass matrix with a body that is taken, and the generalised momenta (6 + n,) of both before."""
+        p = self._blocks(self._q) @ np.concatenate([self._twist, self._q_dot])
+        tool = self._model.getFrameId('tool0')
+        J = pin.computeFrameJacobian(
+            self._model, self._data, self._configuration, tool, pin.LOCAL_WORLD_ALIGNED
+        )
+        brought = self._place.actInv(pin.Force(momentum)).vector
+        reach, _ = self.robot.direct_kinematics(self._q)
+        brought[3:] -= np.cross(reach, brought[:3])
+        model = body_model(self.robot, self._chain.chain, self.payload + payload, floating=True)
+        M = np.array(pin.crba(model, model.createData(), self._configuration))
+        return M, p + J.T @ brought
+
+    def joint_dynamics(self, q: Array, q_dot: Array) -> tuple[Array, Array]:
+        """What the drives move: mass matrix (n, n), and torques (n,) N m (N) without acceleration.
+
+        The base follows by the conservation of momentum: M_rr - M_rb M_bb^-1 M_br (Umetani and Yoshida 1989).
+        """
+        M = self._blocks(q)
+        S = np.linalg.solve(M[:6, :6], M[:6, 6:])
+        twist = self._twist_of(self._place, (M[:6, :6], M[:6, 6:] @ q_dot), self.wheel_momentum)
+        velocity = np.concatenate([twist, q_dot])
+        bias = pin.nonLinearEffects(self._model, self._data, self._configuration, velocity)
+        push = bias[:6].copy()
+        push[3:] += self._wheel_torque + pin.skew(twist[3:]) @ self.wheel_momentum
+        return M[6:, 6:] - M[:6, 6:].T @ S, bias[6:] - S.T @ push
 
     def _hold(self, q_dot: Array) -> None:
         self._q_dot, self._q_ddot = q_dot, np.zeros(self._n)

@@ -46,11 +46,13 @@ class Gripper:
         reach: Distance from tool0 to the ring within which it closes, m.
         speed: Highest speed of the ring relative to the gripper, m/s.
         rotation: Highest angular velocity of the target relative to the gripper, rad/s.
+        duration: Time in which it closes, s: the joints take their impulse over it.
     """
 
     reach: float
     speed: float
     rotation: float
+    duration: float
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,7 @@ def read_orbit(path: Path | str) -> Orbit:
     section = read_yaml(path)
     orbit = Orbit(
         _target(_part(section, 'target')),
-        Gripper(**_numbers(_part(section, 'gripper'), 'reach', 'speed', 'rotation')),
+        Gripper(**_numbers(_part(section, 'gripper'), 'reach', 'speed', 'rotation', 'duration')),
         Wheels(**_numbers(_part(section, 'wheels'), 'torque', 'capacity', 'time_constant')),
         Approach(**_numbers(_part(section, 'approach'), 'distance', 'speed', 'camera_range')),
         _vector(section, 'twist', 6),

@@ -33,8 +33,9 @@ class Rendezvous:
     ring of the target is, and leads the tool: first to a point before it, and along the ring's axis from when
     the tool moves with it. A gripper that is commanded to close grasps as soon as the ring is in its reach;
     what moves too fast to be held is refused. The grasp joins both as rigid bodies: their momentum is the sum
-    of the momenta before. Then reaction wheels on the satellite take over the angular momentum, until both
-    bodies stand. The linear momentum stays: only thrusters would change it.
+    of the momenta before. The load that it is for joints that hold, their impulse over the time in which the
+    gripper closes, must be within their limits. Then reaction wheels on the satellite take over the angular
+    momentum, until both bodies stand. The linear momentum stays: only thrusters would change it.
 
     Args:
         robot: The arm and its satellite, without gravity.
@@ -56,6 +57,8 @@ class Rendezvous:
         self.target = TumblingBody(
             target.body, target.pose, velocity=target.velocity, angular_velocity=target.angular_velocity
         )
+        self.struck_inertia: Array | None = None
+        """Of the drives, whose joints yield to the grasp; None for joints that hold."""
         self.guided = False
         """The camera leads the tool; the approach begins again when it does again."""
         self.grasped = self.refused = self.at_rest = False
@@ -158,9 +161,11 @@ class Rendezvous:
         touched = bool(np.linalg.norm(tool.r - self._ring().r) <= self._orbit.gripper.reach)
         if touched and self._closing and not self.refused:
             self.measured = self._seen()
-            self._refuse(self._beyond(touched=True))
+            held = tool.inverse() @ self.target.pose
+            impulse = self.base.impulse(self.target.body.seen_from(held), self.target.momentum)
+            self._refuse('; '.join(filter(None, [self._beyond(touched=True), self._overload(impulse)])))
             if not self.refused:
-                self._grasp(tool)
+                self._grasp(tool, held, impulse)
             return
         why = 'the ring touches the gripper, which is not closing' if touched else self._entered(q)
         if why and not self._touched and not self.refused:
@@ -206,21 +211,40 @@ class Rendezvous:
             )
         return '; '.join(reasons)
 
+    def _overload(self, impulse: Array) -> str:
+        """Why the joints would not hold at the grasp, for their impulses (n,); '' if they do."""
+        axes, duration = self.base.robot.axes_data, self._orbit.gripper.duration
+        load = np.abs(impulse) / duration
+        worst = int((load / axes.effort).argmax())
+        if load[worst] <= axes.effort[worst]:
+            return ''
+        unit = axes.unit(worst, 'torque')
+        return (
+            f'the grasp within {duration:g} s would load {axes.names[worst]} with {load[worst]:.4g} {unit}, '
+            f'its limit is {axes.effort[worst]:.4g} {unit}'
+        )
+
     def _refuse(self, reason: str) -> None:
         if reason:
             self.refused, self.report = True, f'grasp refused: {reason}'
 
-    def _grasp(self, tool: Pose) -> None:
-        (speed, rotation), before = self.measured, self.target.momentum
-        self._held = tool.inverse() @ self.target.pose
-        self.base.take(self.target.body.seen_from(self._held), before)
+    def _grasp(self, tool: Pose, held: Pose, joints: Array) -> None:
+        (speed, rotation), before, arm = self.measured, self.target.momentum, self.base.joint_velocity
+        self._held = held
+        self.base.take(self.target.body.seen_from(held), before, struck_inertia=self.struck_inertia)
         self.grasped = True
         self._carry_target()
         impulse = self.target.momentum - before
         turn = impulse[3:] - pin.skew(tool.r) @ impulse[:3]
+        axes = self.base.robot.axes_data
+        part = 100.0 * np.abs(joints) / self._orbit.gripper.duration / axes.effort
+        worst = int(part.argmax())
+        yielded = np.abs(self.base.joint_velocity - arm).max()
         self.report = (
             f'grasped at {speed:.4g} m/s and {rotation:.4g} rad/s: impulse on the target '
-            f'{np.linalg.norm(impulse[:3]):.4g} N s, and {np.linalg.norm(turn):.4g} N m s about the gripper'
+            f'{np.linalg.norm(impulse[:3]):.4g} N s, and {np.linalg.norm(turn):.4g} N m s about the gripper; '
+            f'{axes.names[worst]} is loaded by {part[worst]:.3g} % of its limit if it holds; '
+            f'joints yield by up to {yielded:.3g} rad/s'
         )
 
     def _carry_target(self) -> None:
