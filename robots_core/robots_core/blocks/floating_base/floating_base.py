@@ -188,12 +188,12 @@ class FloatingBase:
             InvalidInputError: a momentum or inertia of another shape or not finite.
         """
         momentum = finite_vector(momentum, 6, 'momentum')
-        q_dot: Array = self._q_dot
+        q_dot = self._q_dot
         if struck_inertia is not None:
             rotors = np.concatenate([np.zeros(6), finite_vector(struck_inertia, self._n, 'struck_inertia')])
             M, p = self._struck(payload, momentum)
             p += rotors * np.concatenate([self._twist, q_dot])
-            q_dot = np.linalg.solve(M + np.diag(rotors), p)[6:]
+            q_dot = np.asarray(np.linalg.solve(M + np.diag(rotors), p)[6:], dtype=np.float64)
         self._h = self._h + momentum
         self._carry(self.payload + payload)
         self._hold(q_dot)
