@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import pytest
 from hypothesis import HealthCheck, settings
 
-from robots_core.ros.middleware import PROFILES, TRANSPORTS
+from robots_core.ros.middleware import PROFILES, QOS_FROM_PROFILE, TRANSPORTS
 from ros_domains import reserved_domain
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def session_ros_domain() -> Iterator[int]:
 
 def _reserve_domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     # What runs in the process of the tests chooses its transports by these: no test is to inherit that.
-    for name in (TRANSPORTS, *PROFILES):
+    for name in (TRANSPORTS, QOS_FROM_PROFILE, *PROFILES):
         monkeypatch.setenv(name, '')
         monkeypatch.delenv(name)
     with reserved_domain() as environment:

@@ -6,6 +6,7 @@ from typing import Final
 
 TRANSPORTS: Final = 'FASTDDS_BUILTIN_TRANSPORTS'
 PROFILES: Final = ('FASTRTPS_DEFAULT_PROFILES_FILE', 'FASTDDS_DEFAULT_PROFILES_FILE')
+QOS_FROM_PROFILE: Final = 'RMW_FASTRTPS_USE_QOS_FROM_XML'
 DISCOVERY: Final = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 LOOPBACK: Final = Path(__file__).with_name('loopback.xml')
 
@@ -21,6 +22,10 @@ def choose_transports() -> None:
     loopback interface, and nothing outside reaches them. rmw_fastrtps of Jazzy would open them on all
     interfaces, and add shared memory without asking; so a profile of Fast DDS takes its place, which finds
     other processes with LOCALHOST and is found by them.
+
+    The profile also lets readers and writers allocate each sample and free it. By default they keep each
+    place of a queue at the size of the largest sample that it has had: where short and long trajectories wait
+    together, the queue ends up with the memory of as many long ones.
     """
     os.environ.setdefault(TRANSPORTS, 'UDPv4')
     chosen = any(os.environ.get(name) for name in PROFILES)
@@ -28,3 +33,4 @@ def choose_transports() -> None:
     if os.environ.get(DISCOVERY) == 'LOCALHOST' and fast and not chosen:
         os.environ[DISCOVERY] = 'SYSTEM_DEFAULT'
         os.environ[PROFILES[0]] = str(LOOPBACK)
+        os.environ.setdefault(QOS_FROM_PROFILE, '1')
