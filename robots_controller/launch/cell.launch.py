@@ -2,12 +2,13 @@
 
 import json
 import subprocess
+import sys
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
-from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
-from launch.conditions import IfCondition
+from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, SetEnvironmentVariable
 from launch.substitutions import EnvironmentVariable, LaunchConfiguration
 from launch_ros.actions import Node
 
@@ -22,19 +23,48 @@ ARGUMENTS = {
     'watchdog': ('0.2', 'longest time without a sign of life, s'),
     'operating_mode': ('AUTOMATIC', 'AUTOMATIC, T1, T2 or REMOTE'),
     'tool_speed_limit': ('0.0', 'of tool and axes, m/s; 0 for none'),
+    'rate': ('250', 'references per second, Hz'),
+    'goal_tolerance': ('', 'largest error of an axis at its target, rad; by default that of the controller'),
+    'port': ('8080', "first port to try for the browser's page"),
     'debug_port': ('0', 'port for editors; 0 for none'),
     'io': ('', 'YAML script of a PLC that is played'),
-    'io_map': ('', 'YAML map to topics of a PLC'),
+    'io_map': ('', 'YAML map to topics of a PLC, or to Modbus, MQTT and OPC UA'),
 }
 """Options of `cell`: their defaults, and what they mean."""
 
+LAUNCH_ARGUMENTS = {
+    'namespace': ('', 'namespace of all nodes'),
+    'composed': ('false', 'true: all nodes but controller_node and drive_node share a process'),
+    'record': ('', 'folder of a bag of all topics, which must not exist yet'),
+    'rviz': ('false', 'true: show the robot in RViz'),
+}
+"""Further arguments."""
 
-def nodes(context: LaunchContext) -> list[Node]:
+
+def refuse_unknown(arguments: list[str]) -> None:
+    """Refuse arguments of `ros2 launch` for this file that it does not have; launch itself ignores them.
+
+    Raises:
+        RuntimeError: there is one.
+    """
+    if not any(argument.endswith(Path(__file__).name) for argument in arguments):
+        return  # another launch file includes this one, and has arguments of its own
+    known = [*ARGUMENTS, *LAUNCH_ARGUMENTS]
+    for argument in arguments:
+        name, given, _ = argument.partition(':=')
+        if given and name not in known:
+            close = get_close_matches(name, known, 1)
+            hint = f'did you mean {close[0]!r}?' if close else f'there are {", ".join(known)}'
+            raise RuntimeError(f'there is no launch argument {name!r}; {hint}')
+
+
+def nodes(context: LaunchContext) -> list[Any]:
     """The nodes of the cell, from the same description that `cell` uses.
 
     `cell` describes them itself: `ros2` runs on the system's Python, which does not have what the package
     needs.
     """
+    refuse_unknown(sys.argv)
     cell = Path(get_package_prefix('robots_controller'), 'lib', 'robots_controller', 'cell')
     command = [str(cell), '--describe']
     for name in ARGUMENTS:
@@ -49,7 +79,15 @@ def nodes(context: LaunchContext) -> list[Node]:
     processes: dict[str, list[dict[str, Any]]] = {}
     for node in json.loads(described.stdout):
         processes.setdefault(node['process'], []).append(node)
-    return [process(nodes, namespace) for nodes in processes.values()]
+    started = [process(nodes, namespace) for nodes in processes.values()]
+    if record := LaunchConfiguration('record').perform(context):
+        started.append(ExecuteProcess(cmd=['ros2', 'bag', 'record', '--all', '--output', record]))
+    if LaunchConfiguration('rviz').perform(context) == 'true':
+        view = Path(get_package_share_directory('robots_controller'), 'config', 'cell.rviz')
+        started.append(
+            Node(package='rviz2', executable='rviz2', arguments=['-d', str(view)], namespace=namespace)
+        )
+    return started
 
 
 def process(nodes: list[dict[str, Any]], namespace: str) -> Node:
@@ -81,23 +119,10 @@ def generate_launch_description() -> LaunchDescription:
                 DeclareLaunchArgument(name, default_value=default, description=meaning)
                 for name, (default, meaning) in ARGUMENTS.items()
             ),
-            DeclareLaunchArgument('namespace', default_value='', description='namespace of all nodes'),
-            DeclareLaunchArgument(
-                'composed',
-                default_value='false',
-                description='true: all nodes but controller_node and drive_node share a process',
+            *(
+                DeclareLaunchArgument(name, default_value=default, description=meaning)
+                for name, (default, meaning) in LAUNCH_ARGUMENTS.items()
             ),
-            DeclareLaunchArgument('rviz', default_value='false', description='true: show the robot in RViz'),
             OpaqueFunction(function=nodes),
-            Node(
-                package='rviz2',
-                executable='rviz2',
-                arguments=[
-                    '-d',
-                    str(Path(get_package_share_directory('robots_controller'), 'config', 'cell.rviz')),
-                ],
-                namespace=LaunchConfiguration('namespace'),
-                condition=IfCondition(LaunchConfiguration('rviz')),
-            ),
         ]
     )

@@ -171,7 +171,7 @@ def _planner(value: object, name: str) -> None:
         check_planner(str(value), name)
 
 
-RANGES: Final = {
+RANGES: Final[dict[str, tuple[float, float, str]]] = {
     'cartesian_speed': (1e-5, 20.0, 'm/s'),
     'cartesian_acceleration': (1e-4, 1e3, 'm/s^2'),
     'rotation_speed': (1e-5, 100.0, 'rad/s'),

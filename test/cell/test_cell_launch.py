@@ -58,6 +58,7 @@ def launch_file(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         'launch': {'LaunchContext': object, 'LaunchDescription': list},
         'launch.actions': {
             'DeclareLaunchArgument': lambda name, **options: record(name=name, **options),
+            'ExecuteProcess': record,
             'OpaqueFunction': anything,
             'SetEnvironmentVariable': anything,
         },
@@ -115,7 +116,34 @@ def test_nodes_may_share_a_process(launch_file: dict[str, Any]) -> None:
 
 def test_every_argument_can_be_given(launch_file: dict[str, Any]) -> None:
     described = {part.name for part in launch_file['generate_launch_description']() if part is not None}
-    assert described == {*launch_file['ARGUMENTS'], 'namespace', 'composed'}
+    assert described == {*launch_file['ARGUMENTS'], *launch_file['LAUNCH_ARGUMENTS']}
+
+
+def test_options_of_the_cell_reach_its_nodes(launch_file: dict[str, Any]) -> None:
+    nodes = launched(launch_file, robot='cello_bot', rate='500', port='9000', goal_tolerance='0.01')
+    parameters = {node.executable: node.parameters[0] for node in nodes}
+    assert parameters['controller_node']['rate'] == 500.0
+    assert parameters['controller_node']['goal_tolerance'] == 0.01
+    assert parameters['visualizer_node']['port'] == 9000
+
+
+def test_a_bag_and_rviz_are_started_beside_the_nodes(launch_file: dict[str, Any]) -> None:
+    *_, bag, rviz = launched(launch_file, robot='cello_bot', record='out/bag', rviz='true')
+    assert bag.cmd == ['ros2', 'bag', 'record', '--all', '--output', 'out/bag']
+    assert (rviz.package, rviz.namespace) == ('rviz2', '/left')
+    assert Path(rviz.arguments[1]).is_file()
+
+
+def test_an_argument_that_does_not_exist_is_refused(
+    launch_file: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        sys, 'argv', ['ros2', 'launch', 'robots_controller', 'cell.launch.py', 'progam:=x.lua']
+    )
+    with pytest.raises(RuntimeError, match=r"there is no launch argument 'progam'; did you mean 'program'\?"):
+        launched(launch_file, robot='cello_bot')
+    monkeypatch.setattr(sys, 'argv', ['launch', 'plant', 'plant.launch.py', 'progam:=x.lua'])
+    assert launched(launch_file, robot='cello_bot')
 
 
 def test_a_mistake_is_reported_in_one_line(launch_file: dict[str, Any]) -> None:

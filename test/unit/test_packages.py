@@ -14,8 +14,7 @@ OURS = re.compile(
     r'robots_\w+|rclpy|launch|launch_ros|ament_index_python|rosidl_generator_py|\w+_(msgs|srvs|interfaces)'
 )
 """Modules that are ROS packages by the same name."""
-IMPORT = re.compile(r'^\s*(?:from|import) (\w+)', re.MULTILINE)
-OPTIONAL = {'control_msgs', 'tf2_msgs'}
+IMPORT = re.compile(r"(?:^\s*(?:from|import) |import_module\(')(\w+)", re.MULTILINE)
 
 
 def manifest(package: str) -> ET.Element:
@@ -44,4 +43,4 @@ def test_what_is_imported_from_ros_is_declared(package: str) -> None:
     declared = {depend.text for depend in manifest(package).iter('exec_depend')}
     files = [*(ROOT / package / package).rglob('*.py'), *(ROOT / package).glob('launch/*.py')]
     imported = {name for file in files for name in IMPORT.findall(file.read_text())}
-    assert {name for name in imported if OURS.fullmatch(name)} - OPTIONAL - {package} <= declared
+    assert {name for name in imported if OURS.fullmatch(name)} - {package} <= declared

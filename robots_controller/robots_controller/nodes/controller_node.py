@@ -46,7 +46,7 @@ from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.presence import publishers_of
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, subscribe_state
 from robots_core.ros.reference_stream import ReferenceStream
-from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.robot_node import PRIORITIES, RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array, fraction
 from robots_planning.motion_settings import settings_from_text
@@ -75,7 +75,10 @@ class ControllerNode(RobotNode):
         settings = settings_by_parameters(self)
         rate = 1.0 / settings.period
         priority = self.parameter(
-            'realtime_priority', 50, 'FIFO priority of the loop where the system permits it; 0: none'
+            'realtime_priority',
+            50,
+            'FIFO priority of the loop where the system permits it; 0: none',
+            bounds=PRIORITIES,
         )
         latency = self.parameter(
             'idle_latency',
@@ -91,6 +94,7 @@ class ControllerNode(RobotNode):
             'tool_speed_limit',
             0.0,
             'highest speed of the tool and of the frames of all axes, on every motion, m/s; 0 for none',
+            bounds=(0.0, 100.0),
             read=checked_speed_limit,
         )
         authority = authority_by_parameters(self)

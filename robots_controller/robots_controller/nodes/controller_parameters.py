@@ -5,6 +5,17 @@ from typing import Final
 from robots_controller.control.controller_settings import ControllerSettings
 from robots_core.ros.robot_node import RobotNode
 
+BOUNDS: Final = {
+    'smoothing_time': (0.0, 1.0),
+    'ramp_time': (1e-3, 60.0),
+    'feedback_timeout': (1e-3, 3600.0),
+    'goal_tolerance': (1e-9, 1.0),
+    'settling_time': (1e-3, 3600.0),
+    'following_error': (1e-6, 1e3),
+    'stream_timeout': (1e-3, 60.0),
+}
+"""Lowest and highest values, in the units of the texts."""
+
 TEXTS: Final = {
     'smoothing_time': 'window of the moving average, s; 0 switches it off',
     'ramp_time': 'shortest time from standstill to full path speed after a pause, s',
@@ -24,5 +35,8 @@ def settings_by_parameters(node: RobotNode) -> ControllerSettings:
     """
     rate = node.parameter('rate', 250.0, 'references per second, Hz', bounds=(10.0, 2000.0))
     default = ControllerSettings()
-    values = {name: node.parameter(name, getattr(default, name), text) for name, text in TEXTS.items()}
+    values = {
+        name: node.parameter(name, getattr(default, name), text, bounds=BOUNDS[name])
+        for name, text in TEXTS.items()
+    }
     return ControllerSettings(period=1.0 / rate, **values)

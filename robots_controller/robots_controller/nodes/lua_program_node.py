@@ -20,6 +20,7 @@ from robots_controller.editor.debug_token import new_token
 from robots_controller.interpreter.debugger import STEPS, breakpoints_by_file
 from robots_controller.io.fail_safe import parse_fail_safe
 from robots_controller.io.io_image import IMAGES
+from robots_controller.io.io_signals import LARGEST_INDEX
 from robots_controller.nodes.autostart import Autostart
 from robots_controller.nodes.controller_client import ControllerClient
 from robots_controller.nodes.feedback_client import FeedbackClient
@@ -41,7 +42,7 @@ from robots_core.ros.messages import (
     motion_result_from_message,
 )
 from robots_core.ros.qos import COMMAND, STATE
-from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import one_of
 from robots_planning.robot_command_state import RobotCommandState
@@ -68,7 +69,9 @@ class LuaProgramNode(RobotNode):
             'order of the angles phi: zyx, xyz, zyz or XYZ',
         )
         sizes = {
-            f'{kind}_size': self.parameter(f'{kind}_size', size, f'number of {kind} inputs, and of outputs')
+            f'{kind}_size': self.parameter(
+                f'{kind}_size', size, f'number of {kind} inputs, and of outputs', bounds=(0, LARGEST_INDEX)
+            )
             for kind, size in (('digital', DIGITAL_SIZE), ('analog', ANALOG_SIZE))
         }
         labels = {image: self._names(image.removesuffix('s')) for image in IMAGES}
@@ -120,7 +123,9 @@ class LuaProgramNode(RobotNode):
         self.parameter(
             'step_mode', 'over', f'how far ~/step goes: {", ".join(STEPS)}', read=one_of('step', STEPS)
         )
-        port = self.parameter('debug_port', 0, 'port on this machine where editors connect; 0 for none')
+        port = self.parameter(
+            'debug_port', 0, 'port on this machine where editors connect; 0 for none', bounds=PORTS
+        )
         token = self.parameter('debug_token', '', 'what editors must give; empty for a new one')
         PathSwitchingMessages(self, self.host.switching, axes.names)
         self.create_subscription(DiagnosticStatus, 'motion_result', self._on_motion_result, COMMAND)

@@ -25,7 +25,7 @@ from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import doubles, seconds
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, STATE
-from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.robot_node import PRIORITIES, RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
 
@@ -52,7 +52,10 @@ class DriveNode(RobotNode):
         super().__init__('drive_node', **options)
         rate = self.parameter('rate', 250.0, 'steps per second, Hz', bounds=(10.0, 2000.0))
         priority = self.parameter(
-            'realtime_priority', 50, 'FIFO priority of the loop where the system permits it; 0: none'
+            'realtime_priority',
+            50,
+            'FIFO priority of the loop where the system permits it; 0: none',
+            bounds=PRIORITIES,
         )
         level = self.parameter('level', 'second_order', 'ideal, second_order or rigid_body', read=check_level)
         bandwidth = self.parameter(

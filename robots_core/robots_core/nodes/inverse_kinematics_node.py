@@ -28,7 +28,7 @@ from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import SENSOR, STREAM
 from robots_core.ros.reference_stream import ReferenceStream
-from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.robot_node import PRIORITIES, RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
 
@@ -70,7 +70,10 @@ class InverseKinematicsNode(RobotNode):
             bounds=(1e-4, 3.0),
         )
         priority = self.parameter(
-            'realtime_priority', 40, 'FIFO priority of the loop where the system permits it; 0: none'
+            'realtime_priority',
+            40,
+            'FIFO priority of the loop where the system permits it; 0: none',
+            bounds=PRIORITIES,
         )
         self._method, self._dt = method, 1.0 / rate
         self._timeout = timeout

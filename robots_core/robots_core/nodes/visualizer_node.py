@@ -11,7 +11,7 @@ from robots_core.blocks.visualizer import Visualizer
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import joint_values
 from robots_core.ros.qos import SENSOR
-from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.run import run
 
 MAX_RATE = 100.0  # Hz
@@ -31,7 +31,7 @@ class VisualizerNode(RobotNode):
         host = self.parameter(
             'host', '127.0.0.1', "the page's network address; 0.0.0.0 for the whole network"
         )
-        port = self.parameter('port', 8080, 'first port to try; 0 lets the system choose')
+        port = self.parameter('port', 8080, 'first port to try; 0 lets the system choose', bounds=PORTS)
         rate = self.parameter('rate', 30.0, "highest rate of the page's updates, Hz", bounds=(0.1, MAX_RATE))
         self._visualizer = Visualizer(self.robot, host=host, port=port)
         self._scene = WatchedScene(self, self._visualizer.show_scene)

@@ -14,7 +14,7 @@ from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import SENSOR
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.timed_node import TimedNode
-from robots_core.watchdog import LOOKS, SHORTEST, WATCHDOG, Watchdog, checked_watchdog
+from robots_core.watchdog import LONGEST, LOOKS, SHORTEST, WATCHDOG, Watchdog, checked_watchdog
 
 HEARTBEAT: Final = 'heartbeat'
 PERIOD: Final = 0.04  # s
@@ -110,6 +110,7 @@ def watchdog_parameter(node: RobotNode) -> float:
         'watchdog',
         WATCHDOG,
         'without a sign of life for this long another node is lost, s; 0: none is watched',
+        bounds=(0.0, LONGEST),
         read=checked_watchdog,
     )
     return value

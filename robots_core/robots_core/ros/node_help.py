@@ -10,6 +10,7 @@ from textwrap import fill
 from typing import Any, Final
 
 import yaml
+from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -37,7 +38,7 @@ def described(node: Node) -> dict[str, Any]:
         {
             'name': name,
             'default': _plain(node.get_parameter(name)),
-            'description': node.describe_parameter(name).description or _OF_RCLPY.get(name, ''),
+            'description': _description(node.describe_parameter(name)) or _OF_RCLPY.get(name, ''),
         }
         for name in sorted(node._parameters)  # noqa: SLF001  # rclpy lists them to other nodes only
         if name not in _OF_ALL
@@ -52,6 +53,12 @@ def described(node: Node) -> dict[str, Any]:
             if not _SERVICES_OF_ALL.search(one.service_name)
         ),
     }
+
+
+def _description(descriptor: ParameterDescriptor) -> str:
+    ranges = (*descriptor.floating_point_range, *descriptor.integer_range)
+    bounds = ''.join(f' [{one.from_value:g}, {one.to_value:g}]' for one in ranges)
+    return f'{descriptor.description}{bounds}'
 
 
 def _plain(parameter: Parameter) -> Any:

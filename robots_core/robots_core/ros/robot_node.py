@@ -5,10 +5,10 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
-from typing import Any
+from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.clock import Clock
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.parameter import Parameter
@@ -31,6 +31,10 @@ from robots_core.topic_writers import WRITERS, WriterWatch
 HEALTH_PERIOD = 1.0  # s
 REPEAT_PERIOD = 5.0  # s
 STRANGER_SHOWN = 2.0  # s
+PRIORITIES: Final = (0, 99)
+"""Of loops; 0 for none."""
+PORTS: Final = (0, 65535)
+"""Of this machine; 0 leaves the choice to the system, or stands for none."""
 
 
 class RobotNode(TimedNode):
@@ -90,7 +94,10 @@ class RobotNode(TimedNode):
         descriptor = ParameterDescriptor(description=description, read_only=name not in self._changes)
         if bounds is not None:
             low, high = bounds
-            descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+            if isinstance(default, int):
+                descriptor.integer_range = [IntegerRange(from_value=int(low), to_value=int(high), step=1)]
+            else:
+                descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
         try:
             value = self.declare_parameter(name, default, descriptor).value
             meaning = value if read is None else read(value)

@@ -15,7 +15,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory
 
-from robots_core.blocks.collision_detection import CollisionDetection, usable_margin
+from robots_core.blocks.collision_detection import MARGINS, CollisionDetection, usable_margin
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.watched_scene import WatchedScene
@@ -44,7 +44,7 @@ from robots_core.ros.run import run
 from robots_core.validation import Array, fraction, one_of
 from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanner
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
-from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, checked, settings_as_text
+from robots_planning.motion_settings import DESCRIPTIONS, RANGES, MotionSettings, checked, settings_as_text
 from robots_planning.nodes.command_inbox import CommandInbox
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory, waypoints_trajectory
 from robots_planning.nodes.jog_stream import JogStream
@@ -71,7 +71,11 @@ class PlanningNode(RobotNode):
             self.robot, engine=self.parameter('collision_engine', 'fcl', 'fcl or coal')
         )
         margin = self.parameter(
-            'collision_margin', COLLISION_MARGIN, 'distance that motions keep, m', read=usable_margin
+            'collision_margin',
+            COLLISION_MARGIN,
+            'distance that motions keep, m',
+            bounds=MARGINS,
+            read=usable_margin,
         )
         planning = PathPlanning(self.robot, collision=collision, collision_margin=margin)
         self._scene = WatchedScene(self, planning.set_scene)
@@ -128,6 +132,7 @@ class PlanningNode(RobotNode):
                 name,
                 list(value) if isinstance(value, tuple) else value,
                 text,
+                bounds=RANGES[name][:2] if name in RANGES else None,
                 read=checked(name),
             )
 
