@@ -193,7 +193,7 @@ class FloatingBase:
             rotors = np.concatenate([np.zeros(6), finite_vector(struck_inertia, self._n, 'struck_inertia')])
             M, p = self._struck(payload, momentum)
             p += rotors * np.concatenate([self._twist, q_dot])
-            q_dot = np.linalg.solve(M + np.diag(rotors), p)[6:]
+            q_dot = np.asarray(np.linalg.solve(M + np.diag(rotors), p)[6:], dtype=np.float64)
         self._h = self._h + momentum
         self._carry(self.payload + payload)
         self._hold(q_dot)
