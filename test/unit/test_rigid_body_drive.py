@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from full_robot import (
     ACCELERATION,
@@ -22,6 +23,7 @@ from robots_core import available_robot_models, load_robot_model
 from robots_core.blocks.drives.rigid_body_drive import RigidBodyDrive
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
 from robots_core.blocks.multibody.payload import Payload
+from robots_core.blocks.multibody.tool_wrench import joint_torques
 from robots_core.errors import InvalidInputError
 from robots_core.robot_model.drive_data import DriveData
 from robots_models.manutec_r3.model import ManutecR3
@@ -328,3 +330,25 @@ def test_what_is_picked_up_is_held(*, feed_forward: bool) -> None:
         friction = robot.drive_data.coulomb_friction + 1e-3 * np.abs(held)
         assert (np.abs(drive.joint_torque - held) <= 1e-3 * np.abs(held) + 1e-3).all()
         assert (np.abs(drive.torque - held) <= friction + 1e-3).all()
+
+
+def test_drives_hold_against_a_wrench_on_the_tool():
+    """In balance the motors give the weight less J^T f, with the Jacobian of Pinocchio."""
+    robot = load_robot_model('kuka_kr210_r3100')
+    q, still = np.array(robot.home), np.zeros(6)
+    drive = RigidBodyDrive(robot, q, period=0.004, feed_forward=True)
+    wrench = np.array([120.0, -80.0, 250.0, 15.0, 20.0, -10.0])  # in tool0
+    for _ in range(1500):
+        drive.push(joint_torques(robot, drive.position, wrench))
+        drive.step(q, still)
+    model = pin.buildModelFromXML(robot.description)
+    data, tool = model.createData(), model.getFrameId('tool0')
+    pressed = pin.computeFrameJacobian(model, data, q, tool, pin.LOCAL).T @ wrench
+    assert np.abs(pressed).max() > 100.0
+    weight = pin.computeGeneralizedGravity(model, data, q)
+    np.testing.assert_allclose(drive.torque, weight - pressed, atol=1e-3 * np.abs(pressed).max())
+    np.testing.assert_allclose(drive.position, q, atol=1e-6)
+    with pytest.raises(InvalidInputError, match='wrench'):
+        joint_torques(robot, q, np.full(6, np.nan))
+    with pytest.raises(InvalidInputError, match='torque must have shape'):
+        drive.push(np.zeros(5))

@@ -3,7 +3,6 @@
 from functools import partial
 from typing import Any, Final
 
-import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import TwistStamped, WrenchStamped
 from sensor_msgs.msg import JointState
@@ -13,18 +12,15 @@ from robots_controller.cell.contact_setup import ContactSetup, read_contact
 from robots_controller.cell.force_guide import PERIOD, ForceGuide
 from robots_controller.nodes.io_images import OutputImages
 from robots_core.blocks.following.guide import Guide
-from robots_core.errors import InvalidInputError
 from robots_core.realtime import processor_share
 from robots_core.ros.joint_state_reader import JointStateReader
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import diagnostic_status, twist_stamped_message
+from robots_core.ros.messages import diagnostic_status, twist_stamped_message, wrench_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, SENSOR, STATE, subscribe_state
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
-
-FRAME: Final = 'tool0'
 
 
 class ForceControlNode(RobotNode):
@@ -80,24 +76,12 @@ class ForceControlNode(RobotNode):
                 self._position = self._joints.position(raw)
         if message is not None and self._position is not None:
             with self.refusing('measured_wrench'):
-                self._guide.measured(_wrench(message), self._position)
+                self._guide.measured(wrench_from_message(message), self._position)
         self._guide.hand_over(handed_over=self._handed_over)
         outputs = {channel: self._outputs.value(channel) or 0.0 for channel in self._channels}
         twist = self._guide.step(now, outputs)
         if twist is not None:
             self._twists.publish(twist_stamped_message(self.get_clock().now().to_msg(), twist))
-
-
-def _wrench(message: WrenchStamped) -> Array:
-    """The wrench (6,) of a message.
-
-    Raises:
-        InvalidInputError: it is in another frame than tool0.
-    """
-    if message.header.frame_id != FRAME:
-        raise InvalidInputError(f'frame {message.header.frame_id!r}: the wrench must be in {FRAME}')
-    f, m = message.wrench.force, message.wrench.torque
-    return np.array([f.x, f.y, f.z, m.x, m.y, m.z])
 
 
 main: Final = partial(run, ForceControlNode)

@@ -110,9 +110,9 @@ class InProcessCell:
         link.on_planned = self._motion_planned
         link.on_settings = self._settings_changed
         self.program = self._host.program
-        self._contact = contact_of_cell(parts, self.program.io, self.control, self.log)
+        self.contact = contact_of_cell(parts, self.program.io, self.control, self.log)
         self.guide_player = SimulatedGuide(
-            camera or self._contact or guide_of_cell(parts),
+            camera or self.contact or guide_of_cell(parts),
             parts.robot,
             self.control,
             self._planner,
@@ -190,8 +190,8 @@ class InProcessCell:
         self._position = None
         if feedback is not None:
             self._feedback, self._position = feedback, feedback.position
-            if self._contact is not None:
-                self._contact.measure(feedback)
+            if self.contact is not None:
+                self.contact.measure(feedback)
             if self._guard is not None and self.cycle >= 0 and self.cycle % self._look_every == 0:
                 self.log.collision_status(self._guard.look(feedback.position, feedback.velocity))
         self._deliver()

@@ -212,6 +212,8 @@ class SimulatedCell:
     def _measure(self) -> None:
         drives = self._drives
         self._cell.measure(JointFeedback(drives.position, drives.velocity, drives.torque))
+        if self._cell.contact is not None:
+            drives.push(self._cell.contact.joint_torques)
 
     def _close(self) -> None:
         self._cell.close()

@@ -5,6 +5,8 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Final
 
+import numpy as np
+
 from robots_controller.cell.contact_setup import ContactSetup
 from robots_controller.cell.force_guide import PERIOD, ForceGuide
 from robots_controller.cell.guide_recording import NANOSECONDS, GuidingMessage
@@ -15,6 +17,7 @@ from robots_controller.program.joint_feedback import JointFeedback
 from robots_controller.simulation.cell_parts import CellParts
 from robots_controller.simulation.record.cell_log import CellLog
 from robots_core.blocks.following.guide import Guide
+from robots_core.blocks.multibody.tool_wrench import joint_torques
 from robots_core.errors import PlanningError
 from robots_core.periodic_schedule import PeriodicSchedule
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -47,6 +50,8 @@ class SimulatedContact:
         self._times = PeriodicSchedule(round(PERIOD * NANOSECONDS))
         self._handed_over = False
         self._measured: tuple[Array, Array] | None = None
+        self.joint_torques = np.zeros(robot.num_axes)
+        """Of what presses on the tool, (n,), N m (N)."""
         self._report('')
 
     @property
@@ -66,6 +71,7 @@ class SimulatedContact:
         self._contact.slip = self._io.value(self._setup.slip)
         wrench = self._contact.of_robot(self._robot, feedback.position).wrench
         self._measured = wrench, feedback.position
+        self.joint_torques = joint_torques(self._robot, feedback.position, wrench)
         self._log.wrench(wrench)
 
     def due(self, now: int) -> Iterator[GuidingMessage]:

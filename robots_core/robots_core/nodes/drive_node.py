@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory
@@ -17,14 +18,15 @@ from robots_core.blocks.drives.drive_level import check_level, drive_train
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.blocks.multibody.payload import Payload
+from robots_core.blocks.multibody.tool_wrench import joint_torques
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import watchdog_parameter
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import doubles, seconds
+from robots_core.ros.messages import doubles, seconds, wrench_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import REFERENCE, STATE
+from robots_core.ros.qos import REFERENCE, SENSOR, STATE
 from robots_core.ros.robot_node import PRIORITIES, RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
@@ -42,8 +44,9 @@ FAULTS = {
 class DriveNode(RobotNode):
     """The drives in the place of a real robot, stepped in real time, at the level of parameter `level`.
 
-    `rigid_body` reports the torques of the motors too, as effort. The parameters `fault_...` may be set at
-    any time: axes that stop following, whose encoders freeze or that vanish from `joint_states`, and noise.
+    `rigid_body` feels `measured_wrench` on the tool, and reports the torques of the motors, as effort. The
+    parameters `fault_...` may be set at any time: axes that stop following, whose encoders freeze or that
+    vanish from `joint_states`, and noise.
     """
 
     phase = Phase.DRIVES
@@ -99,6 +102,11 @@ class DriveNode(RobotNode):
             timeout=np.inf if lasting or watchdog == 0.0 else watchdog,
             **({} if self.simulated_time else {'processor_share': processor_share}),
         )
+        # Only drives with masses feel what presses on the tool.
+        masses = level == 'rigid_body'
+        self._wrenches = (
+            PolledSubscription(self, WrenchStamped, 'measured_wrench', SENSOR) if masses else None
+        )
         self._problem = ''
         self._figures = {'rate': rate, 'drives': level}
         bodies = self._drives.rendezvous
@@ -145,8 +153,17 @@ class DriveNode(RobotNode):
             with self.refusing('motion_settings'):
                 carry_payload(self._carried, message)
 
+    def _feel(self) -> None:
+        """Load the drives with what presses on the tool."""
+        message = None if self._wrenches is None else self._wrenches.take()
+        if message is not None:
+            with self.refusing('measured_wrench'):
+                wrench = wrench_from_message(message)
+                self._drives.push(joint_torques(self.robot, self._drives.position, wrench))
+
     def _step(self, now: float) -> None:
         self._carry()
+        self._feel()
         power = self._power.take()
         if power is not None:
             self._supervised.power(on=power.data)

@@ -12,7 +12,7 @@ import numpy as np
 from builtin_interfaces.msg import Duration, Time
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Pose as PoseMessage
-from geometry_msgs.msg import PoseStamped, TwistStamped
+from geometry_msgs.msg import PoseStamped, TwistStamped, WrenchStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension
 
@@ -20,6 +20,8 @@ from robots_core.errors import InvalidInputError, JointNamesError
 from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array, bounded_vector
+
+TOOL_FRAME: Final = 'tool0'
 
 # CDR: the encapsulation, and then a message that begins with a header has the stamp's two 32-bit words.
 ENCAPSULATION_SIZE: Final = 4
@@ -152,6 +154,18 @@ def pose_stamped_message(stamp: Time, pose: Pose, frame_id: str = 'base') -> Pos
     message.header.stamp = stamp
     message.header.frame_id = frame_id
     return message
+
+
+def wrench_from_message(message: WrenchStamped) -> Array:
+    """The wrench on the tool, (6,) N and N m, of a geometry_msgs/WrenchStamped in tool0.
+
+    Raises:
+        InvalidInputError: it is in another frame.
+    """
+    if message.header.frame_id != TOOL_FRAME:
+        raise InvalidInputError(f'frame {message.header.frame_id!r}: the wrench must be in {TOOL_FRAME}')
+    f, m = message.wrench.force, message.wrench.torque
+    return np.array([f.x, f.y, f.z, m.x, m.y, m.z])
 
 
 def twist_stamped_message(stamp: Time, twist: Array) -> TwistStamped:
