@@ -196,7 +196,7 @@ benchmark-planning: build .venv/benchmark/.installed  ## Planners side by side w
 	  python test/benchmark/benchmark_welding_cycle.py
 
 .PHONY: benchmark-collision-free
-benchmark-collision-free: build .venv/benchmark/.installed  ## Joint motions around obstacles side by side with OMPL; OPTIONS='--count 100'
+benchmark-collision-free: build .venv/benchmark/.installed  ## Joint motions around obstacles side by side with OMPL and roboplan; OPTIONS='--count 100'
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/.venv/benchmark"; python test/benchmark/benchmark_collision_free.py $(OPTIONS)
 
 .PHONY: benchmark-programs

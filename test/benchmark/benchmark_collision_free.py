@@ -1,15 +1,19 @@
 """Joint motions around obstacles next to OMPL, on the same problems, bodies and margins in one run.
 
-Run by `make benchmark-collision-free`; OPTIONS='--count 100' for more problems of each family.
+Run by `make benchmark-collision-free`; OPTIONS='--count 100' for more problems of each family, of which
+`--peers` go to the peers too.
 
 - ours: `CollisionFreeJoint` of `robots_planning`: certified edges, shortcuts, rounded corners.
 - OMPL: RRT-Connect with its own simplification; postures are checked by our compiled check, edges at a step
   that moves no point by more than 5 mm.
 - OMPL certified: the same with our certificate as the validator of motions.
+- roboplan: RRT-Connect with its own shortcuts, checks of postures at the same steps as OMPL's.
 - OMPL best (`--optimise SECONDS`): BIT* with the certificate, for as long, to compare durations with.
 
-All paths are timed alike. The share of those that collide is found by coal, posture by posture, at steps that
-move no point by more than `--dense` metres; our planner has no part in that.
+All paths are timed alike, those of peers where their corners can be rounded freely. Peers have 2 s: OMPL of
+the processor, roboplan of the clock. Paths that collide, those of peers before they are rounded, are found by
+coal, posture by posture, at steps that move no point by more than `--dense` metres; our planner has no part
+in that.
 """
 
 from __future__ import annotations
@@ -18,6 +22,7 @@ import argparse
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -27,6 +32,7 @@ import ompl.util as ou
 from collision_free_problems import FAMILIES, MARGIN, REACH, Problem, problems
 from rich.console import Console
 from rich.table import Table
+from roboplan_peer import RoboplanPeer
 
 from robots_core import BaseRobotModel, load_robot_model
 from robots_core.blocks import CollisionDetection
@@ -35,21 +41,21 @@ from robots_core.errors import PlanningError
 from robots_planning import CollisionFreeJoint, Trajectory
 from robots_planning.free_paths.free_path_search import FreeWay
 from robots_planning.free_paths.rounding import rounded
-from robots_planning.paths.joint_path import JointPath
 from robots_planning.timing.time_optimal import TimeOptimalTiming
 from robots_planning.trajectory_generators.base import LIMIT_MARGIN
 
 BUDGET = 2.0  # s
 THINNEST = 0.005  # m, that OMPL's discrete checks shall not miss
+SAMPLES = 2001  # of our path; between them its curve is straight to a micrometre
 LONGEST_REACH = 1.3  # of a tool's tip, of the reach of the arm
 
 
 @dataclass
 class Outcome:
-    """What became of a problem: seconds of the CPU, and the path if there is one."""
+    """What became of a problem: seconds of the CPU, and a path: postures (k, n) on it, and its timing."""
 
     seconds: float
-    path: JointPath | None = None
+    postures: np.ndarray | None = None
     trajectory: Trajectory | None = None
 
 
@@ -65,7 +71,9 @@ def ours(robot: BaseRobotModel, detection: CollisionDetection, problem: Problem)
         path = planner.joint_path(problem.start, problem.target)
     except PlanningError:
         return Outcome(time.process_time() - begin)
-    return Outcome(time.process_time() - begin, path, timing(robot).trajectory(path))
+    seconds = time.process_time() - begin
+    postures = path.evaluate(np.linspace(0.0, 1.0, SAMPLES))[0]
+    return Outcome(seconds, postures, timing(robot).trajectory(path))
 
 
 class CertifiedMotions(ob.MotionValidator):  # type: ignore[misc]
@@ -101,8 +109,7 @@ def with_ompl(
         bounds.setLow(k, float(low[k]))
         bounds.setHigh(k, float(high[k]))
     space.setBounds(bounds)
-    step = THINNEST / (LONGEST_REACH * REACH[robot.name] * np.sqrt(n))
-    space.setLongestValidSegmentFraction(float(step / space.getMaximumExtent()))
+    space.setLongestValidSegmentFraction(step_of(robot) / space.getMaximumExtent())
     setup = og.SimpleSetup(space)
     setup.setStateValidityChecker(lambda state: certificate.posture(posture(state), margins) == FREE)
     information = setup.getSpaceInformation()
@@ -119,26 +126,49 @@ def with_ompl(
     setup.setStartAndGoalStates(*states)
     setup.setPlanner(og.BITstar(information) if optimise else og.RRTConnect(information))
     begin = time.process_time()
-    solved = setup.solve(optimise or BUDGET)
+    longest = optimise or BUDGET
+    over = ob.PlannerTerminationCondition(lambda: time.process_time() - begin > longest)
+    solved = setup.solve(over)
     if not solved or not setup.haveExactSolutionPath():
         return Outcome(time.process_time() - begin)
     setup.simplifySolution()
     seconds = time.process_time() - begin
     postures = np.array([posture(state) for state in setup.getSolutionPath().getStates()])
-    way = FreeWay(postures, certificate, margins)
+    return smoothed(robot, seconds, FreeWay(postures, certificate, margins))
+
+
+def smoothed(robot: BaseRobotModel, seconds: float, way: FreeWay) -> Outcome:
+    """A peer's way with corners rounded as ours are, and timed."""
     try:
-        path = rounded(way)
-    except PlanningError:  # at a corner that is not free: straight to it, for the check that follows
-        return Outcome(seconds, rounded(FreeWay(postures, certificate, margins - 1.0)))
-    return Outcome(seconds, path, timing(robot).trajectory(path))
+        return Outcome(seconds, way.postures, timing(robot).trajectory(rounded(way)))
+    except PlanningError:  # at a corner that is not free
+        return Outcome(seconds, way.postures)
 
 
-def collides(robot: BaseRobotModel, problem: Problem, path: JointPath, dense: float) -> bool:
+def with_roboplan(robot: BaseRobotModel, detection: CollisionDetection, problem: Problem) -> Outcome:
+    peer = RoboplanPeer(robot, detection, problem, step=step_of(robot), budget=BUDGET)
+    begin = time.process_time()
+    postures = peer.plan(problem.start, problem.target)
+    seconds = time.process_time() - begin
+    if postures is None:
+        return Outcome(seconds)
+    return smoothed(robot, seconds, FreeWay(postures, *detection.certificate(problem.start, margin=MARGIN)))
+
+
+def step_of(robot: BaseRobotModel) -> float:
+    """A step of the joints that moves no point by more than `THINNEST`, rad."""
+    return float(THINNEST / (LONGEST_REACH * REACH[robot.name] * np.sqrt(robot.num_axes)))
+
+
+def collides(robot: BaseRobotModel, problem: Problem, postures: np.ndarray, dense: float) -> bool:
     """Whether coal finds a contact on a path, at steps that move no point by more than `dense`, m."""
     detection = CollisionDetection(robot, scene=problem.scene, engine='coal')
-    travel = np.abs(np.diff(path.evaluate(np.linspace(0.0, 1.0, 1001))[0], axis=0)).sum()
-    count = int(np.ceil(travel * LONGEST_REACH * REACH[robot.name] / dense)) + 1
-    return any(detection.in_contact(q) for q in path.evaluate(np.linspace(0.0, 1.0, count))[0])
+    for start, end in pairwise(postures):
+        travel = np.abs(end - start).sum()
+        count = int(np.ceil(travel * LONGEST_REACH * REACH[robot.name] / dense)) + 1
+        if any(detection.in_contact(q) for q in np.linspace(start, end, count)):
+            return True
+    return False
 
 
 def rows(options: argparse.Namespace) -> Iterator[tuple[str, ...]]:
@@ -146,6 +176,7 @@ def rows(options: argparse.Namespace) -> Iterator[tuple[str, ...]]:
         'ours': ours,
         'OMPL': lambda *given: with_ompl(*given, certified=False),
         'OMPL certified': lambda *given: with_ompl(*given, certified=True),
+        'roboplan': with_roboplan,
     }
     if options.optimise:
         planners['OMPL best'] = lambda *given: with_ompl(*given, certified=True, optimise=options.optimise)
@@ -154,24 +185,25 @@ def rows(options: argparse.Namespace) -> Iterator[tuple[str, ...]]:
         for family in options.families:
             found: dict[str, list[Outcome]] = {planner: [] for planner in planners}
             colliding = dict.fromkeys(planners, 0)
-            for problem in problems(robot, family, options.count):
+            for number, problem in enumerate(problems(robot, family, options.count)):
                 detection = CollisionDetection(robot, scene=problem.scene)
                 for label, plan in planners.items():
+                    if number >= options.peers and label != 'ours':
+                        continue
                     outcome = plan(robot, detection, problem)
                     found[label].append(outcome)
-                    if outcome.path is not None and label != 'OMPL best':
-                        colliding[label] += collides(robot, problem, outcome.path, options.dense)
+                    if outcome.postures is not None and label != 'OMPL best':
+                        colliding[label] += collides(robot, problem, outcome.postures, options.dense)
             for label, outcomes in found.items():
-                yield (name, family, label, *figures(outcomes, colliding[label]))
+                if outcomes:
+                    yield (name, family, label, *figures(outcomes, colliding[label]))
 
 
 def figures(outcomes: list[Outcome], colliding: int) -> tuple[str, ...]:
     times = 1e3 * np.array([outcome.seconds for outcome in outcomes])
-    paths = [outcome.path for outcome in outcomes if outcome.path is not None]
+    paths = [outcome.postures for outcome in outcomes if outcome.postures is not None]
     durations = [o.trajectory.duration for o in outcomes if o.trajectory is not None]
-    lengths = [
-        np.linalg.norm(np.diff(p.evaluate(np.linspace(0, 1, 500))[0], axis=0), axis=1).sum() for p in paths
-    ]
+    lengths = [np.linalg.norm(np.diff(postures, axis=0), axis=1).sum() for postures in paths]
     return (
         f'{len(paths)} of {len(outcomes)}',
         f'{np.median(times):.1f}',
@@ -185,6 +217,7 @@ def figures(outcomes: list[Outcome], colliding: int) -> tuple[str, ...]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--count', type=int, default=20, help='problems of each robot and family')
+    parser.add_argument('--peers', type=int, default=20, help='so many of these go to the peers too')
     parser.add_argument('--dense', type=float, default=1e-4, help='step of the check with coal, m')
     parser.add_argument('--optimise', type=float, default=0.0, help='s that BIT* gets for each problem')
     parser.add_argument('--robots', nargs='+', default=list(REACH))
