@@ -5,7 +5,6 @@ from __future__ import annotations
 import fcntl
 import io
 import json
-import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,8 +12,8 @@ from rich.console import Console
 
 from robots_controller.live_cell.cell_command import parse_options, run_cell
 from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
+from short_programs import short_copy
 
-PROGRAMS = Path(__file__).parents[2] / 'programs'
 WIDTH = 120
 FULL = 'second_order'
 SEPARATE = ('welding.lua', 'welding_collision.lua', 'laser_seam.lua', 'bello_bot_tour.lua')
@@ -24,38 +23,6 @@ RATES = {('welding.lua', FULL): 250.0} | {('laser_seam.lua', drive): DENSE_RATE 
 # What touches something, or is guided.
 RATES |= {
     (f'{name}.lua', FULL): DENSE_RATE for name in ('debris_removal', 'motion_simulator', 'wheel_laboratory')
-}
-# Text of a program and what stands in its place, so that things are done once, nearer, or sooner.
-SHORTENED = {
-    'palletizing.lua': {
-        'ROWS, COLUMNS, LAYERS, GAP = 2, 2, 2,': 'ROWS, COLUMNS, LAYERS, GAP = 1, 2, 1,',
-        'PALLET = {1.20, -1.30, 0.10,': 'PALLET = {1.20, -0.60, 0.10,',
-    },
-    # Its first seconds, in which the car speeds up.
-    'motion_simulator.lua': {'TIME = 26': 'TIME = 3'},
-    'press_tending.lua': {
-        'PATIENCE = 2, 10': 'PATIENCE = 1, 10',
-        'FEEDER = {0.30, 1.60, 0.70, 90,': 'FEEDER = {1.60, 0.80, 0.70, 30,',
-        'TRAY = {0.30, -1.60, 0.70, -90,': 'TRAY = {1.60, -0.80, 0.70, -30,',
-        # The wrist stays as it is at all three places.
-        'ptpJointSpaceAngles(0, -100, 110, 0, 80, 0)': 'ptpJointSpaceAngles(0, -100, 110, 0, 80, -180)',
-    },
-    # One run, nearer to the soil and not as far.
-    'wheel_laboratory.lua': {
-        '{0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8}': '{0.2}',
-        'PRESSING, DRIVING = 3.5, 7': 'PRESSING, DRIVING = 1.3, 2',
-        'NEAR, ABOVE = 0.02, 0.10': 'NEAR, ABOVE = 0.003, 0.03',
-    },
-    'debris_removal.lua': {'ptpJointSpaceAngles(6, 28, 90)': 'ptpJointSpaceAngles(5, 36, 75)'},
-    # The target is close before the gripper, and wheels of more torque steady it.
-    'debris_removal/orbit.yaml': {
-        'distance: 0.3,': 'distance: 0.04,',
-        'torque: 0.4, capacity: 12, time_constant: 2.5': 'torque: 9, capacity: 12, time_constant: 0.5',
-    },
-    'rover_placement.lua': {
-        'DOWN, PATIENCE = 0.15, 3': 'DOWN, PATIENCE = 0.05, 3',
-        'setSpeed(0.5) --': 'setSpeed(1) --',
-    },
 }
 
 
@@ -105,7 +72,7 @@ class LockstepRuns:
         with (folder / 'lock').open('w') as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not result.exists():
-                path = _copy(folder / 'programs', program)
+                path = short_copy(folder / 'programs', program)
                 found = run_cell_with(path, folder / 'out', *options)
                 result.write_text(json.dumps(found))
         values = json.loads(result.read_text())
@@ -125,16 +92,3 @@ def run_cell_with(path: Path, out: Path, *options: str) -> tuple[str, int, str, 
     # In this process: the server that the nodes are forked from is started once for all runs.
     code = run_cell(parse_options([*arguments, *options]), Console(file=text, width=WIDTH))
     return str(path), code, text.getvalue(), str(next(out.glob('*/bag')))
-
-
-def _copy(folder: Path, program: str) -> Path:
-    shutil.copytree(PROGRAMS, folder)
-    own = program.removesuffix('.lua') + '/'
-    for name in (program, *(name for name in SHORTENED if name.startswith(own))):
-        path = folder / name
-        text = path.read_text()
-        for old, new in SHORTENED.get(name, {}).items():
-            assert text.count(old) == 1
-            text = text.replace(old, new)
-        path.write_text(text)
-    return folder / program

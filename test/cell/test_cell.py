@@ -25,11 +25,12 @@ from robots_core.errors import RobotsError
 from robots_core.ros.heartbeat import Heartbeat
 from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.timed_node import TimedNode
+from short_programs import PROGRAMS
 from written_bags import no_file_larger_than
 
 from .bag_checks import read_messages
 from .cell_process import DEADLINE, CellProcess
-from .lockstep_runs import PROGRAMS, LockstepRuns
+from .lockstep_runs import LockstepRuns
 
 StartCell = Callable[..., CellProcess]
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from robots_core import load_robot_model
 from robots_core.blocks import CollisionDetection, read_scene
+from short_programs import PROGRAMS
 
 from .bag_checks import read_messages
-from .lockstep_runs import PROGRAMS, LockstepRuns
+from .lockstep_runs import LockstepRuns
 
 ROBOT = 'kuka_kr210_r2700'
 SCENE = PROGRAMS / 'scenes' / 'car_frame.yaml'

@@ -8,8 +8,7 @@ import pytest
 
 from robots_controller.live_cell.cell_command import parse_options
 from robots_core.errors import RobotsError
-
-from .lockstep_runs import PROGRAMS
+from short_programs import PROGRAMS
 
 PRESS = str(PROGRAMS / 'press_tending.lua')
 PILLAR = str(PROGRAMS / 'welding_around_pillar.lua')

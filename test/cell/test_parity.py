@@ -11,10 +11,11 @@ from robots_core import load_robot_model
 from robots_core.blocks import ZoneDetection, read_scene
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.drives.drive_levels import DRIVE_LEVELS
+from short_programs import PROGRAMS
 
 from .bag_checks import read_messages
 from .both_cells import FIRST, check_both_cells
-from .lockstep_runs import PROGRAMS, LockstepRuns
+from .lockstep_runs import LockstepRuns
 
 NAMES = sorted(file.name for file in PROGRAMS.glob('*.lua'))
 CASES = [(name, drive) for name in NAMES for drive in DRIVE_LEVELS]

@@ -18,10 +18,11 @@ from robots_controller.report.run_report import RunReport, run_report
 from robots_core import BaseRobotModel, load_robot_model
 from robots_planning import Trajectory
 from rover_mission.recorded_mission import read_mission
+from short_programs import PROGRAMS
 from wheel_laboratory.recorded_wheel import read_runs
 
 from .bag_checks import Messages, changes, check_references, read_messages
-from .lockstep_runs import PROGRAMS, LockstepRuns
+from .lockstep_runs import LockstepRuns
 
 IO_TOPICS = ('digital_inputs', 'digital_outputs', 'analog_inputs', 'analog_outputs')
 CONTACT = PROGRAMS / 'wheel_laboratory' / 'regolith_simulant.yaml'

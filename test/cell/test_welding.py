@@ -13,9 +13,10 @@ from rosbags.rosbag2 import Reader
 from robots_controller.live_cell.cell_graph import cell_graph
 from robots_controller.report.run_report import run_report
 from robots_core import Pose, load_robot_model
+from short_programs import PROGRAMS
 
 from .bag_checks import changes, check_references, read_messages, reference_trajectory
-from .lockstep_runs import PROGRAMS, LockstepRun, LockstepRuns
+from .lockstep_runs import LockstepRun, LockstepRuns
 
 ROBOT = 'kuka_kr210_r2700'
 TOPICS = (

@@ -1,0 +1,54 @@
+"""The programs of programs/ as tests run them: shortened, so that things are done once, nearer, or sooner."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+PROGRAMS = Path(__file__).parents[2] / 'programs'
+# Text of a program and what stands in its place.
+SHORTENED = {
+    'palletizing.lua': {
+        'ROWS, COLUMNS, LAYERS, GAP = 2, 2, 2,': 'ROWS, COLUMNS, LAYERS, GAP = 1, 2, 1,',
+        'PALLET = {1.20, -1.30, 0.10,': 'PALLET = {1.20, -0.60, 0.10,',
+    },
+    # Its first seconds, in which the car speeds up.
+    'motion_simulator.lua': {'TIME = 26': 'TIME = 3'},
+    'press_tending.lua': {
+        'PATIENCE = 2, 10': 'PATIENCE = 1, 10',
+        'FEEDER = {0.30, 1.60, 0.70, 90,': 'FEEDER = {1.60, 0.80, 0.70, 30,',
+        'TRAY = {0.30, -1.60, 0.70, -90,': 'TRAY = {1.60, -0.80, 0.70, -30,',
+        # The wrist stays as it is at all three places.
+        'ptpJointSpaceAngles(0, -100, 110, 0, 80, 0)': 'ptpJointSpaceAngles(0, -100, 110, 0, 80, -180)',
+    },
+    # One run, nearer to the soil and not as far.
+    'wheel_laboratory.lua': {
+        '{0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8}': '{0.2}',
+        'PRESSING, DRIVING = 3.5, 7': 'PRESSING, DRIVING = 1.3, 2',
+        'NEAR, ABOVE = 0.02, 0.10': 'NEAR, ABOVE = 0.003, 0.03',
+    },
+    'debris_removal.lua': {'ptpJointSpaceAngles(6, 28, 90)': 'ptpJointSpaceAngles(5, 36, 75)'},
+    # The target is close before the gripper, and wheels of more torque steady it.
+    'debris_removal/orbit.yaml': {
+        'distance: 0.3,': 'distance: 0.04,',
+        'torque: 0.4, capacity: 12, time_constant: 2.5': 'torque: 9, capacity: 12, time_constant: 0.5',
+    },
+    'rover_placement.lua': {
+        'DOWN, PATIENCE = 0.15, 3': 'DOWN, PATIENCE = 0.05, 3',
+        'setSpeed(0.5) --': 'setSpeed(1) --',
+    },
+}
+
+
+def short_copy(folder: Path, program: str) -> Path:
+    """A copy of all programs in a new folder, with this one shortened; returns the path of this one."""
+    shutil.copytree(PROGRAMS, folder)
+    own = program.removesuffix('.lua') + '/'
+    for name in (program, *(name for name in SHORTENED if name.startswith(own))):
+        path = folder / name
+        text = path.read_text()
+        for old, new in SHORTENED.get(name, {}).items():
+            assert text.count(old) == 1
+            text = text.replace(old, new)
+        path.write_text(text)
+    return folder / program
