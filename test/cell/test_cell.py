@@ -105,7 +105,7 @@ def test_ctrl_c_and_terminate_stop_all_nodes(start_cell: StartCell, number: sign
     cell = start_cell('--robot', 'bello_bot')
     cell.until_ready()
     pids = cell.node_pids()
-    assert len(pids) == 6
+    assert len(pids) == 7
     for pid in (cell.process.pid, *pids.values()):
         addresses = cell.udp_addresses(pid)
         assert '127.0.0.1' in addresses
@@ -170,7 +170,7 @@ def test_a_second_cell_beside_the_first_ends_with_the_reason(start_cell: StartCe
     assert 'another cell is running' in second.text
     assert f'process {first.process.pid}' in second.text
     assert len(list(second.out.iterdir())) == 1  # the first one's: it has started nothing
-    assert len(first.node_pids()) == 6
+    assert len(first.node_pids()) == 7
 
 
 def test_a_cell_looks_for_nodes_that_others_have_started_before_it_starts_its_own(

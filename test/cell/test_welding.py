@@ -86,7 +86,7 @@ def test_the_documentation_lists_the_topics(cell: LockstepRun) -> None:
     }
     with Reader(cell.bag) as reader:
         recorded = {connection.topic for connection in reader.connections}
-    ros_own = {'/rosout', '/parameter_events'}
+    ros_own = {'/rosout', '/parameter_events', '/tf', '/tf_static'}
     assert {topic.removeprefix('/') for topic in recorded - ros_own - {'/diagnostics'}} <= listed
     # This cell has no zones to claim.
     assert {f'/{name}' for name in from_nodes - {'trigger', 'zone_claims'}} <= recorded

@@ -140,7 +140,7 @@ def test_a_position_out_of_reach_is_refused():
     robot, q = small_arm(4), start_of(4)
     far = Pose(np.array([3.0, 0.0, 0.5]), np.eye(3))
     for kind in (LINE, JOINT_TO_POSE):
-        with pytest.raises(UnreachablePoseError, match=r'cannot reach position \(3\.0000.*mm off'):
+        with pytest.raises(UnreachablePoseError, match=r'cannot reach position \(3\.0000.* m off'):
             PathPlanning(robot).plan(kind, q, far)
 
 

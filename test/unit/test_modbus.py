@@ -127,7 +127,7 @@ def test_a_server_that_does_not_answer_is_left_and_tried_again(partner: ModbusPa
     bench.until(lambda: 'no answer within 0.05 s' in str(bench.bridge.problems), 'the silence')
     partner.call(partner.answer())
     bench.until(lambda: not str(bench.bridge.problems), 'the answer')
-    assert bench.inputs['digital_input.1'] == 0.0
+    bench.until(lambda: bench.inputs['digital_input.1'] == 0.0, 'the input')
 
 
 def test_an_address_that_does_not_exist_leaves_its_neighbours_alone(partner: ModbusPartner, start: Start):

@@ -266,7 +266,7 @@ def test_a_guided_robot_stops_before_it_collides(tmp_path: Path):
     assert kept.ok, kept.error
     found = read_bag(tmp_path / 'bag').deserialized(['/min_distance', '/motion_result'])
     assert 0.0 < min(message.data for _, message in found['/min_distance']) < 0.012
-    assert found['/motion_result'][-1][1].message == 'stopped by ~/stop'
+    assert found['/motion_result'][-1][1].message == 'stopped before a collision'
     assert np.ptp(tool_path(free)[1][:, 1]) == pytest.approx(2.0 * RADIUS, abs=BEHIND)
     assert tool_path(kept)[1][:, 1].max() < 0.012
 

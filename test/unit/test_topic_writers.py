@@ -109,7 +109,7 @@ def test_the_same_names_of_another_cell_are_strangers():
 
 def test_the_documentation_has_the_writers():
     _, _, section = (
-        Path('docs/reference/stops.md').read_text().partition('## Who publishes what moves the robot')
+        Path('docs/reference/stops.md').read_text().partition('## Publishers of what moves the robot')
     )
     rows = [line.split(' | ')[:2] for line in section.partition('\n## ')[0].splitlines() if '| `' in line]
     assert rows == [

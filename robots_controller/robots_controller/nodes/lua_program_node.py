@@ -48,6 +48,7 @@ from robots_core.validation import one_of
 from robots_planning.robot_command_state import RobotCommandState
 
 JOIN_TIMEOUT: Final = 5.0  # s
+DEBUG_PORTS: Final = (-1, PORTS[1])
 WATCH_PERIOD: Final = 0.1  # s
 STATUS_PERIOD: Final = 0.02  # s, after which a change that could not be reported at once is reported
 
@@ -124,7 +125,10 @@ class LuaProgramNode(RobotNode):
             'step_mode', 'over', f'how far ~/step goes: {", ".join(STEPS)}', read=one_of('step', STEPS)
         )
         port = self.parameter(
-            'debug_port', 0, 'port on this machine where editors connect; 0 for none', bounds=PORTS
+            'debug_port',
+            0,
+            'port on this machine where editors connect; 0 for none, -1 for any',
+            bounds=DEBUG_PORTS,
         )
         token = self.parameter('debug_token', '', 'what editors must give; empty for a new one')
         PathSwitchingMessages(self, self.host.switching, axes.names)

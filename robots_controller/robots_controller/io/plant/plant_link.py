@@ -11,7 +11,10 @@ from robots_core.errors import InvalidInputError, RobotsError
 
 
 class LinkError(RobotsError):
-    """The connection cannot be opened, or is lost."""
+    """The connection to a plant cannot be opened, or is lost."""
+
+    code = 'R405'
+    remedy = 'Check that the server or broker runs, and its address, user and certificates in the I/O map.'
 
 
 class PlantLink(Protocol):
