@@ -199,7 +199,7 @@ def test_a_soil_of_one_s_own_is_read(tmp_path: Path) -> None:
 
 def test_a_recording_and_force_control_do_not_guide_together(tmp_path: Path) -> None:
     with pytest.raises(
-        RobotsError, match='both guide the robot: give a recording, a contact or an orbit, not two'
+        RobotsError, match='both guide the robot: give a recording or a cabin, a contact or an orbit, not two'
     ):
         simulated(tmp_path, references=tmp_path / 'bag')
 
