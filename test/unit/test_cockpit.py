@@ -21,7 +21,7 @@ from robots_core.blocks import (
     WashoutSettings,
     read_cabin,
 )
-from robots_core.blocks.motion_cueing.cockpit import read_input
+from robots_core.blocks.motion_cueing.vehicle_inputs import read_input
 from robots_core.errors import InvalidInputError
 
 from .simulated_program import PROGRAMS

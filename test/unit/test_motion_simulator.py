@@ -11,7 +11,7 @@ import pytest
 
 from motion_simulator.double_lane_change import DoubleLaneChange
 from motion_simulator.recorded_cabin import RecordedCabin, read_recorded_cabin, reasons
-from motion_simulator.references import lane_change, recorded, write
+from motion_simulator.references import IMU_RATE, lane_change, recorded, write
 from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.program.program_header import read_program_header
 from robots_controller.recording.bag_file import read_bag
@@ -100,7 +100,7 @@ def test_the_recording_of_the_programs_is_that_of_the_generator() -> None:
 
 @pytest.mark.parametrize('cabin', ['cabin.yaml', 'cabin_on_axis.yaml'])
 def test_the_manoeuvre_stays_inside_the_envelope(cabin: str) -> None:
-    kept, cockpit = recorded(BAG), Cockpit(read_cabin(FOLDER / cabin), 0.01)
+    kept, cockpit = recorded(BAG), Cockpit(read_cabin(FOLDER / cabin), 1.0 / IMU_RATE)
     steps = []
     for motion in kept.motions:
         cockpit.take(motion)

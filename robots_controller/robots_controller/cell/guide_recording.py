@@ -13,8 +13,8 @@ import numpy as np
 from robots_controller.recording.bag_file import Bag, read_bag
 from robots_controller.recording.joint_rows import seconds
 from robots_core.blocks.following.guide import Guide
-from robots_core.blocks.motion_cueing.cockpit import INPUTS, read_input
 from robots_core.blocks.motion_cueing.driven_vehicle import DriverInputs
+from robots_core.blocks.motion_cueing.vehicle_inputs import INPUTS, read_input
 from robots_core.blocks.motion_cueing.vehicle_motion import VehicleMotion
 from robots_core.errors import BagError, InvalidInputError, RobotsError
 from robots_core.pose import Pose

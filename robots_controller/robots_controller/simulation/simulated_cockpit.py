@@ -7,13 +7,12 @@ from typing import Final
 
 from robots_controller.cell.guide_recording import NANOSECONDS, GuideRecording, GuidingMessage
 from robots_controller.cell.guide_replay import GuideReplay
-from robots_controller.simulation.cell_parts import CellParts
-from robots_controller.simulation.simulated_guide import GuideSource
 from robots_core.blocks.following.following_methods import RATE
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.motion_cueing.cabin import Cabin
-from robots_core.blocks.motion_cueing.cockpit import INPUTS, Cockpit
+from robots_core.blocks.motion_cueing.cockpit import Cockpit
 from robots_core.blocks.motion_cueing.driven_vehicle import DriverInputs
+from robots_core.blocks.motion_cueing.vehicle_inputs import INPUTS
 from robots_core.blocks.motion_cueing.vehicle_motion import VehicleMotion
 from robots_core.errors import PlanningError
 from robots_core.periodic_schedule import PeriodicSchedule
@@ -76,10 +75,3 @@ class SimulatedCockpit:
             pose = Pose.from_quaternion(pose.r, pose.quaternion())
             yield GuidingMessage(POSE, time, time, b'', pose)
             yield GuidingMessage(TWIST, time, time, b'', self._cabin.twist_of(step))
-
-
-def guide_of_cell(parts: CellParts) -> GuideSource | None:
-    """What a recording guides the robot of a cell with, through its cabin if it has one; None for nothing."""
-    if parts.cabin is not None:
-        return SimulatedCockpit(parts.cabin, parts.references)
-    return None if parts.references is None else GuideReplay(parts.references)

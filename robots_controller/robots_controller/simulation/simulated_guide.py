@@ -8,8 +8,10 @@ from typing import Final, Protocol
 import numpy as np
 
 from robots_controller.cell.guide_recording import GUIDES, NANOSECONDS, GuidingMessage
+from robots_controller.cell.guide_replay import GuideReplay
 from robots_controller.control.control_loop import ControlLoop
 from robots_controller.control.streamed_reference import StreamPoint
+from robots_controller.simulation.cell_parts import CellParts
 from robots_core.blocks.following.following_methods import RATE
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.following.realtime_movement import RealtimeMovement, RealtimeStep
@@ -185,3 +187,13 @@ class SimulatedGuide:
             due = (time + period) / NANOSECONDS
             point = StreamPoint(step.q, step.q_dot, step.q_ddot, due)
             self._control.stream(point, self._on_point(point, time, period))
+
+
+def guide_of_cell(parts: CellParts) -> GuideSource | None:
+    """What a recording guides the robot of a cell with, through its cabin if it has one; None for nothing."""
+    if parts.cabin is None:
+        return None if parts.references is None else GuideReplay(parts.references)
+    # On demand: the filters of the cueing need SciPy.
+    from robots_controller.simulation.simulated_cockpit import SimulatedCockpit  # noqa: PLC0415
+
+    return SimulatedCockpit(parts.cabin, parts.references)

@@ -9,7 +9,8 @@ from std_msgs.msg import String
 from robots_core.blocks.following.following_methods import RATE
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.motion_cueing.cabin import Cabin, read_cabin
-from robots_core.blocks.motion_cueing.cockpit import INPUTS, Cockpit, read_input
+from robots_core.blocks.motion_cueing.cockpit import Cockpit
+from robots_core.blocks.motion_cueing.vehicle_inputs import INPUTS, read_input
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import pose_stamped_message, twist_stamped_message

@@ -2,24 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
-from typing import Any, Final
-
 import numpy as np
 
 from robots_core.blocks.motion_cueing.cabin import Cabin
 from robots_core.blocks.motion_cueing.driven_vehicle import DrivenVehicle, DriverInputs
 from robots_core.blocks.motion_cueing.motion_cueing import CueingStep, MotionCueing
 from robots_core.blocks.motion_cueing.vehicle_motion import VehicleMotion
-from robots_core.errors import InvalidInputError
-
-INPUTS: Final[Mapping[str, str]] = MappingProxyType(
-    {'vehicle_imu': 'sensor_msgs/msg/Imu', 'joy': 'sensor_msgs/msg/Joy'}
-)
-"""Topics that move a cabin, with their types."""
-STEERING, PEDAL = 0, 1
-"""Axes of the joystick."""
 
 
 class Cockpit:
@@ -83,18 +71,3 @@ class Cockpit:
         self._motion = self._motion + (self._aim - self._motion) / self._left
         self._left -= 1
         return VehicleMotion(self._motion[:3], self._motion[3:])
-
-
-def read_input(topic: str, message: Any) -> DriverInputs | VehicleMotion:
-    """What a message of one of the `INPUTS` says, of any library for messages.
-
-    Raises:
-        InvalidInputError: a joystick with too few axes, or a number out of range or not finite.
-    """
-    if topic == 'vehicle_imu':
-        f, w = message.linear_acceleration, message.angular_velocity
-        return VehicleMotion(np.array([f.x, f.y, f.z]), np.array([w.x, w.y, w.z]))
-    axes = [float(value) for value in message.axes]
-    if len(axes) <= PEDAL:
-        raise InvalidInputError(f'joy has {len(axes)} axes; needed are steering and pedal, in this order')
-    return DriverInputs(axes[STEERING], axes[PEDAL])
