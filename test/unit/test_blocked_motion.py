@@ -98,7 +98,7 @@ STOPS = {
     'a fault, reset since': (trip_and_reset, 'e-stop'),
     'another commander': (
         lambda rig: rig.controller.speed.authority.take(Commander.REMOTE, standing=True),
-        'another one commands the robot',
+        'the commander of the robot or its mode has changed',
     ),
     'another motion': (other_motion, 'motion n has taken its place'),
 }

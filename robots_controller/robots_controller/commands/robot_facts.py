@@ -1,11 +1,11 @@
-"""robot_facts: what a person wants to know of a robot before it is chosen."""
+"""robot_facts: figures of a robot by which it is chosen."""
 
 from dataclasses import asdict, is_dataclass
 from typing import Any, Final
 
 import numpy as np
 
-from robots_core.errors import RobotsError
+from robots_core.errors import NoAnalyticInverseKinematicsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 
 TRIES: Final = 25
@@ -67,6 +67,6 @@ def has_closed_form(robot: BaseRobotModel) -> bool:
     """Whether the robot has all solutions of its inverse kinematics in closed form."""
     try:
         robot.inverse_kinematics_analytic(*robot.direct_kinematics(robot.home))
-    except RobotsError:
+    except NoAnalyticInverseKinematicsError:
         return False
     return True

@@ -1,4 +1,4 @@
-"""BlockedMotion: the motion that was stopped before an obstacle, and whether it may go on."""
+"""BlockedMotion: the motion that was stopped before an obstacle, and whether it may continue."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from robots_core.errors import TrajectoryRefusedError
 
 
 class BlockedMotion:
-    """Permits the way around an obstacle as long as nobody else has stopped or taken the robot meanwhile.
+    """Permits the way around an obstacle unless the robot was stopped or taken meanwhile.
 
-    A robot that stands before an obstacle moves again by itself. Whoever stops it while its way around is
-    being planned has stopped a robot that stands already: the trajectory that comes then must not move it.
+    A robot that stands before an obstacle moves again by itself. A stop that comes while the way around it is
+    being planned finds the robot standing: the trajectory that follows must not move it.
 
     Args:
         authority: Who commands the robot, in which mode.
@@ -30,7 +30,7 @@ class BlockedMotion:
         self._id, self._reason, self._commanded = id_, '', self._now
 
     def give_up(self, reason: str) -> None:
-        """The motion goes on no more; the first reason counts."""
+        """The motion does not continue; the first reason counts."""
         if self._id and not self._reason:
             self._reason = reason
 
@@ -38,13 +38,13 @@ class BlockedMotion:
         """A motion is to be followed.
 
         Raises:
-            TrajectoryRefusedError: it is the one that was stopped before an obstacle, and was given up since.
+            TrajectoryRefusedError: it was stopped before an obstacle, and was given up since.
         """
         if id_ != self._id:
             self.give_up(f'motion {id_} has taken its place')
             return
         if self._commanded != self._now:
-            self.give_up('another one commands the robot, or its mode has changed')
+            self.give_up('the commander of the robot or its mode has changed')
         if self._reason:
             raise TrajectoryRefusedError(f'it does not go around what is in its way: {self._reason}')
         self._id = ''

@@ -36,7 +36,7 @@ class IoBridge:
         io_map: The rows.
         ports: The partners of all rows, by `Place.port`.
         fail_safe: Values of outputs for which no running program answers.
-        tell: Logs what is wrong.
+        log: Logs a warning.
         now: s.
     """
 
@@ -45,12 +45,12 @@ class IoBridge:
         io_map: IoMap,
         ports: Mapping[str, IoPort],
         fail_safe: FailSafe,
-        tell: Callable[[str], None],
+        log: Callable[[str], None],
         now: float,
     ) -> None:
         self._ports = ports
         self._fail_safe = fail_safe
-        self.problems = Problems(tell)
+        self.problems = Problems(log)
         self._inputs: dict[Place, list[InputValue]] = {}
         for row in io_map.inputs:
             self._inputs.setdefault(row.place, []).append(InputValue(row, now))

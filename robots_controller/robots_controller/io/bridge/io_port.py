@@ -14,13 +14,13 @@ Number = bool | int | float
 
 @dataclass(frozen=True)
 class Arrival:
-    """What a partner says of a place.
+    """A value that has arrived from a place, or a problem there.
 
     Attributes:
         place: The place.
         value: The value as it came; None where there is a problem instead.
         problem: Why there is no value, '' for none.
-        stamp: When the source says that it measured the value, s since 1970; NaN where it does not say.
+        stamp: When the source measured the value, s since 1970; NaN where it is not stated.
     """
 
     place: Place

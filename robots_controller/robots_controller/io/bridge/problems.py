@@ -1,22 +1,22 @@
-"""Problems: what is wrong now, each told once however often it happens."""
+"""Problems: what is wrong now, each logged once however often it occurs."""
 
 from collections.abc import Callable, Mapping
 from typing import Final
 
-TELL_AGAIN: Final = 5.0  # s
+LOG_AGAIN: Final = 5.0  # s
 
 
 class Problems:
-    """What is wrong now, by keys; a problem that comes and goes is told at most once in `TELL_AGAIN`.
+    """What is wrong now, by keys; a problem that comes and goes is logged at most once in `LOG_AGAIN`.
 
     Args:
-        tell: Logs a warning.
+        log: Logs a warning.
     """
 
-    def __init__(self, tell: Callable[[str], None]) -> None:
-        self._tell = tell
+    def __init__(self, log: Callable[[str], None]) -> None:
+        self._log = log
         self._now: dict[str, str] = {}
-        self._told: dict[str, tuple[float, int]] = {}  # when, and how often since
+        self._logged: dict[str, tuple[float, int]] = {}  # when (s), and how often since
         self.count = 0
         """How often `set` was called with a problem that counts."""
 
@@ -38,12 +38,12 @@ class Problems:
         self.count += counts
         fresh = key not in self._now
         self._now[key] = problem
-        last, times = self._told.get(key, (-TELL_AGAIN, 0))
-        if fresh and now - last >= TELL_AGAIN:
-            self._tell(f'{problem} ({times} times more before)' if times else problem)
-            self._told[key] = now, 0
+        last, times = self._logged.get(key, (-LOG_AGAIN, 0))
+        if fresh and now - last >= LOG_AGAIN:
+            self._log(f'{problem} ({times} times more before)' if times else problem)
+            self._logged[key] = now, 0
         elif counts or fresh:
-            self._told[key] = last, times + 1
+            self._logged[key] = last, times + 1
 
     def replace(self, prefix: str, problems: Mapping[str, str], now: float) -> None:
         """Set all problems of one origin; those that it has no more are cleared.

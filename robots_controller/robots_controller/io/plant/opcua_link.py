@@ -95,13 +95,13 @@ class OpcuaLink:
         """Disconnect."""
         client, self._client = self._client, None
         if client is not None:
-            with suppress(Exception):  # whatever a connection that is lost says
+            with suppress(Exception):  # of a connection that is lost
                 client.disconnect()
             with suppress(Exception):  # ended by `disconnect` before
                 client.tloop.stop()
 
     def read(self, now: float) -> float:
-        """Check that the server is there: then what it does not tell of has not changed."""
+        """Check that the server answers: variables of which no change has arrived are as they were then."""
         with self._answering():
             self._client.nodes.server_state.read_value()
             if self._heard:

@@ -80,7 +80,7 @@ def library(module: str, package: str, protocol: str) -> Any:
     Raises:
         InvalidInputError: it is not installed.
     """
-    # The connection says what is wrong, once.
+    # The connection reports the problem, once.
     logging.getLogger(module.partition('.')[0]).setLevel(logging.CRITICAL)
     try:
         return import_module(module)

@@ -17,10 +17,10 @@ from robots_controller.recording.message_rows import MessageRows, marks
 from robots_controller.simulation.record import ros_messages as ros
 from robots_controller.simulation.record.recording import Recording
 from robots_controller.simulation.simulated_clock import START
-from robots_core.blocks.motion_cueing.vehicle_inputs import INPUTS
 from robots_core.errors import BagError, RobotsError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
+from robots_core.vehicle_inputs import INPUTS
 from robots_planning.motion_kinds import KIND_OF_TOPIC
 
 TCP_RATE: Final = 50.0  # Hz

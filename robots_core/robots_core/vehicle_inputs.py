@@ -1,4 +1,4 @@
-"""Messages that move a cabin: what a driver does, and how a vehicle moves."""
+"""VehicleInputs: messages with a driver's inputs, or with the motion of a vehicle, as plain values."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STEERING, PEDAL = 0, 1
 
 
 def read_input(topic: str, message: Any) -> DriverInputs | VehicleMotion:
-    """What a message of one of the `INPUTS` says, of any library for messages.
+    """The plain values in a message of one of the `INPUTS`, of rclpy or of rosbags.
 
     Raises:
         InvalidInputError: a joystick with too few axes, or a number out of range or not finite.
