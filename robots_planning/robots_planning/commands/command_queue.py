@@ -121,7 +121,7 @@ class CommandQueue:
         self._goes_on = False
         self._known: dict[str, QueuedCommand | None] = {}  # in their order; None for a given trajectory
         self._around: list[CommandChain] = []  # stopped by an obstacle, to be planned before all others
-        self._stale: set[str] = set()  # planned anew before the controller has answered them
+        self._stale: set[str] = set()  # planned again before the controller has answered them
         self._running: dict[str, RunningMotion] = {}
         self._given_up: dict[str, RunningMotion] = {}  # with one before them; the controller's answers come
         self._failed_at = -float('inf')

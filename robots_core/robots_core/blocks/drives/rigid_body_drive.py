@@ -140,7 +140,7 @@ class RigidBodyDrive(DriveTrain):
         self._fixed = (self._dynamics, self._drive, self._motors)
 
     def push(self, torque: Array) -> None:
-        """See `DriveTrain.push`; the feed-forward does not know of it."""
+        """See `DriveTrain.push`; the feed-forward leaves it out."""
         self._outside[:] = finite_vector(torque, self._outside.size, 'torque')
 
     def strike(self, q_dot: Array) -> None:
