@@ -81,6 +81,12 @@ CHECK: Final = Command(
     'robots_controller.commands.robot_commands:check_robot',
     json=True,
 )
+MOVEIT_CONFIG: Final = Command(
+    'moveit_config',
+    'writes URDF, SRDF, limits, kinematics and controllers of a robot for MoveIt 2',
+    tool_arguments.moveit_config_arguments,
+    'robots_controller.commands.robot_commands:write_moveit_config',
+)
 EXPLAIN: Final = Command(
     'explain',
     'explains an error by its code, and what to do about it',
@@ -88,7 +94,7 @@ EXPLAIN: Final = Command(
     'robots_controller.commands.error_catalogue:explain',
 )
 
-ABOUT_ROBOTS: Final = (LIST, SHOW, CHECK, EXPLAIN)
+ABOUT_ROBOTS: Final = (LIST, SHOW, CHECK, MOVEIT_CONFIG, EXPLAIN)
 """Commands that are there below `robots` alone."""
 TOOLS: Final = (CELL, SIMULATE, CHECK_PROGRAM, REPORT, STUDY, CHECK_BAG, REPLAY_BAG, LUA_META)
 """Commands that have executables of their own too."""
