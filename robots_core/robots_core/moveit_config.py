@@ -1,4 +1,4 @@
-"""Configuration of MoveIt: what it needs to plan for a robot of the suite that moves in a cell of the suite."""
+"""Configuration of MoveIt: what it needs to plan for a robot of the suite that moves in a cell."""
 
 from itertools import combinations
 from pathlib import Path

@@ -267,12 +267,12 @@ outputs:
   - {{channel: digital_output.1, modbus: {{coil: 1}}}}
 """)
     plc.wait_for_health(DiagnosticStatus.WARN, 'modbus press: 127.0.0.1:')
+    plc.repeat('digital_outputs', UInt8MultiArray(data=[1]), STATE)
     partner.start()
     partner.set('discrete_input', 3, [True])
     plc.wait_for_health(DiagnosticStatus.OK, 'ready')
     plc.publish('ready', Bool(data=True))
     plc.wait_for_input('digital', [1, 1])
-    plc.repeat('digital_outputs', UInt8MultiArray(data=[1]), STATE)
     plc.wait(lambda: partner.get('coil', 1) == [True], 'the output')
     names = ['digital_output.1', 'digital_input.9']
     described = plc.call(

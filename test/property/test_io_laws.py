@@ -171,6 +171,14 @@ WORDS = st.sampled_from(
         *('inputs:', 'outputs:', 'signals:', 'rules:', 'initial:', '  - ', '    ', '{', '}', 'when: start'),
         *('channel: digital_input.1', 'topic: a', 'type: Bool', 'field: "x["', 'bit: 70', 'set: {}', '\n'),
         *('timeout: 1', 'fail_safe: 0', 'bits: {0: x}', 'qos: 1', 'if: x is on', 'a: b', ', '),
+        *(
+            'modbus:',
+            'modbus: {coil: 1}',
+            'mqtt: {topic: a}',
+            'opcua: {node: i=1}',
+            '{host: b}',
+            'endpoint: c',
+        ),
         *('fail_safe:', 'digital_output.1: hold', 'analog_output.1: [1]', 'fail_safe: hold', 'x: .nan'),
     ]
 )

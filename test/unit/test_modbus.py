@@ -123,11 +123,12 @@ def test_inputs_of_a_server_that_is_gone_are_fail_safe_after_their_timeout(
 def test_a_server_that_does_not_answer_is_left_and_tried_again(partner: ModbusPartner, start: Start):
     partner.start()
     partner.answers.clear()
-    bench = start(ROWS, timeout=0.05)
-    bench.until(lambda: 'no answer within 0.05 s' in str(bench.bridge.problems), 'the silence')
+    bench = start(ROWS, timeout=0.2)
+    bench.until(lambda: 'no answer within 0.2 s' in str(bench.bridge.problems), 'the silence')
+    assert not [text for text in bench.told if 'modbus press: connected' in text]
     partner.call(partner.answer())
-    bench.until(lambda: not str(bench.bridge.problems), 'the answer')
-    bench.until(lambda: bench.inputs['digital_input.1'] == 0.0, 'the input')
+    bench.until(lambda: bench.inputs['digital_input.1'] == 0.0, 'the answer')
+    bench.until(lambda: not str(bench.bridge.problems), 'the end of the problem')
 
 
 def test_an_address_that_does_not_exist_leaves_its_neighbours_alone(partner: ModbusPartner, start: Start):

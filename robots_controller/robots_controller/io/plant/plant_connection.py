@@ -112,8 +112,9 @@ class PlantConnection:
             began = time.monotonic()
             try:
                 self._link.open(self._hear)
+                due = self._link.read(began)  # one that takes connections may still not answer
                 self._set_up()
-                self._serve()
+                self._serve(due)
             except LinkError as error:
                 self._set_down(error.message)
             except Exception as error:  # noqa: BLE001  # a partner can make its library raise anything
@@ -125,8 +126,8 @@ class PlantConnection:
                 self._changed.wait_for(lambda: self._ended, pause)
             pause = min(2.0 * pause, longest)
 
-    def _serve(self) -> None:
-        due = retry = time.monotonic()
+    def _serve(self, due: float) -> None:
+        retry = time.monotonic()
         while True:
             now = time.monotonic()
             if now >= due:
