@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,10 @@ import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from rosbags.rosbag2 import Reader, StoragePlugin, Writer
+from rosbags.rosbag2 import Reader, StoragePlugin, Writer, storage_mcap
 
+from robots_controller.recording import crash_safe_writer
+from robots_controller.recording.bag_file import read_bag
 from robots_controller.recording.bag_qos import bag_qos
 from robots_controller.recording.crash_safe_writer import CHUNK_SIZE, CrashSafeWriter
 from robots_core.errors import RobotsError
@@ -100,6 +103,73 @@ def test_what_waits_in_memory_is_bounded_and_written_whole(tmp_path: Path):
     assert written > 0
     recording.writer.close()
     assert content(recording.path) == recording.rows
+
+
+@pytest.mark.parametrize('chunks', [1, 3])
+def test_a_long_bag_goes_on_in_other_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, chunks: int
+) -> None:
+    monkeypatch.setattr(crash_safe_writer, 'MOST_CHUNKS', 4)
+    recording = Recording(tmp_path / 'bag', chunks=chunks)
+    for number in range(30):
+        recording.write('/a' if number < 20 else '/b', 1_000 * number)
+        recording.writer.flush()
+        assert content(recording.path) == recording.rows
+        assert read_bag(recording.path).problem == ''
+    recording.writer.close()
+    assert content(recording.path) == recording.rows
+    assert [file.name for file in sorted(recording.path.glob('*.mcap'))][:3] == [
+        'bag.mcap',
+        'bag_1.mcap',
+        'bag_2.mcap',
+    ]
+    for file in recording.path.glob('*.mcap'):
+        assert read_bag(file).problem == ''
+
+
+def test_a_damaged_file_costs_nothing_of_the_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(crash_safe_writer, 'MOST_CHUNKS', 2)
+    recording = Recording(tmp_path / 'bag')
+    for _ in range(6):
+        recording.write('/a', 1000)
+        recording.writer.flush()
+    recording.writer.close()
+    file = recording.path / 'bag_1.mcap'
+    file.write_bytes(file.read_bytes()[:-2500])
+    bag = read_bag(recording.path)
+    assert 'bag_1.mcap is damaged' in bag.problem
+    assert bag.messages == (*recording.rows[:3], *recording.rows[4:])
+
+
+def test_the_index_of_a_long_recording_does_not_stay_in_memory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(crash_safe_writer, 'MOST_CHUNKS', 50)
+    recording = Recording(tmp_path / 'bag')
+    ours = [tracemalloc.Filter(True, module.__file__) for module in (crash_safe_writer, storage_mcap)]
+    kept, flushes, entry = [], 100, 100  # an entry of the index takes more bytes
+    tracemalloc.start()
+    for _ in range(3):
+        for _ in range(flushes):
+            recording.write('/a', 10)
+            recording.writer.flush()
+        traces = tracemalloc.take_snapshot().filter_traces(ours).traces
+        kept.append(sum(trace.size for trace in traces))
+    tracemalloc.stop()
+    assert kept[-1] - kept[-2] < flushes * entry
+
+
+def test_another_file_that_does_not_fit_leaves_the_bag_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(crash_safe_writer, 'MOST_CHUNKS', 2)
+    recording = Recording(tmp_path / 'bag')
+    for _ in range(4):
+        recording.write('/a', 1000)
+        recording.writer.flush()
+    saved = list(recording.rows)
+    recording.write('/a', 1000)
+    with no_file_larger_than(1), pytest.raises(RobotsError, match='cannot take more'):
+        recording.writer.flush()
+    assert content(recording.path) == saved
 
 
 @pytest.mark.parametrize('chunks', [1, 3])

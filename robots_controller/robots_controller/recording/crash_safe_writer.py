@@ -16,7 +16,7 @@ from rosbags.interfaces import Connection, ConnectionExtRosbag2
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.rosbag2.enums import CompressionMode
 from rosbags.rosbag2.metadata import dump_qos_v9
-from rosbags.rosbag2.storage_mcap import McapWriter, PendingChunk
+from rosbags.rosbag2.storage_mcap import McapWriter, PendingChunk, write_channel, write_schema
 
 from robots_core.errors import BagError
 
@@ -24,6 +24,9 @@ VERSION: Final = 9  # of rosbag2's format
 CHUNK_SIZE: Final = 1_000_000  # bytes; below the 2**20 at which the base class writes a chunk
 # Chunks that may be given up so that the end of the file fits, which has fitted behind the last one.
 MOST_BACK: Final = 16
+# Chunks of a file, whose index stays in memory and is written again by each flush: ten minutes of a flush a
+# second.
+MOST_CHUNKS: Final = 600
 MESSAGE_OPCODE: Final = 0x05
 # Of MCAP's record of a message, which begins with its opcode and its length.
 MESSAGE_HEAD: Final = (('opcode', 'u1'), ('length', '<u8'))
@@ -46,11 +49,29 @@ class _Extent:
     end: int
 
 
-class _LastingMcap(McapWriter):
-    """Writes the file's end after every flush; the next messages overwrite it."""
+@dataclass(frozen=True)
+class _FileStem:
+    """Stands for a bag's folder whose file the base class names after it."""
 
-    def __init__(self, path: Path, compression: CompressionMode) -> None:
-        super().__init__(path, compression)
+    folder: Path
+    name: str
+
+    def __truediv__(self, file: str) -> Path:
+        return self.folder / file
+
+
+class _LastingMcap(McapWriter):
+    """Writes the file's end after every flush, and goes on over it.
+
+    Args:
+        path: Folder of the bag.
+        compression: Of the bag.
+        number: Of the file in the bag.
+    """
+
+    def __init__(self, path: Path, compression: CompressionMode, number: int = 0) -> None:
+        stem: Any = _FileStem(path, f'{path.name}_{number}' if number else path.name)
+        super().__init__(stem, compression)
         # Unbuffered: a buffer would try again later to write what has failed.
         self.bio = self.bio.detach()  # type: ignore[assignment]
         self._extents = deque([self._extent()], maxlen=MOST_BACK)
@@ -128,8 +149,30 @@ class _LastingMcap(McapWriter):
         self.channel_stats[channel] += len(times)
 
     def finish(self) -> None:
-        """Close the file."""
+        """Close the file, and keep what describes it."""
         self.bio.close()
+        self.chunks.clear()
+        self._extents.clear()
+
+    @property
+    def description(self) -> dict[str, Any]:
+        """The file in `metadata.yaml`."""
+        return {
+            'path': self.path.name,
+            **_span(self.message_start_time, self.message_end_time, sum(self.channel_stats.values())),
+        }
+
+    def successor(self, number: int) -> '_LastingMcap':
+        """A further file of the bag with the same topics."""
+        file = _LastingMcap(self.path.parent, CompressionMode.NONE, number)
+        file.schemas, file.channels = self.schemas.copy(), self.channels.copy()
+        file.channel_stats = dict.fromkeys(self.channel_stats, 0)
+        # Readers that scan the file, because its end is damaged, need them before the messages.
+        for schema in file.schemas:
+            write_schema(file.chunk.bio, schema)
+        for channel in file.channels:
+            write_channel(file.chunk.bio, channel, file.schemas)
+        return file
 
 
 class _Tail(BytesIO):
@@ -146,8 +189,20 @@ class _Tail(BytesIO):
         """Stay: the content is still needed."""
 
 
+def _span(start: int, end: int, count: int) -> dict[str, Any]:
+    """When messages were sent, ns, and how many, in `metadata.yaml`."""
+    return {
+        'starting_time': {'nanoseconds_since_epoch': start},
+        'duration': {'nanoseconds': max(0, end - start)},
+        'message_count': count,
+    }
+
+
 class CrashSafeWriter(Writer):
     """A rosbag2 writer (MCAP) with a bag that any reader can open after each `flush`, whatever happens then.
+
+    The bag continues in another file after `MOST_CHUNKS` chunks, so that neither the memory nor the time of a
+    flush grows with the length of the recording.
 
     Where no more can be written, as on a full disk, it ends the bag with what is there and raises a
     RobotsError once; what comes after that is ignored.
@@ -162,6 +217,7 @@ class CrashSafeWriter(Writer):
     def __init__(self, path: Path, *, chunks: int = 1) -> None:
         super().__init__(path, version=VERSION, storage_plugin=StoragePlugin.MCAP)
         self._chunks = chunks
+        self._finished: list[_LastingMcap] = []  # files before the one that is written
         self.ended = False
         """The bag is closed."""
 
@@ -184,13 +240,14 @@ class CrashSafeWriter(Writer):
             timestamps: (k,) ns, in order.
             rows: (k, size) bytes.
         """
-        storage: Any = self.storage
         # Whole rows at a time, so that a chunk never comes near the size at which the base class writes it.
         step = max(1, CHUNK_SIZE // (4 * (rows.shape[1] + 64)))
         for start in range(0, 0 if self.ended else len(timestamps), step):
             part = slice(start, start + step)
+            storage: Any = self.storage
             if storage.chunk.bio.tell() + rows[part].nbytes + 64 * step > CHUNK_SIZE:
                 self._end_chunk()
+                storage = self.storage
             storage.write_rows(connection.id, timestamps[part], rows[part])
             self.counts[connection.id] += len(timestamps[part])
         if len(timestamps):
@@ -214,6 +271,21 @@ class CrashSafeWriter(Writer):
         if not self.ended:
             with self._ended_by_errors():
                 self._save()
+                storage: Any = self.storage
+                if len(storage.chunks) >= MOST_CHUNKS:
+                    self._begin_file(storage)
+
+    def _begin_file(self, last: _LastingMcap) -> None:
+        """Go on in another file; the bag has it from the next flush on."""
+        file = last.successor(len(self._finished) + 1)
+        last.finish()
+        self._finished.append(last)
+        self.storage = file
+
+    @property
+    def _files(self) -> list[_LastingMcap]:
+        storage: Any = self.storage
+        return [*self._finished, storage]
 
     def close(self) -> None:
         """Write what has come and end."""
@@ -234,32 +306,29 @@ class CrashSafeWriter(Writer):
 
     def _description(self) -> dict[str, Any]:
         """What `metadata.yaml` has: JSON is YAML, and written in no time every second."""
-        file = f'{self.path.name}.mcap'
-        span = {
-            'starting_time': {'nanoseconds_since_epoch': self.min_timestamp},
-            'duration': {'nanoseconds': max(0, self.max_timestamp - self.min_timestamp)},
-            'message_count': sum(self.counts.values()),
-        }
+        files = [file.description for file in self._files]
+        span = _span(self.min_timestamp, self.max_timestamp, sum(self.counts.values()))
         topics = []
         for connection in self.connections:
             assert isinstance(connection.ext, ConnectionExtRosbag2)
+            ext = connection.ext
             metadata = {
                 'name': connection.topic,
                 'type': connection.msgtype,
-                'serialization_format': connection.ext.serialization_format,
-                'offered_qos_profiles': dump_qos_v9(connection.ext.offered_qos_profiles),
+                'serialization_format': ext.serialization_format,
+                'offered_qos_profiles': dump_qos_v9(ext.offered_qos_profiles),
                 'type_description_hash': connection.digest,
             }
             topics.append({'topic_metadata': metadata, 'message_count': self.counts[connection.id]})
         return {
             'version': VERSION,
             'storage_identifier': 'mcap',
-            'relative_file_paths': [file],
+            'relative_file_paths': [file['path'] for file in files],
             **span,
             'topics_with_message_count': topics,
             'compression_format': '',
             'compression_mode': '',
-            'files': [{'path': file, **span}],
+            'files': files,
             'custom_data': None,
             'ros_distro': 'rosbags',
         }
@@ -277,8 +346,10 @@ class CrashSafeWriter(Writer):
         storage: Any = self.storage
         saved = False
         while not saved and storage.go_back():
-            self.counts.update(storage.channel_stats)
-            self.min_timestamp, self.max_timestamp = storage.message_start_time, storage.message_end_time
+            files = self._files
+            self.counts = {key: sum(file.channel_stats.get(key, 0) for file in files) for key in self.counts}
+            self.min_timestamp = min(file.message_start_time for file in files)
+            self.max_timestamp = max(file.message_end_time for file in files)
             with suppress(OSError):
                 self._save()
                 saved = True
