@@ -57,12 +57,25 @@ def test_a_process_loads_nothing_that_it_does_not_need(module: str, unneeded: tu
     assert loaded.stdout.split() == []
 
 
-def test_a_robot_with_its_kinematics_and_dynamics_needs_no_meshes():
+def test_a_robot_with_its_kinematics_and_dynamics_needs_neither_meshes_nor_scipy():
     program = (
         'import sys; from robots_core import load_robot_model; robot = load_robot_model("kuka_kr210_r2700");'
         'robot.direct_kinematics(robot.home); robot.jacobian(robot.home);'
         'robot.rigid_dynamics(robot.home, robot.home, robot.home);'
-        f'print(*sorted(set({MESHES!r}) & set(sys.modules)))'
+        f'print(*sorted(set({(*MESHES, *SCIPY)!r}) & set(sys.modules)))'
     )
     loaded = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
     assert loaded.stdout.split() == []
+
+
+def test_scipy_and_numba_have_their_linear_algebra_all_the_same():
+    program = (
+        'import numba, numpy as np, robots_core.kernels.compiled, scipy.linalg;'
+        'from scipy.linalg import cython_blas, cython_lapack;'
+        'A = np.array([[2.0, 1.0], [1.0, 3.0]]); b = np.ones(2);'
+        'solve = numba.njit(lambda A, b: np.linalg.solve(A, b) + np.dot(A, b));'
+        'print(np.allclose(solve(A, b), scipy.linalg.solve(A, b) + A @ b));'
+        'print("dgemm" in cython_blas.__pyx_capi__, "dgesdd" in cython_lapack.__pyx_capi__)'
+    )
+    done = run([sys.executable, '-P', '-c', program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ['True'] * 3

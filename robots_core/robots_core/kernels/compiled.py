@@ -6,11 +6,13 @@ from typing import Any, TypeVar
 import numba
 from numpy.typing import NDArray
 
+from robots_core.kernels.blas_modules import load_blas_modules
 from robots_core.kernels.kernel_cache import CACHE_LOCATORS, keep_by_content
 
 Function = TypeVar('Function', bound=Callable[..., Any])
 
 numba.config.CACHE_LOCATOR_CLASSES = CACHE_LOCATORS
+load_blas_modules()
 
 
 def compiled(*signatures: Any, nogil: bool = True) -> Callable[[Function], Function]:
