@@ -22,11 +22,11 @@ from robots_core.blocks.multibody.tool_wrench import joint_torques
 from robots_core.nodes.payload_parameter import carry_payload, payload_from_parameters
 from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import watchdog_parameter
-from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.messages import doubles, seconds, wrench_from_message
+from robots_core.ros.messages import doubles, wrench_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, SENSOR, STATE
+from robots_core.ros.reference_reader import ReferenceReader
 from robots_core.ros.robot_node import PRIORITIES, RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
@@ -115,7 +115,10 @@ class DriveNode(RobotNode):
             topics = import_module('robots_core.nodes.rendezvous_topics')
             self._bodies = topics.RendezvousTopics(self, bodies, self._report_grasp)
         self._power = PolledSubscription(self, Bool, 'drives_on', STATE)
-        self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', REFERENCE)
+        self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', REFERENCE, raw=True)
+        self._reader = ReferenceReader(axes.names, 'joint_reference')
+        self._rows: Array | None = None  # of the last valid reference
+        self._reference = q, np.zeros_like(q)
         self._message = JointState(name=list(axes.names))
         self._publisher = self.create_publisher(JointState, 'joint_states', STATE)
         if self.simulated_time:  # the controller's first period needs to find the robot where it is
@@ -211,12 +214,13 @@ class DriveNode(RobotNode):
             state.effort = doubles(torque)
         self._publisher.publish(state)
 
-    def _read(self, message: JointTrajectory) -> tuple[Array, Array, float]:
+    def _read(self, raw: bytes) -> tuple[Array, Array, float]:
         """Position and velocity (n,) of a reference, as they reach the drives, and its stamp, s."""
-        axes = self.robot.axes_data
-        q, q_dot, _ = single_point(message, axes.names, 'joint_reference')
-        reference = self._injection.reference(axes.check_position(q, 'joint_reference'), q_dot)
-        return *reference, seconds(message.header.stamp)
+        rows, stamp = self._reader.read(raw)
+        if rows is not self._rows:
+            self._reference = self.robot.axes_data.check_position(rows[0], 'joint_reference'), rows[1]
+            self._rows = rows
+        return *self._injection.reference(*self._reference), stamp
 
 
 main: Final = partial(run, DriveNode)

@@ -1,0 +1,50 @@
+"""ReferenceReader: streamed references out of serialized JointTrajectory messages, at little cost."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from rclpy.serialization import deserialize_message
+from trajectory_msgs.msg import JointTrajectory
+
+from robots_core.ros.joint_trajectories import single_point
+from robots_core.ros.messages import ENCAPSULATION_SIZE, NANOSECONDS, SERIALIZED_STAMP, seconds
+from robots_core.validation import Array
+
+STAMP_END: Final = ENCAPSULATION_SIZE + SERIALIZED_STAMP.size
+LITTLE_ENDIAN: Final = b'\0\1\0\0'  # the encapsulation in CDR
+
+
+class ReferenceReader:
+    """Reads streamed references.
+
+    Of a reference that stands, only the stamp changes from message to message: the rest is read once.
+
+    Args:
+        names: The wanted joints, n of them.
+        what: Topic, for errors.
+    """
+
+    def __init__(self, names: Sequence[str], what: str) -> None:
+        self._names, self._what = list(names), what
+        self._content = b''  # of the last message, behind its stamp
+        self._rows: Array | None = None
+
+    def read(self, raw: bytes) -> tuple[Array, float]:
+        """Position, velocity and acceleration, (3, n), not to be changed, and the stamp, s.
+
+        The array is the same object as long as only the stamp changes.
+
+        Args:
+            raw: The serialized message.
+
+        Raises:
+            InvalidInputError: see `single_point`.
+        """
+        content = raw[STAMP_END:] if raw.startswith(LITTLE_ENDIAN) else b''
+        if self._rows is not None and content and content == self._content:
+            sec, nanosec = SERIALIZED_STAMP.unpack_from(raw, ENCAPSULATION_SIZE)
+            return self._rows, (sec * NANOSECONDS + nanosec) / NANOSECONDS
+        message = deserialize_message(raw, JointTrajectory)
+        self._rows, self._content = None, content
+        self._rows = single_point(message, self._names, self._what)
+        return self._rows, seconds(message.header.stamp)
