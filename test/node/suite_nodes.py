@@ -13,6 +13,7 @@ from robots_core.ros.run import run
 CONTACT: Final = str(Path('programs/wheel_laboratory/regolith_simulant.yaml').resolve())
 OPTIONS: Final[dict[str, dict[str, Any]]] = {
     'visualizer_node': {'port': 0},
+    'pendant_node': {'port': 0},
     'io_bridge_node': {'io_map': str(Path('robots_controller/config/io_map_words.yaml').resolve())},
     'force_control_node': {'contact': CONTACT},
     'wheel_soil_node': {'contact': CONTACT},
