@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
+from importlib.util import find_spec
 from pathlib import Path
 from uuid import uuid4
 
@@ -40,7 +41,16 @@ from robots_core.ros.middleware import choose_transports
 from robots_core.watchdog import WATCHDOG
 
 FILES = ('program', 'io', 'io_map', 'scene', 'references', 'contact', 'orbit')  # options
-GRAPH_OPTIONS = (*CELL_OPTIONS, 'program', 'watchdog', 'port', 'debug_port', 'lockstep', 'composed')
+GRAPH_OPTIONS = (
+    *CELL_OPTIONS,
+    'program',
+    'watchdog',
+    'port',
+    'debug_port',
+    'pendant',
+    'lockstep',
+    'composed',
+)
 
 
 def main() -> None:
@@ -67,12 +77,16 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     add_cell_arguments(parser)
     parser.add_argument('--record', type=Path, metavar='FOLDER', help='record a bag below this folder')
     parser.add_argument('--once', action='store_true', help='end the cell when the program has ended')
-    parser.add_argument('--view', action='store_true', help='with --once: keep the page open until Ctrl-C')
+    parser.add_argument(
+        '--view',
+        action='store_true',
+        help="serve the operator's page too; with --once: keep the pages open until Ctrl-C",
+    )
     parser.add_argument(
         '--port',
         type=int,
         default=8080,
-        help='first port to try for the browser page; %(default)d by default',
+        help="first port to try for the 3D view; the operator's page is 10 above; %(default)d by default",
     )
     parser.add_argument(
         '--watchdog',
@@ -109,6 +123,8 @@ def parse_options(arguments: Sequence[str]) -> argparse.Namespace:
     options.namespace = '/' + options.namespace.strip('/')
     others = options.references or options.contact or options.orbit
     options.guided = options.guided or (METHODS[0] if others else '')
+    # Nobody operates a cell whose time does not wait.
+    options.pendant = options.view and not options.lockstep and find_spec('nicegui') is not None
     for name in FILES:
         path = getattr(options, name)
         setattr(options, name, str(Path(path).resolve()) if path else '')
@@ -167,6 +183,8 @@ def _run_alone(
     console.print(f'[bold]{options.robot}[/]{job}')
     if options.note:
         console.print(f'[yellow]{options.note}[/]')
+    if options.view and not (options.pendant or options.lockstep):
+        console.print("[yellow]the operator's page is left out:[/] pip install -r requirements-pendant.txt")
     if token:
         console.print(
             f'editors debug at port {options.debug_port} with token [bold]{token}[/]', highlight=False
@@ -186,7 +204,7 @@ def _run_alone(
             cell.bring_to_rest()
             code = _close_recording(listener, options, console, cell.program_ended) or code
             if options.once and options.view and cell.program_ended:
-                console.print('the page stays open; Ctrl-C ends it')
+                console.print('the pages stay open; Ctrl-C ends them')
                 cell.watch()
         except KeyboardInterrupt:
             console.print('\nstopping ...')
