@@ -11,8 +11,6 @@ class ControlDesk:
     def __init__(self) -> None:
         self.holder = ''
         """The viewer in control; '' for none."""
-        self.viewers: set[str] = set()
-        """All that look."""
 
     def take(self, viewer: str, *, from_other: bool = False) -> None:
         """Take control.
@@ -32,11 +30,6 @@ class ControlDesk:
         """Give control back, if the viewer has it."""
         if self.holder == viewer:
             self.holder = ''
-
-    def leave(self, viewer: str) -> None:
-        """A viewer is gone."""
-        self.viewers.discard(viewer)
-        self.give_back(viewer)
 
     def check(self, viewer: str) -> None:
         """Check that a viewer is in control.

@@ -83,18 +83,9 @@ class PendantOperator:
             self._release()
 
     def give_back_control(self, viewer: str) -> None:
-        """Release what the viewer holds, and give control back."""
+        """Release what the viewer holds, and give control back; called too when a viewer is gone."""
         self.release(viewer)
         self.desk.give_back(viewer)
-
-    def disconnect(self, viewer: str) -> None:
-        """The connection to a viewer is lost; it may come back."""
-        self.release(viewer)
-
-    def leave(self, viewer: str) -> None:
-        """A viewer is gone."""
-        self.release(viewer)
-        self.desk.leave(viewer)
 
     # -- what is held -------------------------------------------------------------------------------------
 
@@ -139,7 +130,7 @@ class PendantOperator:
         return self._start(held)
 
     def release(self, viewer: str) -> None:
-        """A viewer has released what it held."""
+        """A viewer has released what it held, or the connection to it is lost."""
         if self._held is not None and self._held.viewer == viewer:
             self._release()
 

@@ -44,7 +44,6 @@ class PendantPage:
         )
         self._operator = operator
         self._viewer = viewer = Viewer(client.id, operator, read_texts(language))
-        operator.desk.viewers.add(viewer.id)
         theme = request.cookies.get(THEME_COOKIE)
         ui.dark_mode(value=None if theme not in ('dark', 'light') else theme == 'dark')
         ui.colors(primary='#00796b')
@@ -62,8 +61,8 @@ class PendantPage:
                     self._build_panels(folder)
         ui.on('pendant_hold', self._hold)
         ui.on('pendant_release', self._release)
-        client.on_disconnect(lambda: operator.disconnect(viewer.id))
-        client.on_delete(lambda: operator.leave(viewer.id))
+        client.on_disconnect(lambda: operator.release(viewer.id))
+        client.on_delete(lambda: operator.give_back_control(viewer.id))
         self.refresh()
         ui.timer(PERIOD, self._refresh_with_scene)
 
