@@ -64,7 +64,8 @@ $(VENV_STAMP): $(REQUIREMENTS)
 	@$(OPEN_VENV)
 	@touch $@
 
-.venv/.installed_tests: requirements-test.txt .venv/.installed_study .venv/.installed_mujoco .venv/.installed_plant
+.venv/.installed_tests: requirements-test.txt .venv/.installed_study .venv/.installed_mujoco \
+		.venv/.installed_plant .venv/.installed_pendant
 	@echo "Installing what tests need (once) ..."
 	@$(call INSTALL,-r $<)
 	@touch $@
@@ -78,6 +79,10 @@ $(VENV_STAMP): $(REQUIREMENTS)
 	@touch $@
 
 .venv/.installed_plant: requirements-plant.txt $(VENV_STAMP)
+	@$(call INSTALL,-r $<)
+	@touch $@
+
+.venv/.installed_pendant: requirements-pendant.txt $(VENV_STAMP)
 	@$(call INSTALL,-r $<)
 	@touch $@
 
@@ -108,7 +113,7 @@ install/.compiled_for_cells: $(VENV_STAMP) $(filter robots_core/% robots_plannin
 build: $(BUILD_STAMP) install/.compiled  ## Set up .venv, build the workspace and compile its kernels
 
 .PHONY: demo
-demo: $(BUILD_STAMP) install/.compiled$(if $(filter programs/welding.lua,$(PROGRAM)$(ROBOT)$(IO)$(SCENE)),_for_cells)  ## Run a robot program: PROGRAM=..., ROBOT=..., SCENE=..., VIEW=1 keeps the browser page open
+demo: $(BUILD_STAMP) install/.compiled$(if $(filter programs/welding.lua,$(PROGRAM)$(ROBOT)$(IO)$(SCENE)),_for_cells) $(if $(filter 1,$(VIEW)),.venv/.installed_pendant)  ## Run a robot program: PROGRAM=..., ROBOT=..., SCENE=...; VIEW=1 keeps the cell, with a page to operate it
 	@$(RUN) cell_options=$$([ "$(VIEW)" = 1 ] && echo --view || true); \
 	  exec install/robots_controller/lib/robots_controller/cell --program "$(PROGRAM)" --robot "$(ROBOT)" --io "$(IO)" --scene "$(SCENE)" \
 	  --record out --once $$cell_options
@@ -129,13 +134,22 @@ lint: .venv/.installed_tests  ## Lint, format and type checks
 	@.venv/bin/ruff format --check .
 	@$(BUILD_ENVIRONMENT) python -m mypy
 
+# The operator's page is tested in the browser of the system.
+BROWSERS := chromium chromium-browser google-chrome google-chrome-stable
+BROWSER := $(firstword $(foreach name,$(BROWSERS),$(shell command -v $(name))))
+
+.PHONY: browser
+browser:  ## Install Chromium for the tests of the operator's page, where there is no browser (Debian, as root)
+	@$(if $(BROWSER),true,apt-get update && apt-get install --yes --no-install-recommends chromium)
+
 .PHONY: test
 test: .venv/.installed_tests  ## Lint, types and all tests
 	@# The type checker has one process, compilation as many as there are jobs.
 	@$(MAKE) --no-print-directory --jobs=2 build lint
 	@# One more at once than there are processors: nodes wait for each other most of the time.
 	@$(RUN) python -m pytest -n $$(($$(nproc) + 1)) --dist worksteal test/contract test/property test/unit \
-	  test/node test/bag test/cell test/endurance
+	  test/node test/bag test/cell test/endurance $(if $(BROWSER),test/page)
+	@$(if $(BROWSER),true,echo "left out: test/page, which needs Chromium; make browser installs it")
 
 .PHONY: test-under-load
 test-under-load:  ## The same beside twice as many busy processes as there are cores
@@ -249,6 +263,10 @@ plots-debris-removal: build .venv/benchmark/.installed  ## Attitude and momentum
 .PHONY: plots-rover-placement
 plots-rover-placement: build .venv/benchmark/.installed  ## Forces on arm and rover while a package is unloaded, in out/rover_placement; OPTIONS='--run BAG'
 	@$(RUN) export PYTHONPATH="$${PYTHONPATH:-}:$$PWD/programs:$$PWD/.venv/benchmark"; python -m rover_mission.plots $(OPTIONS)
+
+.PHONY: screenshots-pendant
+screenshots-pendant: build .venv/.installed_tests  ## Pictures of the operator's page for the documentation; OPTIONS='--all out/pendant' makes every view
+	@$(RUN) PYTHONPATH="$${PYTHONPATH:-}:$$PWD/test/page:$$PWD/test/support" python test/page/take_pictures.py $(OPTIONS)
 
 .PHONY: clean
 clean:  ## Remove what was built; .venv stays

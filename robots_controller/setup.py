@@ -21,6 +21,8 @@ setup(
         package_name: ['py.typed', 'nodes/nodes.yaml'],
         f'{package_name}.interpreter.lua_side': ['*.lua'],
         f'{package_name}.report.page': ['*.js', '*.css', '*.html'],
+        f'{package_name}.pendant': ['texts/*.yaml'],
+        f'{package_name}.pendant.page': ['*.js', '*.css'],
     },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),
@@ -44,6 +46,7 @@ setup(
             'force_control_node = robots_controller.nodes.force_control_node:main',
             'wheel_soil_node = robots_controller.nodes.wheel_soil_node:main',
             'guide_player_node = robots_controller.nodes.guide_player_node:main',
+            'pendant_node = robots_controller.nodes.pendant_node:main',
             'plc_node = robots_controller.nodes.plc_node:main',
             'check_bag = robots_controller.commands.command_table:CHECK_BAG.main',
             'check_program = robots_controller.commands.command_table:CHECK_PROGRAM.main',

@@ -45,6 +45,7 @@ SPEED_RESERVE = 0.1
 # it is led on, so that limits make it slow and do not lead it astray.
 RETURN_GAIN = 5.0
 LEASH = (0.002, 0.01)  # m, rad
+ROTATION_SPEED = 0.5  # rad/s, of a jogged tool
 RAMP_TIME = 0.25  # s, in which a jogged tool gains its highest speed
 # Of the axes' accelerations, for changes of the tool's speed; the rest is for returning to its line. Where
 # they allow less than the least part of a change, near singularities, the tool leaves its line sooner than it
@@ -123,7 +124,7 @@ class TeachBox:
         speed_fraction: float = 0.1,
         acceleration_fraction: float = 0.3,
         tool_speed: float = 0.25,
-        rotation_speed: float = 0.5,
+        rotation_speed: float = ROTATION_SPEED,
         tool: Pose | None = None,
         world: Pose | None = None,
         hold: str = '',

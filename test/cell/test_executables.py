@@ -42,7 +42,7 @@ def path_of(package: str, executable: str) -> Path:
 
 def start(package: str, executable: str) -> subprocess.Popen[str]:
     command = [str(path_of(package, executable)), '--ros-args', '-p', 'robot_model:=bello_bot']
-    if executable == 'visualizer_node':
+    if executable in ('visualizer_node', 'pendant_node'):
         command += ['-p', 'port:=0']
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 

@@ -6,6 +6,7 @@ import subprocess
 
 import pytest
 
+from robots_controller.live_cell import cell_command
 from robots_controller.live_cell.cell_command import parse_options
 from robots_core.errors import RobotsError
 from short_programs import PROGRAMS
@@ -41,6 +42,14 @@ def test_a_program_on_another_robot_is_noted() -> None:
     assert not parse_options(['--program', PRESS]).note
     options = parse_options(['--program', PRESS, '--robot', 'kuka_kr210_r3100'])
     assert options.note == 'press_tending.lua is written for kuka_kr210_r2700'
+
+
+def test_the_view_has_the_operators_page_where_it_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert parse_options(['--view']).pendant
+    assert not parse_options([]).pendant
+    assert not parse_options(['--view', '--lockstep']).pendant
+    monkeypatch.setattr(cell_command, 'find_spec', lambda _: None)
+    assert not parse_options(['--view']).pendant
 
 
 def test_the_payload_is_a_list_of_numbers() -> None:

@@ -14,6 +14,7 @@ CABIN: Final = str(Path('programs/motion_simulator/cabin.yaml').resolve())
 CONTACT: Final = str(Path('programs/wheel_laboratory/regolith_simulant.yaml').resolve())
 OPTIONS: Final[dict[str, dict[str, Any]]] = {
     'visualizer_node': {'port': 0},
+    'pendant_node': {'port': 0},
     'io_bridge_node': {'io_map': str(Path('robots_controller/config/io_map_words.yaml').resolve())},
     'force_control_node': {'contact': CONTACT},
     'motion_cueing_node': {'cabin': CABIN},

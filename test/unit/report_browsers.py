@@ -7,7 +7,6 @@ import importlib.util
 import json
 import os
 import re
-import shutil
 import subprocess
 import urllib.request
 from collections.abc import Iterator
@@ -17,9 +16,10 @@ from typing import Any
 
 from websockets.sync.client import ClientConnection, connect
 
-CHROMES = ('chromium', 'chromium-browser', 'google-chrome', 'google-chrome-stable')
+from installed_browsers import installed_browser
+
 KALEIDO = 'kaleido'
-BROWSERS = [KALEIDO, *[path for name in CHROMES if (path := shutil.which(name))][:1]]
+BROWSERS = [KALEIDO, *filter(None, [installed_browser()])]
 DEADLINE = 60.0  # s
 # Colours of every canvas of the page: of plots those that are neither white nor transparent, of the view all.
 LOOK = """(() => [...document.querySelectorAll('canvas')].map((canvas) => {

@@ -121,3 +121,14 @@ def test_nodes_that_do_not_keep_time_share_a_process_when_they_are_composed():
     }
     assert len(set(composed.values())) == 3
     assert len({node.process for node in cell_graph(robot='bello_bot', composed=True, lockstep=True)}) == 1
+
+
+def test_the_operators_page_has_a_process_and_a_port_of_its_own():
+    nodes = cell_graph(
+        robot='ur5e', pendant=True, composed=True, port=8080, program='/cell/programs/pick.lua'
+    )
+    (pendant,) = (node for node in nodes if node.name == 'pendant_node')
+    assert pendant.process == 'pendant_node'
+    assert pendant.parameters == {'robot_model': 'ur5e', 'port': 8090, 'programs': '/cell/programs'}
+    (pendant,) = (node for node in cell_graph(robot='ur5e', pendant=True, port=0) if 'pendant' in node.name)
+    assert pendant.parameters == {'robot_model': 'ur5e', 'port': 0}

@@ -13,8 +13,9 @@ from robots_core import BaseRobotModel, Pose, available_robot_models, load_robot
 from robots_core.blocks import HalfSpace, PlacedBox, Scene, Zone
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.tool_trace import CHUNK, CHUNKS, JUMP, LONGEST_TRACE, SPACING
-from robots_core.blocks.visualizer import Visualizer, free_port, reach
+from robots_core.blocks.visualizer import Visualizer, reach
 from robots_core.errors import InvalidInputError
+from robots_core.free_port import free_port
 from robots_core.robot_model.shapes import Box
 from robots_core.validation import Array
 

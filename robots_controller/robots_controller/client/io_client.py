@@ -8,7 +8,7 @@ from rcl_interfaces.msg import ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
 from rclpy.parameter import Parameter
 
-from robots_controller.client.connection import Connection
+from robots_controller.client.cell_services import CellServices
 from robots_core.errors import InvalidInputError
 
 POLL: Final = 0.02  # s
@@ -24,7 +24,7 @@ class IoClient:
         connection: To the cell.
     """
 
-    def __init__(self, connection: Connection) -> None:
+    def __init__(self, connection: CellServices) -> None:
         self._connection = connection
 
     @property

@@ -11,7 +11,7 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 
-from robots_controller.client.connection import Connection
+from robots_controller.client.cell_services import CellServices
 from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.ros.messages import diagnostic_values, number_in
@@ -19,6 +19,26 @@ from robots_core.ros.qos import STATE
 
 ENDED: Final = frozenset({RunState.FINISHED, RunState.FAILED, RunState.STOPPED})
 PRINTS: Final = QoSProfile(depth=100)
+
+
+def set_parameters(services: CellServices, node: str, **values: object) -> None:
+    """Set parameters of a node of the cell.
+
+    Raises:
+        InvalidInputError: it refuses one.
+    """
+    parameters = [Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
+    request = SetParameters.Request(parameters=parameters)
+    for result in services.answer(f'{node}/set_parameters', SetParameters, request).results:
+        if not result.successful:
+            raise InvalidInputError(result.reason)
+
+
+def open_program(services: CellServices, path: Path | str, points_file: Path | str = '') -> None:
+    """Open a program, see `ProgramClient.open`."""
+    points = str(Path(points_file).resolve()) if points_file else ''
+    set_parameters(services, 'lua_program_node', program=str(Path(path).resolve()), points_file=points)
+    services.trigger('lua_program_node/open')
 
 
 class ProgramClient:
@@ -30,7 +50,7 @@ class ProgramClient:
         connection: To the cell.
     """
 
-    def __init__(self, connection: Connection) -> None:
+    def __init__(self, connection: CellServices) -> None:
         self._connection = connection
         self._changed = threading.Condition()
         self._status: dict[str, str] = {}
@@ -64,16 +84,7 @@ class ProgramClient:
             path: Lua robot program, on the machine of the cell.
             points_file: Its taught points; '' for the file beside it.
         """
-        points = str(Path(points_file).resolve()) if points_file else ''
-        values = {'program': str(Path(path).resolve()), 'points_file': points}
-        request = SetParameters.Request(
-            parameters=[Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
-        )
-        answer = self._connection.answer('lua_program_node/set_parameters', SetParameters, request)
-        for result in answer.results:
-            if not result.successful:
-                raise InvalidInputError(result.reason)
-        self._call('open')
+        open_program(self._connection, path, points_file)
 
     def run(self) -> None:
         """Run the program that is open; `wait` for its end."""

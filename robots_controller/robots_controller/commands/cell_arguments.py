@@ -45,12 +45,16 @@ def cell_arguments(parser: argparse.ArgumentParser) -> None:
         '--record', type=kinds.folder, metavar='FOLDER', help='record a bag below this folder'
     )
     parser.add_argument('--once', action='store_true', help='end the cell when the program has ended')
-    parser.add_argument('--view', action='store_true', help='with --once: keep the page open until Ctrl-C')
+    parser.add_argument(
+        '--view',
+        action='store_true',
+        help="serve the operator's page too; with --once: keep the pages open until Ctrl-C",
+    )
     parser.add_argument(
         '--port',
         type=kinds.port,
         default=8080,
-        help='first port to try for the browser page; %(default)d by default',
+        help="first port to try for the 3D view; the operator's page is 10 above; %(default)d by default",
     )
     parser.add_argument(
         '--watchdog',

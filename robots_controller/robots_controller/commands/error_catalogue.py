@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from rich.console import Console
 
 from robots_controller.io.plant.plant_link import LinkError
+from robots_controller.pendant.permissions import NotPermittedError
 from robots_core import errors
 from robots_core.blocks.collision.results import CollisionError
 from robots_core.blocks.zones.zone_detection import ZoneError
@@ -22,7 +23,7 @@ def error_catalogue() -> dict[str, type[RobotsError]]:
     kinds: list[type[RobotsError]] = [
         *_kinds_of_core(),
         *(CollisionError, ZoneError, NoFreePathError, SearchCancelledError, BlockedPostureError),
-        *(LockstepError, LinkError),
+        *(LockstepError, LinkError, NotPermittedError),
     ]
     return {kind.code: kind for kind in sorted(kinds, key=lambda kind: kind.code)}
 

@@ -8,6 +8,7 @@ import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from uuid import uuid4
 
@@ -32,7 +33,16 @@ from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.ros.middleware import choose_transports
 
-GRAPH_OPTIONS = (*CELL_OPTIONS, 'program', 'watchdog', 'port', 'debug_port', 'lockstep', 'composed')
+GRAPH_OPTIONS = (
+    *CELL_OPTIONS,
+    'program',
+    'watchdog',
+    'port',
+    'debug_port',
+    'pendant',
+    'lockstep',
+    'composed',
+)
 
 
 def start(options: argparse.Namespace, console: Console) -> int:
@@ -66,6 +76,8 @@ def complete_options(options: argparse.Namespace) -> argparse.Namespace:
     options.robot = options.robot or DEFAULT_ROBOT
     others = options.references or options.contact or options.orbit or options.cabin
     options.guided = options.guided or (METHODS[0] if others else '')
+    # Nobody operates a cell whose time does not wait.
+    options.pendant = options.view and not options.lockstep and find_spec('nicegui') is not None
     for name in ('program', *FILES):
         path = getattr(options, name)
         setattr(options, name, str(Path(path).resolve()) if path else '')
@@ -124,6 +136,8 @@ def _run_alone(
     console.print(f'[bold]{options.robot}[/]{job}')
     if options.note:
         console.print(f'[yellow]{options.note}[/]')
+    if options.view and not (options.pendant or options.lockstep):
+        console.print("[yellow]the operator's page is left out:[/] pip install -r requirements-pendant.txt")
     if token:
         console.print(
             f'editors debug at port {options.debug_port} with token [bold]{token}[/]', highlight=False
@@ -142,7 +156,7 @@ def _run_alone(
             cell.bring_to_rest()
             code = _close_recording(listener, options, console, cell.program_ended) or code
             if options.once and options.view and cell.program_ended:
-                console.print('the page stays open; Ctrl-C ends it')
+                console.print('the pages stay open; Ctrl-C ends them')
                 cell.watch()
         except KeyboardInterrupt:
             console.print('\nstopping ...')

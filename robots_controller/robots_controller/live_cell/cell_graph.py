@@ -27,6 +27,8 @@ DEFAULT_ROBOT: Final = 'bello_bot'
 """Of a cell without a program that names its robot."""
 COMPOSED: Final = 'composed_nodes'
 """Process of the nodes that share one."""
+PAGE_PORTS: Final = 10
+"""Ports between those that are tried for the 3D view and those for the operator's page."""
 KEEP_TIME: Final = ('drive_node', 'controller_node')
 """Nodes with a loop that other nodes must not hold up."""
 
@@ -104,6 +106,7 @@ def cell_graph(
     cabin: str = '',
     debug_port: int = 0,
     debug_token: str = '',
+    pendant: bool = False,
     lockstep: bool = False,
     composed: bool = False,
 ) -> tuple[NodeDescription, ...]:
@@ -122,7 +125,7 @@ def cell_graph(
         operating_mode: One of `OperatingMode`.
         watchdog: How long a node that others depend on may give no sign of life, s; 0: any time.
         payload: What the robot carries until its program sets another payload, see `MotionSettings`.
-        port: First port to try for the browser page.
+        port: First port to try for the 3D view.
         io: Script of a PLC that is played (see `plc_script`); none without one.
         io_map: Map of inputs and outputs to topics of a PLC (see `io_map`); none without one.
         scene: Scene that the robot keeps clear of (see `read_scene`); with one, the robot is watched too.
@@ -137,6 +140,7 @@ def cell_graph(
             or the motion of a vehicle; none by default.
         debug_port: Port on this machine where editors debug the program; 0 for none.
         debug_token: What editors must give there; the program node makes one if it is empty.
+        pendant: With the operator's page; its port is looked for from `PAGE_PORTS` above `port` on.
         lockstep: All nodes take part in a lock-step run.
         composed: The nodes that do not keep time share a process; in lock-step none keeps time.
 
@@ -223,4 +227,12 @@ def cell_graph(
         *([node('robots_core', 'collision_node', scene=scene)] if scene else []),
         *([node('robots_controller', 'plc_node', script=io, **plc_cycle)] if io else []),
         *([bridge] if io_map else []),
+        *([_pendant(robot, program, port)] if pendant else []),
     )
+
+
+def _pendant(robot: str, program: str, port: int) -> NodeDescription:
+    # In a process of its own: there is one web application in a process, and others must not wait for it.
+    parameters = {'robot_model': robot, 'port': port and port + PAGE_PORTS}
+    folder = {'programs': str(Path(program).parent)} if program else {}
+    return NodeDescription('robots_controller', 'pendant_node', parameters | folder)

@@ -2,7 +2,6 @@
 
 import contextlib
 import io
-import socket
 from collections import deque
 from collections.abc import Sequence
 from typing import Any
@@ -16,7 +15,7 @@ from robots_core.blocks.collision.scene import AttachedObject, Scene, SceneObjec
 from robots_core.blocks.direct_kinematics import DirectKinematics
 from robots_core.blocks.tool_trace import LONGEST_TRACE, SPACING, ToolTrace
 from robots_core.blocks.zones.zone import HalfSpace, PlacedBox, Zone
-from robots_core.errors import InvalidInputError
+from robots_core.free_port import free_port
 from robots_core.orientation import quaternion_of
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -32,7 +31,6 @@ PLATE = 2e-3  # m; thickness of a half-space's plane
 CAMERA_DIRECTION = np.array([0.62, -0.72, 0.30])  # from the robot to the camera
 CAMERA_DISTANCE = 1.7  # in reaches of the robot
 FIELD_OF_VIEW = np.pi / 5  # rad, that of a lens of about 60 mm
-LAST_PORT = 65535
 
 
 def zone_solid(zone: Zone, size: float) -> tuple[Box, Pose]:
@@ -264,36 +262,6 @@ def reach(robot: BaseRobotModel) -> float:
     tool0, _ = robot.direct_kinematics(robot.home)
     points = np.vstack([np.zeros(3), r, tool0])
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
-
-
-def free_port(host: str, port: int) -> int:
-    """The first free port at `host` from `port` on; 0: chosen by the system.
-
-    Raises:
-        InvalidInputError: a host that this machine does not have, or a port outside 0..65535.
-    """
-    if not 0 <= port <= LAST_PORT:
-        raise InvalidInputError(f'port = {port} must be in [0, {LAST_PORT}]', port=port)
-    try:
-        family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
-        _bind(family, host, 0)
-    except OSError as error:
-        raise InvalidInputError(
-            f'cannot serve at host {host!r} ({error.strerror or error}); valid are 127.0.0.1 (this machine '
-            f'alone), 0.0.0.0 (the whole network) or an address of this machine',
-            host=host,
-        ) from error
-    for candidate in range(port, LAST_PORT + 1):
-        with contextlib.suppress(OSError):
-            return _bind(family, host, candidate)
-    raise InvalidInputError(f'no port from {port} to {LAST_PORT} is free at {host}', port=port)
-
-
-def _bind(family: int, host: str, port: int) -> int:
-    with socket.socket(family, socket.SOCK_STREAM) as trial:
-        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # as the server does
-        trial.bind((host, port))
-        return int(trial.getsockname()[1])
 
 
 def _wxyz(T: Array) -> Array:

@@ -1,0 +1,72 @@
+"""CellServices: the services of a cell, called from a node."""
+
+import threading
+from collections.abc import Iterable
+from typing import Any
+
+from std_srvs.srv import Trigger
+
+from robots_core.errors import NoAnswerError, NotNowError
+from robots_core.ros.timed_node import TimedNode
+
+
+class CellServices:
+    """Calls services below the namespace of a node.
+
+    Args:
+        node: Spun by another thread than those that wait for answers.
+        patience: Longest wait for an answer, s.
+    """
+
+    def __init__(self, node: TimedNode, patience: float) -> None:
+        self.node = node
+        self.patience = patience
+        self._clients: dict[str, Any] = {}
+
+    def answer(self, service: str, kind: Any, request: Any) -> Any:
+        """The answer of a service; not from a callback of the node.
+
+        Args:
+            service: Name below the namespace of the cell.
+            kind: Type of the service.
+            request: Its request.
+
+        Raises:
+            NoAnswerError: there is no such service, or it does not answer in time.
+        """
+        client, answered = self._client(service, kind), threading.Event()
+        if client.wait_for_service(timeout_sec=self.patience):
+            future = client.call_async(request)
+            future.add_done_callback(lambda _: answered.set())
+            if answered.wait(self.patience):
+                return future.result()
+        raise NoAnswerError(
+            f'{client.service_name} has not answered for {self.patience:g} s: '
+            f'is the cell running, in ROS domain {self.node.context.get_domain_id()}?'
+        )
+
+    def trigger(self, service: str) -> str:
+        """Call a std_srvs/Trigger service; returns its message.
+
+        Raises:
+            NotNowError: it refuses.
+            NoAnswerError: it does not answer.
+        """
+        answer = self.answer(service, Trigger, Trigger.Request())
+        if not answer.success:
+            raise NotNowError(answer.message)
+        return str(answer.message)
+
+    def prepare(self, services: Iterable[str]) -> None:
+        """Look for std_srvs/Trigger services now, so that the first `send` finds them."""
+        for service in services:
+            self._client(service, Trigger)
+
+    def send(self, service: str) -> None:
+        """Call a std_srvs/Trigger service without waiting for its answer."""
+        self._client(service, Trigger).call_async(Trigger.Request())
+
+    def _client(self, service: str, kind: Any) -> Any:
+        if service not in self._clients:
+            self._clients[service] = self.node.create_client(kind, service)
+        return self._clients[service]

@@ -1,0 +1,41 @@
+"""ControlDesk: many may look, one operates."""
+
+from __future__ import annotations
+
+from robots_controller.pendant.permissions import NotPermittedError, Reason
+
+
+class ControlDesk:
+    """Which viewer of the page operates the cell."""
+
+    def __init__(self) -> None:
+        self.holder = ''
+        """The viewer in control; '' for none."""
+
+    def take(self, viewer: str, *, from_other: bool = False) -> None:
+        """Take control.
+
+        Args:
+            viewer: Who.
+            from_other: On purpose, from a viewer that has it.
+
+        Raises:
+            NotPermittedError: another one has it.
+        """
+        if self.holder not in ('', viewer) and not from_other:
+            raise NotPermittedError(Reason('controlled'))
+        self.holder = viewer
+
+    def give_back(self, viewer: str) -> None:
+        """Give control back, if the viewer has it."""
+        if self.holder == viewer:
+            self.holder = ''
+
+    def check(self, viewer: str) -> None:
+        """Check that a viewer is in control.
+
+        Raises:
+            NotPermittedError: it is not.
+        """
+        if self.holder != viewer:
+            raise NotPermittedError(Reason('controlled' if self.holder else 'not_in_control'))

@@ -1,0 +1,164 @@
+"""IoPanel: inputs and outputs by name and number."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+from nicegui import ui
+
+from robots_controller.io.io_image import Channel
+from robots_controller.pendant.channels import found_channels
+from robots_controller.pendant.page.viewer import RefusalLine, Viewer
+from robots_controller.pendant.pendant_state import PendantState, ShownIo
+from robots_controller.pendant.permissions import Action
+
+MOST_ROWS: Final = 16  # of each image
+
+
+@dataclass
+class _Row:
+    """A channel, and the elements that show it."""
+
+    channel: Channel
+    lamp: ui.element
+    value: ui.label
+    forced: ui.element | None
+    shown: tuple[float, bool] | None = None
+
+    def show(self, value: float, *, forced: bool) -> None:
+        if (value, forced) == self.shown:
+            return
+        self.shown = value, forced
+        digital = self.channel.kind == 'digital'
+        self.value.set_text(f'{value:.0f}' if digital else f'{value:g}')
+        on = digital and bool(value)
+        self.lamp.classes(add='on' if on else '', remove='' if on else 'on')
+        if self.forced is not None:
+            self.forced.set_visibility(forced)
+
+
+class IoPanel:
+    """All channels, or those that a search finds; outputs are switched, inputs forced.
+
+    Args:
+        viewer: Its page.
+    """
+
+    def __init__(self, viewer: Viewer) -> None:
+        self._viewer, text = viewer, viewer.texts
+        self._rows: list[_Row] = []
+        self._built: tuple[str, object, object] | None = None
+        self._blocked: str | None = None
+        with ui.element('div').classes('panel io-panel'):
+            self._search = (
+                ui.input(text('io.search')).props('dense outlined clearable debounce=200').classes('search')
+            )
+            self.line = RefusalLine()
+            self._hint = ui.label().classes('hint warned')
+            self._columns = ui.element('div').classes('columns')
+
+    def refresh(self, state: PendantState) -> None:
+        """Show a state."""
+        io = state.io
+        wanted = str(self._search.value or ''), io.labels, {key: len(one) for key, one in io.values.items()}
+        if wanted != self._built:
+            self._built = wanted
+            self._build(io, wanted[0])
+        for row in self._rows:
+            channel = row.channel
+            row.show(io.values[channel.image][channel.index - 1], forced=channel.name in io.forced)
+        reason = self._viewer.reason(Action.SWITCH)
+        if reason != self._blocked:
+            self._blocked = reason
+            self._hint.set_text(reason)
+            self._hint.set_visibility(bool(reason))
+            self._columns.classes(add='blocked' if reason else '', remove='' if reason else 'blocked')
+
+    def _build(self, io: ShownIo, part: str) -> None:
+        self._rows = []
+        self._columns.clear()
+        text = self._viewer.texts
+        with self._columns:
+            for direction in ('input', 'output'):
+                with ui.element('div').classes('column'):
+                    ui.label(text(f'io.{direction}s')).classes('caption')
+                    for kind in ('digital', 'analog'):
+                        self._build_image(io, f'{kind}_{direction}s', part)
+
+    def _build_image(self, io: ShownIo, image: str, part: str) -> None:
+        found, text = found_channels(io, image, part), self._viewer.texts
+        ui.label(text(f'io.{image.partition("_")[0]}')).classes('subtitle')
+        self._rows += [self._build_row(channel) for channel in found[:MOST_ROWS]]
+        if not found:
+            ui.label(text('io.none')).classes('hint')
+        if len(found) > MOST_ROWS:
+            ui.label(text('io.more', count=len(found) - MOST_ROWS)).classes('hint')
+
+    def _build_row(self, channel: Channel) -> _Row:
+        text = self._viewer.texts
+        with ui.element('div').classes('channel'):
+            digital = channel.kind == 'digital'
+            lamp = ui.element('span').classes('lamp' if digital else 'no-lamp')
+            ui.label(str(channel.index)).classes('number index')
+            ui.label(channel.label).classes('label')
+            forced = ui.label(text('io.forced')).classes('forced') if channel.direction == 'input' else None
+            value = ui.label().classes('number value')
+            if channel.direction == 'output':
+                self._build_switch(channel)
+            else:
+                self._build_force(channel)
+        return _Row(channel, lamp, value, forced)
+
+    def _build_switch(self, channel: Channel) -> None:
+        if channel.kind == 'digital':
+            ui.button(icon='toggle_on', on_click=partial(self._toggle, channel), color=None).props(
+                f'flat dense round aria-label="{channel.name}"'
+            ).classes('switch')
+            return
+        with (
+            ui.button(icon='edit', color=None).props(f'flat dense round aria-label="{channel.name}"'),
+            ui.menu() as menu,
+        ):
+            entry = ui.number(channel.name).props('dense outlined').classes('entry')
+            ui.button(
+                self._viewer.texts('io.set'), on_click=lambda: self._set(channel, entry.value, menu)
+            ).props('flat no-caps')
+
+    def _build_force(self, channel: Channel) -> None:
+        text = self._viewer.texts
+        with (
+            ui.button(icon='bolt', color=None).props(f'flat dense round aria-label="{channel.name}"'),
+            ui.menu() as menu,
+        ):
+            if channel.kind == 'digital':
+                ui.menu_item(text('io.force_on'), partial(self._force, channel, 1.0))
+                ui.menu_item(text('io.force_off'), partial(self._force, channel, 0.0))
+            else:
+                entry = ui.number(channel.name).props('dense outlined').classes('entry')
+                ui.button(text('io.set'), on_click=lambda: self._force(channel, entry.value, menu)).props(
+                    'flat no-caps'
+                )
+            ui.menu_item(text('io.release'), partial(self._force, channel, None))
+
+    # -- what is pressed ----------------------------------------------------------------------------------
+
+    async def _toggle(self, channel: Channel) -> None:
+        viewer = self._viewer
+        before = viewer.operator.state.io.values[channel.image][channel.index - 1]
+        await self._set(channel, 0.0 if before else 1.0)
+
+    async def _set(self, channel: Channel, value: float | None, menu: ui.menu | None = None) -> None:
+        viewer = self._viewer
+        if value is None:
+            return
+        await viewer.do(self.line, lambda: viewer.operator.set_output(viewer.id, channel, value))
+        if menu is not None:
+            menu.close()
+
+    async def _force(self, channel: Channel, value: float | None, menu: ui.menu | None = None) -> None:
+        viewer = self._viewer
+        await viewer.do(self.line, lambda: viewer.operator.force_input(viewer.id, channel, value))
+        if menu is not None:
+            menu.close()

@@ -1,0 +1,137 @@
+"""JogPanel: the robot moves while a button is held."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from nicegui import ui
+
+from robots_controller.pendant.jog_command import JOG_FRAMES, JogFrame
+from robots_controller.pendant.page.viewer import RefusalLine, Viewer
+from robots_controller.pendant.pendant_state import PendantState
+from robots_controller.pendant.permissions import Action
+from robots_core.orientation import angles_from_orientation
+from robots_core.validation import Array
+
+SPEEDS: Final = (1, 3, 10, 30, 100)  # %
+FIRST_SPEED: Final = 10  # %
+DIRECTIONS: Final = ('X', 'Y', 'Z', 'RX', 'RY', 'RZ')
+NEAR_LIMIT: Final = 0.03  # part of an axis' range
+
+
+class _Row:
+    """A name, two buttons and what is between them."""
+
+    def __init__(self, viewer: Viewer, frame: JogFrame, index: int, name: str) -> None:
+        text = viewer.texts
+        with ui.element('div').classes('jog-row'):
+            ui.label(name).classes('name')
+            self._button(f'{frame} {index} -', '−', text('jog.minus', name=name))  # noqa: RUF001
+            with ui.element('div').classes('gauge'):
+                self._value = ui.label().classes('number')
+                self._bar = ui.element('div').classes('mark')
+            self._button(f'{frame} {index} +', '+', text('jog.plus', name=name))
+
+    @staticmethod
+    def _button(key: str, sign: str, label: str) -> None:
+        with (
+            ui.element('button').classes('jog').props(f'type=button data-press="{key}" aria-label="{label}"')
+        ):
+            ui.label(sign)
+
+    def show(self, value: str, part: float | None = None, *, near: bool = False) -> None:
+        """Show a value, and where it is between its limits, 0..1."""
+        self._value.set_text(value)
+        self._bar.set_visibility(part is not None)
+        if part is not None:
+            self._bar.style(f'left: {100.0 * part:.1f}%')
+        self._bar.classes(add='near' if near else '', remove='' if near else 'near')
+
+
+class JogPanel:
+    """Axes, or the tool along and about the axes of tool or base.
+
+    Args:
+        viewer: Its page.
+    """
+
+    def __init__(self, viewer: Viewer) -> None:
+        self._viewer, text = viewer, viewer.texts
+        self._frame: JogFrame = 'axes'
+        self.speed = FIRST_SPEED / 100.0
+        """Part of the highest jog speed."""
+        with ui.element('div').classes('panel jog-panel'):
+            with ui.element('div').classes('choices'):
+                ui.toggle(
+                    {frame: text(f'jog.{frame}') for frame in JOG_FRAMES},
+                    value=self._frame,
+                    on_change=lambda event: self._choose(event.value),
+                ).props('unelevated no-caps')
+                with ui.element('div').classes('choice'):
+                    ui.label(text('jog.speed')).classes('caption')
+                    ui.toggle(
+                        {speed: f'{speed} %' for speed in SPEEDS},
+                        value=FIRST_SPEED,
+                        on_change=lambda event: self._set_speed(event.value),
+                    ).props(f'unelevated no-caps padding="4px 9px" aria-label="{text("jog.speed")}"')
+            self.line = RefusalLine()
+            self._hint = ui.label(text('jog.hint')).classes('hint')
+            self._rows_place = ui.element('div').classes('rows')
+            self._pose = ui.label().classes('pose number')
+        self._rows: list[_Row] = []
+        self._blocked: str | None = None
+        self._build_rows()
+
+    def _choose(self, frame: JogFrame) -> None:
+        self._frame = frame
+        self._build_rows()
+        self.refresh(self._viewer.operator.state)
+
+    def _set_speed(self, percent: int) -> None:
+        self.speed = percent / 100.0
+
+    def _build_rows(self) -> None:
+        self._rows_place.clear()
+        names = self._viewer.operator.robot.axes_data.names if self._frame == 'axes' else DIRECTIONS
+        with self._rows_place:
+            self._rows = [_Row(self._viewer, self._frame, i, name) for i, name in enumerate(names)]
+
+    def refresh(self, state: PendantState) -> None:
+        """Show a state."""
+        reason = self._viewer.reason(Action.JOG)
+        hint = reason or state.hindrance or self._viewer.texts('jog.hint')
+        self._hint.set_text(hint)
+        warned = bool(reason or state.hindrance)
+        self._hint.classes(add='warned' if warned else '', remove='' if warned else 'warned')
+        if reason != self._blocked:
+            self._blocked = reason
+            self._rows_place.classes(add='blocked' if reason else '', remove='' if reason else 'blocked')
+        self._pose.set_text(self._pose_text(state))
+        if state.q is not None and self._frame == 'axes':
+            self._show_axes(state.q)
+        elif state.tool is not None and self._frame == 'base':
+            for row, value in zip(self._rows, state.tool.r, strict=False):
+                row.show(f'{1e3 * value:.1f} mm')
+
+    def _show_axes(self, positions: Array) -> None:
+        axes = self._viewer.operator.robot.axes_data
+        for i, row in enumerate(self._rows):
+            q, lower, upper = float(positions[i]), float(axes.lower[i]), float(axes.upper[i])
+            value = f'{1e3 * q:.1f} mm' if axes.prismatic[i] else f'{math.degrees(q):.2f}°'
+            if math.isinf(lower):
+                row.show(value)
+                continue
+            part = min(1.0, max(0.0, (q - lower) / (upper - lower)))
+            near = min(part, 1.0 - part) < NEAR_LIMIT
+            row.show(f'{value} !' if near else value, part, near=near)
+
+    def _pose_text(self, state: PendantState) -> str:
+        if state.tool is None:
+            return self._viewer.texts('jog.waiting')
+        convention = self._viewer.operator.robot.orientation_convention
+        angles = np.degrees(angles_from_orientation(state.tool.T, convention))
+        x, y, z = np.round(1e3 * state.tool.r, 1) + 0.0
+        turned = '  '.join(f'{angle:.2f}°' for angle in np.round(angles, 2) + 0.0)
+        return f'X {x:.1f}  Y {y:.1f}  Z {z:.1f} mm   {convention}: {turned}'

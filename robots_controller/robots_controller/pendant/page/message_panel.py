@@ -1,0 +1,87 @@
+"""MessagePanel: what happened, newest first."""
+
+from __future__ import annotations
+
+import time
+from html import escape
+from typing import Final
+
+from nicegui import ui
+
+from robots_controller.pendant.message_log import Level, LoggedMessage
+from robots_controller.pendant.page.viewer import Viewer
+from robots_controller.pendant.pendant_state import PendantState
+from robots_controller.pendant.texts import Texts
+
+MOST_ROWS: Final = 100
+ICONS: Final = {Level.INFO: 'info', Level.WARNING: 'warning', Level.ERROR: 'error'}
+NAMES: Final = {Level.INFO: 'info', Level.WARNING: 'warning', Level.ERROR: 'error'}
+
+
+class MessagePanel:
+    """The messages of all nodes, with a filter; they are acknowledged and exported here.
+
+    Args:
+        viewer: Its page.
+    """
+
+    def __init__(self, viewer: Viewer) -> None:
+        self._viewer, text = viewer, viewer.texts
+        self._built: tuple[int, str, Level] | None = None
+        with ui.element('div').classes('panel message-panel'):
+            with ui.element('div').classes('row-of-buttons'):
+                self._lowest = ui.toggle(
+                    {
+                        Level.INFO: text('messages.all'),
+                        Level.WARNING: text('messages.warnings'),
+                        Level.ERROR: text('messages.errors'),
+                    },
+                    value=Level.INFO,
+                ).props('unelevated no-caps')
+            with ui.element('div').classes('row-of-buttons'):
+                self._search = ui.input(text('messages.search')).props(
+                    'dense outlined clearable debounce=200'
+                )
+                ui.button(
+                    text('messages.acknowledge'),
+                    icon='done_all',
+                    on_click=viewer.operator.messages.acknowledge,
+                    color=None,
+                ).props('unelevated no-caps').classes('action')
+                ui.button(text('messages.export'), icon='download', on_click=self._export, color=None).props(
+                    'unelevated no-caps'
+                ).classes('action')
+            self._list = ui.html('', sanitize=False).classes('messages')
+
+    def refresh(self, _state: PendantState) -> None:
+        """Show the messages."""
+        log, part, lowest = self._viewer.operator.messages, str(self._search.value or ''), self._lowest.value
+        wanted = log.version, part, lowest
+        if wanted == self._built:
+            return
+        self._built = wanted
+        rows = [_row(message, self._viewer.texts) for message in log.shown(lowest, part)[:MOST_ROWS]]
+        nothing = f'<div class="hint">{escape(self._viewer.texts("messages.none"))}</div>'
+        self._list.set_content(''.join(rows) or nothing)
+
+    def _export(self) -> None:
+        messages = self._viewer.operator.messages.shown(self._lowest.value, str(self._search.value or ''))
+        ui.download.content(
+            '\n'.join('\t'.join(_cells(message)) for message in messages) + '\n', 'messages.tsv'
+        )
+
+
+def _cells(message: LoggedMessage) -> tuple[str, str, str, str, str]:
+    when = time.strftime('%Y-%m-%d %H:%M:%S', time.localtime(message.time))
+    return when, NAMES[message.level], message.node, str(message.count), ' '.join(message.text.split())
+
+
+def _row(message: LoggedMessage, text: Texts) -> str:
+    when, name, node, _, _ = _cells(message)
+    icon = f'<i class="material-icons" title="{escape(text(f"messages.{name}"))}">{ICONS[message.level]}</i>'
+    count = f'<span class="count">×{message.count}</span>' if message.count > 1 else ''  # noqa: RUF001
+    return (
+        f'<div class="message {name}{" seen" if message.acknowledged else ""}">{icon}'
+        f'<div><div class="caption">{when[11:]} {escape(node)} {count}</div>'
+        f'<div class="text">{escape(message.text)}</div></div></div>'
+    )

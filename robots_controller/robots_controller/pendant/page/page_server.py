@@ -1,0 +1,93 @@
+"""PageServer: serves the operator's page, from a thread of its own."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Final
+
+import uvicorn
+from fastapi import FastAPI, Request
+from nicegui import ui
+
+from robots_controller.pendant.page.origin_guard import OriginGuard
+from robots_core.errors import InstallationError
+from robots_core.free_port import free_port
+
+HOST: Final = '127.0.0.1'
+START_TIMEOUT: Final = 60.0  # s
+POLL: Final = 0.01  # s
+RECONNECT_TIMEOUT: Final = 30.0  # s for which the server keeps a page whose connection is lost
+Build = Callable[[Request], object]
+
+
+class _Served:
+    """NiceGUI has one application in a process, mounted once; its page is that of the newest server."""
+
+    app: FastAPI | None = None
+    build: Build | None = None
+
+
+class PageServer:
+    """Serves a page on this machine.
+
+    Args:
+        build: Makes the elements of the page, for each viewer.
+        port: First port to try; 0: chosen by the system.
+        title: Of the page.
+
+    Raises:
+        InvalidInputError: a port outside 0..65535.
+        InstallationError: the page cannot be served.
+    """
+
+    def __init__(self, build: Build, *, port: int, title: str) -> None:
+        self._port = free_port(HOST, port)
+        config = uvicorn.Config(
+            OriginGuard(_application(build, title)),
+            HOST,
+            self._port,
+            log_level='warning',
+            timeout_graceful_shutdown=1,
+        )
+        self._server = uvicorn.Server(config)
+        self._thread = threading.Thread(target=self._server.run, name='page', daemon=True)
+        self._thread.start()
+        deadline = time.monotonic() + START_TIMEOUT
+        while not self._server.started:
+            if not self._thread.is_alive() or time.monotonic() > deadline:
+                raise InstallationError(f'the page cannot be served at {self.url}')
+            time.sleep(POLL)
+
+    @property
+    def url(self) -> str:
+        """Address of the page."""
+        return f'http://{HOST}:{self._port}'
+
+    def close(self) -> None:
+        """End the page."""
+        self._server.should_exit = True
+        self._thread.join(START_TIMEOUT)
+
+
+def _application(build: Build, title: str) -> FastAPI:
+    _Served.build = build
+    if _Served.app is None:
+        _Served.app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+
+        @ui.page('/', response_timeout=START_TIMEOUT)
+        def page(request: Request) -> None:
+            assert _Served.build is not None
+            _Served.build(request)
+
+        ui.run_with(
+            _Served.app,
+            title=title,
+            dark=None,
+            tailwind=False,
+            reconnect_timeout=RECONNECT_TIMEOUT,
+            binding_refresh_interval=None,
+            show_welcome_message=False,
+        )
+    return _Served.app

@@ -1,0 +1,147 @@
+"""PendantPage: the operator's page, for one viewer."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Final
+
+from fastapi import Request
+from nicegui import Client, ui
+from nicegui.events import GenericEventArguments
+
+from robots_controller.pendant.page.io_panel import IoPanel
+from robots_controller.pendant.page.jog_panel import JogPanel
+from robots_controller.pendant.page.message_panel import MessagePanel
+from robots_controller.pendant.page.program_panel import ProgramPanel
+from robots_controller.pendant.page.top_bar import TopBar
+from robots_controller.pendant.page.viewer import Panel, Viewer
+from robots_controller.pendant.pendant_operator import HOLD_KEY, PendantOperator
+from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_texts
+from robots_core.errors import RobotsError
+
+PERIOD: Final = 0.1  # s between two refreshes
+LANGUAGE_COOKIE: Final = 'language'
+THEME_COOKIE: Final = 'theme'
+TABS: Final = {'jog': 'gamepad', 'program': 'code', 'io': 'toggle_on', 'messages': 'notifications'}
+
+
+class PendantPage:
+    """The bar, the 3D view, and panels to jog, for programs, for inputs and outputs, and for messages.
+
+    Args:
+        operator: Takes what is pressed.
+        folder: Of the robot programs.
+        request: Of the browser.
+    """
+
+    def __init__(self, operator: PendantOperator, folder: Path, request: Request) -> None:
+        client: Client = ui.context.client
+        chosen = request.cookies.get(LANGUAGE_COOKIE, '')
+        language = (
+            chosen if chosen in LANGUAGES else preferred_language(request.headers.get('accept-language', ''))
+        )
+        self._operator = operator
+        self._viewer = viewer = Viewer(client.id, operator, read_texts(language))
+        theme = request.cookies.get(THEME_COOKIE)
+        ui.dark_mode(value=None if theme not in ('dark', 'light') else theme == 'dark')
+        ui.colors(primary='#00796b')
+        ui.add_head_html(f'<style>{_asset("pendant.css")}</style><script>{_asset("pendant.js")}</script>')
+        client.content.classes('page')
+        self._scene_url, self._host = '', request.headers.get('host', '')
+        with client.content:
+            self._bar = TopBar(viewer)
+            with ui.element('main').classes('work'):
+                with ui.element('div').classes('scene'):
+                    self._no_scene = ui.label(viewer.texts('bar.no_scene')).classes('hint')
+                    self._scene = ui.element('iframe').props('title=3D')
+                    self._scene.set_visibility(False)
+                with ui.element('section').classes('side'):
+                    self._build_panels(folder)
+        ui.on('pendant_hold', self._hold)
+        ui.on('pendant_release', self._release)
+        client.on_disconnect(lambda: operator.release(viewer.id))
+        client.on_delete(lambda: operator.give_back_control(viewer.id))
+        self.refresh()
+        ui.timer(PERIOD, self._refresh_with_scene)
+
+    def _build_panels(self, folder: Path) -> None:
+        text = self._viewer.texts
+        with ui.tabs().props('dense no-caps inline-label mobile-arrows').classes('tabs') as self._tabs:
+            for name, icon in TABS.items():
+                with ui.tab(name, text(f'tabs.{name}'), icon):
+                    if name == 'messages':
+                        self._pending = ui.badge().props('floating color=negative')
+        with ui.tab_panels(self._tabs, value='jog', animated=False).classes('panels').props('keep-alive'):
+            with ui.tab_panel('jog'):
+                self._jog = JogPanel(self._viewer)
+            with ui.tab_panel('program'):
+                self._program = ProgramPanel(self._viewer, folder)
+            with ui.tab_panel('io'):
+                io = IoPanel(self._viewer)
+            with ui.tab_panel('messages'):
+                messages = MessagePanel(self._viewer)
+        self._panels: dict[str, Panel] = {
+            'jog': self._jog,
+            'program': self._program,
+            'io': io,
+            'messages': messages,
+        }
+
+    # -- what is held -------------------------------------------------------------------------------------
+
+    async def _hold(self, event: GenericEventArguments) -> None:
+        number, key = _press(event.args)
+        line = self._program.line if key == HOLD_KEY else self._jog.line
+        try:
+            action = self._operator.hold(self._viewer.id, number, key, self._jog.speed)
+        except RobotsError as error:
+            line.show(self._viewer.texts.error(error))
+            return
+        if action is not None:
+            await self._viewer.do(line, lambda: self._operator.act(self._viewer.id, action))
+
+    def _release(self) -> None:
+        self._operator.release(self._viewer.id)
+        self._jog.line.show('')
+
+    # -- what is shown ------------------------------------------------------------------------------------
+
+    def refresh(self) -> None:
+        """Show the newest state: the bar, and the panel that is in front."""
+        state = self._operator.state
+        self._bar.refresh(state)
+        pending = self._operator.messages.pending
+        self._pending.set_text(str(pending))
+        self._pending.set_visibility(bool(pending))
+        self._panels[str(self._tabs.value)].refresh(state)
+
+    def _refresh_with_scene(self) -> None:
+        """As `refresh`; the 3D view, which takes a browser long to draw, comes when the page is connected."""
+        self.refresh()
+        state = self._operator.state
+        if state.scene_url != self._scene_url:
+            self._scene_url = state.scene_url
+            self._scene.props(f'src="{_of_another_site(state.scene_url, self._host)}"')
+            self._scene.set_visibility(bool(state.scene_url))
+            self._no_scene.set_visibility(not state.scene_url)
+
+
+def _press(arguments: Any) -> tuple[int, str]:
+    """Number and key of a press, as the browser sends them."""
+    number, key, *_ = [*arguments, 0, ''] if isinstance(arguments, list) else [0, '']
+    return (number, key) if isinstance(number, int) and isinstance(key, str) else (0, '')
+
+
+def _of_another_site(url: str, host: str) -> str:
+    """The address of the 3D view by another name of this machine than that of the page.
+
+    A browser then gives it a process of its own: drawing it does not delay the signs of a held button.
+    """
+    return url.replace('127.0.0.1', 'localhost') if host.startswith('127.0.0.1') else url
+
+
+@cache
+def _asset(name: str) -> str:
+    return (files('robots_controller.pendant.page') / name).read_text('utf-8')

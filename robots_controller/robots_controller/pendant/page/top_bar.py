@@ -1,0 +1,202 @@
+"""TopBar: what is always visible, and the stop button."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Final
+
+from nicegui import ui
+
+from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
+from robots_controller.pendant.pendant_state import PendantState
+from robots_controller.pendant.permissions import Action
+from robots_core.operating_modes import OperatingMode
+
+STEP: Final = 5  # %, of the buttons beside the override
+STATE_ICONS: Final = {
+    'IDLE': 'radio_button_unchecked',
+    'OPENED': 'task_alt',
+    'RUNNING': 'play_arrow',
+    'PAUSED': 'pause',
+    'STOPPED': 'stop',
+    'FINISHED': 'check',
+    'FAILED': 'error',
+}
+
+
+class TopBar:
+    """Robot, mode, commander, program, override, speed, connection, who operates, and the stop button.
+
+    Args:
+        viewer: Its page.
+    """
+
+    def __init__(self, viewer: Viewer) -> None:
+        self._viewer, self._texts = viewer, viewer.texts
+        text = self._texts
+        self._override = 100
+        with ui.element('header').classes('bar'):
+            with ui.element('div').classes('facts'):
+                with ui.element('div').classes('fact robot'):
+                    ui.label(viewer.operator.robot.name).classes('title')
+                    with ui.element('span').classes('caption'):
+                        self._link_icon = ui.icon('link')
+                        self._link = ui.label()
+                with ui.element('div').classes('fact'):
+                    ui.label(text('bar.mode')).classes('caption')
+                    self._mode = (
+                        ui.select([*OperatingMode], on_change=self._choose_mode)
+                        .props(f'dense borderless options-dense aria-label="{text("bar.mode")}"')
+                        .classes('mode')
+                    )
+                self._commander = self._fact('bar.commander')
+                with ui.element('div').classes('fact program'):
+                    ui.label(text('bar.program')).classes('caption')
+                    with ui.element('span').classes('value'):
+                        self._program_icon = ui.icon('stop')
+                        self._program = ui.label()
+                self._speed = self._fact('bar.speed')
+                self._build_override()
+                self._build_tools()
+            self._build_stop()
+        with ui.element('div').classes('strip') as self._strip:
+            self._fault_icon = ui.icon('report')
+            self._fault = ui.label()
+            self._reset = ActionButton(
+                viewer, Action.RESET, text('bar.reset'), 'restart_alt', partial(self._act, Action.RESET)
+            )
+        self.line = RefusalLine()
+
+    def _fact(self, caption: str) -> ui.label:
+        with ui.element('div').classes('fact'):
+            ui.label(self._texts(caption)).classes('caption')
+            return ui.label().classes('value')
+
+    def _build_override(self) -> None:
+        text = self._texts
+        with ui.element('div').classes('fact override'):
+            with ui.element('span').classes('caption'):
+                ui.label(text('bar.override'))
+                self._override_value = ui.label('100 %').classes('number')
+            with ui.element('div').classes('slider'):
+                ui.button(icon='remove', on_click=partial(self._change_override, -STEP), color=None).props(
+                    f'flat dense round aria-label="{text("bar.slower")}"'
+                )
+                self._slider = ui.slider(min=0, max=100, value=100).props(
+                    f'aria-label="{text("bar.override")}"'
+                )
+                self._slider.on('update:model-value', self._slide, throttle=0.05)
+                ui.button(icon='add', on_click=partial(self._change_override, STEP), color=None).props(
+                    f'flat dense round aria-label="{text("bar.faster")}"'
+                )
+
+    def _build_tools(self) -> None:
+        text = self._texts
+        with ui.element('div').classes('fact tools'):
+            with ui.element('span').classes('caption'):
+                self._control = ui.label()
+            with ui.element('div').classes('row-of-buttons'):
+                self._take = ui.button(
+                    text('bar.take'), icon='front_hand', on_click=self._toggle_control, color=None
+                )
+                self._take.props('unelevated no-caps dense').classes('control')
+                ui.button(icon='contrast', color=None).props(
+                    f'flat dense round aria-label="{text("bar.theme")}"'
+                ).on('click', js_handler='() => pendant.switchTheme()')
+                code = 'en' if text('bar.language') == 'English' else 'de'
+                ui.button(text('bar.language'), color=None).props('flat dense no-caps').classes(
+                    'language'
+                ).on('click', js_handler=f"() => pendant.setLanguage('{code}')")
+        with ui.dialog() as self._dialog, ui.card():
+            ui.label(text('bar.confirm'))
+            with ui.element('div').classes('row-of-buttons'):
+                ui.button(text('bar.confirm_yes'), on_click=lambda: self._dialog.submit(result=True)).props(
+                    'unelevated no-caps'
+                )
+                ui.button(text('bar.confirm_no'), on_click=lambda: self._dialog.submit(result=False)).props(
+                    'flat no-caps'
+                )
+
+    def _build_stop(self) -> None:
+        text = self._texts
+        with ui.element('button').classes('stop').props('type=button') as stop:
+            ui.label(text('bar.stop')).classes('word')
+            ui.label('Esc').classes('key')
+            ui.tooltip(text('bar.stop_hint'))
+        stop.props(f'aria-label="{text("bar.stop")}"')
+        # At the press, not at its end; and by the key, wherever the focus is.
+        stop.on('pointerdown', self._viewer.operator.stop, args=[])
+        ui.on('pendant_stop', self._viewer.operator.stop, args=[])
+
+    # -- what is pressed ----------------------------------------------------------------------------------
+
+    async def _act(self, action: Action) -> None:
+        viewer = self._viewer
+        await viewer.do(self.line, lambda: viewer.operator.act(viewer.id, action))
+
+    async def _choose_mode(self) -> None:
+        viewer, mode = self._viewer, self._mode.value
+        if mode not in (None, viewer.operator.state.mode):
+            await viewer.do(self.line, lambda: viewer.operator.set_mode(viewer.id, mode))
+            self._show_mode(viewer.operator.state)
+
+    async def _slide(self) -> None:
+        await self._set_override(int(self._slider.value))
+
+    async def _change_override(self, step: int) -> None:
+        await self._set_override(min(100, max(0, self._override + step)))
+
+    async def _set_override(self, percent: int) -> None:
+        viewer = self._viewer
+        await viewer.do(self.line, lambda: viewer.operator.set_override(viewer.id, percent / 100.0))
+        self._slider.value = round(100.0 * viewer.operator.state.override)
+
+    async def _toggle_control(self) -> None:
+        operator, viewer = self._viewer.operator, self._viewer
+        if operator.desk.holder == viewer.id:
+            operator.give_back_control(viewer.id)
+        elif not operator.desk.holder or await self._dialog:
+            await viewer.do(self.line, lambda: operator.take_control(viewer.id, from_other=True))
+
+    # -- what is shown ------------------------------------------------------------------------------------
+
+    def refresh(self, state: PendantState) -> None:
+        """Show a state."""
+        text = self._texts
+        lost = bool(state.lost)
+        self._link.set_text(text('bar.lost', lost=', '.join(state.lost)) if lost else text('bar.connected'))
+        self._link_icon.set_name('link_off' if lost else 'link')
+        self._link_icon.classes(add='bad' if lost else 'good', remove='good' if lost else 'bad')
+        self._show_mode(state)
+        self._commander.set_text(text(f'commanders.{state.commander}'))
+        program = state.program
+        name = program.path.rpartition('/')[2]
+        where = f', {text("bar.line", line=program.line)}' if program.line else ''
+        self._program.set_text(f'{name}{": " if name else ""}{text(f"states.{program.state}")}{where}')
+        self._program_icon.set_name(STATE_ICONS[program.state])
+        self._speed.set_text(f'{1e3 * state.tool_speed:.0f} mm/s')
+        self._show_override(state)
+        self._show_control()
+        self._strip.set_visibility(bool(state.fault))
+        if state.fault:
+            self._fault.set_text(text('bar.fault', fault=state.fault))
+            self._reset.refresh()
+
+    def _show_mode(self, state: PendantState) -> None:
+        if self._mode.value != state.mode:
+            self._mode.set_value(state.mode)
+
+    def _show_override(self, state: PendantState) -> None:
+        percent = round(100.0 * state.override)
+        if percent != self._override:
+            self._override = percent
+            self._override_value.set_text(f'{percent} %')
+            self._slider.value = percent
+
+    def _show_control(self) -> None:
+        text, holder = self._texts, self._viewer.operator.desk.holder
+        own = holder == self._viewer.id
+        who = 'in_control' if own else 'others' if holder else 'nobody'
+        self._control.set_text(text(f'bar.{who}'))
+        self._take.set_text(text('bar.give_back' if own else 'bar.take'))
+        self._take.classes(add='own' if own else '', remove='' if own else 'own')

@@ -1,0 +1,124 @@
+"""PendantState: what an operator's page knows of the cell."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from robots_controller.program.run_state import RunState
+from robots_core.blocks.following.guide import Guide
+from robots_core.operating_modes import Commander, OperatingMode
+from robots_core.pose import Pose
+from robots_core.validation import Array
+
+WATCHED: Final = ('controller_node', 'planning_node', 'lua_program_node')
+"""Nodes without which a robot cannot be operated."""
+STARTABLE: Final = frozenset({RunState.OPENED, RunState.STOPPED, RunState.FINISHED, RunState.FAILED})
+"""States from which a program runs from its start."""
+
+
+@dataclass(frozen=True)
+class ShownProgram:
+    """The robot program.
+
+    Attributes:
+        path: Of the file that is open; '' for none.
+        state: What it does.
+        file: Name of the file that `line` belongs to.
+        line: Line of the last call of a robot function, counted from 1; 0 for none.
+        motion_file: Name of the file that `motion_line` belongs to.
+        motion_line: Line of the motion that was sent last; 0 for none.
+        error: Why it has failed; '' if it has not.
+        hold: Why it is held; '' if it is not.
+    """
+
+    path: str = ''
+    state: RunState = RunState.IDLE
+    file: str = ''
+    line: int = 0
+    motion_file: str = ''
+    motion_line: int = 0
+    error: str = ''
+    hold: str = ''
+
+
+@dataclass(frozen=True)
+class ShownIo:
+    """Inputs and outputs.
+
+    Attributes:
+        values: By image, see `IMAGES`; inputs as the program reads them.
+        labels: Names of the channels of each image, from the first on; '' for none.
+        forced: Names of the forced inputs, such as 'digital_input.3'.
+    """
+
+    values: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    forced: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class JogSpeeds:
+    """Highest speeds of a jogged robot.
+
+    Attributes:
+        fraction: Part of the velocity limits of the axes.
+        tool: Of the tool centre point, m/s.
+    """
+
+    fraction: float = 0.1
+    tool: float = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class PendantState:
+    """The newest that is known of the cell.
+
+    Attributes:
+        lost: Those of `WATCHED` that give no sign of life.
+        mode: The operating mode; None before the controller has reported it.
+        commander: Who commands the robot.
+        guide: What the program lets guide its robot.
+        run_enabled: Motions of programs may go on.
+        drives_on: The drives follow the references.
+        fault: Why the robot is stopped until a reset; '' if it is not.
+        override: Speed override, 0..1.
+        q: Measured joint positions, (n,), rad (m); None before the first.
+        tool: Pose of the tool centre point in the base frame; None before the first.
+        tool_speed: Of the tool centre point, m/s.
+        hindrance: What planning_node reports as wrong, such as the limit that stops a jog; '' for nothing.
+        scene_url: Address of the 3D view; '' for none.
+        program: The robot program.
+        io: Inputs and outputs.
+        jog_speeds: Highest speeds of a jogged robot.
+    """
+
+    lost: tuple[str, ...] = WATCHED
+    mode: OperatingMode | None = None
+    commander: Commander = Commander.NOBODY
+    guide: Guide = Guide.NONE
+    run_enabled: bool = False
+    drives_on: bool = False
+    fault: str = ''
+    override: float = 1.0
+    q: Array | None = None
+    tool: Pose | None = None
+    tool_speed: float = 0.0
+    hindrance: str = ''
+    scene_url: str = ''
+    program: ShownProgram = field(default_factory=ShownProgram)
+    io: ShownIo = field(default_factory=ShownIo)
+    jog_speeds: JogSpeeds = field(default_factory=JogSpeeds)
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """What a message about the state may name."""
+        return {
+            'lost': ', '.join(self.lost),
+            'mode': self.mode or '?',
+            'commander': self.commander,
+            'fault': self.fault,
+            'program': self.program.file or self.program.path.rpartition('/')[2],
+            'state': self.program.state,
+        }

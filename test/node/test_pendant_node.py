@@ -1,0 +1,183 @@
+"""pendant_node: what is pressed reaches the nodes of a cell, and what they report is shown."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from pathlib import Path
+from typing import Any
+from urllib.request import urlopen
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rcl_interfaces.msg import Log
+from std_msgs.msg import Float64
+
+from robots_controller.io.io_image import Channel
+from robots_controller.nodes.pendant_node import PendantNode
+from robots_controller.pendant.message_log import Level
+from robots_controller.pendant.pendant_operator import HOLD_KEY, PendantOperator
+from robots_controller.pendant.permissions import Action, NotPermittedError
+from robots_controller.program.run_state import RunState
+from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.operating_modes import Commander, OperatingMode
+from robots_core.ros.messages import diagnostic_values
+from robots_core.ros.qos import STATE
+
+from .program_cell import CRAWL, MOVE, ROBOT, ProgramCell
+
+ME = 'me'
+OUTPUT, INPUT = Channel('digital', 'output', 2), Channel('digital', 'input', 1)
+
+
+class OperatedCell(ProgramCell):
+    """A cell with a pendant, in mode T1."""
+
+    def __init__(self, runner: Any, folder: Path) -> None:
+        super().__init__(runner, folder, operating_mode='T1')
+        self.node = self.start_node(PendantNode, robot_model=ROBOT, port=0, programs=str(folder))
+        self.operator: PendantOperator = self.node.operator
+        self.operator._now = lambda: 0.0  # no sign of a press comes too late
+        self.operator.take_control(ME)
+        self.wait(lambda: not self.state.lost and self.state.mode is not None, 'the nodes')
+        self.presses = 0
+
+    @property
+    def state(self) -> Any:
+        return self.operator.state
+
+    def hold(self, key: str, condition: Any, what: str) -> None:
+        """Hold a button until a condition is true."""
+        self.presses += 1
+        actions: list[Action] = []
+
+        def held() -> Any:
+            action = self.operator.hold(ME, self.presses, key)
+            actions.extend([] if action is None else [action])
+            return action or condition()
+
+        self.wait(held, what)
+        if actions:  # not in the condition, which holds up the nodes
+            self.operator.act(ME, actions[0])
+            self.wait(held, what)
+
+    def set_mode(self, mode: OperatingMode) -> None:
+        """Set the mode as soon as the robot stands."""
+        self.until_standing()
+        while self.state.mode is not mode:
+            with contextlib.suppress(InvalidInputError):
+                self.operator.set_mode(ME, mode)
+
+
+@pytest.fixture(scope='module')
+def cell(module_ros_nodes: Any, tmp_path_factory: pytest.TempPathFactory) -> OperatedCell:
+    return OperatedCell(module_ros_nodes, tmp_path_factory.mktemp('programs'))
+
+
+@pytest.fixture(autouse=True)
+def in_t1(cell: OperatedCell) -> None:
+    cell.operator.release(ME)
+    cell.operator.take_control(ME, from_other=True)
+    cell.set_mode(OperatingMode.T1)
+
+
+@pytest.mark.parametrize('key', ['axes 1 +', 'tool 2 -', 'base 1 +'])
+def test_the_robot_moves_while_a_button_is_held_and_stops_without_signs(cell: OperatedCell, key: str) -> None:
+    cell.until_standing()
+    start = np.array(cell.references[-1].positions)
+    cell.hold(key, lambda: any(cell.references[-1].velocities), 'it moves')
+    cell.until_standing()  # nobody has released it
+    moved = np.array(cell.references[-1].positions) - start
+    assert np.abs(moved).max() > 0.0
+    assert key != 'axes 1 +' or np.flatnonzero(np.abs(moved) > 1e-9).tolist() == [1]
+
+
+def test_a_release_stops_the_robot(cell: OperatedCell) -> None:
+    cell.hold('axes 1 -', lambda: any(cell.references[-1].velocities), 'it moves')
+    cell.operator.release(ME)
+    cell.until_standing()
+
+
+def test_jogging_is_refused_where_the_mode_excludes_it(cell: OperatedCell) -> None:
+    cell.set_mode(OperatingMode.AUTOMATIC)
+    with pytest.raises(NotPermittedError, match='mode_excludes_pendant'):
+        cell.operator.hold(ME, -1, 'axes 0 +')
+
+
+def test_a_program_runs_while_run_is_held(cell: OperatedCell) -> None:
+    path = cell.folder / 'move.lua'
+    path.write_text(f'{CRAWL}setDigitalOutput(3, 1)\n{MOVE}')
+    cell.operator.open_program(ME, str(path))
+    cell.wait(lambda: cell.state.program.path == str(path), 'the program')
+    assert cell.state.program.state is RunState.OPENED
+    cell.hold(HOLD_KEY, lambda: any(cell.references[-1].velocities), 'it moves')
+    assert cell.state.commander is Commander.PROGRAM
+    assert (cell.state.program.motion_line, cell.state.program.motion_file) == (3, 'move.lua')
+    cell.operator.release(ME)
+    cell.wait(lambda: cell.state.program.state is RunState.PAUSED, 'a held program')
+    assert cell.state.program.hold == 'release'
+    cell.operator.stop()
+    # Both nodes are asked at once: the program has failed if the robot is stopped first.
+    cell.wait(lambda: cell.state.program.state in (RunState.STOPPED, RunState.FAILED), 'its end')
+    cell.until_standing()
+    cell.operator.act(ME, Action.REWIND)
+    cell.wait(lambda: cell.state.program.state is RunState.OPENED, 'its start')
+    cell.operator.set_override(ME, 1.0)
+    cell.wait(lambda: cell.state.override == 1.0, 'the override')
+
+
+def test_what_a_node_refuses_is_raised(cell: OperatedCell) -> None:
+    with pytest.raises(RobotsError, match=r'missing\.lua'):
+        cell.operator.open_program(ME, str(cell.folder / 'missing.lua'))
+
+
+def test_outputs_are_switched_and_inputs_forced(cell: OperatedCell) -> None:
+    cell.operator.set_output(ME, OUTPUT, 1.0)
+    cell.wait(lambda: cell.state.io.values['digital_outputs'][1] == 1.0, 'the output')
+    cell.operator.force_input(ME, INPUT, 1.0)
+    cell.wait(lambda: cell.state.io.forced == {'digital_input.1'}, 'a forced input')
+    assert cell.state.io.values['digital_inputs'][0] == 1.0
+    cell.operator.force_input(ME, INPUT, None)
+    cell.wait(lambda: not cell.state.io.forced, 'its release')
+
+
+def test_a_fault_is_shown_and_reset(cell: OperatedCell) -> None:
+    cell.call('controller_node/emergency_stop')
+    cell.wait(lambda: cell.state.fault, 'the fault')
+    with pytest.raises(NotPermittedError, match='fault'):
+        cell.operator.hold(ME, -2, 'axes 0 +')
+    cell.operator.act(ME, Action.RESET)
+    cell.wait(lambda: not cell.state.fault, 'its end')
+
+
+def test_what_the_cell_reports_is_shown(cell: OperatedCell) -> None:
+    robot = cell.node.robot
+    cell.wait(lambda: cell.state.q is not None, 'positions')
+    cell.publish('override', Float64(data=0.25), STATE)
+    cell.wait(lambda: cell.state.override == 0.25, 'the override of another node')
+    cell.publish('/rosout', Log(name='lua_program_node.print', msg='hello', level=Log.INFO))
+    cell.publish('/rosout', Log(name='plc_node', msg='no signal', level=Log.WARN))
+    cell.wait(lambda: [text for _, text in cell.operator.prints][-1:] == ['hello'], 'a print')
+    cell.wait(lambda: cell.operator.messages.shown(Level.WARNING, 'no signal'), 'a message')
+    status = DiagnosticStatus(name='/visualizer_node', values=[])
+    cell.publish('/diagnostics', DiagnosticArray(status=[status]))
+    assert cell.state.q.shape == (robot.num_axes,)
+    assert cell.state.jog_speeds.fraction == 0.1
+
+
+def test_health_tells_the_address_of_the_page(cell: OperatedCell) -> None:
+    cell.wait(lambda: any(one.name == '/pendant_node' for one in cell.health), 'health')
+    status = [one for one in cell.health if one.name == '/pendant_node'][-1]
+    url = diagnostic_values(status)['url']
+    assert url.startswith('http://127.0.0.1:')
+    with urlopen(url, timeout=240.0) as page:  # noqa: S310  # our own address
+        assert cell.node.robot.name in page.read().decode()
+
+
+def test_without_its_page_the_node_says_what_is_missing(
+    ros_context: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, 'robots_controller.pendant.page.page_server', None)
+    with pytest.raises(RobotsError, match=r'needs NiceGUI .*: pip install -r requirements-pendant\.txt'):
+        PendantNode(context=ros_context)

@@ -1,0 +1,61 @@
+"""A page in the browser of this machine, whose conditions are waited for."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from installed_browsers import installed_browser
+
+DEADLINE = 240.0  # s, for a machine that is slow and busy
+POLL = 20.0  # ms
+FORWARDS = '[data-press="axes 0 +"]'
+
+
+@contextmanager
+def browser(*arguments: str) -> Iterator[Browser]:
+    """The browser, without a window."""
+    path = installed_browser()
+    assert path, 'there is no Chromium: make browser'
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(
+            executable_path=path, args=['--no-sandbox', *arguments], timeout=1e3 * DEADLINE
+        )
+        try:
+            yield started
+        finally:
+            started.close()
+
+
+def open_page(running: Browser, url: str, **options: Any) -> Page:
+    """A page in a context of its own, once it can be used."""
+    page = running.new_context(**{'locale': 'en-US', **options}).new_page()
+    page.set_default_timeout(1e3 * DEADLINE)
+    page.goto(url)
+    page.wait_for_function('() => window.socket?.connected && window.did_handshake')
+    return page
+
+
+def wait(page: Page, condition: Callable[[], Any], what: str) -> None:
+    """Wait until a condition is true; the browser goes on meanwhile."""
+    deadline = time.monotonic() + DEADLINE
+    while not condition():
+        assert time.monotonic() < deadline, what
+        page.wait_for_timeout(POLL)
+
+
+def take_control(page: Page) -> None:
+    """Let the page be in control."""
+    if page.locator('.control.own').count() == 0:
+        page.get_by_role('button', name='Take control').click()
+        page.locator('.control.own').wait_for()
+
+
+def press(page: Page, selector: str) -> None:
+    """Press the mouse on an element, without releasing it."""
+    page.locator(selector).hover()
+    page.mouse.down()

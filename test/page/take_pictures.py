@@ -1,0 +1,107 @@
+"""Pictures of the operator's page for the documentation: `make screenshots-pendant`."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+from browser_page import browser, open_page
+from made_up_cell import made_up_operator, ready_state, running_program, served, some_messages, switched
+from playwright.sync_api import Browser, Locator, Page
+
+from robots_controller.pendant.pendant_operator import PendantOperator
+from robots_core.blocks.visualizer import Visualizer
+
+FOLDER = Path('docs/how_to/pictures')
+SIZES = {'desktop': (1440, 900), 'tablet': (1024, 768)}
+VIEWS = ('jog', 'program', 'io', 'messages')
+SHOWN = (('jog', 'desktop', 'light'), ('program', 'desktop', 'dark'), ('io', 'tablet', 'light'))
+"""In the documentation: view, size and theme."""
+SCENE_TIME = 15_000.0  # ms, for the 3D view to be drawn by the processor
+TAB_TIME = 4000.0  # ms, for a panel to be in front
+WITHOUT_GPU = ('--use-angle=swiftshader', '--enable-unsafe-swiftshader')
+
+
+def show(operator: PendantOperator, view: str, url: str) -> None:
+    """Let the cell be in a state that is worth a picture of a view."""
+    state = replace(ready_state(operator.robot), scene_url=url)
+    for image, index in (('digital_inputs', 1), ('digital_inputs', 3), ('digital_outputs', 2)):
+        state = switched(state, image, index, 1.0)
+    state = switched(state, 'analog_inputs', 1, 41.5)
+    io = replace(state.io, forced=frozenset({'digital_input.3'}))
+    operator.state = replace(state, io=io, override=0.6, tool_speed=0.148)
+    if view == 'program':
+        running_program(operator, line=37)
+
+
+def click(element: Locator) -> None:
+    """Click at once: where the processor draws the 3D view, frames to look for a still place are rare."""
+    element.evaluate('(one) => one.click()')
+
+
+def take(page: Page, operator: PendantOperator, url: str, view: str, path: Path) -> None:
+    """One picture."""
+    show(operator, view, url)
+    click(page.get_by_role('tab').nth(VIEWS.index(view)))
+    page.mouse.move(0, 0)
+    page.wait_for_timeout(TAB_TIME)
+    page.screenshot(path=path, type='jpeg', quality=80)
+    print(path)
+
+
+def hide_warning(page: Page) -> None:
+    """Close what the 3D view says of a machine without a graphics processor."""
+    click(page.frame_locator('.scene iframe').locator('[role=alert] button'))
+
+
+def take_all(
+    running: Browser, operator: PendantOperator, scene_url: str, folder: Path, wanted: set[tuple[str, ...]]
+) -> None:
+    """The wanted pictures, each named by view, size and theme."""
+    with served(operator) as url:
+        for (size, (width, height)), theme in product(SIZES.items(), ('light', 'dark')):
+            views = [view for view in VIEWS if (view, size, theme) in wanted]
+            if not views:
+                continue
+            viewport = {'width': width, 'height': height}
+            page = open_page(running, url, viewport=viewport, color_scheme=theme)
+            operator.desk.holder = ''  # the page before is kept for a while
+            click(page.get_by_role('button', name='Take control'))
+            hide_warning(page)
+            page.wait_for_timeout(SCENE_TIME)
+            for view in views:
+                take(page, operator, scene_url, view, folder / f'pendant_{view}_{size}_{theme}.jpg')
+            page.context.close()
+
+
+def main() -> None:
+    """Take the pictures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        '--all', type=Path, metavar='FOLDER', help='every view, size and theme, into a folder'
+    )
+    options = parser.parse_args()
+    folder = options.all or FOLDER
+    folder.mkdir(parents=True, exist_ok=True)
+    operator, _ = made_up_operator()
+    for text in ('Press tending of 2 parts', 'part 1: pressed with 41.5 kN', 'part 1: placed'):
+        operator.print(text)
+    some_messages(operator)
+    visualizer = Visualizer(operator.robot, port=0)
+    home = np.array(operator.robot.home)
+    for part in np.linspace(-0.6, 0.0, 60):  # a path of the tool
+        visualizer.update(home + part * np.array([1.0, 0.2, -0.3, 0.0, 0.4, 0.0]))
+    wanted = set(product(VIEWS, SIZES, ('light', 'dark'))) if options.all else set(SHOWN)
+    show(operator, 'jog', visualizer.url)
+    try:
+        with browser(*WITHOUT_GPU) as running:
+            take_all(running, operator, visualizer.url, folder, wanted)
+    finally:
+        visualizer.close()
+
+
+if __name__ == '__main__':
+    main()

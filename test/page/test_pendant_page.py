@@ -1,0 +1,207 @@
+"""The operator's page in a real browser: what is held, pressed, refused and shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from robots_controller.pendant.pendant_operator import PendantOperator
+from robots_core.operating_modes import OperatingMode
+
+from .browser_page import DEADLINE, FORWARDS, browser, open_page, press, take_control, wait
+from .made_up_cell import MadeUpCell, made_up_operator, ready_state, running_program, served, switched
+
+SOCKET = '_nicegui_ws/socket.io/?EIO=4&transport=websocket'
+
+
+@pytest.fixture(scope='module')
+def running() -> Iterator[Browser]:
+    with browser('--disable-gpu') as started:
+        yield started
+
+
+@pytest.fixture(scope='module')
+def served_cell() -> Iterator[tuple[PendantOperator, MadeUpCell, str]]:
+    operator, cell = made_up_operator()
+    with served(operator) as url:
+        yield operator, cell, url
+
+
+@pytest.fixture
+def operator(served_cell: tuple[PendantOperator, MadeUpCell, str]) -> PendantOperator:
+    operator, cell, _ = served_cell
+    operator.state = ready_state(operator.robot)
+    cell.calls.clear()
+    cell.refusal = ''
+    return operator
+
+
+@pytest.fixture
+def cell(served_cell: tuple[PendantOperator, MadeUpCell, str]) -> MadeUpCell:
+    return served_cell[1]
+
+
+@pytest.fixture
+def url(served_cell: tuple[PendantOperator, MadeUpCell, str]) -> str:
+    return served_cell[2]
+
+
+@pytest.fixture(scope='module')
+def shared_page(running: Browser, served_cell: tuple[PendantOperator, MadeUpCell, str]) -> Iterator[Page]:
+    page = open_page(running, served_cell[2], viewport={'width': 1024, 'height': 768})
+    errors: list[str] = []
+    page.on('pageerror', lambda error: errors.append(str(error)))
+    yield page
+    page.close()
+    assert errors == []
+
+
+@pytest.fixture
+def page(shared_page: Page, operator: PendantOperator) -> Page:
+    """The page, in control."""
+    take_control(shared_page)
+    assert operator.desk.holder
+    return shared_page
+
+
+def show(page: Page, tab: str) -> None:
+    page.get_by_role('tab', name=tab).click()
+    page.locator('.q-tab--active', has_text=tab).wait_for()
+
+
+def jogged(cell: MadeUpCell) -> bool:
+    return any(call[0] == 'axes' and any(call[1:]) for call in cell.calls)
+
+
+@pytest.mark.parametrize('end', ['release', 'blur', 'hidden'])
+def test_a_robot_moves_while_its_button_is_held(page: Page, cell: MadeUpCell, end: str) -> None:
+    show(page, 'Jog')
+    press(page, FORWARDS)
+    wait(page, lambda: jogged(cell), 'a jog')
+    if end == 'release':
+        page.mouse.up()
+    elif end == 'blur':
+        page.evaluate('() => window.dispatchEvent(new Event("blur"))')
+    else:
+        page.evaluate('() => document.dispatchEvent(new Event("visibilitychange"))')
+    wait(page, lambda: not cell.moving(), 'a stop')
+    page.mouse.up()
+    assert page.locator('.held').count() == 0
+
+
+def test_a_browser_that_goes_away_lets_go(
+    running: Browser, operator: PendantOperator, cell: MadeUpCell, url: str, shared_page: Page
+) -> None:
+    other = open_page(running, url)
+    operator.desk.holder = ''
+    take_control(other)
+    press(other, FORWARDS)
+    wait(other, lambda: jogged(cell), 'a jog')
+    other.context.close()
+    wait(shared_page, lambda: not cell.moving(), 'a stop')
+    operator.desk.holder = ''
+
+
+def test_keys_hold_and_stop(page: Page, cell: MadeUpCell) -> None:
+    show(page, 'Jog')
+    page.locator(FORWARDS).focus()
+    page.keyboard.down(' ')
+    wait(page, lambda: jogged(cell), 'a jog')
+    page.keyboard.press('Escape')
+    wait(page, lambda: ('stop',) in cell.calls, 'a stop')
+    page.keyboard.up(' ')
+    assert not cell.moving()
+    page.locator('.stop').click()
+    wait(page, lambda: cell.calls.count(('stop',)) == 2, 'a stop by the button')
+
+
+def test_the_stop_button_is_the_largest(page: Page) -> None:
+    areas = page.evaluate(
+        """() => [...document.querySelectorAll('button')].map((one) => {
+          const place = one.getBoundingClientRect();
+          return [one.classList.contains('stop'), place.width * place.height];
+        }).sort((a, b) => b[1] - a[1])"""
+    )
+    assert areas[0][0]
+    assert page.evaluate('() => document.documentElement.scrollWidth <= window.innerWidth')
+
+
+def test_what_is_refused_says_why_where_it_was_pressed(
+    page: Page, operator: PendantOperator, cell: MadeUpCell
+) -> None:
+    show(page, 'Program')
+    panel = page.locator('.program-panel')
+    panel.get_by_role('button', name='Pause').click(force=True)  # it is shown as disabled
+    panel.get_by_text('No program runs.').first.wait_for()
+    assert cell.calls == []
+    running_program(operator)
+    cell.refusal = 'the interpreter does not answer'
+    page.locator('.running').wait_for()
+    panel.get_by_role('button', name='Pause').click()
+    panel.get_by_text(cell.refusal).wait_for()
+    assert cell.calls == [('lua_program_node/pause',)]
+
+
+def test_a_program_is_chosen_and_its_line_is_followed(
+    page: Page, operator: PendantOperator, cell: MadeUpCell
+) -> None:
+    show(page, 'Program')
+    page.get_by_label('Robot program').click()
+    page.get_by_role('option', name='welding.lua', exact=True).click()
+    wait(page, lambda: any(call[0] == 'open' for call in cell.calls), 'a program to be opened')
+    assert cell.calls[-1][1].endswith('/programs/welding.lua')
+    for line in (3, 40):
+        running_program(operator, line=line)
+        operator.print(f'at {line}')
+        page.locator(f'.source .running[data-line="{line}"]').wait_for()
+        page.locator('.prints', has_text=f'at {line}').wait_for()
+    assert 'line 40' in page.locator('.fact.program').inner_text()
+
+
+def test_outputs_are_switched_and_shown(page: Page, operator: PendantOperator, cell: MadeUpCell) -> None:
+    show(page, 'I/O')
+    page.get_by_role('button', name='digital_output.2', exact=True).click()
+    wait(page, lambda: cell.calls == [('set', 'digital_output.2', 1.0)], 'a switched output')
+    operator.state = switched(operator.state, 'digital_outputs', 2, 1.0)
+    row = page.locator('.channel', has_text='gripper')
+    row.locator('.lamp.on').wait_for()
+    page.get_by_label('Name or number').fill('part_pr')
+    row.wait_for(state='detached')
+    assert page.locator('.channel').count() == 2
+    operator.state = replace(operator.state, mode=OperatingMode.AUTOMATIC)
+    page.locator('.io-panel').get_by_text('choose T1 or T2').wait_for()
+    page.get_by_label('Name or number').fill('')
+
+
+def test_a_second_page_looks_on_until_it_takes_control(
+    running: Browser, page: Page, cell: MadeUpCell, url: str
+) -> None:
+    other = open_page(running, url, locale='de-DE', color_scheme='dark')
+    other.get_by_text('Eine andere Seite bedient').first.wait_for()
+    press(other, FORWARDS)
+    other.get_by_role('alert').get_by_text('Eine andere Seite bedient den Roboter.').wait_for()
+    other.mouse.up()
+    assert cell.calls == []
+    other.get_by_role('button', name='Bedienung übernehmen').click()
+    other.get_by_role('dialog').get_by_role('button', name='Übernehmen', exact=True).click()
+    other.get_by_text('Sie bedienen').wait_for()
+    page.get_by_text('Another page operates').first.wait_for()
+    assert other.locator('body.body--dark').count() == 1
+    other.get_by_role('button', name='Bedienung abgeben').click()
+    page.get_by_text('Nobody operates').wait_for()
+    other.context.close()
+
+
+@pytest.mark.parametrize('origin', ['http://evil.example', None])
+def test_a_page_of_another_origin_is_refused(url: str, origin: Any) -> None:
+    address = f'{url.replace("http", "ws")}/{SOCKET}'
+    with pytest.raises(InvalidStatus, match='403'):
+        connect(address, origin=origin, open_timeout=DEADLINE)
+    with connect(address, origin=url, open_timeout=DEADLINE) as accepted:
+        assert accepted.recv(timeout=DEADLINE)

@@ -1,0 +1,81 @@
+"""What an operator's page shows: texts, messages, channels and programs."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from robots_controller.pendant.channels import found_channels
+from robots_controller.pendant.message_log import LONGEST, Level, MessageLog
+from robots_controller.pendant.pendant_state import ShownIo
+from robots_controller.pendant.programs import program_files, read_program
+from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_texts
+from robots_core.errors import InvalidInputError
+
+
+def test_the_languages_say_the_same() -> None:
+    english = read_texts('en').texts
+    for code in LANGUAGES:
+        texts = read_texts(code).texts
+        assert texts.keys() == english.keys()
+        for key, text in texts.items():
+            assert re.findall(r'{\w+}', text) == re.findall(r'{\w+}', english[key]), key
+
+
+@pytest.mark.parametrize(
+    ('header', 'language'),
+    [('de-CH,de;q=0.9,en;q=0.8', 'de'), ('fr,de;q=0.5', 'de'), ('fr', 'en'), ('', 'en'), ('EN-us', 'en')],
+)
+def test_the_language_is_that_of_the_browser(header: str, language: str) -> None:
+    assert preferred_language(header) == language
+
+
+def test_a_language_without_texts_is_refused() -> None:
+    with pytest.raises(InvalidInputError, match="language 'xx' is unknown; valid are en, de"):
+        read_texts('xx')
+
+
+def test_messages_that_repeat_are_counted_and_come_first() -> None:
+    log = MessageLog()
+    log.add(1.0, Level.WARNING, 'a_node', 'limit')
+    log.add(2.0, Level.INFO, 'b_node', 'planned')
+    log.add(3.0, Level.WARNING, 'a_node', 'limit')
+    newest, other = log.shown()
+    assert (newest.text, newest.time, newest.count, other.text) == ('limit', 3.0, 2, 'planned')
+    assert [one.text for one in log.shown(Level.WARNING)] == ['limit']
+    assert [one.text for one in log.shown(part='B_NODE')] == ['planned']
+    assert log.pending == 1
+    log.acknowledge()
+    assert log.pending == 0
+    log.add(4.0, Level.WARNING, 'a_node', 'limit')
+    assert (log.pending, log.shown()[0].count) == (1, 1)
+
+
+def test_only_the_newest_messages_are_kept() -> None:
+    log = MessageLog()
+    for number in range(LONGEST + 3):
+        log.add(float(number), Level.INFO, 'node', str(number))
+    assert len(log.shown()) == LONGEST
+    assert log.shown()[-1].text == '3'
+
+
+def test_channels_are_found_by_name_and_number() -> None:
+    io = ShownIo({'digital_inputs': (0.0,) * 1000}, {'digital_inputs': ('', 'gripper_open', 'part_12')})
+    assert len(found_channels(io, 'digital_inputs', '')) == 1000
+    assert [one.index for one in found_channels(io, 'digital_inputs', 'GRIP')] == [2]
+    assert [one.index for one in found_channels(io, 'digital_inputs', ' 12 ')] == [3, 12]
+    assert found_channels(io, 'digital_inputs', 'nothing') == []
+    assert found_channels(io, 'analog_outputs', '') == []
+
+
+def test_programs_are_found_and_read(tmp_path: Path) -> None:
+    for name in ('b.lua', 'a.lua', 'parts/c.lua', 'library/help.lua', 'notes.txt'):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(f'-- {name}')
+    assert program_files(tmp_path) == ['a.lua', 'b.lua', 'parts/c.lua']
+    assert program_files(tmp_path / 'missing') == []
+    assert read_program(str(tmp_path / 'a.lua'), 'b.lua') == '-- b.lua'
+    with pytest.raises(InvalidInputError, match=r'c\.lua'):
+        read_program(str(tmp_path / 'a.lua'), 'c.lua')
