@@ -10,6 +10,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from robots_controller.defaults import RATE
 from robots_controller.live_cell.cell_command import parse_options, run_cell
 from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
 from short_programs import short_copy
@@ -42,7 +43,7 @@ class LockstepRun:
     returncode: int
     text: str
     bag: Path
-    rate: float
+    rate: float = RATE
 
 
 class LockstepRuns:
