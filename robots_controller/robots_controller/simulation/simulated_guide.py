@@ -137,29 +137,32 @@ class SimulatedGuide:
         if source is None or source.start is None or self._control.controller.reference is None:
             return
         for time in self._sensor_times.due(nanoseconds):
-            # As nodes do: a step does not use what comes after it, however rare the controller's periods are.
+            # As in nodes, a step does not use what comes after it, however rare the controller's periods are.
             self._take_messages(source, time)
             self._heard = False
             self._send(self._sensor.step(time / NANOSECONDS), time, SENSOR_PERIOD)
         self._take_messages(source, nanoseconds)
-        if self._jogging.active:
-            for time in self._jog_times.due(nanoseconds):
-                step = self._jogging.step(time / NANOSECONDS)
-                if step is None:
-                    self._jogging.end()
-                    break
-                self._send(step, time, JOG_PERIOD)
 
     def _reference(self) -> Array | None:
         return self._control.controller.reference
 
     def _take_messages(self, source: GuideSource, nanoseconds: int) -> None:
         for message in source.due(nanoseconds):
+            self._step_jogging(message.time - 1)
             if message.topic in GUIDES[Guide.PERSON]:
                 self._jog(message)
             else:
                 self._follow(message)
             self._on_message(message, source.types[message.topic])
+        self._step_jogging(nanoseconds)
+
+    def _step_jogging(self, nanoseconds: int) -> None:
+        for time in self._jog_times.due(nanoseconds) if self._jogging.active else ():
+            step = self._jogging.step(time / NANOSECONDS)
+            if step is None:
+                self._jogging.end()
+                break
+            self._send(step, time, JOG_PERIOD)
 
     def _follow(self, message: GuidingMessage) -> None:
         if isinstance(message.value, Pose):
