@@ -31,7 +31,11 @@ setup(
         (f'share/{package_name}/config', glob('config/*.yaml') + glob('config/*.rviz')),
     ],
     install_requires=['setuptools'],
-    extras_require={**plant, 'plant': [one for protocol in plant.values() for one in protocol]},
+    extras_require={
+        'test': ['pytest'],
+        **plant,
+        'plant': [one for protocol in plant.values() for one in protocol],
+    },
     zip_safe=False,
     maintainer='The Robots developers',
     maintainer_email='maintainers@robots.example',

@@ -14,6 +14,7 @@ setup(
         (f'share/{package_name}', ['package.xml', 'LICENSE']),
     ],
     install_requires=['setuptools'],
+    extras_require={'test': ['pytest']},
     zip_safe=False,
     maintainer='The Robots developers',
     maintainer_email='maintainers@robots.example',

@@ -8,11 +8,13 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import pytest
 from hypothesis import HealthCheck, settings
 
+from package_of_test import PACKAGES, package_of_test
 from robots_core.ros.middleware import PROFILES, QOS_FROM_PROFILE, TRANSPORTS
 from ros_domains import reserved_domain
 
@@ -41,7 +43,7 @@ CELLS = {'bag', 'cell'}  # folders of tests that start processes
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """The contract suite's choice of robots; pytest takes options from this folder's conftest alone."""
+    """The choice of robots and of a package; pytest takes options from this folder's conftest alone."""
     parser.addoption(
         '--robot-model',
         action='append',
@@ -49,6 +51,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help='run the contract suite on this robot alone (an installed one, or urdf:/path/robot.urdf); '
         'may be given several times',
     )
+    parser.addoption('--package', choices=PACKAGES, help='run only the tests of this package')
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out the tests of other packages than the chosen one."""
+    package = config.getoption('--package')
+    if package is None or not collection_path.match('test_*.py'):
+        return None
+    return True if package_of_test(collection_path) != package else None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

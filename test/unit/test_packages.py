@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
 
+from package_of_test import PACKAGES, package_of_test
+
 ROOT = Path(__file__).parents[2]
-PACKAGES = ('robots_core', 'robots_models', 'robots_planning', 'robots_controller')
 OURS = re.compile(
     r'robots_\w+|rclpy|launch|launch_ros|ament_index_python|rosidl_generator_py|\w+_(msgs|srvs|interfaces)'
 )
@@ -44,3 +46,11 @@ def test_what_is_imported_from_ros_is_declared(package: str) -> None:
     files = [*(ROOT / package / package).rglob('*.py'), *(ROOT / package).glob('launch/*.py')]
     imported = {name for file in files for name in IMPORT.findall(file.read_text())}
     assert {name for name in imported if OURS.fullmatch(name)} - {package} <= declared
+
+
+@pytest.mark.parametrize('package', PACKAGES)
+def test_colcon_runs_the_tests_of_the_package(package: str) -> None:
+    settings = json.loads((ROOT / 'colcon.meta').read_text())['names'][package]['pytest-args']
+    assert f'--package={package}' in settings
+    assert (ROOT / package / settings[-1]).resolve() == ROOT / 'test'
+    assert any(package_of_test(file) == package for file in ROOT.glob('test/*/test_*.py'))
