@@ -30,8 +30,10 @@ README = ROOT / 'README.md'
 DOCS = ROOT / 'docs'
 INDEX = DOCS / 'index.md'
 CONTRIBUTING = ROOT / 'CONTRIBUTING.md'
+PACKAGE_PAGES = sorted(ROOT.glob('robots_*/README.md'))  # which are no pages of the site
 PAGES = [
     *(ROOT / name for name in ('README.md', 'CONTRIBUTING.md', 'SECURITY.md', 'CHANGELOG.md')),
+    *PACKAGE_PAGES,
     *sorted(DOCS.rglob('*.md')),
 ]
 TUTORIALS = sorted((DOCS / 'tutorials').glob('*.md'))
@@ -231,7 +233,7 @@ def test_the_index_leads_to_every_page_and_example() -> None:
     text = INDEX.read_text()
     listed = re.findall(r'\]\(([^)]+)\)', text[text.index('## ') :])
     assert len(listed) == len(set(listed))
-    pages = {page for page in PAGES if page != INDEX}
+    pages = set(PAGES) - {INDEX, *PACKAGE_PAGES}
     examples = {path for path in (ROOT / 'examples').glob('*.py') if '__main__' in path.read_text()}
     examples |= set((ROOT / 'examples').glob('*.ipynb'))
     assert {(DOCS / target).resolve() for target in listed} == pages | examples

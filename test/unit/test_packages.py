@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 from pathlib import Path
@@ -54,3 +55,21 @@ def test_colcon_runs_the_tests_of_the_package(package: str) -> None:
     assert f'--package={package}' in settings
     assert (ROOT / package / settings[-1]).resolve() == ROOT / 'test'
     assert any(package_of_test(file) == package for file in ROOT.glob('test/*/test_*.py'))
+
+
+@pytest.mark.parametrize('package', PACKAGES)
+def test_the_index_page_lists_the_folders(package: str) -> None:
+    rows = re.findall(r'^\| `(\w+)` \| (.+) \|$', (ROOT / package / 'README.md').read_text(), re.MULTILINE)
+    texts = {init.parent.name: init.read_text() for init in (ROOT / package / package).glob('*/__init__.py')}
+    assert rows == [
+        (folder, str(ast.get_docstring(ast.parse(text))).splitlines()[0])
+        for folder, text in sorted(texts.items())
+    ]
+
+
+@pytest.mark.parametrize('package', PACKAGES)
+def test_the_changelog_has_the_form_of_rep_132(package: str) -> None:
+    title, *rest = (ROOT / package / 'CHANGELOG.rst').read_text().splitlines()[1:]
+    assert title == f'Changelog for package {package}'
+    assert rest[0] == '^' * len(title)
+    assert rest[2:4] == ['Forthcoming', '-----------']

@@ -1,1 +1,1 @@
-"""KUKA KR 500 R2830."""
+"""KUKA KR 500 R2830 on a linear axis."""

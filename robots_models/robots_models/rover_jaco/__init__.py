@@ -1,1 +1,1 @@
-"""Kinova Jaco 2 (j2n6s300)."""
+"""Kinova Jaco 2 on the mast of a rover."""
