@@ -5,6 +5,8 @@ import pytest
 
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.blocks.following.pose_reference import moved
+from robots_core.blocks.multibody.loaded_robot import LoadedRobot
+from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError
 from robots_planning import MovementState, RealtimeMovement
 
@@ -147,3 +149,30 @@ def test_it_takes_over_a_robot_in_motion(robot: BaseRobotModel, posture: np.ndar
     first = movement.step(0.0)
     assert first.state is MovementState.STALE
     assert (np.abs(first.q_ddot) <= robot.axes_data.acceleration * (1.0 + 1e-9)).all()
+
+
+def test_the_torques_of_a_payload_are_inside_the_limits(robot: BaseRobotModel) -> None:
+    payload = payload_of([210.0, 0.0, 0.0, 0.3])
+    stretched = np.array([0.0, -0.4, 0.6, 0.0, 0.2, 0.0])
+    loaded = LoadedRobot(robot, payload)
+
+    def largest_torque(movement: RealtimeMovement) -> float:
+        """Of the limits, with the payload, while the tool is to jump up by half a metre."""
+        movement.place(stretched)
+        start = Pose(*robot.direct_kinematics(stretched))
+        q, q_dot = stretched, np.zeros(6)
+        part = 0.0
+        for k in range(250):
+            movement.put(Pose(start.r + np.array([0.0, 0.0, 0.5]), start.T), k * DT)
+            step = movement.step(k * DT)
+            torques, _, _ = loaded.rigid_dynamics(q, q_dot, step.q_ddot)
+            part = max(part, float(np.abs(torques / robot.axes_data.effort).max()))
+            q, q_dot = step.q, step.q_dot
+        return part
+
+    movement = RealtimeMovement(robot, DT, stretched)
+    assert largest_torque(movement) > 1.05
+    movement.load(payload)
+    assert largest_torque(movement) < 1.0 + 1e-9
+    movement.load(payload_of([0.0, 0.0, 0.0, 0.0]))
+    assert largest_torque(movement) > 1.05

@@ -119,6 +119,7 @@ class InProcessCell:
             on_message=self.log.guided if camera is None else lambda *_: None,
             on_point=self.log.streamed,
         )
+        self.guide_player.carry(parts.payload)
         self._guard = None
         if parts.scene and parts.planning.collision is not None:
             self._guard = CollisionGuard(parts.planning.collision, self._stop_before_collision)
@@ -317,6 +318,7 @@ class InProcessCell:
 
     def _settings_changed(self, settings: MotionSettings) -> None:
         self._on_settings(settings)
+        self.guide_player.carry(settings.payload)
         self.controller.speed.set_tool(settings.tool_pose.r)
 
     def _motion_planned(self, id_: str, ends: Mapping[str, float], trajectory: Trajectory) -> None:

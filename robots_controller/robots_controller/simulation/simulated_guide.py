@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final, Protocol
 
 import numpy as np
@@ -16,6 +16,7 @@ from robots_core.blocks.following.following_methods import RATE
 from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.following.realtime_movement import RealtimeMovement, RealtimeStep
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
+from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.errors import PlanningError, RobotsError
 from robots_core.periodic_schedule import PeriodicSchedule
 from robots_core.pose import Pose
@@ -89,6 +90,7 @@ class SimulatedGuide:
         self._heard = False  # since the last step of the sensor's stream
         if source is not None:
             movement = RealtimeMovement(robot, 1.0 / RATE, robot.home, method=method)
+            self._carried = CarriedPayload(movement.load)
             self._sensor = SensorGuidance(movement, reference=self._reference, refused=lambda *_: None)
             self._jogging = Jogging(
                 robot,
@@ -105,6 +107,11 @@ class SimulatedGuide:
         if self._heard or self._sensor.streaming or self._jogging.active:
             return 0.0
         return self._source.next_time / NANOSECONDS
+
+    def carry(self, payload: Sequence[float]) -> None:
+        """Take the payload of the settings, by its numbers (see `payload_of`)."""
+        if self._source is not None:
+            self._carried.carry(payload)
 
     def hand_over(self, guide: Guide, nanoseconds: int) -> None:
         """The program hands the robot over, or takes it back.

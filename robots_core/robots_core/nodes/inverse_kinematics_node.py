@@ -18,15 +18,17 @@ from robots_core.blocks.following.guide import Guide
 from robots_core.blocks.following.realtime_movement import RealtimeMovement, RealtimeStep
 from robots_core.blocks.following.sensor_guidance import SensorGuidance
 from robots_core.blocks.inverse_kinematics.hold import check_hold
+from robots_core.blocks.multibody.carried_payload import CarriedPayload
 from robots_core.errors import RobotsError
 from robots_core.nodes.direct_kinematics_node import NO_TOOL, pose_from_parameter
+from robots_core.nodes.payload_parameter import carry_payload
 from robots_core.operating_modes import Commander
 from robots_core.ros.commander_watch import CommanderWatch
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import NANOSECONDS, nanoseconds, pose_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import SENSOR, STREAM
+from robots_core.ros.qos import SENSOR, STREAM, subscribe_state
 from robots_core.ros.reference_stream import ReferenceStream
 from robots_core.ros.robot_node import PRIORITIES, RobotNode
 from robots_core.ros.run import run
@@ -43,9 +45,10 @@ class InverseKinematicsNode(RobotNode):
     """Follows `reference_pose` and publishes one-point `joint_trajectory` messages at its own rate.
 
     For sensor-guided motion: references may come at any rate and may jump; the robot follows inside its
-    limits. Their stamps say when they were valid. `reference_twist` beside fresh poses says how they move;
-    alone it is followed itself (servoing). When neither comes for `timeout` the robot brakes to a stop. Where
-    `guide` is published, only while it is SENSOR, or while SENSOR is the commander.
+    limits, of torques with the payload of `motion_settings`. Their stamps say when they were valid.
+    `reference_twist` beside fresh poses says how they move; alone it is followed itself (servoing). When
+    neither comes for `timeout` the robot brakes to a stop. Where `guide` is published, only while it is
+    SENSOR, or while SENSOR is the commander.
     """
 
     phase = Phase.GUIDANCE
@@ -96,6 +99,8 @@ class InverseKinematicsNode(RobotNode):
         self._poses = PolledSubscription(self, PoseStamped, 'reference_pose', SENSOR)
         self._twists = PolledSubscription(self, TwistStamped, 'reference_twist', SENSOR)
         self._controller = PolledSubscription(self, JointTrajectory, 'joint_reference', STREAM)
+        carried = CarriedPayload(movement.load)
+        subscribe_state(self, DiagnosticStatus, 'motion_settings', partial(carry_payload, carried))
         self.commanders = CommanderWatch(self)
         self._stream = ReferenceStream(
             self, 'joint_trajectory', self._names, time_from_start=self._dt, qos=STREAM

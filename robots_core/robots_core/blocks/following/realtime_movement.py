@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -11,6 +12,8 @@ from robots_core.blocks.following.following_methods import METHODS
 from robots_core.blocks.following.pose_following import pose_following
 from robots_core.blocks.following.pose_reference import PoseReference, moved
 from robots_core.blocks.inverse_kinematics.hold import POSE
+from robots_core.blocks.multibody.loaded_robot import LoadedRobot
+from robots_core.blocks.multibody.payload import Payload
 from robots_core.errors import UnreachablePoseError
 from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -114,7 +117,10 @@ class RealtimeMovement:
             positive(tolerances[0], 'position tolerance', 'm'),
             positive(tolerances[1], 'orientation tolerance', 'rad'),
         )
-        self._following = pose_following(method, robot, dt, Pose.identity() if tool is None else tool, hold)
+        self._make_following = partial(
+            pose_following, method, dt=dt, tool=Pose.identity() if tool is None else tool, hold=hold
+        )
+        self._following = self._make_following(robot)
         self._reference = PoseReference(timeout=timeout)
         self.place(q)
 
@@ -130,9 +136,21 @@ class RealtimeMovement:
         if q_dot is not None:
             moving = np.clip(finite_vector(q_dot, axes.num_axes, 'q_dot'), -axes.velocity, axes.velocity)
         self._state = np.array([start, moving, still])
+        self._begin = start
         self._following.begin(start)
         self._movement = MovementState.STALE if moving.any() else MovementState.IDLE
         self._integrated: Pose | None = None
+
+    def load(self, payload: Payload) -> None:
+        """Carry a payload from the next step on, in all torques; also while another thread calls `step`.
+
+        Raises:
+            InvalidInputError: see `LoadedRobot`.
+        """
+        robot = LoadedRobot(self.robot, payload) if payload.mass > 0.0 else self.robot
+        following = self._make_following(robot)
+        following.begin(self._begin)
+        self._following = following
 
     def put(self, pose: Pose, time: float) -> None:
         """Take a reference pose of the tool in the base frame that was valid at a time, s."""
