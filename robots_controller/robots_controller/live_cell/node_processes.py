@@ -8,6 +8,7 @@ import signal
 import sys
 import threading
 import time
+import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -57,8 +58,10 @@ class NodeProcess:
         assert self._process.pid is not None
         self.pid: Final[int] = self._process.pid
         # The server may die before its children: what is left of them is known to the kernel alone.
+        self._pidfd: int | None = None
         with contextlib.suppress(ProcessLookupError):
             self._pidfd = os.pidfd_open(self.pid)
+            weakref.finalize(self, os.close, self._pidfd)
 
     @property
     def running(self) -> bool:
@@ -79,12 +82,17 @@ class NodeProcess:
 
     def send_signal(self, number: int) -> None:
         """Send a signal; one that has ended ignores it."""
-        with contextlib.suppress(ProcessLookupError):
-            signal.pidfd_send_signal(self._pidfd, number)
+        if self._pidfd is not None:
+            with contextlib.suppress(ProcessLookupError):
+                signal.pidfd_send_signal(self._pidfd, number)
 
     def wait(self, timeout: float) -> bool:
         """Wait at most `timeout` (s) for its end; returns whether it has ended."""
-        return bool(select.select([self._pidfd], [], [], timeout)[0])
+        if self._pidfd is None:
+            return True
+        ended = select.poll()
+        ended.register(self._pidfd, select.POLLIN)
+        return bool(ended.poll(1e3 * timeout))
 
 
 class NodeProcesses:
