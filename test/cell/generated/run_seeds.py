@@ -10,12 +10,12 @@ from functools import partial
 from pathlib import Path
 
 from counted_cases import count_cases
+from ros_domains import reserved_domain
 
 from .other_ways import live_problems, lockstep_problems
 from .program_generator import generate
 from .run_laws import broken_laws, simulated
 
-DOMAINS = 50  # ROS domains from this one on, so that two programs at once do not meet
 REPORT_EVERY = 10  # programs
 
 
@@ -23,8 +23,8 @@ def problems_of(ways: list[str], seed: int) -> tuple[int, str, list[str]]:
     """Seed, how the program ended, and what did not hold."""
     count_cases('generated programs')
     program = generate(seed)
-    os.environ['ROS_DOMAIN_ID'] = str(DOMAINS + seed % DOMAINS)
-    with tempfile.TemporaryDirectory(prefix='generated_') as name:
+    with reserved_domain() as environment, tempfile.TemporaryDirectory(prefix='generated_') as name:
+        os.environ.update(environment)
         folder = Path(name)
         try:
             run, report = simulated(program, folder)
