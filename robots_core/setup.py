@@ -26,6 +26,7 @@ setup(
             'direct_kinematics_node = robots_core.nodes.direct_kinematics_node:main',
             'drive_node = robots_core.nodes.drive_node:main',
             'dynamics_node = robots_core.nodes.dynamics_node:main',
+            'hardware_node = robots_core.nodes.hardware_node:main',
             'inverse_kinematics_node = robots_core.nodes.inverse_kinematics_node:main',
             'motion_cueing_node = robots_core.nodes.motion_cueing_node:main',
             'robot_state_node = robots_core.nodes.robot_state_node:main',

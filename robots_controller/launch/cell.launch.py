@@ -19,6 +19,7 @@ ARGUMENTS = {
     'program': ('', 'Lua robot program to run'),
     'scene': ('', 'scene to keep clear of (YAML)'),
     'drive': ('second_order', 'ideal, second_order or rigid_body'),
+    'driver': ('', 'driver of a real robot, in the place of simulated drives (YAML)'),
     'guided': ('', 'inverse kinematics that follows reference_pose'),
     'watchdog': ('0.2', 'longest time without a sign of life, s'),
     'operating_mode': ('AUTOMATIC', 'AUTOMATIC, T1, T2 or REMOTE'),

@@ -263,6 +263,19 @@ def test_an_emergency_stop_holds_until_it_is_released_and_reset(bench: Controlle
     assert bench.result().ok
 
 
+def test_a_stop_of_the_robot_itself_holds_until_it_runs_again(bench: ControllerBench) -> None:
+    bench.publish('speed_scaling', Float64(data=0.4), STATE)
+    bench.wait(lambda: bench.controller._controller.speed.scaling == 0.4, 'the scaling')
+    bench.send_slowly(AWAY)
+    bench.publish('robot_running', Bool(data=False), STATE)
+    result = bench.result()
+    assert not result.ok
+    assert result.message == 'the robot has stopped by itself: its driver does not follow'
+    assert 'cannot reset: the robot has stopped' in bench.call('controller_node/reset').message
+    bench.publish('robot_running', Bool(data=True), STATE)
+    bench.wait(lambda: bench.call('controller_node/reset').success, 'the reset')
+
+
 def test_says_what_is_wrong_with_a_trajectory(bench: ControllerBench) -> None:
     too_far = HOME.copy()
     too_far[1] = 0.5

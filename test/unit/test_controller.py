@@ -73,6 +73,16 @@ def test_refuses_another_number_of_axes(controller: Controller) -> None:
         controller.follow(Trajectory(np.array([0.0, 1.0]), zero, zero, zero), 'x', 0.0)
 
 
+def test_the_scaling_of_the_drives_counts_besides_the_override(controller: Controller) -> None:
+    speed = controller.speed
+    speed.set_override(0.5)
+    speed.set_scaling(0.4)
+    assert speed._target(enabled=True) == pytest.approx(0.2)
+    with pytest.raises(InvalidInputError, match=r'speed_scaling .* must be in \[0, 1\]'):
+        speed.set_scaling(1.5)
+    assert speed.scaling == 0.4
+
+
 @pytest.mark.parametrize('value', [-0.1, 1.1, float('nan'), float('inf')])
 def test_refuses_an_override_outside_its_range(controller: Controller, value: float) -> None:
     with pytest.raises(InvalidInputError, match=r'override .* must be in \[0, 1\]'):

@@ -56,6 +56,9 @@ def cell_arguments(parser: argparse.ArgumentParser) -> None:
         default=8080,
         help="first port to try for the 3D view; the operator's page is 10 above; %(default)d by default",
     )
+    kinds.add_file(
+        parser, '--driver', 'FILE', 'driver of a real robot, in the place of simulated drives (YAML)'
+    )
     parser.add_argument(
         '--watchdog',
         type=kinds.number('s', least=0.0),

@@ -124,6 +124,10 @@ class ControlLoop:
         """Scale the speed of all motions, 0..1."""
         self._mailbox.append(lambda _: self.controller.speed.set_override(value))
 
+    def set_scaling(self, value: float) -> None:
+        """The part of their speed at which the drives follow, 0..1."""
+        self._mailbox.append(lambda _: self.controller.speed.set_scaling(value))
+
     def change_caps(self) -> None:
         """Recompute how fast the frames may follow the motions that there are."""
         controller = self.controller

@@ -43,6 +43,11 @@ class Fault(Enum):
         'one period',
         'a digital input that `emergency_stop` names in a file of the cell; reset when it is released',
     )
+    ROBOT_STOPPED = (
+        StopCategory.ONE,
+        'one period',
+        "the robot's driver does not follow, as after a protective stop; reset when it runs again",
+    )
     FEEDBACK_JUMPED = (
         StopCategory.ZERO,
         'one look: 20 ms moving, 50 ms standing',

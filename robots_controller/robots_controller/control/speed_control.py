@@ -47,6 +47,7 @@ class SpeedControl:
         self.zones = zones
         """Whose borders the robot does not cross while they are closed."""
         self.override = 1.0
+        self.scaling = 1.0
         self.paused = False
 
     def set_override(self, override: float) -> None:
@@ -56,6 +57,14 @@ class SpeedControl:
             InvalidInputError: outside [0, 1] or not finite; the override stays as it was.
         """
         self.override = fraction(override, 'override')
+
+    def set_scaling(self, scaling: float) -> None:
+        """Scale the path speed besides: the part at which the drives follow.
+
+        Raises:
+            InvalidInputError: outside [0, 1] or not finite; the scaling stays as it was.
+        """
+        self.scaling = fraction(scaling, 'speed_scaling')
 
     def set_tool(self, position: Array) -> None:
         """Watch another tool centre point, by its position in tool0, (3,) m."""
@@ -106,7 +115,7 @@ class SpeedControl:
         return reference, over
 
     def _target(self, *, enabled: bool) -> float:
-        return self.override if enabled and not self.paused else 0.0
+        return self.override * self.scaling if enabled and not self.paused else 0.0
 
 
 def refuse_closed(borders: tuple[Border, ...]) -> None:

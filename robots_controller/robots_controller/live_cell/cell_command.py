@@ -36,6 +36,7 @@ from robots_core.ros.middleware import choose_transports
 GRAPH_OPTIONS = (
     *CELL_OPTIONS,
     'program',
+    'driver',
     'watchdog',
     'port',
     'debug_port',
@@ -78,7 +79,7 @@ def complete_options(options: argparse.Namespace) -> argparse.Namespace:
     options.guided = options.guided or (METHODS[0] if others else '')
     # Nobody operates a cell whose time does not wait.
     options.pendant = options.view and not options.lockstep and find_spec('nicegui') is not None
-    for name in ('program', *FILES):
+    for name in ('program', 'driver', *FILES):
         path = getattr(options, name)
         setattr(options, name, str(Path(path).resolve()) if path else '')
     return options

@@ -18,6 +18,7 @@ from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
 from robots_core.blocks.following.following_methods import METHODS
 from robots_core.blocks.motion_cueing.cabin import read_cabin
+from robots_core.driver_file import read_driver
 from robots_core.errors import InstallationError, OptionError
 from robots_core.operating_modes import OperatingMode
 from robots_core.watchdog import LONGEST, WATCHDOG, checked_watchdog
@@ -29,7 +30,7 @@ COMPOSED: Final = 'composed_nodes'
 """Process of the nodes that share one."""
 PAGE_PORTS: Final = 10
 """Ports between those that are tried for the 3D view and those for the operator's page."""
-KEEP_TIME: Final = ('drive_node', 'controller_node')
+KEEP_TIME: Final = ('drive_node', 'hardware_node', 'controller_node')
 """Nodes with a loop that other nodes must not hold up."""
 
 
@@ -90,6 +91,7 @@ def cell_graph(
     launch: str = '',
     rate: float = RATE,
     drive: str = 'second_order',
+    driver: str = '',
     goal_tolerance: float | None = None,
     tool_speed_limit: float = 0.0,
     operating_mode: str = OperatingMode.AUTOMATIC,
@@ -119,6 +121,7 @@ def cell_graph(
         launch: Names this start of the cell: within it autostart runs the program once.
         rate: References per second, Hz.
         drive: Level of the drives, one of `DRIVE_LEVELS`.
+        driver: Driver of a real robot, in the place of the drives (see `read_driver`); none by default.
         goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
             default. Elastic gears and friction of `rigid_body` drives can keep an axis from standing closer.
         tool_speed_limit: Highest speed of the tool and of the frames of all axes, m/s; 0 for none.
@@ -148,6 +151,10 @@ def cell_graph(
         RobotsError: no such level or method, a file that is not valid, or both set inputs of the same kind.
     """
     check_level(drive)
+    if driver:
+        read_driver(driver)
+        if lockstep or orbit:
+            raise OptionError('a real robot (driver) excludes lock-step and orbits')
     check_one_guide(references or cabin, contact, orbit)
     if contact:
         read_contact(contact)
@@ -183,7 +190,9 @@ def cell_graph(
 
     bridge = node('robots_controller', 'io_bridge_node', io_map=io_map, fail_safe=fail_safe, **watched)
     return (
-        node('robots_core', 'drive_node', **drives, **watched),
+        node('robots_core', 'hardware_node', rate=rate, driver=driver, **watched)
+        if driver
+        else node('robots_core', 'drive_node', **drives, **watched),
         node(
             'robots_controller',
             'controller_node',

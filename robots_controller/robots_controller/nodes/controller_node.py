@@ -135,8 +135,7 @@ class ControllerNode(RobotNode):
             COMMAND,
             from_anyone=lambda message: not message.points,  # it stops
         )
-        subscribe_state(self, Float64, 'override', self._on_override)
-        subscribe_state(self, DiagnosticStatus, 'motion_settings', self._on_settings)
+        self._listen_to_speed()
         self.add_post_set_parameters_callback(self._on_parameters)
         self.watch = HeartbeatWatch(self, tuple(LOST_NODES), watchdog, self._on_watched)
         answers: dict[ControllerRequest, str] = {
@@ -171,11 +170,17 @@ class ControllerNode(RobotNode):
         if interrupted:
             self._control.trip(Fault.CONTROLLER_LOST, interrupted)
 
+    def _listen_to_speed(self) -> None:
+        subscribe_state(self, Float64, 'override', self._on_override)
+        subscribe_state(self, Float64, 'speed_scaling', self._on_scaling)
+        subscribe_state(self, DiagnosticStatus, 'motion_settings', self._on_settings)
+
     def _offer_stops(self) -> None:
         self.serve('stop_before_collision', self._stop_before_collision)
         self.serve('emergency_stop', self._stop_at_once)
         self.serve('reset', self._reset)
         subscribe_state(self, Bool, 'emergency_stop', self._on_emergency_stop)
+        subscribe_state(self, Bool, 'robot_running', self._on_robot_running)
         subscribe_state(self, DiagnosticStatus, 'contact_status', self._on_contact)
         stopping: EmergencyInputs = self.parameter(
             'emergency_stop_inputs',
@@ -305,6 +310,9 @@ class ControllerNode(RobotNode):
     def _on_override(self, message: Float64) -> None:
         self._control.set_override(fraction(message.data, 'override'))
 
+    def _on_scaling(self, message: Float64) -> None:
+        self._control.set_scaling(fraction(message.data, 'speed_scaling'))
+
     def _on_settings(self, message: DiagnosticStatus) -> None:
         self._controller.speed.set_tool(settings_from_text(diagnostic_values(message)).tool_pose.r)
 
@@ -344,6 +352,10 @@ class ControllerNode(RobotNode):
         self._control.watch(
             Fault.EMERGENCY_STOP, 'emergency stop by topic emergency_stop' if message.data else ''
         )
+
+    def _on_robot_running(self, message: Bool) -> None:
+        stopped = '' if message.data else 'the robot has stopped by itself: its driver does not follow'
+        self._control.watch(Fault.ROBOT_STOPPED, stopped)
 
     def _on_contact(self, message: DiagnosticStatus) -> None:
         if message.level != DiagnosticStatus.OK:

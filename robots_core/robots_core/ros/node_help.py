@@ -105,8 +105,13 @@ def help_text(make_node: Callable[..., Any], width: int | None = None) -> str:
         lines += [f'  {row["name"]}', fill(text, width, initial_indent=6 * ' ', subsequent_indent=6 * ' ')]
     for kind in ('publishes', 'subscribes', 'services'):
         if entry[kind]:
-            lines += ['', f'{kind}:', *(f'  {name}  [{type_}]' for name, type_ in entry[kind].items())]
+            lines += ['', f'{kind}:', *(_topic(name, type_, width) for name, type_ in entry[kind].items())]
     return '\n'.join(lines)
+
+
+def _topic(name: str, type_: str, width: int) -> str:
+    line = f'  {name}  [{type_}]'
+    return line if len(line) <= width else f'  {name}\n      [{type_}]'
 
 
 def default_text(value: object) -> str:

@@ -1,0 +1,75 @@
+"""DriverDrives: the drives of a real robot, behind a driver that follows short trajectories."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from robots_core.blocks.drives.drive_train import DriveTrain
+from robots_core.robot_model.axes_data import AxesData
+from robots_core.validation import Array, finite_vector
+
+
+@dataclass(frozen=True, eq=False)
+class StoppingTrajectory:
+    """A trajectory that reaches a reference and stops behind it.
+
+    Between the points a spline of the third order brakes with constant decelerations.
+
+    Attributes:
+        time: Of the points, (k,), s from the start, k is 1 or 2.
+        position: (k, n), rad (m).
+        velocity: (k, n), rad/s (m/s); zero at the last point.
+    """
+
+    time: Array
+    position: Array
+    velocity: Array
+
+
+def stopping_trajectory(q: Array, q_dot: Array, axes: AxesData, lead: float) -> StoppingTrajectory:
+    """The trajectory that reaches a reference after `lead` and stops within the acceleration limits.
+
+    A driver accepts it by itself, because it ends at rest, and stops the robot by it if no other one follows.
+
+    Args:
+        q: Reference positions, (n,), rad (m).
+        q_dot: Reference velocities, (n,), rad/s (m/s).
+        axes: The robot's limits.
+        lead: Time in which the robot is to be there, s.
+    """
+    braking = float((np.abs(q_dot) / axes.acceleration).max())
+    if braking == 0.0:
+        return StoppingTrajectory(np.array([lead]), q[None], q_dot[None])
+    end = np.clip(q + 0.5 * braking * q_dot, axes.lower, axes.upper)
+    return StoppingTrajectory(
+        np.array([lead, lead + braking]), np.stack([q, end]), np.stack([q_dot, np.zeros_like(q_dot)])
+    )
+
+
+class DriverDrives(DriveTrain):
+    """Drives that another process moves: what they are to do is in `command`.
+
+    Args:
+        position: Where the axes are, (n,), rad (m).
+    """
+
+    def __init__(self, position: Array) -> None:
+        self.position, self.velocity = position, np.zeros_like(position)
+        self.command: tuple[Array, Array] | None = None
+        """Reference of this period: positions and velocities (n,); None for none."""
+
+    def measure(self, position: Array) -> None:
+        """Take where the axes are, (n,), rad (m)."""
+        self.position = position
+
+    def step(self, q_ref: ArrayLike, q_dot_ref: ArrayLike | None = None) -> tuple[Array, Array]:
+        """See `DriveTrain`; the velocity is that of the reference."""
+        n = self.position.size
+        self.velocity = np.zeros(n) if q_dot_ref is None else finite_vector(q_dot_ref, n, 'q_dot_ref')
+        self.command = finite_vector(q_ref, n, 'q_ref'), self.velocity
+        return self.position, self.velocity
+
+    def rest(self) -> None:
+        """See `DriveTrain`."""
+        self.velocity, self.command = np.zeros_like(self.velocity), None

@@ -1,0 +1,64 @@
+"""Driver: how a robot's ROS driver is reached, from a YAML file."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from robots_core.yaml_section import YamlSection, read_yaml
+
+TRAJECTORY: Final = '/joint_trajectory_controller/joint_trajectory'
+JOINT_STATES: Final = '/joint_states'
+LEAD: Final = 0.02  # s
+LEADS: Final = (0.001, 0.5)  # s
+PERCENT: Final = 100.0
+
+
+@dataclass(frozen=True)
+class Driver:
+    """Topics of a driver of ros2_control.
+
+    Attributes:
+        trajectory: Of its `joint_trajectory_controller`.
+        joint_states: Of its `joint_state_broadcaster`.
+        lead: Time in which the robot is to reach a reference, s: longer than messages take, and than a period
+            of the driver.
+        speed_scaling: Part of the speed at which the robot executes trajectories; '' for none.
+        full_speed: Value of that topic at full speed.
+        running: `false` while the robot does not follow, after a stop of its own; '' for none.
+    """
+
+    trajectory: str = TRAJECTORY
+    joint_states: str = JOINT_STATES
+    lead: float = LEAD
+    speed_scaling: str = ''
+    full_speed: float = PERCENT
+    running: str = ''
+
+
+def read_driver(path: Path | str) -> Driver:
+    """The driver of a YAML file; `docs/how_to/real_robots.md` describes the format.
+
+    Raises:
+        InvalidInputError: a file that is missing or describes no driver; names the file and the line.
+    """
+    section = read_yaml(path)
+    scaling = section.section('speed_scaling')
+    driver = Driver(
+        trajectory=_topic(section, 'trajectory', TRAJECTORY),
+        joint_states=_topic(section, 'joint_states', JOINT_STATES),
+        lead=section.number('lead', LEAD, low=LEADS[0], high=LEADS[1]),
+        speed_scaling='' if scaling is None else _topic(scaling, 'topic'),
+        full_speed=PERCENT if scaling is None else scaling.number('full', PERCENT, low=1e-3),
+        running=_topic(section, 'running') if 'running' in section else '',
+    )
+    if scaling is not None:
+        scaling.finish()
+    section.finish()
+    return driver
+
+
+def _topic(section: YamlSection, key: str, default: str | None = None) -> str:
+    topic = section.text(key, default)
+    if not topic.startswith('/') or topic.endswith('/') or ' ' in topic:
+        raise section.error(f'{key} is {topic!r}, and must be a whole topic name such as {JOINT_STATES}', key)
+    return topic

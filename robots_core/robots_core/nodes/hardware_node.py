@@ -1,0 +1,169 @@
+"""hardware_node: a real robot behind its driver, in the place of drive_node."""
+
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+from builtin_interfaces.msg import Duration
+from diagnostic_msgs.msg import DiagnosticStatus
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool, Float64
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from robots_core.blocks.drives.driver_drives import DriverDrives, stopping_trajectory
+from robots_core.blocks.drives.supervised_drives import SupervisedDrives
+from robots_core.driver_file import Driver, read_driver
+from robots_core.errors import InvalidInputError
+from robots_core.realtime import processor_share
+from robots_core.ros.heartbeat import watchdog_parameter
+from robots_core.ros.joint_state_reader import JointStateReader
+from robots_core.ros.messages import NANOSECONDS, doubles
+from robots_core.ros.polled_subscription import PolledSubscription
+from robots_core.ros.qos import REFERENCE, SENSOR, STATE, STREAM, subscribe_any, subscribe_state
+from robots_core.ros.reference_reader import ReferenceReader
+from robots_core.ros.robot_node import PRIORITIES, RobotNode
+from robots_core.ros.run import run
+from robots_core.validation import Array
+
+
+class HardwareNode(RobotNode):
+    """Forwards `joint_reference` to the joint_trajectory_controller of a driver.
+
+    Each message is a trajectory that starts at once, reaches the reference after `lead` and stops behind it.
+    References are refused, and end, as those of simulated drives (`SupervisedDrives`). `joint_states` of the
+    driver are passed on where their topic is another one; its speed scaling and its stops are passed on as
+    `speed_scaling` and `robot_running`.
+    """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__('hardware_node', **options)
+        if self.simulated_time:
+            raise InvalidInputError('a real robot has no simulated time: hardware_node takes no use_sim_time')
+        rate = self.parameter('rate', 250.0, 'trajectories per second, Hz', bounds=(10.0, 1000.0))
+        priority = self.parameter(
+            'realtime_priority',
+            50,
+            'FIFO priority of the loop where the system permits it; 0: none',
+            bounds=PRIORITIES,
+        )
+        self._driver = self.parameter('driver', '', "topics of the robot's driver (YAML)", read=_driver)
+        self._period, self._watchdog = 1.0 / rate, watchdog_parameter(self)
+        self._axes = self.robot.axes_data
+        names = self._axes.names
+        self._drives: DriverDrives | None = None
+        self._supervised: SupervisedDrives | None = None
+        self._on = self._follows = True
+        self._problem: str | None = None
+        self._joint_states = JointStateReader(names)
+        self._reader = ReferenceReader(names, 'joint_reference')
+        self._power = PolledSubscription(self, Bool, 'drives_on', STATE)
+        self._references = PolledSubscription(self, JointTrajectory, 'joint_reference', REFERENCE, raw=True)
+        self._feedback = PolledSubscription(self, JointState, self._driver.joint_states, SENSOR, raw=True)
+        own = self.resolve_topic_name('joint_states')
+        self._passed_on = (
+            None if own == self._driver.joint_states else self.create_publisher(JointState, own, STATE)
+        )
+        self._publisher = self.create_publisher(JointTrajectory, self._driver.trajectory, STREAM)
+        self._names = list(names)
+        self._offer_state_of_robot()
+        self._loop = self.start_loop(
+            self._step, period=self._period, name='references', realtime_priority=priority
+        )
+
+    def _offer_state_of_robot(self) -> None:
+        driver = self._driver
+        if driver.running:
+            self._running_publisher = self.create_publisher(Bool, 'robot_running', STATE)
+            subscribe_state(self, Bool, driver.running, self._on_running)
+        if driver.speed_scaling:
+            self._scaling = -1.0
+            self._scaling_publisher = self.create_publisher(Float64, 'speed_scaling', STATE)
+            subscribe_any(self, Float64, driver.speed_scaling, self._on_scaling, STREAM)
+
+    def _on_running(self, message: Bool) -> None:
+        self._follows = message.data
+        self._running_publisher.publish(message)
+
+    def _on_scaling(self, message: Float64) -> None:
+        scaling = float(np.clip(message.data / self._driver.full_speed, 0.0, 1.0))
+        if np.isfinite(scaling) and scaling != self._scaling:
+            self._scaling = scaling
+            self._scaling_publisher.publish(Float64(data=scaling))
+
+    # -- the loop's thread ---------------------------------------------------------------------------
+
+    def _step(self, now: float) -> None:
+        self._measure()
+        power = self._power.take()
+        if power is not None:
+            self._on = power.data
+        supervised, drives = self._supervised, self._drives
+        if supervised is None or drives is None:
+            self._report(f'waiting for {self._driver.joint_states}')
+            return
+        supervised.power(on=self._on and self._follows)
+        raw = self._references.take()
+        reference: tuple[Array | None, Array | None, float | None] = None, None, None
+        if raw is not None:
+            with self.refusing('joint_reference'):
+                rows, stamp = self._reader.read(raw)
+                reference = self._axes.check_position(rows[0], 'joint_reference'), rows[1], stamp
+        supervised.step(now, *reference)
+        if drives.command is not None:
+            self._publisher.publish(self._trajectory(*drives.command))
+        stopped = '' if self._follows else 'the robot has stopped by itself'
+        self._report(stopped or supervised.problem)
+
+    def _measure(self) -> None:
+        raw = self._feedback.take()
+        if raw is None:
+            return
+        with self.refusing('joint_states'):
+            position = self._joint_states.position(raw)
+            if self._passed_on is not None:
+                self._passed_on.publish(raw)
+            if self._drives is None:
+                self._drives = DriverDrives(position)
+                self._supervised = SupervisedDrives(
+                    self._drives,
+                    self._axes,
+                    period=self._period,
+                    timeout=self._watchdog or np.inf,
+                    processor_share=processor_share,
+                )
+            self._drives.measure(position)
+
+    def _trajectory(self, q: Array, q_dot: Array) -> JointTrajectory:
+        found = stopping_trajectory(q, q_dot, self._axes, self._driver.lead)
+        # No stamp: it starts when it is received, whatever the clocks are.
+        return JointTrajectory(
+            joint_names=self._names,
+            points=[
+                JointTrajectoryPoint(
+                    positions=doubles(position), velocities=doubles(velocity), time_from_start=_duration(time)
+                )
+                for time, position, velocity in zip(found.time, found.position, found.velocity, strict=True)
+            ],
+        )
+
+    def _report(self, problem: str) -> None:
+        if problem == self._problem:
+            return
+        self._problem = problem
+        if problem:
+            self.report_health(DiagnosticStatus.WARN, problem, trajectory=self._driver.trajectory)
+            self.journal.warning(problem)
+        else:
+            self.ready(trajectory=self._driver.trajectory)
+
+
+def _driver(path: str) -> Driver:
+    return read_driver(path) if path else Driver()
+
+
+def _duration(time: float) -> Duration:
+    sec, nanosec = divmod(round(NANOSECONDS * time), NANOSECONDS)
+    return Duration(sec=sec, nanosec=nanosec)
+
+
+main: Final = partial(run, HardwareNode)
