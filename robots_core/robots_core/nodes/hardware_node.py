@@ -13,10 +13,10 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from robots_core.blocks.drives.driver_drives import DriverDrives, stopping_trajectory
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.driver_file import Driver, read_driver
-from robots_core.errors import InvalidInputError
 from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import watchdog_parameter
 from robots_core.ros.joint_state_reader import JointStateReader
+from robots_core.ros.lockstep.phases import Phase
 from robots_core.ros.messages import NANOSECONDS, doubles
 from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import REFERENCE, SENSOR, STATE, STREAM, subscribe_any, subscribe_state
@@ -35,10 +35,10 @@ class HardwareNode(RobotNode):
     `speed_scaling` and `robot_running`.
     """
 
+    phase = Phase.DRIVES
+
     def __init__(self, **options: Any) -> None:
         super().__init__('hardware_node', **options)
-        if self.simulated_time:
-            raise InvalidInputError('a real robot has no simulated time: hardware_node takes no use_sim_time')
         rate = self.parameter('rate', 250.0, 'trajectories per second, Hz', bounds=(10.0, 1000.0))
         priority = self.parameter(
             'realtime_priority',
@@ -128,7 +128,7 @@ class HardwareNode(RobotNode):
                     self._drives,
                     self._axes,
                     period=self._period,
-                    timeout=self._watchdog or np.inf,
+                    timeout=np.inf if self.simulated_time else self._watchdog or np.inf,
                     processor_share=processor_share,
                 )
             self._drives.measure(position)
