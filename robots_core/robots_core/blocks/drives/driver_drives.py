@@ -1,6 +1,7 @@
 """DriverDrives: the drives of a real robot, behind a driver that follows short trajectories."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,6 +9,8 @@ from numpy.typing import ArrayLike
 from robots_core.blocks.drives.drive_train import DriveTrain
 from robots_core.robot_model.axes_data import AxesData
 from robots_core.validation import Array, finite_vector
+
+SHORTEST: Final = 1e-6  # s, of braking; messages have nanoseconds
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +42,8 @@ def stopping_trajectory(q: Array, q_dot: Array, axes: AxesData, lead: float) -> 
         lead: Time in which the robot is to be there, s.
     """
     braking = float((np.abs(q_dot) / axes.acceleration).max())
-    if braking == 0.0:
-        return StoppingTrajectory(np.array([lead]), q[None], q_dot[None])
+    if braking < SHORTEST:
+        return StoppingTrajectory(np.array([lead]), q[None], np.zeros((1, q.size)))
     end = np.clip(q + 0.5 * braking * q_dot, axes.lower, axes.upper)
     return StoppingTrajectory(
         np.array([lead, lead + braking]), np.stack([q, end]), np.stack([q_dot, np.zeros_like(q_dot)])
