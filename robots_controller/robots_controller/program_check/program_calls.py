@@ -1,7 +1,9 @@
 """Calls of robot functions: their arguments as far as the text shows them, checked as a run checks them."""
 
+import math
 from collections.abc import Iterator, Sequence
 
+from robots_controller.degrees import radians_hint
 from robots_controller.interpreter import argument_kinds as kinds
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.functions.lua_function import LuaFunction
@@ -11,6 +13,7 @@ from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
 from robots_controller.interpreter.lua_tokens import Token
 from robots_controller.interpreter.lua_values import UNKNOWN
+from robots_controller.program_check.constants import constant
 from robots_controller.program_check.lua_calls import (
     closing,
     is_table,
@@ -45,7 +48,7 @@ def _check(function: LuaFunction, arguments: Sequence[list[Token]], sizes: Sizes
     given = [_value(argument) for argument in arguments]
     open_ended = bool(arguments) and not _single(arguments[-1])
     if function.name != 'moveUntil':
-        _checked(function, given, sizes, open_ended=open_ended)
+        _check_units(function, _checked(function, given, sizes, open_ended=open_ended), sizes)
         return
     motion = arguments[1][0].text if len(arguments) > 1 and len(arguments[1]) == 1 else ''
     if motion in KIND_OF_FUNCTION:
@@ -86,11 +89,11 @@ def _value(tokens: Sequence[Token]) -> LuaArgument:
         if all(part[0].text != '[' for part in values) and all(map(_single, values[-1:])):
             named = {key: _value(value) for key, value in fields.items()}
             return LuaArgument('table', LuaTable(tuple(map(_value, values)), named))
+    elif (number := constant(tokens)) is not None:
+        return LuaArgument('number', number)
     elif len(tokens) == 1:
         (token,) = tokens
         match token.kind, token.text:
-            case 'number', text:
-                return LuaArgument('number', _number(text))
             case 'string', text:
                 return LuaArgument('string', text.encode())
             case 'keyword', 'true' | 'false':
@@ -109,8 +112,19 @@ def _single(argument: list[Token]) -> bool:
     )
 
 
-def _number(text: str) -> float:
-    try:
-        return float.fromhex(text) if text.lower().startswith('0x') else float(text)
-    except (ValueError, OverflowError):
-        return float('inf')
+def _check_units(function: LuaFunction, arguments: Arguments, sizes: Sizes) -> None:
+    """Refuse angles that are written in radians.
+
+    Raises:
+        LuaCallError: all angles of the call, of which one at least is not 0, look like radians.
+    """
+    if not function.arguments or function.arguments[0].kind is not kinds.NUMBER:
+        return
+    wanted = wanted_arguments(function, sizes.num_axes, len(arguments.values))
+    angles = [
+        math.degrees(value)
+        for (_, argument), value in zip(wanted, arguments.values, strict=True)
+        if argument.unit.startswith('deg') and isinstance(value, float)
+    ]
+    if hint := radians_hint(angles):
+        raise LuaCallError(f'{function.name}: these angles look like radians{hint}')
