@@ -56,7 +56,28 @@ def _candidates(filename: str, folder: Path) -> list[Path]:
     return [folder / filename]
 
 
-def with_absolute_meshes(xml: str, folder: Path, substitutions: Substitutions | None = None) -> str:
+class UnreadableMeshError(UnknownRobotError):
+    """A mesh of a URDF that cannot be read.
+
+    Args:
+        path: Its file.
+        reason: Why, with the name of the file.
+    """
+
+    code = UnknownRobotError.code
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(reason)
+        self.path = path
+
+
+def with_absolute_meshes(
+    xml: str,
+    folder: Path,
+    substitutions: Substitutions | None = None,
+    *,
+    unreadable: UnreadableMeshError | None = None,
+) -> str:
     """The URDF text with every mesh named by an absolute `file://` address, which loads from any folder.
 
     A mesh that is missing is replaced by the other mesh of its link, that for display by that for collision
@@ -66,6 +87,7 @@ def with_absolute_meshes(xml: str, folder: Path, substitutions: Substitutions | 
         xml: The URDF.
         folder: Where relative names start.
         substitutions: Receives what is substituted; without it, missing meshes are refused.
+        unreadable: A mesh whose file is there, and is replaced as if it were not.
 
     Raises:
         UnknownRobotError: a mesh file that is missing where nothing may be substituted, or no file's name.
@@ -73,12 +95,12 @@ def with_absolute_meshes(xml: str, folder: Path, substitutions: Substitutions | 
     root = etree.fromstring(xml.encode())
     missing: dict[str, list[etree._Element]] = {}
     for link in root.iter('link'):
-        lost = [mesh for mesh in link.iter('mesh') if not _made_absolute(mesh, folder)]
+        lost = [mesh for mesh in link.iter('mesh') if not _made_absolute(mesh, folder, unreadable)]
         if lost and substitutions is None:
             mesh_path(_name(lost[0]), folder)
         missing |= {str(link.get('name')): lost} if lost else {}
     if missing and substitutions is not None:
-        _substitute(root, missing, folder, substitutions)
+        _substitute(root, missing, folder, substitutions, unreadable)
     return str(etree.tostring(root, encoding='unicode'))
 
 
@@ -86,9 +108,9 @@ def _name(mesh: etree._Element) -> str:
     return str(mesh.get('filename'))
 
 
-def _made_absolute(mesh: etree._Element, folder: Path) -> bool:
+def _made_absolute(mesh: etree._Element, folder: Path, unreadable: UnreadableMeshError | None) -> bool:
     path = _found(_name(mesh), folder)
-    if path is None:
+    if path is None or (unreadable is not None and path == unreadable.path):
         return False
     mesh.set('filename', path.resolve().as_uri())
     return True
@@ -99,6 +121,7 @@ def _substitute(
     missing: Mapping[str, list[etree._Element]],
     folder: Path,
     substitutions: Substitutions,
+    unreadable: UnreadableMeshError | None,
 ) -> None:
     swapped: list[str] = []
     bodies: list[str] = []
@@ -117,7 +140,9 @@ def _substitute(
     example = _name(next(iter(missing.values()))[0])
     lacking = f'there is no mesh file {example!r} {_searched(example, folder)}'
     number = sum(len(lost) for lost in missing.values())
-    if number > 1:
+    if unreadable is not None:
+        lacking = unreadable.message
+    elif number > 1:
         lacking = f'{number} mesh files are missing: {lacking}'
     taken = []
     if swapped:
