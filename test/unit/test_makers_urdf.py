@@ -12,6 +12,7 @@ from robots_core import Pose, UrdfRobotModel, load_robot_model
 from robots_core.blocks import CollisionDetection
 from robots_core.blocks.collision.allowed_pair_sampling import allowed_pairs_of
 from robots_core.blocks.collision.solids import solids_of
+from robots_core.blocks.drives.drive_level import drive_train
 from robots_core.content_cache import cache_folder
 from robots_core.errors import InvalidInputError, JointLimitError, UnknownRobotError
 from robots_core.robot_model.shapes import Cylinder, Mesh, Sphere
@@ -118,7 +119,8 @@ def test_packages_are_searched_everywhere(tmp_path: Path, monkeypatch: pytest.Mo
     if where == 'package.xml':
         (place / 'package.xml').write_text('<package><name>arm_support</name></package>')
     trimesh.creation.box((0.1, 0.1, 0.1)).export(place / 'meshes' / 'box.stl')
-    robot = UrdfRobotModel(write(urdf, arm_xml(inside=f'<visual>{MESH.format("box.stl")}</visual>')))
+    inside = ''.join(f'<{kind}>{MESH.format("box.stl")}</{kind}>' for kind in ('visual', 'collision'))
+    robot = UrdfRobotModel(write(urdf, arm_xml(inside=inside)))
     assert robot.substitutions == ()
     assert (place / 'meshes' / 'box.stl').as_uri() in robot.description
 
@@ -318,3 +320,19 @@ def test_unused_xacro_properties_in_a_urdf_are_left_out(tmp_path: Path):
     assert UrdfRobotModel(write(tmp_path, xml)).num_axes == 6
     with pytest.raises(UnknownRobotError, match='not a URDF but a xacro file'):
         UrdfRobotModel(write(tmp_path, xml.replace('upper="2"', 'upper="${w}"')))
+
+
+def test_a_robot_without_collision_shapes_collides_with_what_is_shown(tmp_path: Path):
+    body = '<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
+    file = write(tmp_path, arm_xml(inside=body))
+    robot = UrdfRobotModel(file)
+    assert len(robot.collision_model.shapes) == len(robot.visualization.shapes) == 7
+    assert robot.substitutions == (
+        'no link has a <collision>; taken in its place: what is shown by <visual>',
+    )
+
+
+def test_rigid_body_drives_refuse_a_robot_without_masses(tmp_path: Path):
+    robot = UrdfRobotModel(write(tmp_path, arm_xml()))
+    with pytest.raises(InvalidInputError, match=r"'arm' has no masses.*no <inertial>.*second_order or ideal"):
+        drive_train('rigid_body', robot, robot.home, period=0.004)

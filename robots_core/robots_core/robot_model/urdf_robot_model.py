@@ -28,7 +28,7 @@ from robots_core.robot_model.urdf.effort_estimate import with_known_efforts
 from robots_core.robot_model.urdf.substitutions import Substitutions
 from robots_core.robot_model.urdf.urdf_chain import pinocchio_xml, read_urdf_chain
 from robots_core.robot_model.urdf.urdf_inertia import check_inertia
-from robots_core.robot_model.urdf.urdf_meshes import UnreadableMeshError, with_absolute_meshes
+from robots_core.robot_model.urdf.urdf_meshes import with_absolute_meshes
 from robots_core.robot_model.urdf.xacro_file import expanded_xacro
 from robots_core.validation import FLOAT64, Array, finite_motion, finite_state, finite_vector, read_only
 from robots_core.yaml_section import read_yaml_data
@@ -132,8 +132,9 @@ class UrdfRobotModel(BaseRobotModel):
             try:
                 _ = self.visualization, self.collision_model
                 break
-            except UnreadableMeshError as error:
-                substitutions.refuse(error.message)
+            except UnknownRobotError as error:
+                if 'mesh' not in error.details or substitutions.strict:
+                    raise
                 self._description = with_absolute_meshes(
                     self._description, path.parent, substitutions, unreadable=error
                 )

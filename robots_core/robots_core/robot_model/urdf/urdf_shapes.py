@@ -13,7 +13,7 @@ from robots_core.pose import Pose
 from robots_core.robot_model.shapes import Box, Cylinder, Geometry, Shape, Sphere
 from robots_core.robot_model.urdf.mesh_file import read_mesh
 from robots_core.robot_model.urdf.outer_hull import read_outer_hull
-from robots_core.robot_model.urdf.urdf_meshes import UnreadableMeshError, mesh_path
+from robots_core.robot_model.urdf.urdf_meshes import mesh_path
 
 DEFAULT_COLOUR = (0.7, 0.7, 0.7, 1.0)
 
@@ -31,8 +31,8 @@ def urdf_shapes(
         hulls: Take convex bodies around meshes that are detailed (see `outer_hull`).
 
     Raises:
-        UnreadableMeshError: a mesh file that cannot be read.
-        UnknownRobotError: a mesh file that is missing, or a shape that is none.
+        UnknownRobotError: a mesh file that is missing or cannot be read (its detail `mesh`), or a shape that
+            is none.
     """
     try:
         return _shapes(xml, model, kind, hulls=hulls)
@@ -97,4 +97,4 @@ def _geometry(geometry: Any, *, hulls: bool) -> Geometry:
     try:
         return read_outer_hull(path, scale) if hulls else read_mesh(path, scale)
     except InvalidInputError as error:
-        raise UnreadableMeshError(path, str(error)) from error
+        raise UnknownRobotError(str(error), mesh=str(path)) from error

@@ -63,7 +63,8 @@ def expanded_xacro(path: Path, arguments: Mapping[str, str]) -> str:
             )
     if problem is not None:
         raise UnknownRobotError(
-            f'{path.name} cannot be expanded by xacro: {problem}; {listed}, given as xacro:{path}?name=value'
+            f'{path.name} cannot be expanded by xacro: {str(problem).partition(" [Errno")[0]}; '
+            f'{listed}, given as xacro:{path}?name=value'
         ) from problem
     return urdf
 
