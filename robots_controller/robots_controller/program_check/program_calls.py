@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Final
 
 from robots_controller.degrees import radians_hint
 from robots_controller.interpreter import argument_kinds as kinds
@@ -22,6 +23,8 @@ from robots_controller.program_check.lua_calls import (
     table_fields,
 )
 from robots_planning.motion_kinds import KIND_OF_FUNCTION
+
+FARTHEST: Final = 50.0  # m
 
 
 def wrong_calls(tokens: Sequence[Token], sizes: Sizes, declared: set[str]) -> Iterator[tuple[int, str]]:
@@ -106,25 +109,34 @@ def _value(tokens: Sequence[Token]) -> LuaArgument:
 def _single(argument: list[Token]) -> bool:
     """Whether an argument is one value for sure: a call or `...` at the end may give any number of them."""
     return (
-        not argument
+        (len(argument) <= 1 and '...' not in {token.text for token in argument})
         or (argument[-1].text not in (')', '...') and argument[0].kind != 'keyword')
         or (argument[0].text == '(' and closing(argument, 0) == len(argument) - 1)
     )
 
 
 def _check_units(function: LuaFunction, arguments: Arguments, sizes: Sizes) -> None:
-    """Refuse angles that are written in radians.
+    """Refuse lengths that are written in millimetres, and angles in radians.
 
     Raises:
-        LuaCallError: all angles of the call, of which one at least is not 0, look like radians.
+        LuaCallError: a length is too large for any robot, or all angles of the call, of which one at least is
+            not 0, look like radians.
     """
-    if not function.arguments or function.arguments[0].kind is not kinds.NUMBER:
-        return
+    lengths: list[tuple[str, float]] = []
+    angles: list[float] = []
     wanted = wanted_arguments(function, sizes.num_axes, len(arguments.values))
-    angles = [
-        math.degrees(value)
-        for (_, argument), value in zip(wanted, arguments.values, strict=True)
-        if argument.unit.startswith('deg') and isinstance(value, float)
-    ]
+    for (label, argument), value in zip(wanted, arguments.values, strict=False):
+        if argument.kind is kinds.POSE and isinstance(value, list):
+            lengths += [(f'{label}.{axis}', length) for axis, length in zip('xyz', value, strict=False)]
+            angles += map(math.degrees, value[3:])
+        elif isinstance(value, float) and argument.unit == 'm':
+            lengths.append((label, value))
+        elif isinstance(value, float) and argument.unit in ('deg', 'deg (m)'):
+            angles.append(math.degrees(value))
+    for label, length in lengths:
+        if abs(length) >= FARTHEST:
+            raise LuaCallError(
+                f'{function.name}: {label} = {length:g} m; lengths are metres: {1e-3 * length:g}?'
+            )
     if hint := radians_hint(angles):
         raise LuaCallError(f'{function.name}: these angles look like radians{hint}')
