@@ -2,10 +2,10 @@
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-from robots_core.errors import RobotsError
+from robots_core.errors import RobotsError, UnreachablePoseError
 from robots_core.validation import Array
 
 _NUMBER: Final = r'[-+]?(?:inf|\d+(?:\.\d+)?(?:e[-+]?\d+)?)'
@@ -13,6 +13,9 @@ _NUMBER: Final = r'[-+]?(?:inf|\d+(?:\.\d+)?(?:e[-+]?\d+)?)'
 _ANGLE: Final = re.compile(
     rf'(?P<value>{_NUMBER}|\[{_NUMBER}, {_NUMBER}\]) rad(?P<derivative>/s(?:\^\d)?)?(?!\w| \(m\))'
 )
+_FULL_TURN: Final = 6.2833
+_WRITTEN: Final = 6e-4  # rad; what is lost by three digits behind the point
+_SHORT: Final = frozenset({-3.14, -1.57, 1.57, 3.14})  # as people write them too
 _FEWEST_DIGITS: Final = 5  # fewer are of numbers that end in zeros, which were dropped
 
 
@@ -57,9 +60,40 @@ def in_degrees(text: str) -> str:
     )
 
 
-def for_program(error: RobotsError) -> str:
-    """The message of an error as a program sees it: in degrees, with a hint where radians were given."""
-    return in_degrees(error.message) + _radians_hint(error.details)
+def for_program(error: RobotsError, *, pose_angles: Sequence[float] = ()) -> str:
+    """The message of an error as a program sees it: in degrees, with a hint where radians were given.
+
+    Args:
+        error: Why a motion, or another call, was refused.
+        pose_angles: Orientation angles (3,) of the pose that was commanded, deg; () for none.
+    """
+    hint = _radians_hint(error.details)
+    if not hint and error.code == UnreachablePoseError.code:
+        hint = radians_hint(pose_angles)
+    return in_degrees(error.message) + hint
+
+
+def radians_hint(angles: Iterable[float]) -> str:
+    """The end of a message about angles that look like radians; '' where they do not.
+
+    They do where all of them are 0 or a multiple of 30 or 45 degrees in radians, to three digits behind the
+    point.
+
+    Args:
+        angles: As a program has them, deg.
+    """
+    given = tuple(angles)
+    if not any(given) or not all(abs(angle) <= _FULL_TURN and _is_round(angle) for angle in given):
+        return ''
+    meant = ', '.join(f'{round(math.degrees(angle)):d}' for angle in given)
+    return f'; angles are degrees: {f"({meant})" if len(given) > 1 else meant}?'
+
+
+def _is_round(angle: float) -> bool:
+    """0, or a multiple of 30 or 45 degrees in radians."""
+    if angle in _SHORT:
+        return True
+    return any(abs(math.remainder(angle, step)) < _WRITTEN for step in (math.pi / 6.0, math.pi / 4.0))
 
 
 def _radians_hint(details: Mapping[str, str | float]) -> str:

@@ -15,11 +15,11 @@ class RobotsError(Exception):
         details: The same facts for a program (joint names, SI values), as they travel in messages.
 
     Attributes:
-        code: Of its class, the same in every version.
+        code: Of its kind, the same in every version.
         remedy: What to do about errors of its class.
     """
 
-    code: ClassVar[str] = 'R000'
+    code: str = 'R000'
     remedy: ClassVar[str] = 'Read the message: it names what came and what would be valid.'
 
     def __init__(self, message: str, **details: str | float) -> None:
@@ -101,6 +101,16 @@ class PlanningError(RobotsError):
     remedy = (
         'Change the motion as the message says: its target, speed, blend zone, or what precedes '
         'it. `check_program --walk` finds such motions before anything moves.'
+    )
+
+
+class MotionEndedError(RobotsError):
+    """A motion that ended before its target: it was stopped, or a fault or an obstacle stopped it."""
+
+    code = 'R308'
+    remedy = (
+        'Remove the cause that the message names, reset the controller after a fault '
+        '(`docs/reference/stops.md`), and command the motion again.'
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from robots_core.errors import RobotsError
+from robots_core.errors import MotionEndedError, RobotsError
 
 
 @dataclass(frozen=True)
@@ -20,6 +20,7 @@ class MotionResult:
         details: Further facts: duration (s), progress (0..1), or the data of the error.
         blocked: The robot stands before an obstacle. The planner leads it around, or ends the motion with
             another result.
+        code: That of the error (`docs/reference/errors.md`), where it is not at the target.
     """
 
     id: str
@@ -27,17 +28,24 @@ class MotionResult:
     message: str
     details: Mapping[str, Any] = field(default_factory=dict)
     blocked: bool = False
+    code: str = MotionEndedError.code
 
     @classmethod
     def refused(cls, id_: str, error: RobotsError) -> MotionResult:
         """The result of a command that an error ended."""
-        return cls(id_, ok=False, message=error.message, details=dict(error.details))
+        return cls(id_, ok=False, message=error.message, details=dict(error.details), code=error.code)
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """What a message of it has besides level and text."""
+        return {'id': self.id, **self.details, **({} if self.ok else {'code': self.code})}
 
     @property
     def error(self) -> RobotsError | None:
         """Why the robot is not at the target; None if it is."""
         if self.ok:
             return None
-        error = RobotsError(self.message)
+        error = MotionEndedError(self.message)
+        error.code = self.code
         error.details.update({key: str(value) for key, value in self.details.items()})
         return error

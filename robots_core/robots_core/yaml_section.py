@@ -15,6 +15,16 @@ from robots_core.errors import FileContentError, InvalidInputError, RobotsError
 from robots_core.files import read_text
 
 MAX_NODES: Final = 1_000_000
+# By what the parser says of a text that is not YAML.
+REMEDIES: Final = {
+    "'\\t'": 'indent by spaces, not by tabs',
+    'expected <block end>': 'what belongs together begins in the same column',
+    'mapping values are not allowed': 'what belongs together begins in the same column, and a text with a '
+    'colon stands in quotation marks',
+    "could not find expected ':'": 'a line is key: value, with a space behind the colon',
+    "expected ',' or": 'a bracket is not closed, or a comma is missing',
+    'unexpected end of stream': 'a quotation mark is not closed',
+}
 Made = TypeVar('Made')
 
 
@@ -300,9 +310,15 @@ def _expanded_size(node: yaml.Node, known: dict[int, float]) -> float:
 def _not_yaml(file: str, error: Exception) -> InvalidInputError:
     if isinstance(error, yaml.MarkedYAMLError):
         mark = error.problem_mark or error.context_mark
-        return located(file, 1 if mark is None else mark.line + 1, f'not YAML: {error.problem}')
+        return located(
+            file, 1 if mark is None else mark.line + 1, f'not YAML: {error.problem}{_remedy(error.problem)}'
+        )
     reason = 'nested too deeply' if isinstance(error, RecursionError) else str(error).replace('\n', ' ')
     return located(file, 1, f'not YAML: {reason}')
+
+
+def _remedy(problem: str | None) -> str:
+    return next((f'; {remedy}' for words, remedy in REMEDIES.items() if words in (problem or '')), '')
 
 
 def located(file: str, line: int, message: str, **details: str | float) -> FileContentError:

@@ -12,8 +12,19 @@ import numpy as np
 import pytest
 
 from robots_core import BaseRobotModel, available_robot_models, load_robot_model
+from robots_core.errors import RobotsError
 
 POSTURES = 20
+_loaded = cache(load_robot_model)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Say once, and not by every test, that a robot cannot be loaded."""
+    for name in config.getoption('--robot-model', default=None) or ():
+        try:
+            _loaded(name)
+        except RobotsError as error:
+            raise pytest.UsageError(error.message) from None
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -41,9 +52,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def robot(robot_name: str) -> BaseRobotModel:
     """Each robot in turn, loaded once."""
     return _loaded(robot_name)
-
-
-_loaded = cache(load_robot_model)
 
 
 @pytest.fixture

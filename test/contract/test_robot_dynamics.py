@@ -38,7 +38,7 @@ def test_mass_matrix_is_symmetric_and_positive_definite(robot: BaseRobotModel, p
     for q in postures:
         _, M, _ = robot.rigid_dynamics(q, np.zeros(robot.num_axes), np.zeros(robot.num_axes))
         np.testing.assert_array_equal(M, M.T)
-        assert np.linalg.eigvalsh(M)[0] > 0.0
+        assert np.linalg.eigvalsh(M)[0] > 0.0, _lacking(robot)
 
 
 def test_torques_are_those_of_the_description(robot: BaseRobotModel, postures: np.ndarray):
@@ -106,7 +106,7 @@ def test_energy_is_balanced_over_a_random_swing(robot: BaseRobotModel):
 
     powers = np.array([robot.rigid_dynamics(q, v, a)[0] @ v for q, v, a in map(motion, SWING_TIMES)])
     exchanged = SWING_WEIGHTS @ np.abs(powers)
-    assert exchanged > 0.0
+    assert exchanged > 0.0, _lacking(robot)
     gained = energy(SWING_END) - energy(0.0)
     np.testing.assert_allclose(SWING_WEIGHTS @ powers, gained, rtol=0.0, atol=SWING_TOLERANCE * exchanged)
 
@@ -131,6 +131,15 @@ def test_effort_holds_the_robot_at_home(robot: BaseRobotModel):
     zero = np.zeros(robot.num_axes)
     _, _, tau_aux = robot.rigid_dynamics(robot.home, zero, zero)
     assert (np.abs(tau_aux) < robot.axes_data.effort).all()
+
+
+def _lacking(robot: BaseRobotModel) -> str:
+    masses = robot.rigid_dynamics_model.masses[1:]
+    bodies = ', '.join(name for name, mass in zip(robot.axes_data.names, masses, strict=True) if not mass)
+    return (
+        f'robot {robot.name!r} has no mass on these axes: {bodies or "none of them"}; its links need an '
+        '<inertial> with mass and inertia, or its rigid_dynamics_model masses'
+    )
 
 
 def _motions(postures: np.ndarray) -> Iterable[tuple[np.ndarray, ...]]:

@@ -5,10 +5,13 @@ from __future__ import annotations
 import pytest
 from geometry_msgs.msg import Pose as PoseMessage
 
-from robots_core.errors import InvalidInputError
+from robots_core.errors import InvalidInputError, JointLimitError, RobotsError, UnreachablePoseError
+from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import (
     diagnostic_status,
+    diagnostic_values,
     motion_result_from_message,
+    motion_result_message,
     number_in,
     pose_from_message,
 )
@@ -34,3 +37,15 @@ def test_a_pose_is_near_its_frame(value: float) -> None:
     message.position.y = value
     with pytest.raises(InvalidInputError, match=r'position\[1\]'):
         pose_from_message(message)
+
+
+@pytest.mark.parametrize('error', [UnreachablePoseError('too far'), JointLimitError('a1', 4.0, -3.0, 3.0)])
+def test_a_result_keeps_the_code_of_its_error(error: RobotsError) -> None:
+    result = MotionResult.refused('5.000000000', error)
+    sent = motion_result_message(result, 'robot')
+    assert diagnostic_values(sent)['code'] == error.code
+    received = motion_result_from_message(sent).error
+    assert received is not None
+    assert (received.code, received.message) == (error.code, error.message)
+    reached = motion_result_message(MotionResult('5.0', ok=True, message='reached'), 'robot')
+    assert 'code' not in diagnostic_values(reached)

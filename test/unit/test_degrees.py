@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robots_controller.degrees import for_program, in_degrees
-from robots_core.errors import JointLimitError, RobotsError
+from robots_core.errors import JointLimitError, RobotsError, UnreachablePoseError
 
 
 @pytest.mark.parametrize(
@@ -58,3 +58,20 @@ def test_radians_in_the_place_of_degrees_are_recognised(degrees: float, hint: st
     error = JointLimitError('A2', math.radians(degrees), math.radians(-140), math.radians(-5))
     for one in (error, RobotsError(error.message, **{name: str(v) for name, v in error.details.items()})):
         assert for_program(one) == in_degrees(error.message) + hint
+
+
+@pytest.mark.parametrize(
+    ('angles', 'meant'),
+    [
+        ((0.0, 3.1416, 0.0), '(0, 180, 0)'),
+        ((-1.57, 0.524, math.pi / 4), '(-90, 30, 45)'),
+        ((0.0, 0.0, 0.0), ''),
+        ((0.0, 90.0, 1.5708), ''),
+        ((0.0, 1.5, 0.0), ''),
+        ((0.0, 180.0, 0.0), ''),
+    ],
+)
+def test_orientation_angles_in_radians_are_recognised(angles: tuple[float, ...], meant: str):
+    hint = f'; angles are degrees: {meant}?' if meant else ''
+    assert for_program(UnreachablePoseError('too far'), pose_angles=angles) == f'too far{hint}'
+    assert for_program(RobotsError('in the way'), pose_angles=angles) == 'in the way'

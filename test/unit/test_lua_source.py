@@ -60,12 +60,12 @@ def test_slashes_meant_as_comments_are_explained(tmp_path: Path, text: str, line
 @pytest.mark.parametrize(
     ('text', 'error'),
     [
-        ('a = 8 // 2\nb = )', "p.lua:2: unexpected symbol near ')': b = )"),
-        ('x = ', 'p.lua:1: unexpected symbol near <eof>: x ='),
-        ('goto nowhere', "p.lua:1: no visible label 'nowhere' for goto at line 1: goto nowhere"),
+        ('a = 8 // 2\nb = )', "p.lua:2: unexpected symbol near ')': b = ); a value is missing before it"),
+        ('x = ', 'p.lua:1: unexpected symbol near <eof>: x =; a value is missing before it'),
+        ('break', 'p.lua:1: break outside loop at line 1: break; break ends a loop from inside it'),
     ],
 )
-def test_other_syntax_errors_stay_lua_s_own(tmp_path: Path, text: str, error: str):
+def test_other_syntax_errors_are_lua_s_own_with_a_remedy(tmp_path: Path, text: str, error: str):
     # Lua 5.4 writes <goto> or goto, depending on its release.
     assert opened(tmp_path, text).replace('<goto>', 'goto') == error
 

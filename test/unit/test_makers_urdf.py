@@ -10,7 +10,9 @@ import trimesh
 
 from robots_core import Pose, UrdfRobotModel, load_robot_model
 from robots_core.blocks import CollisionDetection
+from robots_core.blocks.collision.allowed_pair_sampling import allowed_pairs_of
 from robots_core.blocks.collision.solids import solids_of
+from robots_core.blocks.drives.drive_level import drive_train
 from robots_core.content_cache import cache_folder
 from robots_core.errors import InvalidInputError, JointLimitError, UnknownRobotError
 from robots_core.robot_model.shapes import Cylinder, Mesh, Sphere
@@ -117,7 +119,8 @@ def test_packages_are_searched_everywhere(tmp_path: Path, monkeypatch: pytest.Mo
     if where == 'package.xml':
         (place / 'package.xml').write_text('<package><name>arm_support</name></package>')
     trimesh.creation.box((0.1, 0.1, 0.1)).export(place / 'meshes' / 'box.stl')
-    robot = UrdfRobotModel(write(urdf, arm_xml(inside=f'<visual>{MESH.format("box.stl")}</visual>')))
+    inside = ''.join(f'<{kind}>{MESH.format("box.stl")}</{kind}>' for kind in ('visual', 'collision'))
+    robot = UrdfRobotModel(write(urdf, arm_xml(inside=inside)))
     assert robot.substitutions == ()
     assert (place / 'meshes' / 'box.stl').as_uri() in robot.description
 
@@ -261,3 +264,75 @@ def test_xacro_files_are_expanded_with_their_arguments(tmp_path: Path):
 def test_a_xacro_file_loaded_as_urdf_is_refused_with_the_way_to_load_it(tmp_path: Path):
     with pytest.raises(UnknownRobotError, match='load it by the name xacro:'):
         UrdfRobotModel(write(tmp_path, XACRO))
+
+
+@pytest.mark.parametrize(
+    ('content', 'why'),
+    [('', 'holds no triangles'), ('version https://git-lfs.github.com/spec/v1\noid 1', 'run git lfs pull')],
+)
+def test_meshes_that_cannot_be_read_are_substituted_as_missing_ones(tmp_path: Path, content: str, why: str):
+    write(tmp_path / 'arm_support' / 'meshes', content, '2.stl')
+    inside = ''.join(f'<{kind}>{MESH.format("2.stl")}</{kind}>' for kind in ('visual', 'collision'))
+    xml = arm_xml().replace('<link name="link_2"></link>', f'<link name="link_2">{inside}</link>')
+    file = write(tmp_path / 'arm_support' / 'urdf', xml)
+    robot = UrdfRobotModel(file)
+    assert isinstance(robot.visualization.shapes[0].geometry, Cylinder)
+    (sentence,) = robot.substitutions
+    assert why in sentence
+    assert 'cylinders and spheres' in sentence
+    with pytest.raises(UnknownRobotError, match=why):
+        UrdfRobotModel(file, strict=True)
+
+
+def test_efforts_that_do_not_carry_the_robot_are_substituted(tmp_path: Path):
+    weak = arm_xml(limits='velocity="2" effort="30"', inside=MASS.format(20))
+    robot = UrdfRobotModel(write(tmp_path, weak))
+    assert robot.axes_data.effort[1] > 500.0
+    assert 'does not carry the robot itself' in robot.substitutions[0]
+    strong = arm_xml(limits='velocity="2" effort="3000"', inside=MASS.format(20))
+    assert UrdfRobotModel(write(tmp_path, strong)).substitutions == ()
+
+
+@pytest.mark.parametrize(('gap', 'checked'), [(0.004, 0), (0.01, 1)])
+def test_links_that_are_always_nearer_than_planners_keep_clear_are_not_checked(
+    tmp_path: Path, gap: float, checked: int
+):
+    body = '<collision><origin xyz="0 0 {}"/><geometry><box size="0.1 0.1 0.1"/></geometry></collision>'
+    heights = {0: 0.0, 2: 0.1 + gap}
+    links = ''.join(
+        f'<link name="link_{k}">{body.format(heights[k]) if k in heights else ""}</link>' for k in range(4)
+    )
+    joints = ''.join(
+        f'<joint name="joint_{k}" type="revolute"><parent link="link_{k}"/><child link="link_{k + 1}"/>'
+        f'<axis xyz="{axis}"/><limit lower="-2" upper="2" velocity="2" effort="90"/></joint>'
+        for k, axis in enumerate(('0 0 1', '0 0 1', '0 1 0'))
+    )
+    robot = UrdfRobotModel(write(tmp_path, f'<robot name="arm">{links}{joints}</robot>'))
+    pairs = allowed_pairs_of(robot)
+    assert (pairs.reasons.get(('link_0/0', 'link_2/0')) != 'always') == checked
+
+
+def test_unused_xacro_properties_in_a_urdf_are_left_out(tmp_path: Path):
+    xml = arm_xml().replace(
+        '<robot name="arm">',
+        '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="w" value="1"/>',
+    )
+    assert UrdfRobotModel(write(tmp_path, xml)).num_axes == 6
+    with pytest.raises(UnknownRobotError, match='not a URDF but a xacro file'):
+        UrdfRobotModel(write(tmp_path, xml.replace('upper="2"', 'upper="${w}"')))
+
+
+def test_a_robot_without_collision_shapes_collides_with_what_is_shown(tmp_path: Path):
+    body = '<visual><geometry><box size="0.1 0.1 0.1"/></geometry></visual>'
+    file = write(tmp_path, arm_xml(inside=body))
+    robot = UrdfRobotModel(file)
+    assert len(robot.collision_model.shapes) == len(robot.visualization.shapes) == 7
+    assert robot.substitutions == (
+        'no link has a <collision>; taken in its place: what is shown by <visual>',
+    )
+
+
+def test_rigid_body_drives_refuse_a_robot_without_masses(tmp_path: Path):
+    robot = UrdfRobotModel(write(tmp_path, arm_xml()))
+    with pytest.raises(InvalidInputError, match=r"'arm' has no masses.*no <inertial>.*second_order or ideal"):
+        drive_train('rigid_body', robot, robot.home, period=0.004)

@@ -153,7 +153,7 @@ def test_problems_name_file_line_and_what_is_valid(tmp_path: Path, text: str, pr
         'setSpeed(nil, 0.1) setSpeed()',
         'circCartesianSpace({1, 2, 3, 4, 5, 6}, {1, 2, 3, 4, 5, 6})',
         'splineCartesianSpace({1, 2, 3, 4, 5, 6}, {1, 2, 3, 4, 5, 6}, {blend = 0.1})',
-        'wait(-1)',  # computed, though simply
+        'wait(1 - 2)',  # computed, though simply
         'local v = getAnalogInput(1) if v == 1 or getDigitalInput(1) == getDigitalInput(2) then wait(1) end',
         'local on = getDigitalInput(1) on = 1 if on == 1 then wait(1) end',
         'if 1 == getCartesianPosition()[1] and getDigitalInput(1) == true then wait(1) end',

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -139,6 +140,18 @@ def test_comparison_says_what_got_slower_and_where(tmp_path: Path, report: RunRe
     assert 'slower' in comparison.describe()
     assert 'line 3' in comparison.describe()
     assert compare_runs(slow, report).difference == pytest.approx(-comparison.difference)
+
+
+@pytest.mark.parametrize(
+    ('count', 'words'),
+    [(1, 'line 3: +'), (2, '; lines 3 and 4 changed by about +'), (6, '; 6 lines changed by about +')],
+)
+def test_lines_that_changed_alike_are_not_ranked(tmp_path: Path, report: RunReport, count: int, words: str):
+    comparison = compare_runs(report, run_report(tending_bag(tmp_path / 'slow', slower=1.5)))
+    most = comparison.largest[0]
+    assert most.after is not None
+    alike = tuple(replace(most, after=replace(most.after, line=most.after.line + k)) for k in range(count))
+    assert words in replace(comparison, changes=alike).describe()
 
 
 def test_refused_motions_are_told(tmp_path: Path, report: RunReport):

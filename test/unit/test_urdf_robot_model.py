@@ -167,7 +167,7 @@ def test_mesh_that_is_missing_or_broken_is_refused(tmp_path: Path):
         UrdfRobotModel(write_arm(tmp_path, mesh='none.stl'), strict=True)
     (tmp_path / 'broken.stl').write_text('nothing of a mesh')
     with pytest.raises(UnknownRobotError, match='cannot be read'):
-        UrdfRobotModel(write_arm(tmp_path, mesh='broken.stl'))
+        UrdfRobotModel(write_arm(tmp_path, mesh='broken.stl'), strict=True)
 
 
 def test_shapes_on_demand_are_read_when_they_are_asked_for(tmp_path: Path):

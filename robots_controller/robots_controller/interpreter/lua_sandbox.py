@@ -30,6 +30,7 @@ from lupa import lua54
 
 from robots_controller.interpreter.lua_side.lua_chunks import PATTERNS, PRELUDE
 from robots_controller.interpreter.lua_source import LuaSource
+from robots_controller.interpreter.syntax_remedies import with_remedy
 from robots_controller.program.program_state import ProgramStopped
 
 MAX_MEMORY: Final = 100_000_000  # bytes
@@ -230,13 +231,8 @@ class LuaSandbox:
         stopped, chunk, line, reason, stack = outcome
         if stopped:
             return LuaFailure(True, '', 0, '', '')
-        text = reason.decode(errors='replace')
-        return LuaFailure(
-            False,
-            chunk.decode(),
-            *_located(chunk.decode(), line, text),
-            stack.decode(errors='replace'),
-        )
+        line, text = _located(chunk.decode(), line, reason.decode(errors='replace'))
+        return LuaFailure(False, chunk.decode(), line, with_remedy(text), stack.decode(errors='replace'))
 
     # Called from Lua: an exception would become a Lua value that the program can see, so none leaves.
 

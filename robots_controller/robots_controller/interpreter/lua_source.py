@@ -17,7 +17,11 @@ MAX_PROGRAM_SIZE = 1_000_000  # bytes; the interpreter's memory is bounded too
 MAX_CHUNK_NAME = 50
 # A comment explains the first syntax error; further candidates are not worth their compilation.
 MAX_REMARK_CANDIDATES = 50
-OPENED: Final = re.compile(r'to close .* at line (\d+)\)')
+# Lua itself names the line: of what is not closed, of a goto, of a break.
+OPENED: Final = re.compile(r'to close .* at line (\d+)\)|(?:<goto>|outside loop) at line (\d+)')
+NEAR: Final = re.compile(r"near '?(.+?)'?$")
+GOES_ON: Final = re.compile(r'(?:[-=+*/%,(<>~.]|\b(?:and|or|not))$')
+BLOCK: Final = re.compile(r'\b(?:if|elseif|while|for)\b')
 
 SyntaxCheck = Callable[[str], tuple[int, str] | None]
 """Compiles a text: None, or the line and the reason of the first syntax error."""
@@ -118,11 +122,27 @@ def check_syntax(source: LuaSource, check: SyntaxCheck) -> None:
                 source=source.line(line),
             )
     opened = OPENED.search(reason)
-    if opened:  # a block or bracket that is not closed: its line is that of the mistake
-        line = int(opened.group(1))
+    line = int(opened[1] or opened[2]) if opened else _line_of_the_mistake(source, line, reason)
     text = source.line(line)
     remedy = remedy_of(reason, text)
     message = f'{reason}: {text}' if text else reason
     raise ProgramError(
         f'{message}; {remedy}' if remedy else message, file=source.file, line=line, source=text
     )
+
+
+def _line_of_the_mistake(source: LuaSource, line: int, reason: str) -> int:
+    """The line whose end is the mistake, where Lua only notices at the beginning of the next one."""
+    near = NEAR.search(reason)
+    before = next((k for k in range(line - 1, 0, -1) if source.line(k)), 0)
+    if near is None or not before:
+        return line
+    text = source.line(line)
+    if near[1] == '<eof>':
+        before = before if not text else line
+    elif not text.startswith(near[1]) or reason.startswith('<eof>'):
+        return line
+    if reason.startswith(("'then' expected", "'do' expected")):
+        return next((k for k in range(before, 0, -1) if BLOCK.search(source.line(k))), before)
+    ended = near[1] == '<eof>' or reason.startswith('syntax error') or GOES_ON.search(source.line(before))
+    return before if ended else line

@@ -59,8 +59,21 @@ def check_value(
             ]
         came = f'a table with {len(table.values)} values'
     if value is None:
-        raise LuaCallError(f'{function}: {label} = {came}; valid is {kind.describe(sizes)}')
+        hint = _hint(kind, given)
+        raise LuaCallError(f'{function}: {label} = {came}; valid is {kind.describe(sizes)}{hint}')
     return value
+
+
+def _hint(kind: ArgumentKind, given: LuaArgument) -> str:
+    """The end of a message about a value that is a known mistake; '' for others."""
+    value = given.value
+    if given.type == 'nil':
+        return '; nothing gives it a value, or it is an index that is not there: the first is 1'
+    if kind.channel and value == 0:
+        return '; the first is 1'
+    if kind in (kinds.FRACTION, kinds.SCALE) and isinstance(value, (int, float)) and 1.0 < value <= 100.0:
+        return f'; {value:g} % is {0.01 * value:g}'
+    return ''
 
 
 def _parts(label: str, kind: ArgumentKind, sizes: Sizes) -> list[tuple[str, Argument, bool]]:

@@ -10,12 +10,17 @@ from types import MappingProxyType
 from typing import Final
 
 from robots_controller.interpreter.lua_source import read_source
-from robots_core.errors import ProgramError
+from robots_core.errors import ProgramError, RobotsError
+from robots_core.nearest_name import nearest_name
+from robots_core.robot_choice import available_robot_models, load_robot_model
 
 _ENTRY: Final = re.compile(r'(Robot|Scene|IO|References|Contact|Orbit|Cabin): (\S+)\s*')
 HEADER_FILES: Final = ('scene', 'io', 'references', 'contact', 'orbit', 'cabin')
 """What a header may name beside the robot."""
 _LINE: Final = re.compile(rf'--\s*({_ENTRY.pattern})+')
+KEYS: Final = ('Robot', 'Scene', 'IO', 'References', 'Contact', 'Orbit', 'Cabin')
+_ENTRIES: Final = re.compile(r'--\s*(?:\w+\s*[:=]\s*\S+\s*)+')  # with any keys, and with = for the colon
+_SPLIT: Final = re.compile(r'(\w+)\s*[:=]\s*(\S+)')
 
 
 @dataclass(frozen=True)
@@ -54,11 +59,12 @@ class ProgramHeader:
         return replace(self, lines=MappingProxyType(lines), **new)
 
     def check_files(self) -> None:
-        """Refuse a file that the program names and that is not there.
+        """Refuse a file or a robot that the program names and that is not there.
 
         Raises:
             ProgramError: there is one.
         """
+        self._check_robot()
         for key, line in self.lines.items():
             path = getattr(self, key)
             if key != 'robot' and not Path(path).exists():
@@ -68,6 +74,16 @@ class ProgramHeader:
                     file=self.file,
                     line=line,
                 )
+
+    def _check_robot(self) -> None:
+        plain = self.robot.partition('?')[0]
+        file = Path(plain.partition(':')[2])
+        if 'robot' not in self.lines or plain in available_robot_models() or file.is_file():
+            return
+        try:
+            load_robot_model(self.robot)
+        except RobotsError as error:
+            raise ProgramError(error.message, file=self.file, line=self.lines['robot']) from None
 
     def note(self, program: Path | str, robot: str) -> str:
         """A note for a person who runs the program on a robot; '' if it is the program's own."""
@@ -83,7 +99,7 @@ def read_program_header(program: Path | str) -> ProgramHeader:
         program: Lua robot program; its header names files as seen from its folder.
 
     Raises:
-        ProgramError: the program cannot be read.
+        ProgramError: the program cannot be read, or an entry of its header is misspelled.
     """
     source = read_source(program)
     found: dict[str, str] = {}
@@ -91,6 +107,7 @@ def read_program_header(program: Path | str) -> ProgramHeader:
     for number, line in enumerate(source.text.splitlines(), 1):
         if not line.startswith('--'):
             break
+        _refuse_misspelled(line, number, source.file)
         if _LINE.fullmatch(line):
             here = {key.lower(): value for key, value in _ENTRY.findall(line)}
             found |= here
@@ -100,3 +117,14 @@ def read_program_header(program: Path | str) -> ProgramHeader:
     return ProgramHeader(
         robot=found.get('robot', ''), file=source.file, lines=MappingProxyType(lines), **files
     )
+
+
+def _refuse_misspelled(line: str, number: int, file: str) -> None:
+    if _LINE.fullmatch(line) or not _ENTRIES.fullmatch(line):
+        return
+    for key, value in _SPLIT.findall(line):
+        meant = nearest_name(key, KEYS)
+        if meant is not None:
+            raise ProgramError(
+                f'{line!r} is no header; did you mean {f"-- {meant}: {value}"!r}?', file=file, line=number
+            )

@@ -5,10 +5,11 @@ from typing import Final
 
 import numpy as np
 
-from robots_controller.degrees import for_program
+from robots_controller.degrees import for_program, pose_to_program
 from robots_core.blocks.inverse_kinematics.hold import POSITION, held_by
 from robots_core.blocks.visualizer import reach
 from robots_core.errors import RobotsError, UnreachablePoseError
+from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_planning.pathplanning import PlannedMotion
 from robots_planning.verification import RATIO_TOLERANCE, verify
@@ -28,9 +29,16 @@ def motion_problems(robot: BaseRobotModel, motion: PlannedMotion, hold: str) -> 
         yield from _singular_passage(robot, motion, held_by(robot.num_axes, hold))
 
 
-def refusal(error: RobotsError) -> str:
-    """Why a motion was refused, with the kind of the problem."""
-    reason = for_program(error)
+def refusal(error: RobotsError, target: Pose | None, convention: str) -> str:
+    """Why a motion was refused, with the kind of the problem.
+
+    Args:
+        error: As the planner says it.
+        target: Pose that was commanded; None for a joint target.
+        convention: Order of the orientation angles.
+    """
+    angles = () if target is None else pose_to_program(target.r, target.angles(convention))[3:]
+    reason = for_program(error, pose_angles=angles)
     return f'unreachable: {reason}' if isinstance(error, UnreachablePoseError) else reason
 
 

@@ -1,7 +1,10 @@
 """Calls of robot functions: their arguments as far as the text shows them, checked as a run checks them."""
 
+import math
 from collections.abc import Iterator, Sequence
+from typing import Final
 
+from robots_controller.degrees import radians_hint
 from robots_controller.interpreter import argument_kinds as kinds
 from robots_controller.interpreter.argument_kinds import Sizes
 from robots_controller.interpreter.functions.lua_function import LuaFunction
@@ -11,6 +14,7 @@ from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
 from robots_controller.interpreter.lua_tokens import Token
 from robots_controller.interpreter.lua_values import UNKNOWN
+from robots_controller.program_check.constants import constant
 from robots_controller.program_check.lua_calls import (
     closing,
     is_table,
@@ -19,6 +23,8 @@ from robots_controller.program_check.lua_calls import (
     table_fields,
 )
 from robots_planning.motion_kinds import KIND_OF_FUNCTION
+
+FARTHEST: Final = 50.0  # m
 
 
 def wrong_calls(tokens: Sequence[Token], sizes: Sizes, declared: set[str]) -> Iterator[tuple[int, str]]:
@@ -45,7 +51,7 @@ def _check(function: LuaFunction, arguments: Sequence[list[Token]], sizes: Sizes
     given = [_value(argument) for argument in arguments]
     open_ended = bool(arguments) and not _single(arguments[-1])
     if function.name != 'moveUntil':
-        _checked(function, given, sizes, open_ended=open_ended)
+        _check_units(function, _checked(function, given, sizes, open_ended=open_ended), sizes)
         return
     motion = arguments[1][0].text if len(arguments) > 1 and len(arguments[1]) == 1 else ''
     if motion in KIND_OF_FUNCTION:
@@ -86,11 +92,11 @@ def _value(tokens: Sequence[Token]) -> LuaArgument:
         if all(part[0].text != '[' for part in values) and all(map(_single, values[-1:])):
             named = {key: _value(value) for key, value in fields.items()}
             return LuaArgument('table', LuaTable(tuple(map(_value, values)), named))
+    elif (number := constant(tokens)) is not None:
+        return LuaArgument('number', number)
     elif len(tokens) == 1:
         (token,) = tokens
         match token.kind, token.text:
-            case 'number', text:
-                return LuaArgument('number', _number(text))
             case 'string', text:
                 return LuaArgument('string', text.encode())
             case 'keyword', 'true' | 'false':
@@ -103,14 +109,34 @@ def _value(tokens: Sequence[Token]) -> LuaArgument:
 def _single(argument: list[Token]) -> bool:
     """Whether an argument is one value for sure: a call or `...` at the end may give any number of them."""
     return (
-        not argument
+        (len(argument) <= 1 and '...' not in {token.text for token in argument})
         or (argument[-1].text not in (')', '...') and argument[0].kind != 'keyword')
         or (argument[0].text == '(' and closing(argument, 0) == len(argument) - 1)
     )
 
 
-def _number(text: str) -> float:
-    try:
-        return float.fromhex(text) if text.lower().startswith('0x') else float(text)
-    except (ValueError, OverflowError):
-        return float('inf')
+def _check_units(function: LuaFunction, arguments: Arguments, sizes: Sizes) -> None:
+    """Refuse lengths that are written in millimetres, and angles in radians.
+
+    Raises:
+        LuaCallError: a length is too large for any robot, or all angles of the call, of which one at least is
+            not 0, look like radians.
+    """
+    lengths: list[tuple[str, float]] = []
+    angles: list[float] = []
+    wanted = wanted_arguments(function, sizes.num_axes, len(arguments.values))
+    for (label, argument), value in zip(wanted, arguments.values, strict=False):
+        if argument.kind is kinds.POSE and isinstance(value, list):
+            lengths += [(f'{label}.{axis}', length) for axis, length in zip('xyz', value, strict=False)]
+            angles += map(math.degrees, value[3:])
+        elif isinstance(value, float) and argument.unit == 'm':
+            lengths.append((label, value))
+        elif isinstance(value, float) and argument.unit in ('deg', 'deg (m)'):
+            angles.append(math.degrees(value))
+    for label, length in lengths:
+        if abs(length) >= FARTHEST:
+            raise LuaCallError(
+                f'{function.name}: {label} = {length:g} m; lengths are metres: {1e-3 * length:g}?'
+            )
+    if hint := radians_hint(angles):
+        raise LuaCallError(f'{function.name}: these angles look like radians{hint}')

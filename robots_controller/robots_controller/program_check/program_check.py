@@ -14,6 +14,7 @@ from robots_controller.interpreter.lua_tokens import Token, lua_tokens
 from robots_controller.interpreter.program_run import find_subprogram
 from robots_controller.program_check.comparisons import comparisons_of_unlike_values
 from robots_controller.program_check.lua_calls import lua_calls
+from robots_controller.program_check.other_languages import foreign_idioms
 from robots_controller.program_check.program_calls import wrong_calls
 from robots_controller.program_check.program_names import declared_names, unknown_names
 from robots_core.errors import ProgramError
@@ -71,6 +72,7 @@ def check_program(path: Path | str, sizes: Sizes) -> tuple[ProgramProblem, ...]:
             *unknown_names(tokens, declared),
             *wrong_calls(tokens, sizes, declared),
             *comparisons_of_unlike_values(tokens, declared),
+            *foreign_idioms(tokens),
             *(_not_in_tasks(tokens) if source.file in checked.tasks else ()),
         ):
             checked.problems.append(ProgramProblem(source.file, line, reason))

@@ -6,6 +6,7 @@ from typing import Final
 from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
 from robots_controller.interpreter.lua_tokens import Token
 from robots_controller.program_check.lua_calls import nesting
+from robots_controller.program_check.other_languages import FUNCTIONS, INSTEAD, VALUES
 from robots_core.nearest_name import did_you_mean
 
 LUA_GLOBALS: Final = frozenset(
@@ -54,11 +55,6 @@ FORBIDDEN: Final = frozenset(
         'warn',
     ]
 )
-OTHER_LANGUAGES: Final = {
-    **dict.fromkeys(('null', 'NULL', 'None', 'undefined'), 'nil'),
-    **dict.fromkeys(('True', 'TRUE'), 'true'),
-    **dict.fromkeys(('False', 'FALSE'), 'false'),
-}
 SHORTEST: Final = 3  # letters of a name that is compared with others
 _GLOBAL_TABLES: Final = frozenset({'_ENV', '_G'})
 _ATTRIBUTES: Final = frozenset({'const', 'close'})
@@ -95,7 +91,8 @@ def unknown_names(tokens: Sequence[Token], declared: Iterable[str]) -> Iterator[
             continue
         after = tokens[i + 1] if i + 1 < len(tokens) else Token('sign', '', token.line)
         if name in FORBIDDEN:
-            yield token.line, f'{name} is not available in robot programs'
+            instead = f'; {INSTEAD[name]}' if name in INSTEAD else ''
+            yield token.line, f'{name} is not available in robot programs{instead}'
         elif after.text == '(' or (after.kind == 'string' and after.line == token.line):
             yield token.line, f'there is no function {name}{_meant(name, LUA_FUNCTIONS)}'
         elif not computed:
@@ -151,6 +148,8 @@ def _opens_globals(tokens: Sequence[Token], i: int) -> bool:
 
 
 def _meant(name: str, known: Iterable[str]) -> str:
-    if name in OTHER_LANGUAGES:
-        return f'; did you mean {OTHER_LANGUAGES[name]!r}?'
+    if name in VALUES:
+        return f'; did you mean {VALUES[name]!r}?'
+    if name.lower() in FUNCTIONS:
+        return f'; robot programs have {FUNCTIONS[name.lower()]}'
     return did_you_mean(name, [] if len(name) < SHORTEST else known)

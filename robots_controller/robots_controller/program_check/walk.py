@@ -138,7 +138,7 @@ def _walk(
         file, command = motion.file, motion.command
         error = planning.problems.get(motion.plan)
         reasons = (
-            [refusal(error)]
+            [refusal(error, command.pose, parts.robot.orientation_convention)]
             if error is not None
             else motion_problems(
                 loaded_robot(parts.robot, motion.settings.payload), motion.plan, motion.settings.hold

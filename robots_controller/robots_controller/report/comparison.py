@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
+from typing import Final
 
 from robots_controller.report.line_times import LineTime
 from robots_controller.report.motion_figures import MotionFigures
@@ -79,14 +80,30 @@ class RunComparison:
         if abs(self.difference) < NOTICED:
             return f'as fast as before: {self.after.run.duration:.2f} s'
         word = 'slower' if self.difference > 0 else 'faster'
-        text = f'{abs(self.difference):.2f} s {word} ({100.0 * self.difference / total:+.1f} %)'
-        if self.largest:
-            most = self.largest[0]
-            text += f', most of it in line {most.line.line}: {most.difference:+.2f} s {most.activity}'
-        return text
+        return (
+            f'{abs(self.difference):.2f} s {word} ({100.0 * self.difference / total:+.1f} %){self._where()}'
+        )
+
+    def _where(self) -> str:
+        """Which lines changed most, for the end of a sentence."""
+        if not self.largest:
+            return ''
+        most = self.largest[0]
+        near = max(NOTICED, TIE * abs(most.difference))
+        tied = [change for change in self.largest if abs(change.difference - most.difference) <= near]
+        if len(tied) > MOST_NAMED:
+            return f'; {len(tied)} lines changed by about {most.difference:+.2f} s each'
+        if len(tied) > 1:
+            *places, last = (str(change.line.line) for change in tied)
+            return f'; lines {", ".join(places)} and {last} changed by about {most.difference:+.2f} s each'
+        word = 'most of it' if most.difference / self.difference > MOST else 'the largest change'
+        return f', {word} in line {most.line.line}: {most.difference:+.2f} s {most.activity}'
 
 
-NOTICED = 5e-3  # s; less than two periods of the controller
+NOTICED: Final = 5e-3  # s; less than two periods of the controller
+TIE: Final = 0.1  # of the largest change: smaller differences do not rank lines
+MOST: Final = 0.5  # of the whole difference
+MOST_NAMED: Final = 4  # lines
 
 
 def compare_runs(before: RunReport, after: RunReport) -> RunComparison:

@@ -13,6 +13,7 @@ import viser
 from robots_core.blocks.collision.robot_solids import flange
 from robots_core.blocks.collision.scene import AttachedObject, Scene, SceneObject
 from robots_core.blocks.direct_kinematics import DirectKinematics
+from robots_core.blocks.page_camera import FIELD_OF_VIEW, VIEWS, CameraView, PlacedBounds, View, camera_view
 from robots_core.blocks.tool_trace import LONGEST_TRACE, SPACING, ToolTrace
 from robots_core.blocks.zones.zone import HalfSpace, PlacedBox, Zone
 from robots_core.free_port import free_port
@@ -28,9 +29,6 @@ BRAND = (0, 150, 136)
 COLLISION_COLOUR = (30, 120, 255)
 ZONE_COLOUR = (0.95, 0.60, 0.10, 0.20)
 PLATE = 2e-3  # m; thickness of a half-space's plane
-CAMERA_DIRECTION = np.array([0.62, -0.72, 0.30])  # from the robot to the camera
-CAMERA_DISTANCE = 1.7  # in reaches of the robot
-FIELD_OF_VIEW = np.pi / 5  # rad, that of a lens of about 60 mm
 
 
 def zone_solid(zone: Zone, size: float) -> tuple[Box, Pose]:
@@ -89,10 +87,12 @@ class Visualizer:
         self._collision = self._add_collision_shapes(robot.collision_model.shapes)
         self._scene: list[viser.MeshHandle] = []
         self._flange = flange(robot)
+        self._bounds: list[PlacedBounds] = []
         self._add_panel()
         self._shown = np.full(robot.num_axes, np.nan)
         self._unseen: deque[Array] = deque(maxlen=LONGEST_TRACE)
         self.update(robot.home)
+        self._aim()
 
     @property
     def url(self) -> str:
@@ -153,6 +153,10 @@ class Visualizer:
         for zone in scene.zones:
             geometry, pose = zone_solid(zone, 4.0 * self._reach)
             self._scene.append(self._add_solid(f'/scene/{zone.name}', geometry, ZONE_COLOUR, pose))
+        self._bounds = [
+            PlacedBounds(np.asarray(triangle_mesh(item.geometry).bounds), item.pose) for item in scene.objects
+        ]
+        self._aim()
 
     def clear_trace(self) -> None:
         """Clear the displayed path of the tool."""
@@ -163,6 +167,16 @@ class Visualizer:
         """End the page."""
         with contextlib.redirect_stdout(io.StringIO()):
             self._server.stop()
+
+    def _view(self, view: View) -> CameraView:
+        joints, _ = self._robot.kinematic_model.frame_axes(self._shown)
+        tool = np.asarray(self._tool_frame.position)
+        return camera_view(view, reach=self._reach, joints=joints, tool=tool, scene=self._bounds)
+
+    def _aim(self) -> None:
+        """Let browsers begin with a camera that sees robot and scene."""
+        found, camera = self._view('all'), self._server.initial_camera
+        camera.look_at, camera.position, camera.fov = found.look_at, found.position, FIELD_OF_VIEW
 
     def _show_surroundings(self) -> None:
         scene, size = self._server.scene, self._reach
@@ -183,13 +197,6 @@ class Visualizer:
         scene.world_axes.visible = True
         scene.world_axes.axes_length, scene.world_axes.axes_radius = 0.12 * size, 0.003 * size
         scene.configure_default_lights(enabled=True, cast_shadow=True)
-        target = np.array([0.12, 0.0, 0.3]) * size
-        camera = self._server.initial_camera
-        camera.look_at = target
-        camera.position = target + CAMERA_DISTANCE * size * CAMERA_DIRECTION / np.linalg.norm(
-            CAMERA_DIRECTION
-        )
-        camera.fov = FIELD_OF_VIEW
 
     def _add_shapes(self, shapes: Sequence[Shape]) -> None:
         for shape in shapes:
@@ -242,6 +249,7 @@ class Visualizer:
         axes = gui.add_checkbox('Axis frames', False)
         collision = gui.add_checkbox('Collision shapes', False)
         clear = gui.add_button('Clear tool path')
+        views = gui.add_button_group('View', VIEWS)
 
         def show(_: object) -> None:
             self._tool_frame.visible = tool.value
@@ -254,6 +262,16 @@ class Visualizer:
         for box in (tool, path, axes, collision):
             box.on_update(show)
         clear.on_click(lambda _: self.clear_trace())
+
+        def look(event: viser.GuiEvent[Any]) -> None:
+            if event.client is None:
+                return
+            found = self._view(next(view for view in VIEWS if view == views.value))
+            camera = event.client.camera
+            with event.client.atomic():
+                camera.up_direction, camera.position, camera.look_at = found.up, found.position, found.look_at
+
+        views.on_click(look)
 
 
 def reach(robot: BaseRobotModel) -> float:

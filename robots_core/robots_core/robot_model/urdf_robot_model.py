@@ -57,11 +57,11 @@ class UrdfRobotModel(BaseRobotModel):
         gravity: Acceleration of free fall in the base frame, (3,) m/s^2; zero for a robot in orbit.
         hulls: Check collisions with convex bodies around collision meshes with many triangles, instead
             of with the meshes (see `outer_hull`).
-        strict: Refuse a URDF that lacks a mesh, or a speed or effort above 0, instead of substituting them
-            (see `substitutions`).
+        strict: Refuse a URDF that lacks a mesh or a speed, or an effort that carries the robot, instead of
+            substituting them (see `substitutions`).
         xacro_arguments: The file is a xacro file that is expanded with these arguments.
         shapes_on_demand: Read meshes, and import the libraries for them, on first use of the shapes: for
-            files that are known to be valid. By default an unreadable file raises an error here.
+            files that are known to be valid.
 
     Raises:
         UnknownRobotError: the file is missing, or holds no serial chain.
@@ -128,8 +128,16 @@ class UrdfRobotModel(BaseRobotModel):
         self._allowed_pairs_file = path.with_name('allowed_pairs.yaml')
         self._hulls = hulls
         self._given_home = None if home is None else read_only(self._axes_data.check_position(home, 'home'))
-        if not shapes_on_demand:
-            _ = self.visualization, self.collision_model
+        while not shapes_on_demand:
+            try:
+                _ = self.visualization, self.collision_model
+                break
+            except UnknownRobotError as error:
+                if 'mesh' not in error.details or substitutions.strict:
+                    raise
+                self._description = with_absolute_meshes(
+                    self._description, path.parent, substitutions, unreadable=error
+                )
 
     @property
     def name(self) -> str:

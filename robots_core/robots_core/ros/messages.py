@@ -16,7 +16,7 @@ from geometry_msgs.msg import PoseStamped, TwistStamped, WrenchStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension
 
-from robots_core.errors import InvalidInputError, JointNamesError
+from robots_core.errors import InvalidInputError, JointNamesError, MotionEndedError
 from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array, bounded_vector
@@ -227,8 +227,7 @@ def motion_result_message(result: MotionResult, robot: str) -> DiagnosticStatus:
     level = DiagnosticStatus.OK if result.ok else DiagnosticStatus.ERROR
     if result.blocked:
         level = DiagnosticStatus.WARN
-    values = {'id': result.id, **result.details}
-    return diagnostic_status('motion', result.message, level=level, hardware_id=robot, **values)
+    return diagnostic_status('motion', result.message, level=level, hardware_id=robot, **result.values)
 
 
 def motion_result_from_message(status: DiagnosticStatus) -> MotionResult:
@@ -240,6 +239,6 @@ def motion_result_from_message(status: DiagnosticStatus) -> MotionResult:
     details = diagnostic_values(status)
     for key in RESULT_NUMBERS:
         number_in(details, key, 0.0)
-    id_ = details.pop('id', '')
+    id_, code = details.pop('id', ''), details.pop('code', MotionEndedError.code)
     ok, blocked = (status.level == level for level in (DiagnosticStatus.OK, DiagnosticStatus.WARN))
-    return MotionResult(id_, ok, status.message, details, blocked)
+    return MotionResult(id_, ok, status.message, details, blocked, code)

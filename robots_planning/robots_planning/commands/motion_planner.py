@@ -236,7 +236,7 @@ class MotionPlanner:
         self._progress = (0.0, self._port.time())  # of the one after it
         for id_, passed in motion.passed(progress):
             message = PASSED if passed else result.message
-            self._port.answer(MotionResult(id_, passed, message, result.details))
+            self._port.answer(MotionResult(id_, passed, message, result.details, code=result.code))
         if result.ok and not self.moving:
             self._port.finished(done=True)
         if result.blocked:

@@ -234,7 +234,8 @@ class Motions(Family):
     ) -> LuaCallError:
         self._run.target.forget()
         where = command.function if command is current else f'{command.function} of line {command.line}'
-        self.error, self.error_text = error, f'{where}: {for_program(error)}'
+        angles = () if command.pose is None else self._run.shown(command.pose)[3:]
+        self.error, self.error_text = error, f'{where}: {for_program(error, pose_angles=angles)}'
         return LuaCallError(self.error_text)
 
     def begin_handler(self) -> int:

@@ -40,7 +40,7 @@ function bar(times, longest) {
 
 // A table whose rows know their span of time: a click shows it, the row at the cursor is marked.
 function table(data, timeline) {
-  const root = element('table');
+  const root = element('table', data.columns.length > 12 ? 'wide' : '');
   const head = element('thead');
   const names = element('tr');
   for (const column of data.columns) names.append(element('th', column.kind === 'number' ? '' : 'text', column.name));
@@ -53,7 +53,7 @@ function table(data, timeline) {
     data.columns.forEach((column, k) => {
       const cell = element('td', { text: 'text', code: 'code' }[column.kind]);
       if (column.kind === 'bar') cell.append(bar(row.bar, longest));
-      else cell.textContent = row.cells[k];
+      else cell.textContent = column.kind === 'text' ? row.cells[k].replaceAll('_', '_\u200b') : row.cells[k]; // may wrap there
       if (column.kind === 'code') cell.title = row.cells[k];
       if (row.trends && row.trends[k]) cell.className = row.trends[k];
       line.append(cell);

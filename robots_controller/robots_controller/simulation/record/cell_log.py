@@ -237,9 +237,8 @@ class CellLog:
 
     def result(self, result: MotionResult) -> None:
         """A command has its result, or a stream of references has ended."""
-        values = {'id': result.id, **result.details}
         level = ros.OK if result.ok else ros.WARN if result.blocked else ros.ERROR
-        self._status('motion_result', result.message, values, level=level)
+        self._status('motion_result', result.message, result.values, level=level)
 
     def guided(self, message: GuidingMessage, type_name: str) -> None:
         """A message that guides the robot has arrived."""

@@ -21,6 +21,8 @@ BUDGET = 2000
 # Boxes over more axes are too many; proofs there get a tenth of the budget.
 FEW_AXES = 3
 NEVER_GAP = 1e-3  # m
+# What is never farther apart counts as always in contact: planners that keep 5 mm would refuse all motions.
+ALWAYS_GAP = 6e-3  # m
 KEPT_FROM = 500  # corners of all meshes; fewer take less than a second
 
 
@@ -44,7 +46,7 @@ def allowed_pairs_of(robot: BaseRobotModel) -> AllowedPairs:
 
 
 def _content(robot: BaseRobotModel, solids: Sequence[Solid]) -> str:
-    parts: list[object] = [SAMPLES, BUDGET, FEW_AXES, NEVER_GAP, robot.axes_data.prismatic]
+    parts: list[object] = [SAMPLES, BUDGET, FEW_AXES, NEVER_GAP, ALWAYS_GAP, robot.axes_data.prismatic]
     parts += [*robot.axes_data.one_turn, *_motion_of(robot)]
     for solid in solids:
         shape = solid.geometry
@@ -62,9 +64,10 @@ def _motion_of(robot: BaseRobotModel) -> tuple[Array, ...]:
 def find_allowed_pairs(robot: BaseRobotModel) -> AllowedPairs:
     """The pairs of a robot's shapes that need no check.
 
-    Pairs that are in contact at all of many random joint positions count as always in contact. Other pairs
-    are proven to be always apart, within a budget: the range of the axes between them is bisected into boxes
-    until in each one the distance at its centre exceeds the largest approach within the box.
+    Pairs that are in contact, or nearly so, at all of many random joint positions count as always in
+    contact. Other pairs are proven to be always apart, within a budget: the range of the axes between them
+    is bisected into boxes until in each one the distance at its centre exceeds the largest approach within
+    the box.
 
     Args:
         robot: The robot.
@@ -95,7 +98,7 @@ def distant_pairs(robot: BaseRobotModel) -> tuple[SolidSet, list[Pair]]:
 def always_in_contact(
     solids: SolidSet, robot: BaseRobotModel, names: Sequence[Pair], samples: int
 ) -> set[Pair]:
-    """The named pairs that are in contact in the middle of the range and at random joint positions.
+    """The named pairs that are at most `ALWAYS_GAP` apart in mid-range and at random joint positions.
 
     Args:
         solids: Solids with their pairs.
@@ -105,12 +108,12 @@ def always_in_contact(
     """
     low, high = robot.axes_data.one_turn
     every = np.arange(solids.first.size)
-    none = np.zeros(every.size)
+    gap = np.full(every.size, ALWAYS_GAP)
     random = np.random.default_rng(0).uniform(low, high, (samples, robot.num_axes))
     touching = np.empty((samples + 1, every.size), dtype=bool)
     for row, q in enumerate((0.5 * (low + high), *random)):
         solids.place(q)
-        touching[row] = solids.distances(every, none) <= 0.0
+        touching[row] = solids.distances(every, gap) <= ALWAYS_GAP
     always = set()
     for pair in set(names):
         mine = np.array([name == pair for name in names])

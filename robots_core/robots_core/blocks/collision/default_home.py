@@ -15,7 +15,10 @@ from robots_core.validation import Array
 TURNS: Final = tuple(sign * angle for angle in (pi / 6, pi / 3, pi / 2) for sign in (1.0, -1.0))
 MOST_TURNED: Final = 3  # axes
 SAMPLES: Final = 200
-GAP: Final = 5e-3  # m, to itself, where there are such joint positions
+# m, to itself, where there are such joint positions: what planners keep clear, and room to move besides.
+GAP: Final = 5e-3
+WIDE_GAP: Final = 0.02
+MORE: Final = 200  # joint positions that are tried for the wide gap after one with the other
 # The smallest singular value of the Jacobian must reach this part of its median over the range.
 REGULAR: Final = 0.3
 RANK: Final = 1e-6  # relative to the largest singular value
@@ -33,12 +36,23 @@ def default_home(robot: BaseRobotModel, start: Array) -> Array:
     free = _Contacts(robot)
     regular = _Regularity(robot)
     good: list[Array] = []
+    near: Array | None = None
+    left = MORE
     # The first of thousands of candidates are usually enough.
     for q in _candidates(robot, start):
-        if regular.holds(q):
-            if free.holds(q, GAP):
-                return q
+        if not regular.holds(q):
+            continue
+        if free.holds(q, WIDE_GAP):
+            return q
+        if near is None:
+            near = q if free.holds(q, GAP) else None
             good.append(q)
+        else:
+            left -= 1
+            if not left:
+                break
+    if near is not None:
+        return near
     return next((q for q in good if free.holds(q, 0.0)), start)
 
 

@@ -10,6 +10,7 @@ from robots_core.blocks.collision.scene import OBJECT_COLOUR, AttachedObject, Pl
 from robots_core.blocks.zones.zone_section import read_zone
 from robots_core.errors import RobotsError
 from robots_core.files import read_text
+from robots_core.nearest_name import did_you_mean, nearest_name
 from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mesh, Sphere
 from robots_core.validation import finite_vector, fraction
 from robots_core.yaml_section import YamlSection, located, parse_yaml
@@ -54,9 +55,11 @@ def _object(item: YamlSection, kind: type[Placed], lines: dict[str, int], folder
     name = read_name(item, lines)
     kinds = [key for key in GEOMETRIES if key in item]
     if len(kinds) != 1:
+        foreign = next((key for key in item.keys if nearest_name(key, GEOMETRIES) not in (None, key)), '')
         raise item.error(
             f'object {name!r} has {" and ".join(kinds) or "no geometry"}; needed is one of '
-            f'{", ".join(GEOMETRIES)}'
+            f'{", ".join(GEOMETRIES)}{did_you_mean(foreign, GEOMETRIES)}',
+            foreign,
         )
     colour = item.made('colour', _colour) if 'colour' in item else OBJECT_COLOUR
     geometry, pose = _geometry(item, kinds[0], folder), read_pose(item.section('pose'))

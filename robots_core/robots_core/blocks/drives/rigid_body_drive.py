@@ -52,7 +52,8 @@ class RigidBodyDrive(DriveTrain):
             then those at the start of each period.
 
     Raises:
-        InvalidInputError: values out of range, or a robot whose own dynamics are not those of its bodies.
+        InvalidInputError: values out of range, a robot without masses, or one whose own dynamics are not
+            those of its bodies.
     """
 
     def __init__(
@@ -68,6 +69,11 @@ class RigidBodyDrive(DriveTrain):
         base: FloatingBase | None = None,
     ) -> None:
         n = robot.num_axes
+        if not robot.rigid_dynamics_model.masses[1:].any():
+            raise InvalidInputError(
+                f'robot {robot.name!r} has no masses, which drives of level rigid_body need: its links have '
+                'no <inertial>; drives of level second_order or ideal move it'
+            )
         self.robot = robot
         self.drives = robot.drive_data if drives is None else drives
         self._drive = self.drives.array

@@ -1,9 +1,10 @@
-"""Effort limits of a robot whose maker published none, from its masses."""
+"""Effort limits of a robot whose maker published none, or none that carries it, from its masses."""
 
 from typing import Final
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from robots_core.robot_model.urdf.substitutions import Substitutions
 from robots_core.robot_model.urdf.urdf_chain import SUBSTITUTE_EFFORT, UrdfChain, with_efforts
@@ -15,7 +16,7 @@ SMALLEST: Final = 1.0  # N m (N)
 
 
 def with_known_efforts(chain: UrdfChain, model: pin.Model, substitutions: Substitutions) -> UrdfChain:
-    """The chain with estimates in the place of efforts that are unknown.
+    """The chain with estimates in the place of efforts that are unknown, or too small to carry the robot.
 
     Args:
         chain: The chain.
@@ -23,31 +24,50 @@ def with_known_efforts(chain: UrdfChain, model: pin.Model, substitutions: Substi
         substitutions: Receives what is substituted.
     """
     unknown = np.array(chain.unknown_effort, dtype=bool)
-    if not unknown.any():
-        return chain
-    names = ', '.join(np.array(chain.joints)[unknown])
-    lacking = f'{names}: no effort limit above 0, as effort in <limit> or as max_effort in joint_limits.yaml'
+    lacking = 'no effort limit above 0, as effort in <limit> or as max_effort in joint_limits.yaml'
     if sum(body.mass for body in list(model.inertias)[1:]) == 0.0:
-        substitutions.add(
-            lacking, f'{SUBSTITUTE_EFFORT:g} N m (N of axes that slide), as no masses are known'
-        )
+        if unknown.any():
+            substitutions.add(
+                f'{_names(chain, unknown)}: {lacking}',
+                f'{SUBSTITUTE_EFFORT:g} N m (N of axes that slide), as no masses are known',
+            )
+        return chain
+    effort = chain.axes_data.effort
+    weight = _largest_torques(chain, model, moving=0.0)
+    weak = ~unknown & (effort < weight)
+    if not (unknown | weak).any():
         return chain
     needed = np.maximum(RESERVE * _largest_torques(chain, model), SMALLEST)
-    effort = np.where(unknown, needed, chain.axes_data.effort)
-    figures = ', '.join(f'{value:.3g}' for value in effort[unknown])
-    substitutions.add(
-        lacking, f'{figures} N m (N of axes that slide), {RESERVE:g} times what the robot itself needs'
+    effort = np.where(unknown | weak, needed, effort)
+    carry = (
+        f'an effort limit of {_figures(chain.axes_data.effort[weak])} does not carry the robot itself, whose '
+        f'weight needs {_figures(weight[weak])} N m (N)'
     )
+    for which, what in ((unknown, lacking), (weak, carry)):
+        if which.any():
+            substitutions.add(
+                f'{_names(chain, which)}: {what}',
+                f'{_figures(effort[which])} N m (N of axes that slide), {RESERVE:g} times what the robot '
+                'itself needs',
+            )
     return with_efforts(chain, effort)
 
 
-def _largest_torques(chain: UrdfChain, model: pin.Model) -> Array:
-    """The largest torques of random samples at full speed and acceleration, (n,) N m (N)."""
+def _names(chain: UrdfChain, which: NDArray[np.bool_]) -> str:
+    return ', '.join(np.array(chain.joints)[which])
+
+
+def _figures(values: Array) -> str:
+    return ', '.join(f'{value:.3g}' for value in values)
+
+
+def _largest_torques(chain: UrdfChain, model: pin.Model, *, moving: float = 1.0) -> Array:
+    """The largest torques of random samples at this part of speed and acceleration, (n,) N m (N)."""
     axes, data = chain.axes_data, model.createData()
     low, high = axes.one_turn
     random = np.random.default_rng(0)
     torques = [
-        pin.rnea(model, data, q, velocity * axes.velocity, acceleration * axes.acceleration)
+        pin.rnea(model, data, q, moving * velocity * axes.velocity, moving * acceleration * axes.acceleration)
         for q, velocity, acceleration in zip(
             random.uniform(low, high, (SAMPLES, axes.num_axes)),
             random.choice((-1.0, 1.0), (SAMPLES, axes.num_axes)),

@@ -1,6 +1,7 @@
 """Triangle meshes from files: STL, OBJ, PLY, COLLADA and further formats of trimesh."""
 
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 import trimesh
@@ -9,6 +10,8 @@ from numpy.typing import ArrayLike
 from robots_core.errors import InvalidInputError
 from robots_core.files import MAX_MESH, check_file
 from robots_core.robot_model.shapes import Mesh
+
+LFS_POINTER: Final = b'version https://git-lfs'
 
 
 def read_mesh(path: Path, scale: ArrayLike = 1.0) -> Mesh:
@@ -23,6 +26,9 @@ def read_mesh(path: Path, scale: ArrayLike = 1.0) -> Mesh:
         InvalidInputError: a file that cannot be read or holds no triangles.
     """
     check_file(path, 'mesh file', largest=MAX_MESH)
+    with path.open('rb') as file:
+        if file.read(len(LFS_POINTER)) == LFS_POINTER:
+            raise InvalidInputError(f'mesh file {str(path)!r} is a pointer of Git LFS: run git lfs pull')
     try:
         mesh = trimesh.load_mesh(path)
         faces, vertices = np.asarray(mesh.faces), np.asarray(mesh.vertices)

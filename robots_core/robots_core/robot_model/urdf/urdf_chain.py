@@ -147,12 +147,22 @@ def _parse(xml: str) -> etree._Element:
         raise UnknownRobotError(f'not a URDF: {error}') from error
     if root.tag != 'robot':
         raise UnknownRobotError(f'not a URDF: the root element is <{root.tag}>, not <robot>')
+    _drop_unused_properties(root, xml)
     if next(root.iter(f'{{{XACRO}}}*'), None) is not None:
         raise UnknownRobotError(
             'not a URDF but a xacro file: load it by the name xacro:/path/to/robot.urdf.xacro, or expand it '
             'first (xacro robot.xacro > robot.urdf)'
         )
     return root
+
+
+def _drop_unused_properties(root: etree._Element, xml: str) -> None:
+    # Some makers' URDFs still define what the xacro file used that they were made from.
+    if '${' in xml or '$(' in xml:
+        return
+    for name in ('property', 'arg'):
+        for unused in list(root.iter(f'{{{XACRO}}}{name}')):
+            unused.getparent().remove(unused)
 
 
 def _extra_limits(path: Path | None) -> dict[str, dict[str, float]]:

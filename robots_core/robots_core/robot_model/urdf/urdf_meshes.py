@@ -56,39 +56,58 @@ def _candidates(filename: str, folder: Path) -> list[Path]:
     return [folder / filename]
 
 
-def with_absolute_meshes(xml: str, folder: Path, substitutions: Substitutions | None = None) -> str:
+def with_absolute_meshes(
+    xml: str,
+    folder: Path,
+    substitutions: Substitutions | None = None,
+    *,
+    unreadable: UnknownRobotError | None = None,
+) -> str:
     """The URDF text with every mesh named by an absolute `file://` address, which loads from any folder.
 
     A mesh that is missing is replaced by the other mesh of its link, that for display by that for collision
-    checks and the other way round; where both are missing, by a simple body (see `simple_body`).
+    checks and the other way round; where both are missing, by a simple body (see `simple_body`). Where no
+    link has a shape for collision checks, those for display are taken.
 
     Args:
         xml: The URDF.
         folder: Where relative names start.
         substitutions: Receives what is substituted; without it, missing meshes are refused.
+        unreadable: About a mesh whose file is there, its detail `mesh`, and is replaced as if it were not.
 
     Raises:
         UnknownRobotError: a mesh file that is missing where nothing may be substituted, or no file's name.
     """
     root = etree.fromstring(xml.encode())
+    if substitutions is not None:
+        _collide_with_what_is_shown(root, substitutions)
     missing: dict[str, list[etree._Element]] = {}
     for link in root.iter('link'):
-        lost = [mesh for mesh in link.iter('mesh') if not _made_absolute(mesh, folder)]
+        lost = [mesh for mesh in link.iter('mesh') if not _made_absolute(mesh, folder, unreadable)]
         if lost and substitutions is None:
             mesh_path(_name(lost[0]), folder)
         missing |= {str(link.get('name')): lost} if lost else {}
     if missing and substitutions is not None:
-        _substitute(root, missing, folder, substitutions)
+        _substitute(root, missing, folder, substitutions, unreadable)
     return str(etree.tostring(root, encoding='unicode'))
+
+
+def _collide_with_what_is_shown(root: etree._Element, substitutions: Substitutions) -> None:
+    shown = [(link, visual) for link in root.iter('link') for visual in link.findall('visual')]
+    if not shown or next(root.iter('collision'), None) is not None:
+        return
+    for link, visual in shown:
+        replace_shape(etree.SubElement(link, 'collision'), visual)
+    substitutions.add('no link has a <collision>', 'what is shown by <visual>')
 
 
 def _name(mesh: etree._Element) -> str:
     return str(mesh.get('filename'))
 
 
-def _made_absolute(mesh: etree._Element, folder: Path) -> bool:
+def _made_absolute(mesh: etree._Element, folder: Path, unreadable: UnknownRobotError | None) -> bool:
     path = _found(_name(mesh), folder)
-    if path is None:
+    if path is None or (unreadable is not None and str(path) == unreadable.details['mesh']):
         return False
     mesh.set('filename', path.resolve().as_uri())
     return True
@@ -99,6 +118,7 @@ def _substitute(
     missing: Mapping[str, list[etree._Element]],
     folder: Path,
     substitutions: Substitutions,
+    unreadable: UnknownRobotError | None,
 ) -> None:
     swapped: list[str] = []
     bodies: list[str] = []
@@ -117,7 +137,9 @@ def _substitute(
     example = _name(next(iter(missing.values()))[0])
     lacking = f'there is no mesh file {example!r} {_searched(example, folder)}'
     number = sum(len(lost) for lost in missing.values())
-    if number > 1:
+    if unreadable is not None:
+        lacking = unreadable.message
+    elif number > 1:
         lacking = f'{number} mesh files are missing: {lacking}'
     taken = []
     if swapped:

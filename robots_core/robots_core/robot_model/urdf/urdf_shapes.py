@@ -31,7 +31,8 @@ def urdf_shapes(
         hulls: Take convex bodies around meshes that are detailed (see `outer_hull`).
 
     Raises:
-        UnknownRobotError: a mesh file that is missing or cannot be read, or a shape that is none.
+        UnknownRobotError: a mesh file that is missing or cannot be read (its detail `mesh`), or a shape that
+            is none.
     """
     try:
         return _shapes(xml, model, kind, hulls=hulls)
@@ -96,4 +97,4 @@ def _geometry(geometry: Any, *, hulls: bool) -> Geometry:
     try:
         return read_outer_hull(path, scale) if hulls else read_mesh(path, scale)
     except InvalidInputError as error:
-        raise UnknownRobotError(str(error)) from error
+        raise UnknownRobotError(str(error), mesh=str(path)) from error

@@ -12,6 +12,8 @@ from robots_core.files import read_text
 from robots_core.nearest_name import did_you_mean
 from robots_core.robot_model.urdf.package_places import package_places
 
+# `<robot name="$(arg name)">` comes before the argument that gives it a default.
+NAME: Final = re.compile(r'<xacro:arg\s+name\s*=\s*["\']name["\'](?:\s+default\s*=\s*["\']([^"\']+)["\'])?')
 ARGUMENT: Final = re.compile(r'<xacro:arg\s[^>]*?name\s*=\s*["\']([^"\']+)["\']')
 FIND: Final = '_eval_find'  # xacro's private function for $(find ...); it has no public way to replace it
 
@@ -23,7 +25,7 @@ def expanded_xacro(path: Path, arguments: Mapping[str, str]) -> str:
 
     Args:
         path: The file.
-        arguments: Values for its `<xacro:arg>`s.
+        arguments: Values for its `<xacro:arg>`s; one called `name` is the file's name by default.
 
     Raises:
         UnknownRobotError: xacro is not installed, there is no such file, xacro cannot expand it, or it has no
@@ -42,6 +44,8 @@ def expanded_xacro(path: Path, arguments: Mapping[str, str]) -> str:
             f'(xacro {path.name} > robot.urdf)'
         ) from None
     urdf, problem = '', None
+    if named := NAME.search(text):
+        arguments = {'name': named[1] or path.name.partition('.')[0], **arguments}
     try:
         with _packages_found(substitution, path.resolve().parent):
             urdf = str(xacro.process_file(str(path), mappings=dict(arguments)).toxml())
@@ -59,7 +63,8 @@ def expanded_xacro(path: Path, arguments: Mapping[str, str]) -> str:
             )
     if problem is not None:
         raise UnknownRobotError(
-            f'{path.name} cannot be expanded by xacro: {problem}; {listed}, given as xacro:{path}?name=value'
+            f'{path.name} cannot be expanded by xacro: {str(problem).partition(" [Errno")[0]}; '
+            f'{listed}, given as xacro:{path}?name=value'
         ) from problem
     return urdf
 
