@@ -52,6 +52,18 @@ def test_the_view_has_the_operators_page_where_it_is_installed(monkeypatch: pyte
     assert not parse_options(['--view']).pendant
 
 
+def test_the_opcua_server_is_refused_where_it_cannot_be(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert parse_options([]).opcua == 0
+    assert parse_options(['--opcua', '4840']).opcua == 4840
+    with pytest.raises(RobotsError, match='--opcua and --lockstep exclude each other'):
+        parse_options(['--opcua', '4840', '--lockstep'])
+    with pytest.raises(RobotsError, match='--opcua-access needs --opcua'):
+        parse_options(['--opcua-access', PRESS])
+    monkeypatch.setattr(cell_command, 'find_spec', lambda _: None)
+    with pytest.raises(RobotsError, match='needs the package asyncua'):
+        parse_options(['--opcua', '4840'])
+
+
 def test_the_payload_is_a_list_of_numbers() -> None:
     assert parse_options(['--payload', '5,0,0,0.1']).payload == (5.0, 0.0, 0.0, 0.1)
     with pytest.raises(RobotsError, match='--payload: '):

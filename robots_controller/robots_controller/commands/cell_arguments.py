@@ -57,6 +57,14 @@ def cell_arguments(parser: argparse.ArgumentParser) -> None:
         help="first port to try for the 3D view; the operator's page is 10 above; %(default)d by default",
     )
     parser.add_argument(
+        '--opcua',
+        type=kinds.port,
+        default=0,
+        metavar='PORT',
+        help='TCP port at which the robot is an OPC UA server, such as 4840; 0 for none',
+    )
+    kinds.add_file(parser, '--opcua-access', 'FILE', 'who may do what at the OPC UA server (YAML)')
+    parser.add_argument(
         '--watchdog',
         type=kinds.number('s', least=0.0),
         default=WATCHDOG,
