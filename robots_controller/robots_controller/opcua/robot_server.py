@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
-import threading
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,6 +11,7 @@ from asyncua import Server, ua
 from asyncua.common.callback import CallbackType
 from asyncua.crypto.security_policies import SecurityPolicyFactory, SecurityPolicyNone
 
+from robots_controller.io.plant.loop_thread import CLOSE_TIMEOUT, LoopThread
 from robots_controller.io.plant.opcua_map import MODES, POLICIES
 from robots_controller.opcua.robot_nodes import RobotNodes
 from robots_controller.opcua.robot_port import RobotPort
@@ -27,7 +26,6 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 NAMESPACE: Final = 'urn:robots:cell'
 """Of the nodes of the robot."""
 PORTS: Final = (1, 65535)
-CLOSE_TIMEOUT: Final = 5.0  # s
 
 
 class RobotServer:
@@ -73,13 +71,11 @@ class RobotServer:
         self._access = ServerAccess(settings, told)
         self._state = PendantState()
         self._control = TaskControl(port, programs, lambda: self._state, told)
-        self._loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._loop.run_forever, name='OPC UA', daemon=True)
-        self._thread.start()
+        self._thread = LoopThread('OPC UA')
         self._server: Server | None = None
         self._updating: Any = None
         try:
-            self._wait(self._open())
+            self._thread.wait(self._open())
         except BaseException:
             self.close()
             raise
@@ -90,22 +86,14 @@ class RobotServer:
         if self._updating is None or self._updating.done():
             if self._updating is not None:
                 self._updating.result()  # raises what has gone wrong
-            self._updating = asyncio.run_coroutine_threadsafe(self._nodes.update(state), self._loop)
+            self._updating = self._thread.post(self._nodes.update(state))
 
     def close(self) -> None:
         """Disconnect all clients, and end the thread."""
-        if self._loop.is_closed():
-            return
         server, self._server = self._server, None
         if server is not None:
-            self._wait(server.stop(), CLOSE_TIMEOUT)
-        self._wait(_cancel_others(), CLOSE_TIMEOUT)
-        self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join(CLOSE_TIMEOUT)
-        self._loop.close()
-
-    def _wait(self, work: Coroutine[Any, Any, None], timeout: float | None = None) -> None:
-        asyncio.run_coroutine_threadsafe(work, self._loop).result(timeout)
+            self._thread.wait(server.stop(), CLOSE_TIMEOUT)
+        self._thread.close()
 
     async def _open(self) -> None:
         server = Server(user_manager=self._access)
@@ -155,10 +143,3 @@ class RobotServer:
             nodes, answers = event.request_params.NodesToWrite, event.response_params
             for text in await self._nodes.channels.take_written(self._port, nodes, answers):
                 self._told(f'refused to write {text}')
-
-
-async def _cancel_others() -> None:
-    others = asyncio.all_tasks() - {asyncio.current_task()}
-    for task in others:
-        task.cancel()
-    await asyncio.gather(*others, return_exceptions=True)
