@@ -50,6 +50,7 @@ setup(
             'force_control_node = robots_controller.nodes.force_control_node:main',
             'wheel_soil_node = robots_controller.nodes.wheel_soil_node:main',
             'guide_player_node = robots_controller.nodes.guide_player_node:main',
+            'opcua_node = robots_controller.nodes.opcua_node:main',
             'pendant_node = robots_controller.nodes.pendant_node:main',
             'plc_node = robots_controller.nodes.plc_node:main',
             'check_bag = robots_controller.commands.command_table:CHECK_BAG.main',

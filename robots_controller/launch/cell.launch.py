@@ -28,6 +28,8 @@ ARGUMENTS = {
     'goal_tolerance': ('', 'largest error of an axis at its target, rad; by default that of the controller'),
     'port': ('8080', "first port to try for the browser's page"),
     'debug_port': ('0', 'port for editors; 0 for none'),
+    'opcua': ('0', 'TCP port at which the robot is an OPC UA server; 0 for none'),
+    'opcua_access': ('', 'YAML file that says who may do what at the OPC UA server'),
     'io': ('', 'YAML script of a PLC that is played'),
     'io_map': ('', 'YAML map to topics of a PLC, or to Modbus, MQTT and OPC UA'),
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from pathlib import Path
 
 import pytest
 
@@ -50,6 +51,27 @@ def test_the_view_has_the_operators_page_where_it_is_installed(monkeypatch: pyte
     assert not parse_options(['--view', '--lockstep']).pendant
     monkeypatch.setattr(cell_command, 'find_spec', lambda _: None)
     assert not parse_options(['--view']).pendant
+
+
+def test_a_map_takes_the_place_of_the_scripted_plc_whose_inputs_it_sets(tmp_path: Path) -> None:
+    plant = 'robots_controller/config/io_map_press.yaml'
+    options = parse_options(['--program', PRESS, '--io-map', plant])
+    assert (options.io, Path(options.io_map).name) == ('', 'io_map_press.yaml')
+    lamp = tmp_path / 'lamp.yaml'
+    lamp.write_text('outputs: [{channel: digital_output.9, topic: lamp, type: Bool}]')
+    assert parse_options(['--program', PRESS, '--io-map', str(lamp)]).io.endswith('press_tending.yaml')
+
+
+def test_the_opcua_server_is_refused_where_it_cannot_be(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert parse_options([]).opcua == 0
+    assert parse_options(['--opcua', '4840']).opcua == 4840
+    with pytest.raises(RobotsError, match='--opcua and --lockstep exclude each other'):
+        parse_options(['--opcua', '4840', '--lockstep'])
+    with pytest.raises(RobotsError, match='--opcua-access needs --opcua'):
+        parse_options(['--opcua-access', PRESS])
+    monkeypatch.setattr(cell_command, 'find_spec', lambda _: None)
+    with pytest.raises(RobotsError, match='needs the package asyncua'):
+        parse_options(['--opcua', '4840'])
 
 
 def test_the_payload_is_a_list_of_numbers() -> None:

@@ -9,6 +9,8 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 
+from plant_partners import free_port
+from robots_controller.nodes.io_bridge_node import IoBridgeNode
 from robots_controller.nodes.plc_node import PlcNode
 from robots_core.errors import InvalidInputError
 from robots_core.ros.qos import STATE
@@ -26,13 +28,13 @@ rules:
 class Robot(Bench):
     """Publishes outputs and collects inputs, each with the time of sending in s."""
 
-    def __init__(self, runner: Any, folder: Path, script: str) -> None:
+    def __init__(self, runner: Any, folder: Path, script: str, **options: Any) -> None:
         super().__init__(runner, 'robot')
         self.digital = self.collect_sent('digital_inputs', UInt8MultiArray, EVERY_STATE)
         self.analog = self.collect_sent('analog_inputs', Float64MultiArray, EVERY_STATE)
         path = folder / 'plc.yaml'
         path.write_text(script)
-        self.plc = self.start_node(PlcNode, script=str(path))
+        self.plc = self.start_node(PlcNode, script=str(path), **options)
 
     def switch(self, *outputs: int) -> None:
         self.publish('digital_outputs', UInt8MultiArray(data=outputs), STATE)
@@ -71,3 +73,38 @@ def test_rules_without_end_are_reported(ros_nodes: Any, tmp_path: Path):
 def test_a_wrong_script_is_refused_at_start(ros_nodes: Any, tmp_path: Path):
     with pytest.raises(InvalidInputError, match=r'plc\.yaml:2: when is missing'):
         Robot(ros_nodes, tmp_path, 'rules:\n  - {set: {digital_input.1: 1}}\n')
+
+
+@pytest.mark.parametrize('protocol', ['modbus', 'opcua'])
+def test_a_map_connects_a_robot_with_a_plc_that_is_a_server(
+    ros_nodes: Any, tmp_path: Path, protocol: str
+) -> None:
+    port = free_port()
+    places = {
+        'modbus': (
+            f'{{host: 127.0.0.1, port: {port}, response_timeout: 60.0, period: 0.02}}',
+            'discrete_input: 0',
+            'coil: 0',
+        ),
+        'opcua': (
+            f"{{endpoint: 'opc.tcp://127.0.0.1:{port}', response_timeout: 60.0}}",
+            'node: nsu=urn:robots:plc;s=digital_input.1',
+            'node: nsu=urn:robots:plc;s=digital_output.1',
+        ),
+    }
+    server, read, written = places[protocol]
+    io_map = tmp_path / 'map.yaml'
+    io_map.write_text(f"""
+{protocol}: {{plc: {server}}}
+inputs: [{{channel: digital_input.1, {protocol}: {{{read}}}}}]
+outputs: [{{channel: digital_output.1, {protocol}: {{{written}}}}}]
+""")
+    robot = Robot(ros_nodes, tmp_path, SCRIPT, **{f'{protocol}_port': port})
+    robot.start_node(IoBridgeNode, io_map=str(io_map), watchdog=0.0)
+    robot.switch(1)
+    robot.wait(lambda: robot.digital and robot.digital[-1][1][0] == 1, 'the input that follows')
+
+
+def test_a_plc_in_simulated_time_is_no_server(ros_nodes: Any, tmp_path: Path) -> None:
+    with pytest.raises(InvalidInputError, match='a PLC in simulated time is no server'):
+        Robot(ros_nodes, tmp_path, SCRIPT, modbus_port=free_port(), use_sim_time=True)

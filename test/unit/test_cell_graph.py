@@ -132,3 +132,20 @@ def test_the_operators_page_has_a_process_and_a_port_of_its_own():
     assert pendant.parameters == {'robot_model': 'ur5e', 'port': 8090, 'programs': '/cell/programs'}
     (pendant,) = (node for node in cell_graph(robot='ur5e', pendant=True, port=0) if 'pendant' in node.name)
     assert pendant.parameters == {'robot_model': 'ur5e', 'port': 0}
+
+
+def test_the_opcua_server_has_a_process_of_its_own_and_settings_that_are_valid(tmp_path: Path):
+    assert 'opcua_node' not in [node.name for node in cell_graph(robot='ur5e')]
+    nodes = cell_graph(robot='ur5e', opcua=4840, composed=True, program='/cell/programs/pick.lua')
+    (server,) = (node for node in nodes if node.name == 'opcua_node')
+    assert server.process == 'opcua_node'
+    assert server.parameters == {
+        'robot_model': 'ur5e',
+        'port': 4840,
+        'access': '',
+        'programs': '/cell/programs',
+    }
+    access = tmp_path / 'access.yaml'
+    access.write_text('user: {}')
+    with pytest.raises(RobotsError, match=r'access\.yaml:1'):
+        cell_graph(robot='ur5e', opcua=4840, opcua_access=str(access))

@@ -60,6 +60,14 @@ def cell_arguments(parser: argparse.ArgumentParser) -> None:
         parser, '--driver', 'FILE', 'driver of a real robot, in the place of simulated drives (YAML)'
     )
     parser.add_argument(
+        '--opcua',
+        type=kinds.port,
+        default=0,
+        metavar='PORT',
+        help='TCP port at which the robot is an OPC UA server, such as 4840; 0 for none',
+    )
+    kinds.add_file(parser, '--opcua-access', 'FILE', 'who may do what at the OPC UA server (YAML)')
+    parser.add_argument(
         '--watchdog',
         type=kinds.number('s', least=0.0),
         default=WATCHDOG,

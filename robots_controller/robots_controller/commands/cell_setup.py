@@ -6,6 +6,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.markup import escape
 
+from robots_controller.io.io_map import read_io_map
+from robots_controller.io.plc_script import read_plc_script
 from robots_controller.program.program_header import HEADER_FILES, ProgramHeader, read_program_header
 from robots_core.errors import UnreadableFileError
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -13,6 +15,8 @@ from robots_core.robot_model.base_robot_model import BaseRobotModel
 
 def take_from_program(options: argparse.Namespace) -> None:
     """Take what of its cell was not given from the program; `options.note` is for a person.
+
+    A map that sets the inputs of the program's scripted PLC takes its place.
 
     Raises:
         RobotsError: a program that does not exist.
@@ -24,6 +28,8 @@ def take_from_program(options: argparse.Namespace) -> None:
                 f'program {options.program!r} not found; programs are Lua files, see programs/'
             )
         header = read_program_header(options.program)
+        if header.io and not options.io and options.io_map and _same_inputs(header.io, options.io_map):
+            header = header.without('io')
     names = ('robot', *HEADER_FILES)
     own = {name: getattr(options, name) for name in names}
     chosen = header.replaced_by(**own)
@@ -31,6 +37,12 @@ def take_from_program(options: argparse.Namespace) -> None:
     for name in own:
         setattr(options, name, getattr(chosen, name))
     options.note = header.note(options.program, chosen.robot)
+
+
+def _same_inputs(io: str, io_map: str) -> bool:
+    """A scripted PLC sets inputs of images that a map sets too."""
+    played, mapped = read_plc_script(io).inputs, [row.channel for row in read_io_map(io_map).inputs]
+    return not {channel.image for channel in played}.isdisjoint({channel.image for channel in mapped})
 
 
 def show_substitutions(robot: BaseRobotModel, console: Console) -> None:

@@ -27,7 +27,7 @@ from robots_controller.live_cell.running_cell import RunningCell, occupied
 from robots_controller.program_check.first_check import check_first, sizes_of
 from robots_controller.runtime_folder import alone
 from robots_core.blocks.following.following_methods import METHODS
-from robots_core.errors import OptionError, RobotsError
+from robots_core.errors import InstallationError, OptionError, RobotsError
 from robots_core.exit_codes import ExitCode
 from robots_core.robot_choice import load_robot_model
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -41,6 +41,8 @@ GRAPH_OPTIONS = (
     'port',
     'debug_port',
     'pendant',
+    'opcua',
+    'opcua_access',
     'lockstep',
     'composed',
 )
@@ -79,7 +81,13 @@ def complete_options(options: argparse.Namespace) -> argparse.Namespace:
     options.guided = options.guided or (METHODS[0] if others else '')
     # Nobody operates a cell whose time does not wait.
     options.pendant = options.view and not options.lockstep and find_spec('nicegui') is not None
-    for name in ('program', 'driver', *FILES):
+    if options.opcua and options.lockstep:
+        raise OptionError('--opcua and --lockstep exclude each other: clients would see a time of its own')
+    if options.opcua_access and not options.opcua:
+        raise OptionError('--opcua-access needs --opcua, the port of the server')
+    if options.opcua and find_spec('asyncua') is None:
+        raise InstallationError('--opcua needs the package asyncua: make plant-requirements')
+    for name in ('program', 'driver', 'opcua_access', *FILES):
         path = getattr(options, name)
         setattr(options, name, str(Path(path).resolve()) if path else '')
     return options

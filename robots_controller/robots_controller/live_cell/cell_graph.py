@@ -14,6 +14,7 @@ from robots_controller.io.cell_io import read_cell_io
 from robots_controller.io.emergency_inputs import emergency_stop_texts
 from robots_controller.io.fail_safe import fail_safe_texts
 from robots_controller.io.zone_inputs import closing_inputs, closing_texts
+from robots_controller.opcua.server_settings import read_server_settings
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
 from robots_core.blocks.following.following_methods import METHODS
@@ -109,6 +110,8 @@ def cell_graph(
     debug_port: int = 0,
     debug_token: str = '',
     pendant: bool = False,
+    opcua: int = 0,
+    opcua_access: str = '',
     lockstep: bool = False,
     composed: bool = False,
 ) -> tuple[NodeDescription, ...]:
@@ -144,6 +147,8 @@ def cell_graph(
         debug_port: Port on this machine where editors debug the program; 0 for none.
         debug_token: What editors must give there; the program node makes one if it is empty.
         pendant: With the operator's page; its port is looked for from `PAGE_PORTS` above `port` on.
+        opcua: TCP port at which the robot is an OPC UA server; 0 for none.
+        opcua_access: Who may do what there (see `read_server_settings`); by default anyone may read.
         lockstep: All nodes take part in a lock-step run.
         composed: The nodes that do not keep time share a process; in lock-step none keeps time.
 
@@ -237,11 +242,23 @@ def cell_graph(
         *([node('robots_controller', 'plc_node', script=io, **plc_cycle)] if io else []),
         *([bridge] if io_map else []),
         *([_pendant(robot, program, port)] if pendant else []),
+        *([_opcua(robot, program, opcua, opcua_access)] if opcua else []),
     )
 
 
 def _pendant(robot: str, program: str, port: int) -> NodeDescription:
     # In a process of its own: there is one web application in a process, and others must not wait for it.
     parameters = {'robot_model': robot, 'port': port and port + PAGE_PORTS}
-    folder = {'programs': str(Path(program).parent)} if program else {}
-    return NodeDescription('robots_controller', 'pendant_node', parameters | folder)
+    return NodeDescription('robots_controller', 'pendant_node', parameters | _folder_of(program))
+
+
+def _opcua(robot: str, program: str, port: int, access: str) -> NodeDescription:
+    # In a process of its own: making the address space takes seconds, and others must not wait for it.
+    if access:
+        read_server_settings(access)
+    parameters = {'robot_model': robot, 'port': port, 'access': access}
+    return NodeDescription('robots_controller', 'opcua_node', parameters | _folder_of(program))
+
+
+def _folder_of(program: str) -> dict[str, str]:
+    return {'programs': str(Path(program).parent)} if program else {}

@@ -9,10 +9,9 @@ from geometry_msgs.msg import TwistStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
 
-from robots_controller.client.cell_services import CellServices
-from robots_controller.client.io_client import IoClient
-from robots_controller.client.program_client import open_program, set_parameters
+from robots_controller.client.program_client import set_parameters
 from robots_controller.io.io_image import Channel
+from robots_controller.nodes.program_link import ProgramLink
 from robots_controller.pendant.jog_command import JogFrame
 from robots_core.operating_modes import OperatingMode
 from robots_core.ros.messages import doubles, twist_stamped_message
@@ -24,7 +23,7 @@ PATIENCE: Final = 10.0  # s
 STOPS: Final = ('lua_program_node/stop', 'controller_node/stop')
 
 
-class PendantLink:
+class PendantLink(ProgramLink):
     """See `PendantPort`; safe from any thread.
 
     Args:
@@ -32,9 +31,8 @@ class PendantLink:
     """
 
     def __init__(self, node: RobotNode) -> None:
+        super().__init__(node, PATIENCE)
         self._node = node
-        self._services = CellServices(node, PATIENCE)
-        self._io = IoClient(self._services)
         self._names = list(node.robot.axes_data.names)
         self._twists = node.create_publisher(TwistStamped, 'teach_twist', STREAM)
         self._joints = node.create_publisher(JointState, 'teach_joints', STREAM)
@@ -67,21 +65,9 @@ class PendantLink:
         for service in STOPS:
             self._services.send(service)
 
-    def call(self, service: str) -> None:
-        """See `PendantPort`."""
-        self._services.trigger(service)
-
-    def open_program(self, path: str) -> None:
-        """See `PendantPort`."""
-        open_program(self._services, path)
-
     def set_mode(self, mode: OperatingMode) -> None:
         """See `PendantPort`."""
         set_parameters(self._services, 'controller_node', operating_mode=mode.value)
-
-    def set_io(self, channel: Channel, value: float) -> None:
-        """See `PendantPort`."""
-        self._io[channel.name] = bool(value) if channel.kind == 'digital' else float(value)
 
     def force(self, channel: Channel, value: float | None) -> None:
         """See `PendantPort`."""

@@ -2,55 +2,29 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-import numpy as np
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import PoseStamped
-from rcl_interfaces.msg import Log, ParameterValue
-from rcl_interfaces.srv import GetParameters
-from rclpy.parameter import parameter_value_to_python
+from rcl_interfaces.msg import Log
 from rclpy.qos import QoSProfile
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64, String
 
-from robots_controller.io.io_image import IMAGES
-from robots_controller.nodes.io_images import image_message
-from robots_controller.nodes.io_services import OUTPUTS
+from robots_controller.nodes.cell_reader import PLANNER, CellReader
 from robots_controller.nodes.pendant_link import PendantLink
 from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.pendant_operator import PendantOperator
-from robots_controller.pendant.pendant_state import WATCHED, JogSpeeds, ShownProgram
-from robots_controller.program.run_state import RunState
-from robots_core.blocks.following.guide import Guide
-from robots_core.errors import InstallationError, InvalidInputError
-from robots_core.operating_modes import Commander, OperatingMode
-from robots_core.ros.heartbeat import HeartbeatWatch
+from robots_controller.pendant.pendant_state import JogSpeeds
+from robots_core.errors import InstallationError
 from robots_core.ros.messages import (
-    diagnostic_values,
-    joint_values,
-    number_in,
-    pose_from_message,
     seconds,
 )
-from robots_core.ros.qos import COMMAND, SENSOR, STREAM, subscribe_state
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
-from robots_core.validation import fraction
 
-RATE: Final = 10.0  # Hz, of what is shown
-ASK_PERIOD: Final = 0.5  # s between requests to nodes that have not answered
-ANSWER_TIME: Final = 5.0  # s
-LOST_AFTER: Final = 1.0  # s
 LOGS: Final = QoSProfile(depth=100)
 LEVELS: Final = ((Log.ERROR, Level.ERROR), (Log.WARN, Level.WARNING))
-PLANNER, PROGRAM, VIEW = 'planning_node', 'lua_program_node', 'visualizer_node'
-LABELS: Final = {image: f'{image.removesuffix("s")}_names' for image in IMAGES}
+PROGRAM: Final = 'lua_program_node'
 
 
 class PendantNode(RobotNode):
@@ -66,20 +40,9 @@ class PendantNode(RobotNode):
         port = self.parameter('port', 8090, 'first port to try for the page; 0 lets the system choose')
         folder = self.parameter('programs', 'programs', 'folder of the robot programs that can be chosen')
         self.operator = PendantOperator(self.robot, PendantLink(self), self.now)
-        self._seen: set[str] = set()
-        self._asked: dict[str, float] = {}  # when, s
-        self._pose_time = 0.0
-        self._subscribe()
-        self._watch = HeartbeatWatch(self, WATCHED, LOST_AFTER, lambda *_: self._look_for_lost())
-        self._questions: dict[str, tuple[Sequence[str], Callable[[list[Any]], None]]] = {
-            PLANNER: (('teach_speed', 'teach_tool_speed'), self._on_jog_speeds),
-            PROGRAM: (('program', *LABELS.values()), self._on_program_parameters),
-        }
-        self._question_clients = {
-            name: self.create_client(GetParameters, f'{name}/get_parameters') for name in self._questions
-        }
-        self._open_questions = {*self._questions}
-        self.create_timer(ASK_PERIOD, self._ask)
+        reader = CellReader(self, self.operator)
+        reader.ask(PLANNER, ('teach_speed', 'teach_tool_speed'), self._on_jog_speeds)
+        self.create_subscription(Log, '/rosout', self._on_log, LOGS)
         self._server = self._serve(port, Path(folder).resolve())
         self.journal.info(f'the robot is operated at {self.url}')
         self.ready(url=self.url)
@@ -100,100 +63,6 @@ class PendantNode(RobotNode):
         """Address of the page."""
         return str(self._server.url)
 
-    def _subscribe(self) -> None:
-        def text(topic: str, read: Callable[[str], Any]) -> None:
-            subscribe_state(self, String, topic, lambda message: self._show(**{topic: read(message.data)}))
-
-        def flag(topic: str) -> None:
-            subscribe_state(self, Bool, topic, lambda message: self._show(**{topic: message.data}))
-
-        text('commander', Commander)
-        text('guide', Guide)
-        subscribe_state(
-            self, String, 'operating_mode', lambda message: self._show(mode=OperatingMode(message.data))
-        )
-        flag('run_enabled')
-        flag('drives_on')
-        subscribe_state(self, Float64, 'override', self._on_override)
-        subscribe_state(self, DiagnosticStatus, 'stop_status', self._on_stop)
-        subscribe_state(self, DiagnosticStatus, 'program_status', self._on_program)
-        subscribe_state(self, DiagnosticStatus, 'forced_inputs', self._on_forced)
-        for image in IMAGES:
-            topic = image if image in OUTPUTS else f'{PROGRAM}/{image}'
-            subscribe_state(self, image_message(image), topic, partial(self._on_image, image))
-        self.poll(JointState, 'joint_states', self._on_joints, SENSOR, rate=RATE)
-        self.poll(PoseStamped, 'tcp_pose', self._on_pose, STREAM, rate=RATE)
-        self.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, COMMAND)
-        self.create_subscription(Log, '/rosout', self._on_log, LOGS)
-
-    def _show(self, **changes: Any) -> None:
-        self.operator.state = replace(self.operator.state, **changes)
-
-    # -- what the nodes report ----------------------------------------------------------------------------
-
-    def _on_override(self, message: Float64) -> None:
-        self._show(override=fraction(message.data, 'override'))
-
-    def _on_stop(self, message: DiagnosticStatus) -> None:
-        self._show(fault='' if message.level == DiagnosticStatus.OK else message.message)
-
-    def _on_program(self, message: DiagnosticStatus) -> None:
-        values = diagnostic_values(message)
-        before = self.operator.state.program
-        program = ShownProgram(
-            path=before.path,
-            state=_run_state(values.get('state', '')),
-            file=values.get('file', ''),
-            line=int(number_in(values, 'line', 0.0)),
-            motion_file=values.get('motion_file', ''),
-            motion_line=int(number_in(values, 'motion_line', 0.0)),
-            error=values.get('error', ''),
-            hold=values.get('hold', ''),
-        )
-        if program.state in (RunState.OPENED, RunState.FAILED) and program != before:
-            self._open_questions.add(PROGRAM)  # another one may be open
-            self._asked.pop(PROGRAM, None)  # the answer to an earlier question may be older
-            self._ask()
-        self._show(program=program)
-
-    def _on_forced(self, message: DiagnosticStatus) -> None:
-        forced = frozenset(name.partition(' ')[0] for name in diagnostic_values(message))
-        self._show(io=replace(self.operator.state.io, forced=forced))
-
-    def _on_image(self, image: str, message: Any) -> None:
-        io, values = self.operator.state.io, tuple(map(float, message.data))
-        if io.values.get(image) != values:
-            self._show(io=replace(io, values={**io.values, image: values}))
-
-    def _on_joints(self, message: JointState) -> None:
-        q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
-        self._show(q=q)
-
-    def _on_pose(self, message: PoseStamped) -> None:
-        pose, time = pose_from_message(message.pose), seconds(message.header.stamp)
-        before, passed = self.operator.state.tool, time - self._pose_time
-        self._pose_time = time
-        if before is not None and passed > 0.0:
-            self._show(tool=pose, tool_speed=float(np.linalg.norm(pose.r - before.r)) / passed)
-        else:
-            self._show(tool=pose)
-
-    def _on_health(self, message: DiagnosticArray) -> None:
-        prefix = self.get_namespace().rstrip('/') + '/'
-        for status in message.status:
-            name = status.name.removeprefix(prefix)
-            if name == PLANNER:
-                self._show(hindrance='' if status.level == DiagnosticStatus.OK else status.message)
-            elif name == VIEW:
-                self._show(scene_url=diagnostic_values(status).get('url', ''))
-            if name in WATCHED and name not in self._seen:
-                self._seen.add(name)
-                self._look_for_lost()
-
-    def _look_for_lost(self) -> None:
-        lost = {*WATCHED} - self._seen | {*self._watch.lost}
-        self._show(lost=tuple(name for name in WATCHED if name in lost))
-
     def _on_log(self, message: Log) -> None:
         prefix = self.get_namespace().strip('/').replace('/', '.')
         if prefix and not message.name.startswith(f'{prefix}.'):
@@ -206,44 +75,13 @@ class PendantNode(RobotNode):
         if message.level >= Log.INFO:
             self.operator.messages.add(seconds(message.stamp), level, name, message.msg)
 
-    # -- what they are asked ------------------------------------------------------------------------------
-
-    def _ask(self) -> None:
-        """Ask nodes for parameters, until they answer."""
-        for name in [*self._open_questions]:
-            client = self._question_clients[name]
-            # A node may die with the question.
-            waiting = self.now() - self._asked.get(name, -math.inf) < ANSWER_TIME
-            if not waiting and client.service_is_ready():
-                request = GetParameters.Request(names=list(self._questions[name][0]))
-                self._asked[name] = self.now()
-                client.call_async(request).add_done_callback(partial(self._answered, name))
-
-    def _answered(self, name: str, future: Any) -> None:
-        self._asked.pop(name, None)
-        self._open_questions.discard(name)
-        values: list[ParameterValue] = future.result().values
-        self._questions[name][1]([parameter_value_to_python(value) for value in values])
-
     def _on_jog_speeds(self, values: list[Any]) -> None:
-        self._show(jog_speeds=JogSpeeds(*values))
-
-    def _on_program_parameters(self, values: list[Any]) -> None:
-        path, *labels = values
-        state = self.operator.state
-        named = {image: tuple(names or ()) for image, names in zip(LABELS, labels, strict=True)}
-        self._show(program=replace(state.program, path=path or ''), io=replace(state.io, labels=named))
+        self.operator.state = replace(self.operator.state, jog_speeds=JogSpeeds(*values))
 
     def destroy_node(self) -> None:
         """End the page with the node."""
         self._server.close()
         super().destroy_node()
-
-
-def _run_state(text: str) -> RunState:
-    if text not in [*RunState]:
-        raise InvalidInputError(f'unknown run state {text!r}; valid are {", ".join(RunState)}')
-    return RunState(text)
 
 
 main: Final = partial(run, PendantNode)

@@ -1,24 +1,34 @@
 """plc_node: a scripted PLC, for tests and demonstrations."""
 
 import math
+from collections import deque
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from robots_controller.io.io_image import Channel
+from robots_controller.io.plant.modbus_plc import ModbusPlc
+from robots_controller.io.plant.opcua_plc import OpcuaPlc
+from robots_controller.io.plant.plc_server import PlcServer
 from robots_controller.io.plc_script import PlcScript, read_plc_script
 from robots_controller.io.scripted_plc import ScriptedPlc
 from robots_controller.nodes.io_images import InputImages, OutputImages
 from robots_core.errors import InvalidInputError
 from robots_core.ros.lockstep.phases import Phase
-from robots_core.ros.robot_node import RobotNode
+from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.run import run
 
+PORT: Final = 'at this port of this machine, with the addresses of its channels; 0: none'
 IDLE_PERIOD: Final = 3600.0  # s, of a timer that has nothing to do
 
 
 class PlcNode(RobotNode):
     """Subscribes to the outputs and sets the inputs by the rules of a script.
+
+    With a port for Modbus or OPC UA it is a server instead, as a PLC in a plant: an I/O map connects the
+    robot with it.
 
     On the wall clock it acts at once. In simulated time it acts as a PLC does, once per cycle, on the outputs
     that have come since the last one, in their order.
@@ -31,18 +41,45 @@ class PlcNode(RobotNode):
         path = self.parameter('script', '', 'YAML file with the rules of the PLC')
         cycle = self.parameter('cycle', 0.004, 'of the PLC in simulated time, s', bounds=(1e-4, 10.0))
         script = read_plc_script(path) if path else PlcScript(())
+        servers: dict[Callable[..., PlcServer], int] = {
+            ModbusPlc: self.parameter('modbus_port', 0, f'as a Modbus TCP server, {PORT}', bounds=PORTS),
+            OpcuaPlc: self.parameter('opcua_port', 0, f'as an OPC UA server, {PORT}', bounds=PORTS),
+        }
         self._plc = ScriptedPlc(script, self.now())
-        self._inputs = InputImages(self, script.inputs)
         self._timer = self.create_timer(IDLE_PERIOD, self._step, autostart=False)
-        self._outputs = OutputImages(self, self._plc.outputs, self._on_outputs)
-        for channel, value in self._plc.inputs.items():
-            self._inputs.set(channel, value)
-        self._inputs.publish()
+        self._written: deque[tuple[str, float]] = deque()
+        self._heard = self.create_guard_condition(self._on_written)
+        self._servers: list[PlcServer] = [
+            make(script.channels, port, self._hear) for make, port in servers.items() if port
+        ]
+        if self._servers and self.simulated_time:
+            raise InvalidInputError('a PLC in simulated time is no server: its clients have another time')
+        # Where clients set the robot's inputs, their topic is not the PLC's.
+        self._inputs = InputImages(self, () if self._servers else script.inputs)
+        self._outputs = OutputImages(self, () if self._servers else self._plc.outputs, self._on_outputs)
+        self._set_inputs(self._plc.inputs)
         self.ready('ready' if path else 'ready; parameter script is empty, no input is set')
         if self.simulated_time:
             self.start_loop(lambda _: self._step(), period=cycle, name='PLC')
         else:
             self._step()
+
+    def _set_inputs(self, values: Mapping[Channel, float]) -> None:
+        for server in self._servers:
+            server.set(values)
+        if not self._servers:
+            for channel, value in values.items():
+                self._inputs.set(channel, value)
+            self._inputs.publish()
+
+    def _hear(self, name: str, value: float) -> None:
+        self._written.append((name, value))
+        self._heard.trigger()
+
+    def _on_written(self) -> None:
+        while self._written:
+            self._plc.output(*self._written.popleft())
+        self._step()
 
     def _on_outputs(self) -> None:
         for channel in self._plc.outputs:
@@ -62,12 +99,17 @@ class PlcNode(RobotNode):
             self._timer.cancel()
             return
         for change in changes:
-            self._inputs.set(change.channel, change.value)
-            self._inputs.publish()
+            self._set_inputs({change.channel: change.value})
         if not self.simulated_time:
             due = self._plc.next_time - now
             self._timer.timer_period_ns = int(1e9 * (IDLE_PERIOD if due == math.inf else max(1e-4, due)))
             self._timer.reset()
+
+    def destroy_node(self) -> None:
+        """End the servers with the node."""
+        for server in self._servers:
+            server.close()
+        super().destroy_node()
 
 
 main: Final = partial(run, PlcNode)

@@ -1,4 +1,4 @@
-"""PendantState: what an operator's page knows of the cell."""
+"""PendantState: what is known of the cell where it is operated or watched."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from robots_controller.program.run_state import RunState
 from robots_core.blocks.following.guide import Guide
+from robots_core.blocks.multibody.payload import NOTHING, Payload
 from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.pose import Pose
 from robots_core.validation import Array
@@ -84,7 +85,11 @@ class PendantState:
         drives_on: The drives follow the references.
         fault: Why the robot is stopped until a reset; '' if it is not.
         override: Speed override, 0..1.
+        emergency_stop: The fault is an emergency stop.
         q: Measured joint positions, (n,), rad (m); None before the first.
+        q_dot: Measured joint velocities, (n,), rad/s (m/s); None where none are measured.
+        torque: Of the axes, (n,), N m (N); None where none are measured.
+        payload: What the robot carries.
         tool: Pose of the tool centre point in the base frame; None before the first.
         tool_speed: Of the tool centre point, m/s.
         hindrance: What planning_node reports as wrong, such as the limit that stops a jog; '' for nothing.
@@ -102,7 +107,11 @@ class PendantState:
     drives_on: bool = False
     fault: str = ''
     override: float = 1.0
+    emergency_stop: bool = False
     q: Array | None = None
+    q_dot: Array | None = None
+    torque: Array | None = None
+    payload: Payload = NOTHING
     tool: Pose | None = None
     tool_speed: float = 0.0
     hindrance: str = ''

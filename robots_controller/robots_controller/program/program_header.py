@@ -58,6 +58,11 @@ class ProgramHeader:
         lines = {name: line for name, line in self.lines.items() if name not in new}
         return replace(self, lines=MappingProxyType(lines), **new)
 
+    def without(self, name: str) -> ProgramHeader:
+        """The same without one of its files."""
+        lines = {key: line for key, line in self.lines.items() if key != name}
+        return replace(self, lines=MappingProxyType(lines), **{name: ''})
+
     def check_files(self) -> None:
         """Refuse a file or a robot that the program names and that is not there.
 

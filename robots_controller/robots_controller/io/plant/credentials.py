@@ -44,7 +44,7 @@ def read_credentials(section: YamlSection) -> Credentials:
     """
     found = Credentials(
         section.text('user', ''),
-        *(_file(section, key) for key in ('password_file', 'certificate', 'key', 'trusted')),
+        *(existing_file(section, key) for key in ('password_file', 'certificate', 'key', 'trusted')),
     )
     if found.password_file and not found.user:
         raise section.error('password_file needs a user', 'password_file')
@@ -54,7 +54,12 @@ def read_credentials(section: YamlSection) -> Credentials:
     return found
 
 
-def _file(section: YamlSection, key: str) -> str:
+def existing_file(section: YamlSection, key: str) -> str:
+    """The path of a file that a key names; '' for none.
+
+    Raises:
+        InvalidInputError: there is no such file; with file and line.
+    """
     path = section.text(key, '')
     if path and not Path(path).expanduser().is_file():
         raise section.error(f'{key} {path!r} is no file', key)

@@ -1,0 +1,112 @@
+"""ModbusPlc: a PLC as a Modbus TCP server.
+
+Digital inputs of the robot are discrete inputs, digital outputs coils; analog inputs are input registers,
+analog outputs holding registers, two for each number (float32, the high word first). Channel 1 is at
+address 0.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Iterable, Mapping
+from typing import Any, Final
+
+from robots_controller.io.io_image import Channel
+from robots_controller.io.plant.loop_thread import LoopThread
+from robots_controller.io.plant.plant_link import library
+from robots_controller.io.plant.plc_server import HOST, Heard, check_port, served_sizes
+
+DISCRETE_INPUT, INPUT_REGISTER = 2, 4
+"""Codes that read them."""
+COILS, REGISTERS = (5, 15), (6, 16)
+"""Codes that write them."""
+WORDS: Final = 2
+"""Registers of a number."""
+
+
+class ModbusPlc:
+    """See `PlcServer`.
+
+    Args:
+        channels: Those that the script has.
+        port: TCP port of this machine.
+        heard: Takes what clients write.
+
+    Raises:
+        InvalidInputError: pymodbus is not installed, or the port is taken.
+    """
+
+    def __init__(self, channels: Iterable[Channel], port: int, heard: Heard) -> None:
+        self._heard = heard
+        server = library('pymodbus.server', 'pymodbus', 'modbus')
+        check_port('Modbus', port)
+        self._codes = library('pymodbus.constants', 'pymodbus', 'modbus').ExcCodes
+        self._sizes = served_sizes(channels)
+        self._holding = [0] * (WORDS * self._sizes['analog_outputs'])
+        self._thread = LoopThread('Modbus PLC')
+        self._server = self._thread.wait(self._open(server.ModbusTcpServer, port))
+
+    async def _open(self, server_type: Any, port: int) -> Any:
+        simulator = library('pymodbus.simulator', 'pymodbus', 'modbus')
+        kinds = simulator.DataType
+
+        def table(image: str, kind: Any) -> list[Any]:
+            words = WORDS if image.startswith('analog') else 1
+            empty = False if kind is kinds.BITS else 0
+            count = words * self._sizes[image]
+            return [simulator.SimData(0, count=count, values=empty, datatype=kind)]
+
+        tables = (
+            table('digital_outputs', kinds.BITS),
+            table('digital_inputs', kinds.BITS),
+            table('analog_outputs', kinds.REGISTERS),
+            table('analog_inputs', kinds.REGISTERS),
+        )
+        device = simulator.SimDevice(0, simdata=tables, action=self._on_request)  # of any unit
+        server = server_type(device, address=(HOST, port))
+        await server.serve_forever(background=True)
+        return server
+
+    def set(self, values: Mapping[Channel, float]) -> None:
+        """See `PlcServer`."""
+        self._thread.wait(self._set(values))
+
+    async def _set(self, values: Mapping[Channel, float]) -> None:
+        for channel, value in values.items():
+            if channel.kind == 'digital':
+                await self._server.async_setValues(0, DISCRETE_INPUT, channel.index - 1, [bool(value)])
+            else:
+                words = list(struct.unpack('>HH', struct.pack('>f', value)))
+                await self._server.async_setValues(0, INPUT_REGISTER, WORDS * (channel.index - 1), words)
+
+    async def _on_request(
+        self, code: int, _start: int, address: int, _count: int, _now: list[int], values: list[Any] | None
+    ) -> Any:
+        if not values:
+            return None
+        if code in COILS:
+            for index, value in enumerate(values, address + 1):
+                self._heard(f'digital_output.{index}', float(bool(value)))
+        elif code in REGISTERS:
+            holding = [*self._holding]
+            holding[address : address + len(values)] = [int(value) for value in values]
+            touched = range(address // WORDS, (address + len(values) - 1) // WORDS + 1)
+            numbers = {index + 1: _number(holding, index) for index in touched}
+            if not all(map(math.isfinite, numbers.values())):
+                return self._codes.ILLEGAL_VALUE
+            self._holding = holding
+            for index, number in numbers.items():
+                self._heard(f'analog_output.{index}', number)
+        return None
+
+    def close(self) -> None:
+        """See `PlcServer`."""
+        if not self._thread.closed:
+            self._thread.wait(self._server.shutdown())
+            self._thread.close()
+
+
+def _number(words: list[int], index: int) -> float:
+    (value,) = struct.unpack('>f', struct.pack('>HH', *words[WORDS * index : WORDS * (index + 1)]))
+    return float(value)

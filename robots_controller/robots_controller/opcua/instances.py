@@ -1,0 +1,206 @@
+"""Instances: objects of the specifications' types, and the values of their variables by path."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Collection
+from typing import Any, Final
+
+from asyncua import ua
+
+from robots_controller.opcua.companion_types import Member, all_members
+from robots_controller.opcua.node_writer import PARTS, NodeWriter, type_of_data
+
+STRUCTURES: Final = {
+    name.removeprefix('ua:').removesuffix('Type'): tuple(part for part, _, _ in PARTS[name])
+    for name in PARTS
+    if name.startswith(('ua:ThreeD', 'ua:Rational'))
+}
+"""Parts of variables that hold a structure: its members."""
+STATE_MACHINES: Final = ('TaskControlStateMachineType', 'ReadySubstateMachineType')
+CURRENT_STATE: Final = Member(
+    'ua:CurrentState', 0, 'variable', 'ua:LocalizedText', 'ua:FiniteStateVariableType'
+)
+INACTIVE: Final = object()
+"""Value of the states of a state machine that is not active."""
+TYPE_ALONE: Final = ('ua:StateType', 'ua:TransitionType')
+
+
+class Instances:
+    """Adds objects; the path of a node is that of its browse names, without namespaces.
+
+    Args:
+        writer: Of the address space, which has the types.
+    """
+
+    def __init__(self, writer: NodeWriter) -> None:
+        self._writer = writer
+        self._types: dict[str, str] = {}
+        """Data types of variables, by path."""
+        self._values: dict[str, Any] = {}
+
+    def id(self, path: str) -> ua.NodeId:
+        """The node at a path."""
+        return ua.NodeId(path, self._writer.own)
+
+    async def add(
+        self,
+        path: str,
+        type_name: str,
+        parent: ua.NodeId,
+        *,
+        reference: str = 'ua:HasComponent',
+        optional: Collection[str] = (),
+        description: str = '',
+        name: ua.QualifiedName | None = None,
+    ) -> ua.NodeId:
+        """Add an object with the members of its type.
+
+        Args:
+            path: Of the object.
+            type_name: Its type.
+            parent: What it belongs to.
+            reference: From the parent.
+            optional: Browse names of the optional members that it has, at any depth.
+            description: For a person.
+            name: Its browse name; of the own namespace by default.
+        """
+        attributes = ua.ObjectAttributes()
+        attributes.Description = ua.LocalizedText(description) if description else ua.LocalizedText()
+        bare = path.rpartition('/')[2]
+        await self._writer.add(
+            self.id(path),
+            name or ua.QualifiedName(bare, self._writer.own),
+            parent,
+            attributes,
+            reference=reference,
+            type_name=type_name,
+        )
+        members = all_members(type_name)
+        if type_name in STATE_MACHINES:
+            members = (CURRENT_STATE, *members)
+        await self._add_members(path, members, optional)
+        return self.id(path)
+
+    async def _add_members(self, path: str, members: Collection[Member], optional: Collection[str]) -> None:
+        for member in members:
+            bare = member.name.rpartition(':')[2]
+            below = f'{path}/{bare}'
+            if member.kind == 'method' or member.type in TYPE_ALONE:
+                continue
+            if member.optional and bare not in optional:
+                continue
+            if member.kind != 'object':
+                await self.add_variable(below, member, self.id(path))
+                continue
+            addin = 'ua:HasAddIn' if bare == 'TaskControlOperation' else 'ua:HasComponent'
+            name = self._writer.browse_name(member.name)
+            await self.add(below, member.type, self.id(path), reference=addin, optional=optional, name=name)
+            await self._add_members(below, member.members, optional)
+
+    async def add_variable(
+        self,
+        path: str,
+        member: Member,
+        parent: ua.NodeId,
+        *,
+        name: ua.QualifiedName | None = None,
+        writable: bool = False,
+        label: str = '',
+    ) -> None:
+        """Add a variable with the parts that its type has.
+
+        Args:
+            path: Of the variable.
+            member: Its class, data type and type.
+            parent: What it belongs to.
+            name: Its browse name; that of the member by default.
+            writable: For users that may operate.
+            label: Shown to a person; the browse name by default.
+        """
+        name = name or self._writer.browse_name(member.name)
+        await self._writer.add_variable(
+            self.id(path),
+            name,
+            parent,
+            member,
+            writable=writable,
+            label=label,
+        )
+        self._types[path] = member.type.removeprefix('ua:')
+        for part, kind, data in PARTS.get(member.variable_type, ()):
+            below = Member(
+                f'ua:{part}', 0, kind, f'ua:{data}', type_of_data(data), is_list=data == 'EnumValueType'
+            )
+            await self.add_variable(f'{path}/{part}', below, self.id(path))
+
+    async def add_method(self, path: str, inputs: list[ua.Argument], callback: Any) -> None:
+        """Add a method of the type of its object, which returns a status.
+
+        Args:
+            path: Of the method.
+            inputs: Its arguments.
+            callback: A coroutine function of the object's node and the arguments, as variants.
+        """
+        writer = self._writer
+        parent, _, name = path.rpartition('/')
+        attributes = ua.MethodAttributes()
+        attributes.Executable = attributes.UserExecutable = True
+        await writer.add(self.id(path), writer.browse_name(name), self.id(parent), attributes)
+        status = argument('Status', ua.VariantType.Int32, '0: done; else why not')
+        for what, arguments in (('InputArguments', inputs), ('OutputArguments', [status])):
+            if arguments:
+                await writer.add_variable(
+                    self.id(f'{path}/{what}'),
+                    ua.QualifiedName(what),
+                    self.id(path),
+                    Member(what, 0, 'property', 'ua:Argument', is_list=True),
+                    ua.Variant(arguments, ua.VariantType.ExtensionObject),
+                )
+        writer.server.iserver.isession.add_method_callback(self.id(path), callback)
+
+    async def write(self, path: str, value: Any) -> None:
+        """Give a variable a value, and its parts theirs; nothing happens if it has it.
+
+        Args:
+            path: Of the variable.
+            value: As Python has it, or a structure of asyncua.
+        """
+        if path in self._values and self._values[path] == value:
+            return
+        self._values[path] = value
+        now = dt.datetime.now(dt.UTC)
+        data = ua.DataValue(_variant(value, self._types[path]), SourceTimestamp=now)
+        if value is INACTIVE:
+            status = ua.StatusCode(ua.StatusCodes.BadStateNotActive)
+            data = ua.DataValue(StatusCode=status, SourceTimestamp=now)
+        await self._writer.server.write_attribute_value(self.id(path), data)
+        for part in STRUCTURES.get(self._types[path], ()):
+            await self.write(f'{path}/{part}', getattr(value, part))
+
+    def note(self, path: str, value: Any) -> None:
+        """Take notice of a value that a client has written."""
+        self._values[path] = value
+
+    async def repeat(self, path: str) -> None:
+        """Write the value again that a variable had."""
+        await self.write(path, self._values.pop(path, None))
+
+
+def argument(name: str, kind: ua.VariantType, description: str) -> ua.Argument:
+    """An argument of a method."""
+    return ua.Argument(
+        Name=name, DataType=ua.NodeId(kind.value), ValueRank=-1, Description=ua.LocalizedText(description)
+    )
+
+
+def _variant(value: Any, data: str) -> ua.Variant:
+    if value is None:
+        return ua.Variant(None, ua.VariantType.Null)
+    if data == 'LocalizedText' and isinstance(value, str):
+        return ua.Variant(ua.LocalizedText(value), ua.VariantType.LocalizedText)
+    if data in ua.VariantType.__members__:
+        return ua.Variant(value, ua.VariantType[data])
+    if data.endswith('Enumeration'):
+        return ua.Variant(value, ua.VariantType.Int32)
+    return ua.Variant(value, ua.VariantType.ExtensionObject)

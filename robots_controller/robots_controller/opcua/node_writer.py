@@ -1,0 +1,168 @@
+"""NodeWriter: adds nodes with given numbers and names to a server's address space."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from asyncua import ua
+
+from robots_controller.opcua.companion_types import (
+    DI,
+    ENUMERATIONS,
+    OBJECT_TYPES,
+    REFERENCE_TYPES,
+    ROBOTICS,
+    Kind,
+    Member,
+)
+
+PARTS: Final[Mapping[str, tuple[tuple[str, Kind, str], ...]]] = {
+    'ua:AnalogUnitType': (('EngineeringUnits', 'property', 'EUInformation'),),
+    'ua:MultiStateValueDiscreteType': (
+        ('EnumValues', 'property', 'EnumValueType'),
+        ('ValueAsText', 'property', 'LocalizedText'),
+    ),
+    'ua:FiniteStateVariableType': (('Id', 'property', 'NodeId'),),
+    'ua:FiniteTransitionVariableType': (('Id', 'property', 'NodeId'),),
+    'ua:RationalNumberType': (('Numerator', 'variable', 'Int32'), ('Denominator', 'variable', 'UInt32')),
+    'ua:ThreeDCartesianCoordinatesType': (
+        ('X', 'variable', 'Double'),
+        ('Y', 'variable', 'Double'),
+        ('Z', 'variable', 'Double'),
+    ),
+    'ua:ThreeDOrientationType': (
+        ('A', 'variable', 'Double'),
+        ('B', 'variable', 'Double'),
+        ('C', 'variable', 'Double'),
+    ),
+    'ua:ThreeDFrameType': (
+        ('CartesianCoordinates', 'variable', 'ThreeDCartesianCoordinates'),
+        ('Orientation', 'variable', 'ThreeDOrientation'),
+    ),
+}
+"""What variables of a type have: name, class and data type; all of namespace 0."""
+
+
+def type_of_data(data: str) -> str:
+    """The type of a variable that holds a structure."""
+    return f'ua:{data}Type' if f'ua:{data}Type' in PARTS else 'ua:BaseDataVariableType'
+
+
+class NodeWriter:
+    """Adds nodes; see `companion_types` for their names.
+
+    Args:
+        server: An initialised server of asyncua.
+        own: Index of the namespace of instances.
+    """
+
+    def __init__(self, server: Any, own: int) -> None:
+        self.server = server
+        self.own = own
+        self._indices: dict[str, int] = {'ua': 0}
+
+    async def add_namespaces(self) -> None:
+        """Register the namespaces of the specifications."""
+        self._indices['di'] = await self.server.register_namespace(DI)
+        self._indices[''] = await self.server.register_namespace(ROBOTICS)
+
+    def browse_name(self, name: str) -> ua.QualifiedName:
+        """The name of a member or type with its namespace."""
+        prefix, _, bare = name.rpartition(':')
+        return ua.QualifiedName(bare, self._indices[prefix])
+
+    def number(self, name: str, number: int) -> ua.NodeId:
+        """The node with a number in the namespace of a name."""
+        return ua.NodeId(number, self._indices[name.rpartition(':')[0]])
+
+    def type_id(self, name: str) -> ua.NodeId:
+        """Node of a type: of objects, references, data or variables."""
+        if name.startswith('ua:'):
+            return ua.NodeId(getattr(ua.ObjectIds, name.removeprefix('ua:')))
+        if name in OBJECT_TYPES:
+            return self.number(name, OBJECT_TYPES[name].number)
+        return self.number(name, (REFERENCE_TYPES.get(name) or ENUMERATIONS[name])[0])
+
+    def member_id(self, type_name: str, member: str) -> ua.NodeId:
+        """Node of a declaration, such as a state."""
+        (found,) = [one for one in OBJECT_TYPES[type_name].members if one.name == member]
+        return self.number(type_name, found.number)
+
+    async def add(
+        self,
+        node: ua.NodeId,
+        name: ua.QualifiedName,
+        parent: ua.NodeId,
+        attributes: Any,
+        *,
+        reference: str = 'ua:HasComponent',
+        type_name: str = '',
+        label: str = '',
+    ) -> None:
+        """Add a node.
+
+        Args:
+            node: Its id.
+            name: Its browse name.
+            parent: What it belongs to.
+            attributes: Of its class.
+            reference: From the parent.
+            type_name: Of an object or variable.
+            label: Shown to a person; the browse name by default.
+        """
+        kind = type(attributes).__name__.removesuffix('Attributes')
+        attributes.DisplayName = ua.LocalizedText(label or name.Name)
+        item = ua.AddNodesItem()
+        item.RequestedNewNodeId, item.BrowseName, item.ParentNodeId = node, name, parent
+        item.NodeClass, item.NodeAttributes = ua.NodeClass[kind], attributes
+        item.ReferenceTypeId = self.type_id(reference)
+        if type_name:
+            item.TypeDefinition = self.type_id(type_name)
+        (result,) = await self.server.iserver.isession.add_nodes([item])
+        result.StatusCode.check()
+
+    async def refer(self, source: ua.NodeId, reference: str, target: ua.NodeId) -> None:
+        """Add a reference, and its inverse."""
+        await self.server.get_node(source).add_reference(target, self.type_id(reference))
+        await self.server.get_node(target).add_reference(source, self.type_id(reference), forward=False)
+
+    async def add_variable(
+        self,
+        node: ua.NodeId,
+        name: ua.QualifiedName,
+        parent: ua.NodeId,
+        member: Member,
+        value: Any = None,
+        *,
+        writable: bool = False,
+        label: str = '',
+    ) -> None:
+        """Add a variable or property; its value is null until it is known.
+
+        Args:
+            node: Its id.
+            name: Its browse name.
+            parent: What it belongs to.
+            member: Its class, data type and type.
+            value: A variant, or None.
+            writable: For users that may operate.
+            label: Shown to a person; the browse name by default.
+        """
+        attributes = ua.VariableAttributes()
+        attributes.DataType = self.type_id(member.type)
+        attributes.Value = value or ua.Variant(None, ua.VariantType.Null)
+        attributes.ValueRank = ua.ValueRank.OneDimension if member.is_list else ua.ValueRank.Scalar
+        attributes.ArrayDimensions = [0] if member.is_list else None
+        access = ua.AccessLevel.CurrentRead.mask | (ua.AccessLevel.CurrentWrite.mask if writable else 0)
+        attributes.AccessLevel = attributes.UserAccessLevel = access
+        is_property = member.kind == 'property'
+        await self.add(
+            node,
+            name,
+            parent,
+            attributes,
+            reference='ua:HasProperty' if is_property else 'ua:HasComponent',
+            type_name='ua:PropertyType' if is_property else member.variable_type,
+            label=label,
+        )

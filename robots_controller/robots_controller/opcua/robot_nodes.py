@@ -1,0 +1,207 @@
+"""RobotNodes: a robot and its controller as the objects of OPC 40010-1, with the values of a state."""
+
+from __future__ import annotations
+
+import datetime as dt
+from fractions import Fraction
+from importlib.metadata import version
+from typing import Final
+
+import numpy as np
+from asyncua import ua
+
+from robots_controller.opcua.channel_nodes import ChannelNodes
+from robots_controller.opcua.companion_types import DEVICE_SET, DI, Member, enumeration_value
+from robots_controller.opcua.engineering_units import engineering_unit
+from robots_controller.opcua.instances import Instances
+from robots_controller.opcua.node_writer import NodeWriter
+from robots_controller.opcua.server_settings import Nameplate
+from robots_controller.opcua.task_nodes import TaskNodes
+from robots_controller.opcua.type_nodes import add_types
+from robots_controller.pendant.pendant_state import PendantState
+from robots_core.blocks.multibody.payload import Payload
+from robots_core.operating_modes import OperatingMode
+from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import Array
+
+SYSTEM: Final = 'MotionDeviceSystem'
+INFORMATIONAL: Final = (
+    'Informational: what the controller reports. Not a safety function, and no part of a safety function.'
+)
+MODES: Final = {
+    OperatingMode.T1: 'MANUAL_REDUCED_SPEED',
+    OperatingMode.T2: 'MANUAL_HIGH_SPEED',
+    OperatingMode.AUTOMATIC: 'AUTOMATIC',
+    OperatingMode.REMOTE: 'AUTOMATIC_EXTERNAL',
+    None: 'OTHER',
+}
+RANGE: Final = Member('ua:EURange', 0, 'property', 'ua:Range')
+LARGEST_RATE: Final = 65535  # of an UInt16
+LARGEST_DENOMINATOR: Final = 10_000
+
+
+class RobotNodes:
+    """Adds the nodes to a server, and keeps their values.
+
+    Args:
+        server: An initialised server of asyncua.
+        namespace: Index of the namespace of the robot.
+        robot: The robot.
+        nameplate: What its maker says of it.
+    """
+
+    def __init__(self, server: object, namespace: int, robot: BaseRobotModel, nameplate: Nameplate) -> None:
+        self._writer = NodeWriter(server, namespace)
+        self.instances: Final = Instances(self._writer)
+        self._robot, self._plate = robot, nameplate
+        device = robot.name.replace('/', '_')
+        self._device = f'{SYSTEM}/MotionDevices/{device}'
+        self._controller = f'{SYSTEM}/Controllers/Controller'
+        self._safety = f'{SYSTEM}/SafetyStates/SafetyState'
+        self.task: Final = TaskNodes(
+            self.instances, self._writer, f'{self._controller}/TaskControls/TaskControl'
+        )
+        self.channels: Final = ChannelNodes(
+            self.instances, namespace, f'{self._controller}/Components/InputsAndOutputs'
+        )
+        self._payload: Payload | None = None
+
+    async def build(self) -> None:
+        """Add all nodes but those of inputs and outputs, which are added when they are known."""
+        writer, made = self._writer, self.instances
+        await add_types(writer)
+        device_set = ua.NodeId(DEVICE_SET, await writer.server.get_namespace_index(DI))
+        await writer.add(
+            device_set,
+            writer.browse_name('di:DeviceSet'),
+            ua.NodeId(ua.ObjectIds.ObjectsFolder),
+            ua.ObjectAttributes(),
+            reference='ua:Organizes',
+            type_name='ua:BaseObjectType',
+        )
+        await made.add(SYSTEM, 'MotionDeviceSystemType', device_set, optional=('ComponentName',))
+        await made.write(f'{SYSTEM}/ComponentName', self._robot.name)
+        await self._add_device()
+        await self._add_controller()
+        await made.add(
+            self._safety,
+            'SafetyStateType',
+            made.id(f'{SYSTEM}/SafetyStates'),
+            description=INFORMATIONAL,
+        )
+        await writer.refer(made.id(self._controller), 'Controls', made.id(self._device))
+        await writer.refer(made.id(self._controller), 'HasSafetyStates', made.id(self._safety))
+        await writer.refer(made.id(self.task.path), 'Controls', made.id(self._device))
+        await made.write(f'{self._device}/TaskControlReference', made.id(self.task.path))
+
+    async def update(self, state: PendantState) -> None:
+        """Give the variables the values of a state; what is not known yet stays null."""
+        made, device, safety = self.instances, self._device, f'{self._safety}/ParameterSet'
+        await made.write(f'{device}/ParameterSet/InControl', state.drives_on)
+        await made.write(f'{device}/ParameterSet/SpeedOverride', 100.0 * state.override)
+        for quantity, values in (('ActualPosition', state.q), ('ActualSpeed', state.q_dot)):
+            for axis, value in zip(self._axes, () if values is None else values.tolist(), strict=False):
+                await made.write(f'{device}/Axes/{axis}/ParameterSet/{quantity}', value)
+        for axis, rate in zip(self._axes, self._load_rates(state.torque), strict=False):
+            await made.write(f'{device}/PowerTrains/{axis}/Motor/ParameterSet/EffectiveLoadRate', rate)
+        await self._write_load(state.payload)
+        mode = enumeration_value('OperationalModeEnumeration', MODES[state.mode])
+        await made.write(f'{safety}/OperationalMode', mode)
+        await made.write(f'{safety}/EmergencyStop', bool(state.fault) and state.emergency_stop)
+        await made.write(f'{safety}/ProtectiveStop', bool(state.fault) and not state.emergency_stop)
+        await made.write(f'{self._controller}/CurrentUser/Level', state.commander.value)
+        await self.task.update(state.program)
+        await self.channels.update(state.io)
+
+    # -- the robot ----------------------------------------------------------------------------------------
+
+    @property
+    def _axes(self) -> tuple[str, ...]:
+        return self._robot.axes_data.names
+
+    def _load_rates(self, torque: Array | None) -> list[int]:
+        if torque is None:
+            return []
+        rates = np.rint(100.0 * np.abs(torque) / self._robot.axes_data.effort)
+        return [int(min(rate, LARGEST_RATE)) for rate in rates]
+
+    async def _add_device(self) -> None:
+        made, device, axes = self.instances, self._device, self._robot.axes_data
+        parent = made.id(f'{SYSTEM}/MotionDevices')
+        await made.add(
+            device, 'MotionDeviceType', parent, optional=('InControl', 'FlangeLoad', 'CenterOfMass')
+        )
+        await self._write_plate(device)
+        category = 'ARTICULATED_ROBOT' if not any(axes.prismatic) else 'OTHER'
+        await made.write(
+            f'{device}/MotionDeviceCategory', enumeration_value('MotionDeviceCategoryEnumeration', category)
+        )
+        await made.write(f'{device}/FlangeLoad/Mass/EngineeringUnits', engineering_unit('kg'))
+        for index, name in enumerate(axes.names):
+            await self._add_axis(index, f'{device}/Axes/{name}')
+            await self._add_power_train(index, f'{device}/PowerTrains/{name}', f'{device}/Axes/{name}')
+
+    async def _add_axis(self, index: int, path: str) -> None:
+        made, axes = self.instances, self._robot.axes_data
+        await made.add(path, 'AxisType', made.id(f'{self._device}/Axes'), optional=('ActualSpeed',))
+        profile = ('LINEAR' if axes.prismatic[index] else 'ROTARY') + '_ENDLESS' * bool(
+            axes.continuous[index]
+        )
+        await made.write(f'{path}/MotionProfile', enumeration_value('AxisMotionProfileEnumeration', profile))
+        ranges = {
+            'ActualPosition': ('position', axes.lower[index], axes.upper[index]),
+            'ActualSpeed': ('velocity', -axes.velocity[index], axes.velocity[index]),
+        }
+        for name, (quantity, low, high) in ranges.items():
+            variable = f'{path}/ParameterSet/{name}'
+            await made.write(f'{variable}/EngineeringUnits', engineering_unit(axes.unit(index, quantity)))
+            await made.add_variable(f'{variable}/EURange', RANGE, made.id(variable))
+            await made.write(f'{variable}/EURange', ua.Range(Low=float(low), High=float(high)))
+
+    async def _add_power_train(self, index: int, path: str, axis: str) -> None:
+        made, writer = self.instances, self._writer
+        train = await made.add(path, 'PowerTrainType', made.id(f'{self._device}/PowerTrains'))
+        await made.add(f'{path}/Motor', 'MotorType', train, optional=('EffectiveLoadRate',))
+        temperature = f'{path}/Motor/ParameterSet/MotorTemperature'
+        await made.write(f'{temperature}/EngineeringUnits', engineering_unit('°C'))
+        ratio = float(self._robot.axes_data.gear_ratio[index])
+        if np.isfinite(ratio):
+            await made.add(f'{path}/Gear', 'GearType', train)
+            exact = Fraction(ratio).limit_denominator(LARGEST_DENOMINATOR)
+            value = ua.RationalNumber(Numerator=exact.numerator, Denominator=exact.denominator)
+            await made.write(f'{path}/Gear/GearRatio', value)
+        await writer.refer(train, 'Moves', made.id(axis))
+        await writer.refer(made.id(axis), 'Requires', train)
+
+    async def _write_load(self, payload: Payload) -> None:
+        if payload is self._payload:
+            return
+        self._payload = payload
+        load = f'{self._device}/FlangeLoad'
+        center = ua.ThreeDCartesianCoordinates(*payload.center.tolist())
+        await self.instances.write(f'{load}/Mass', payload.mass)
+        await self.instances.write(f'{load}/CenterOfMass', ua.ThreeDFrame(CartesianCoordinates=center))
+
+    # -- its controller -----------------------------------------------------------------------------------
+
+    async def _add_controller(self) -> None:
+        made, path = self.instances, self._controller
+        parent = made.id(f'{SYSTEM}/Controllers')
+        await made.add(path, 'ControllerType', parent, optional=('Components', 'ParameterSet', 'StartUpTime'))
+        await made.write(f'{path}/Manufacturer', 'Robots')
+        await made.write(f'{path}/Model', 'robots_controller')
+        await made.write(f'{path}/ParameterSet/StartUpTime', dt.datetime.now(dt.UTC))
+        software = f'{path}/Software/robots_controller'
+        await made.add(software, 'di:SoftwareType', made.id(f'{path}/Software'))
+        await made.write(f'{software}/Manufacturer', 'Robots')
+        await made.write(f'{software}/Model', 'robots_controller')
+        await made.write(f'{software}/SoftwareRevision', version('robots_controller'))
+        await self.task.build(made.id(f'{path}/TaskControls'), made.id(self._device))
+        await self.channels.build(made.id(f'{path}/Components'))
+
+    async def _write_plate(self, path: str) -> None:
+        plate = self._plate
+        await self.instances.write(f'{path}/Manufacturer', plate.manufacturer)
+        await self.instances.write(f'{path}/Model', plate.model or self._robot.name)
+        await self.instances.write(f'{path}/SerialNumber', plate.serial_number)
+        await self.instances.write(f'{path}/ProductCode', plate.product_code)

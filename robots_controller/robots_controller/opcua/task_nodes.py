@@ -1,0 +1,158 @@
+"""TaskNodes: the objects and methods of the task control."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Any, Final
+
+from asyncua import ua
+
+from robots_controller.opcua.companion_types import TRANSITION_REASONS, enumeration_value
+from robots_controller.opcua.instances import INACTIVE, Instances, argument
+from robots_controller.opcua.node_writer import NodeWriter
+from robots_controller.opcua.task_control import StopMode, TaskControl, operation_state, ready_state
+from robots_controller.pendant.pendant_state import ShownProgram
+from robots_controller.program.run_state import RunState
+from robots_core.errors import InvalidInputError
+
+OPTIONAL: Final = (
+    *('ExecutionMode', 'TaskControlOperation', 'MotionDevicesUnderControl', 'PossibleStopModes'),
+    *('ConfiguredDefaultStopMode', 'ReadySubstateMachine'),
+)
+STOP_TEXTS: Final = {StopMode.HOLD: 'Hold', StopMode.END: 'End'}
+REASONS: Final = {RunState.FAILED: 'Error', RunState.FINISHED: 'Application'}
+"""Of transitions into a state; others are made directly, or from outside by a method."""
+
+
+class TaskNodes:
+    """Adds the nodes, and keeps their values.
+
+    Args:
+        instances: Where they are added.
+        writer: Of the address space.
+        path: Of the TaskControl.
+    """
+
+    def __init__(self, instances: Instances, writer: NodeWriter, path: str) -> None:
+        self._made, self._writer = instances, writer
+        self.path: Final = path
+        self._machine = f'{path}/TaskControlOperation/TaskControlStateMachine'
+        self._ready = f'{self._machine}/ReadySubstateMachine'
+        self._states: dict[str, str] = {}
+        self._from_outside = False
+
+    async def build(self, parent: ua.NodeId, device: ua.NodeId) -> None:
+        """Add the objects.
+
+        Args:
+            parent: Folder of the task controls.
+            device: The robot that they move.
+        """
+        made = self._made
+        await made.add(self.path, 'TaskControlType', parent, optional=OPTIONAL)
+        await made.write(f'{self.path}/ComponentName', 'Robot program')
+        mode = enumeration_value('ExecutionModeEnumeration', 'CYCLE')
+        await made.write(f'{self.path}/ParameterSet/ExecutionMode', mode)
+        await made.write(f'{self.path}/TaskControlOperation/MotionDevicesUnderControl', [device])
+        await made.write(f'{self._machine}/ConfiguredDefaultStopMode', int(StopMode.END))
+        stops = [_enum_value(int(mode), text) for mode, text in STOP_TEXTS.items()]
+        await made.write(f'{self._machine}/PossibleStopModes', stops)
+        for machine in (self._machine, self._ready):
+            reasons = [_enum_value(number, text) for number, text in enumerate(TRANSITION_REASONS)]
+            await made.write(f'{machine}/LastTransitionReason/EnumValues', reasons)
+            await self._write_reason(machine, 'Unknown')
+            await made.write(f'{machine}/LastTransition', INACTIVE)  # there was none
+
+    async def link(self, control: TaskControl) -> None:
+        """Add the methods."""
+        name = argument('Name', ua.VariantType.String, 'file of the program, below the folder of programs')
+        mode = argument('StopMode', ua.VariantType.Int64, '0, or one of PossibleStopModes')
+        methods: tuple[tuple[str, list[ua.Argument], Callable[..., int]], ...] = (
+            (f'{self._machine}/Start', [], control.start),
+            (f'{self._machine}/Stop', [mode], control.stop),
+            (f'{self._machine}/LoadByName', [name], control.load),
+            (f'{self._ready}/ResetToProgramStart', [], control.reset),
+        )
+        for path, inputs, work in methods:
+            await self._made.add_method(path, inputs, self._answering(inputs, work))
+
+    def _answering(self, inputs: list[ua.Argument], work: Callable[..., int]) -> Callable[..., Any]:
+        async def answer(_node: ua.NodeId, *given: ua.Variant) -> Any:
+            if len(given) != len(inputs):
+                missing = len(given) < len(inputs)
+                codes = ua.StatusCodes
+                return ua.StatusCode(codes.BadArgumentsMissing if missing else codes.BadTooManyArguments)
+            result = ua.CallMethodResult()
+            result.InputArgumentResults = [
+                ua.StatusCode(0 if _is(one, kind) else ua.StatusCodes.BadTypeMismatch)
+                for one, kind in zip(given, inputs, strict=True)
+            ]
+            if not all(status.is_good() for status in result.InputArgumentResults):
+                result.StatusCode = ua.StatusCode(ua.StatusCodes.BadInvalidArgument)
+                return result
+            self._from_outside = True
+            try:
+                status = await asyncio.to_thread(work, *(one.Value for one in given))
+            except InvalidInputError:
+                self._from_outside = False
+                result.InputArgumentResults = [ua.StatusCode(ua.StatusCodes.BadOutOfRange)]
+                result.StatusCode = ua.StatusCode(ua.StatusCodes.BadInvalidArgument)
+                return result
+            self._from_outside = status == 0
+            result.OutputArguments = [ua.Variant(int(status), ua.VariantType.Int32)]
+            return result
+
+        return answer
+
+    async def update(self, program: ShownProgram) -> None:
+        """Give the nodes the values of the program's state."""
+        made = self._made
+        await made.write(f'{self.path}/ParameterSet/TaskProgramName', program.path.rpartition('/')[2])
+        await made.write(f'{self.path}/ParameterSet/TaskProgramLoaded', program.state is not RunState.IDLE)
+        reason = REASONS.get(program.state, 'External' if self._from_outside else 'Direct')
+        changed = await self._enter(
+            self._machine, 'OperationStateMachineType', operation_state(program.state), reason
+        )
+        ready = ready_state(program.state)
+        changed |= await self._enter(self._ready, 'ReadySubstateMachineType', ready, reason)
+        if changed:
+            self._from_outside = False
+
+    async def _enter(self, machine: str, type_name: str, state: str, reason: str) -> bool:
+        before = self._states.get(machine)
+        if state == before:
+            return False
+        self._states[machine] = state
+        made, writer = self._made, self._writer
+        if not state:
+            await made.write(f'{machine}/CurrentState', INACTIVE)
+            await made.write(f'{machine}/CurrentState/Id', INACTIVE)
+            return True
+        await made.write(f'{machine}/CurrentState', state)
+        await made.write(f'{machine}/CurrentState/Id', writer.member_id(type_name, state))
+        if before:
+            # What lies between may not have been seen. AtProgramStart has no At in names of transitions.
+            before = 'Ready' if (before, state) == ('Idle', 'Executing') else before
+            transition = f'{before.removeprefix("At")}To{state.removeprefix("At")}'
+            await made.write(f'{machine}/LastTransition', transition)
+            await made.write(f'{machine}/LastTransition/Id', writer.member_id(type_name, transition))
+            await self._write_reason(machine, reason)
+        return True
+
+    async def _write_reason(self, machine: str, reason: str) -> None:
+        path = f'{machine}/LastTransitionReason'
+        await self._made.write(path, TRANSITION_REASONS.index(reason))
+        await self._made.write(f'{path}/ValueAsText', reason)
+
+
+def _is(given: ua.Variant, kind: ua.Argument) -> bool:
+    return (
+        ua.NodeId(given.VariantType.value) == kind.DataType and given.Value is not None and not given.is_array
+    )
+
+
+def _enum_value(number: int, text: str) -> ua.EnumValueType:
+    return ua.EnumValueType(
+        Value=number, DisplayName=ua.LocalizedText(text), Description=ua.LocalizedText(text)
+    )
