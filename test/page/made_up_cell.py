@@ -18,6 +18,7 @@ from robots_controller.pendant.page.page_server import PageServer
 from robots_controller.pendant.page.pendant_page import PendantPage
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import PendantState, ShownIo, ShownProgram
+from robots_controller.program.motion_command import MotionCommand
 from robots_controller.program.run_state import RunState
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import RobotsError
@@ -40,6 +41,7 @@ class MadeUpCell:
 
     calls: list[tuple[Any, ...]] = field(default_factory=list)
     refusal: str = ''
+    done: Callable[[RobotsError | None], None] = print
 
     def jog_axes(self, velocity: Array) -> None:
         self.calls.append(('axes', *velocity.tolist()))
@@ -49,6 +51,19 @@ class MadeUpCell:
 
     def hold_run(self, *, held: bool) -> None:
         self.calls.append(('hold', held))
+
+    def begin_move(self, command: MotionCommand, done: Callable[[RobotsError | None], None]) -> None:
+        self.calls.append(('move', command))
+        self.done = done
+
+    def end_move(self) -> None:
+        self.calls.append(('end_move',))
+
+    def reference(self) -> Array | None:
+        return None
+
+    def show_ghost(self, q: Array | None) -> None:
+        self.calls.append(('ghost', q))
 
     def set_override(self, value: float) -> None:
         self.calls.append(('override', value))

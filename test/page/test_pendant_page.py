@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 from websockets.exceptions import InvalidStatus
@@ -93,6 +95,50 @@ def test_a_robot_moves_while_its_button_is_held(page: Page, cell: MadeUpCell, en
     wait(page, lambda: not cell.moving(), 'a stop')
     page.mouse.up()
     assert page.locator('.held').count() == 0
+
+
+def test_a_held_button_makes_one_step(page: Page, cell: MadeUpCell, operator: PendantOperator) -> None:
+    show(page, 'Jog')
+    steps = page.get_by_label('Step (mm, °)')
+    steps.get_by_role('button', name='0.1', exact=True).click()
+    press(page, FORWARDS)
+    wait(page, lambda: cell.calls.count(('hold', True)) > 2, 'signs')
+    page.mouse.up()
+    wait(page, lambda: ('end_move',) in cell.calls, 'a stop')
+    (command,) = [call[1] for call in cell.calls if call[0] == 'move']
+    assert command.q[0] - operator.state.q[0] == pytest.approx(np.radians(0.1))
+    steps.get_by_role('button', name='∞').click()
+
+
+def test_a_target_is_shown_with_its_time_before_the_robot_moves_there(
+    page: Page, cell: MadeUpCell, operator: PendantOperator
+) -> None:
+    show(page, 'Jog')
+    panel = page.locator('.jog-panel')
+    panel.get_by_role('button', name='Target').click()
+    panel.get_by_label('A1', exact=True).fill('500')
+    panel.get_by_role('button', name='Show').click()
+    panel.get_by_role('alert').get_by_text('A1').wait_for()
+    panel.get_by_label('A1', exact=True).fill('10')
+    panel.get_by_role('button', name='Show').click()
+    panel.get_by_text(re.compile(r'^\d+\.\d s, limited by A1')).wait_for()
+    np.testing.assert_allclose(cell.calls[-1][1][0], np.radians(10.0))
+    press(page, '[data-press="move"]')
+    wait(page, lambda: any(call[0] == 'move' for call in cell.calls), 'the motion')
+    page.mouse.up()
+    wait(page, lambda: ('end_move',) in cell.calls, 'a stop')
+    panel.get_by_role('button', name='Axes').click()
+    assert operator.held.failure is None
+
+
+def test_what_will_stop_a_jog_is_announced(page: Page, operator: PendantOperator) -> None:
+    show(page, 'Jog')
+    q = np.array(operator.robot.home)
+    q[0] = operator.robot.axes_data.upper[0] - 0.02
+    operator.state = replace(operator.state, q=q)
+    press(page, FORWARDS)
+    page.get_by_text(re.compile(r'^In \d\.\d s: upper limit of A1$')).wait_for()
+    page.mouse.up()
 
 
 def test_a_browser_that_goes_away_lets_go(

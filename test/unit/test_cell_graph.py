@@ -129,6 +129,7 @@ def test_the_operators_page_has_a_process_and_a_port_of_its_own():
     )
     (pendant,) = (node for node in nodes if node.name == 'pendant_node')
     assert pendant.process == 'pendant_node'
-    assert pendant.parameters == {'robot_model': 'ur5e', 'port': 8090, 'programs': '/cell/programs'}
+    shared = {'robot_model': 'ur5e', 'scene': ''}
+    assert pendant.parameters == {**shared, 'port': 8090, 'programs': '/cell/programs'}
     (pendant,) = (node for node in cell_graph(robot='ur5e', pendant=True, port=0) if 'pendant' in node.name)
-    assert pendant.parameters == {'robot_model': 'ur5e', 'port': 0}
+    assert pendant.parameters == {**shared, 'port': 0}

@@ -11,7 +11,6 @@ from typing import Any, Final
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.msg import Log, ParameterValue
 from rcl_interfaces.srv import GetParameters
 from rclpy.parameter import parameter_value_to_python
@@ -27,21 +26,26 @@ from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import WATCHED, JogSpeeds, ShownProgram
 from robots_controller.program.run_state import RunState
+from robots_core.blocks.collision.scene import Scene
+from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import InstallationError, InvalidInputError
+from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.operating_modes import Commander, OperatingMode
+from robots_core.pose import Pose
 from robots_core.ros.heartbeat import HeartbeatWatch
 from robots_core.ros.messages import (
     diagnostic_values,
     joint_values,
     number_in,
-    pose_from_message,
     seconds,
 )
-from robots_core.ros.qos import COMMAND, SENSOR, STREAM, subscribe_state
+from robots_core.ros.qos import COMMAND, SENSOR, subscribe_state
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import fraction
+from robots_planning.motion_settings import settings_from_text
+from robots_planning.pathplanning import PathPlanning
 
 RATE: Final = 10.0  # Hz, of what is shown
 ASK_PERIOD: Final = 0.5  # s between requests to nodes that have not answered
@@ -65,14 +69,18 @@ class PendantNode(RobotNode):
         super().__init__('pendant_node', **options)
         port = self.parameter('port', 8090, 'first port to try for the page; 0 lets the system choose')
         folder = self.parameter('programs', 'programs', 'folder of the robot programs that can be chosen')
-        self.operator = PendantOperator(self.robot, PendantLink(self), self.now)
+        self._collision_scene = Scene()
+        self._preview: PathPlanning | None = None
+        self.operator = PendantOperator(self.robot, PendantLink(self), self.now, self._make_planning)
+        WatchedScene(self, self._on_scene)
         self._seen: set[str] = set()
         self._asked: dict[str, float] = {}  # when, s
-        self._pose_time = 0.0
+        self._joints_time = 0.0
+        self._margin = 0.0
         self._subscribe()
         self._watch = HeartbeatWatch(self, WATCHED, LOST_AFTER, lambda *_: self._look_for_lost())
         self._questions: dict[str, tuple[Sequence[str], Callable[[list[Any]], None]]] = {
-            PLANNER: (('teach_speed', 'teach_tool_speed'), self._on_jog_speeds),
+            PLANNER: (('teach_speed', 'teach_tool_speed', 'collision_margin'), self._on_jog_speeds),
             PROGRAM: (('program', *LABELS.values()), self._on_program_parameters),
         }
         self._question_clients = {
@@ -117,17 +125,31 @@ class PendantNode(RobotNode):
         subscribe_state(self, Float64, 'override', self._on_override)
         subscribe_state(self, DiagnosticStatus, 'stop_status', self._on_stop)
         subscribe_state(self, DiagnosticStatus, 'program_status', self._on_program)
+        subscribe_state(self, DiagnosticStatus, 'motion_settings', self._on_settings)
         subscribe_state(self, DiagnosticStatus, 'forced_inputs', self._on_forced)
         for image in IMAGES:
             topic = image if image in OUTPUTS else f'{PROGRAM}/{image}'
             subscribe_state(self, image_message(image), topic, partial(self._on_image, image))
         self.poll(JointState, 'joint_states', self._on_joints, SENSOR, rate=RATE)
-        self.poll(PoseStamped, 'tcp_pose', self._on_pose, STREAM, rate=RATE)
         self.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, COMMAND)
         self.create_subscription(Log, '/rosout', self._on_log, LOGS)
 
     def _show(self, **changes: Any) -> None:
         self.operator.state = replace(self.operator.state, **changes)
+
+    # -- previews of motions ------------------------------------------------------------------------------
+
+    def _make_planning(self) -> PathPlanning:
+        collision = CollisionDetection(self.robot)
+        planning = PathPlanning(self.robot, collision=collision, collision_margin=self._margin)
+        planning.set_scene(self._collision_scene)
+        self._preview = planning
+        return planning
+
+    def _on_scene(self, scene: Scene) -> None:
+        self._collision_scene = scene
+        if self._preview is not None:
+            self._preview.set_scene(scene)
 
     # -- what the nodes report ----------------------------------------------------------------------------
 
@@ -156,6 +178,9 @@ class PendantNode(RobotNode):
             self._ask()
         self._show(program=program)
 
+    def _on_settings(self, message: DiagnosticStatus) -> None:
+        self._show(settings=settings_from_text(diagnostic_values(message)))
+
     def _on_forced(self, message: DiagnosticStatus) -> None:
         forced = frozenset(name.partition(' ')[0] for name in diagnostic_values(message))
         self._show(io=replace(self.operator.state.io, forced=forced))
@@ -167,16 +192,11 @@ class PendantNode(RobotNode):
 
     def _on_joints(self, message: JointState) -> None:
         q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
-        self._show(q=q)
-
-    def _on_pose(self, message: PoseStamped) -> None:
-        pose, time = pose_from_message(message.pose), seconds(message.header.stamp)
-        before, passed = self.operator.state.tool, time - self._pose_time
-        self._pose_time = time
-        if before is not None and passed > 0.0:
-            self._show(tool=pose, tool_speed=float(np.linalg.norm(pose.r - before.r)) / passed)
-        else:
-            self._show(tool=pose)
+        pose = Pose(*self.robot.direct_kinematics(q)) @ self.operator.state.settings.tool_pose
+        time, before = seconds(message.header.stamp), self.operator.state.tool
+        passed, self._joints_time = time - self._joints_time, time
+        moved = 0.0 if before is None else float(np.linalg.norm(pose.r - before.r))
+        self._show(q=q, tool=pose, **({'tool_speed': moved / passed} if passed > 0.0 else {}))
 
     def _on_health(self, message: DiagnosticArray) -> None:
         prefix = self.get_namespace().rstrip('/') + '/'
@@ -226,7 +246,8 @@ class PendantNode(RobotNode):
         self._questions[name][1]([parameter_value_to_python(value) for value in values])
 
     def _on_jog_speeds(self, values: list[Any]) -> None:
-        self._show(jog_speeds=JogSpeeds(*values))
+        *speeds, self._margin = values
+        self._show(jog_speeds=JogSpeeds(*speeds))
 
     def _on_program_parameters(self, values: list[Any]) -> None:
         path, *labels = values

@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
+import threading
 from collections import deque
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from typing import Final
-
-import numpy as np
 
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.control_desk import ControlDesk
-from robots_controller.pendant.jog_command import JogCommand
+from robots_controller.pendant.held_button import HeldButton, standing
+from robots_controller.pendant.jog_outlook import Ahead, JogOutlook
 from robots_controller.pendant.message_log import MessageLog
+from robots_controller.pendant.pendant_motion import JogBasis, MotionPreview, Preview, Way, target_command
 from robots_controller.pendant.pendant_port import PendantPort
-from robots_controller.pendant.pendant_state import STARTABLE, PendantState
+from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError, refusal
-from robots_controller.pendant.press import Press
-from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError
 from robots_core.operating_modes import OperatingMode
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_planning.pathplanning import PathPlanning
 
-HOLD_KEY: Final = 'run'
-"""Of the button that is held while a program runs."""
 MOST_PRINTS: Final = 500
 
 SERVICES: Final[Mapping[Action, str]] = {
@@ -36,16 +34,6 @@ SERVICES: Final[Mapping[Action, str]] = {
 }
 
 
-@dataclass
-class _Held:
-    """The press of a viewer, whether it has commanded something, and whether it has started the program."""
-
-    viewer: str
-    press: Press
-    sent: bool = False
-    started: bool = False
-
-
 class PendantOperator:
     """What all pages of a pendant share: the state, who operates, and the button that is held.
 
@@ -56,17 +44,29 @@ class PendantOperator:
         robot: The robot.
         port: The cell.
         now: Time, s.
+        planning: Makes the planner of previews when the first one is wanted; by default one that knows no
+            obstacles.
     """
 
-    def __init__(self, robot: BaseRobotModel, port: PendantPort, now: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        robot: BaseRobotModel,
+        port: PendantPort,
+        now: Callable[[], float],
+        planning: Callable[[], PathPlanning] | None = None,
+    ) -> None:
+        planning = planning or (lambda: PathPlanning(robot))
         self.robot: Final = robot
         self.desk: Final = ControlDesk()
         self.messages: Final = MessageLog()
         self.prints: deque[tuple[int, str]] = deque(maxlen=MOST_PRINTS)
         """What programs have printed, numbered, oldest first."""
         self.state = PendantState()
-        self._port, self._now = port, now
-        self._held: _Held | None = None
+        self.held: Final = HeldButton(robot, port, now, self._check)
+        self._port = port
+        self._outlook = JogOutlook(robot)
+        self._planning, self._planner = threading.Lock(), cache(lambda: MotionPreview(planning()))
+        self._previews: dict[str, Preview] = {}
         self._printed = 0
 
     def print(self, text: str) -> None:
@@ -79,99 +79,71 @@ class PendantOperator:
     def take_control(self, viewer: str, *, from_other: bool = False) -> None:
         """See `ControlDesk.take`; what the other viewer holds is released."""
         self.desk.take(viewer, from_other=from_other)
-        if self._held is not None and self._held.viewer != viewer:
-            self._release()
+        if self.held.viewer != viewer:
+            self.held.release()
 
     def give_back_control(self, viewer: str) -> None:
         """Release what the viewer holds, and give control back; called too when a viewer is gone."""
         self.release(viewer)
+        self.forget_preview(viewer)
         self.desk.give_back(viewer)
 
     # -- what is held -------------------------------------------------------------------------------------
 
-    def hold(self, viewer: str, number: int, key: str, speed: float = 1.0) -> Action | None:
-        """Take a sign that a viewer holds a button.
-
-        Args:
-            viewer: Who.
-            number: Of the press, each with another one.
-            key: Of the button, see `JogCommand.from_key`, or HOLD_KEY.
-            speed: Part of the highest jog speed, 0..1.
-
-        Returns:
-            The action to `act` on now: what is held starts the program.
-
-        Raises:
-            NotPermittedError: when the press begins, or because of what has happened since.
-            InvalidInputError: no such button.
-        """
-        now, held = self._now(), self._held
-        if held is None or (held.viewer, held.press.number) != (viewer, number):
-            self.desk.check(viewer)
-            self._release()
-            held = self._held = _Held(viewer, Press(number, key, now))
-        if held.press.over:
-            return None
-        if not held.press.hold(now):
-            self._stop_held(held)
-            return None
-        try:
-            self._check(viewer, Action.HOLD_RUN if key == HOLD_KEY else Action.JOG)
-            jog = None if key == HOLD_KEY else JogCommand.from_key(key, speed, self.robot.num_axes)
-        except (NotPermittedError, InvalidInputError):
-            held.press.over = True
-            self._stop_held(held)
-            raise
-        held.sent = True
-        if jog is not None:
-            self._jog(jog)
-            return None
-        self._port.hold_run(held=True)
-        return self._start(held)
+    def hold(
+        self, viewer: str, number: int, key: str, speed: float = 1.0, step: float = 0.0
+    ) -> Action | None:
+        """A viewer holds a button; see `HeldButton.hold`. What it returns is to be given to `act`."""
+        preview = self._previews.get(viewer)
+        return self.held.hold(viewer, number, key, self.state, speed=speed, step=step, preview=preview)
 
     def release(self, viewer: str) -> None:
         """A viewer has released what it held, or the connection to it is lost."""
-        if self._held is not None and self._held.viewer == viewer:
-            self._release()
+        if self.held.viewer == viewer:
+            self.held.release()
 
-    def _release(self) -> None:
-        held, self._held = self._held, None
-        if held is not None and not held.press.over:
-            self._stop_held(held)
-
-    def _stop_held(self, held: _Held) -> None:
-        """Stop at once what would stop by itself after its timeout."""
-        if not held.sent:
-            return
-        if held.press.key == HOLD_KEY:
-            self._port.hold_run(held=False)
-        elif held.press.key.startswith('axes'):
-            self._port.jog_axes(np.zeros(self.robot.num_axes))
-        else:
-            self._port.jog_tool(np.zeros(6), 'base')
-
-    def _jog(self, command: JogCommand) -> None:
-        speeds = self.state.jog_speeds
-        if command.frame == 'axes':
-            self._port.jog_axes(command.velocity(self.robot.axes_data, speeds))
-        else:
-            self._port.jog_tool(command.twist(speeds), command.frame)
-
-    def _start(self, held: _Held) -> Action | None:
-        if held.started or not self.state.run_enabled:
+    def ahead(self) -> Ahead | None:
+        """What will stop the jog that is under way; None for nothing soon."""
+        jog, state = self.held.jog, self.state
+        if jog is None or state.q is None:
             return None
-        held.started = True
-        program = self.state.program
-        if program.state in STARTABLE:
-            return Action.RUN
-        paused = program.state is RunState.PAUSED and program.hold != 'release'
-        return Action.RESUME if paused else None
+        return self._outlook.ahead(jog, state.q, state.jog_speeds, state.settings)
+
+    def preview(self, viewer: str, way: Way, values: Sequence[float], speed: float) -> Preview:
+        """Plan the motion to a typed target, and show its end in the 3D view.
+
+        Args:
+            viewer: Who.
+            way: How the target is given and reached.
+            values: See `target_command`.
+            speed: Part of the highest jog speed, 0..1.
+
+        Raises:
+            RobotsError: the target cannot be reached so.
+        """
+        self.forget_preview(viewer)
+        self._check(viewer, Action.MOVE)
+        state = self.state
+        basis = JogBasis(state.jog_speeds, state.settings)
+        command = target_command(self.robot, way, values, speed, basis)
+        with self._planning:
+            found = self._planner().plan(
+                command, standing(self._port, state), state.settings, state.jog_speeds.tool
+            )
+        self._previews[viewer] = found
+        self._port.show_ghost(found.q)
+        return found
+
+    def forget_preview(self, viewer: str) -> None:
+        """The target of a viewer is another one now, or none."""
+        if self._previews.pop(viewer, None) is not None:
+            self._port.show_ghost(None)
 
     # -- what is pressed once -----------------------------------------------------------------------------
 
     def stop(self) -> None:
         """Stop the program and the robot: any viewer may."""
-        self._release()
+        self.held.release()
         self._port.stop()
 
     def act(self, viewer: str, action: Action) -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.jog_command import JogFrame
+from robots_controller.program.motion_command import MotionCommand
+from robots_core.errors import RobotsError
 from robots_core.operating_modes import OperatingMode
 from robots_core.validation import Array
 
@@ -21,6 +24,23 @@ class PendantPort(Protocol):
 
     def hold_run(self, *, held: bool) -> None:
         """Run is held, for the controller's timeout, or released."""
+
+    def begin_move(self, command: MotionCommand, done: Callable[[RobotsError | None], None]) -> None:
+        """Command a motion as the commander PENDANT.
+
+        Args:
+            command: The motion.
+            done: Called from any thread when it has ended, with why it has not reached its target.
+        """
+
+    def end_move(self) -> None:
+        """Stop the motion of `begin_move`, and give the robot back."""
+
+    def reference(self) -> Array | None:
+        """Where the robot shall be now, (n,), rad (m); None while no controller says so."""
+
+    def show_ghost(self, q: Array | None) -> None:
+        """Show the robot in the 3D view at other joint positions too, (n,), rad (m); None: no more."""
 
     def set_override(self, value: float) -> None:
         """Set the speed override, 0..1."""

@@ -11,6 +11,7 @@ from robots_core.blocks.following.guide import Guide
 from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.pose import Pose
 from robots_core.validation import Array
+from robots_planning.motion_settings import MotionSettings
 
 WATCHED: Final = ('controller_node', 'planning_node', 'lua_program_node')
 """Nodes without which a robot cannot be operated."""
@@ -85,13 +86,14 @@ class PendantState:
         fault: Why the robot is stopped until a reset; '' if it is not.
         override: Speed override, 0..1.
         q: Measured joint positions, (n,), rad (m); None before the first.
-        tool: Pose of the tool centre point in the base frame; None before the first.
+        tool: Pose of the tool centre point of `settings` in the robot's base; None before the first.
         tool_speed: Of the tool centre point, m/s.
         hindrance: What planning_node reports as wrong, such as the limit that stops a jog; '' for nothing.
         scene_url: Address of the 3D view; '' for none.
         program: The robot program.
         io: Inputs and outputs.
         jog_speeds: Highest speeds of a jogged robot.
+        settings: Those of the next motion, as planning_node has them.
     """
 
     lost: tuple[str, ...] = WATCHED
@@ -110,6 +112,7 @@ class PendantState:
     program: ShownProgram = field(default_factory=ShownProgram)
     io: ShownIo = field(default_factory=ShownIo)
     jog_speeds: JogSpeeds = field(default_factory=JogSpeeds)
+    settings: MotionSettings = field(default_factory=MotionSettings)
 
     @property
     def values(self) -> Mapping[str, Any]:

@@ -20,6 +20,7 @@ class Action(StrEnum):
     """What can be pressed; a stop needs no permission."""
 
     JOG = 'jog'
+    MOVE = 'move'
     OPEN = 'open'
     RUN = 'run'
     HOLD_RUN = 'hold_run'
@@ -102,6 +103,10 @@ def _manual(state: PendantState) -> str:
     return '' if state.mode in (OperatingMode.T1, OperatingMode.T2) else 'not_manual'
 
 
+def _steps(state: PendantState) -> str:
+    return '' if state.mode is not None and MODES[state.mode].held else 'no_steps'
+
+
 def _not_running(state: PendantState) -> str:
     return 'running' if state.program.state is RunState.RUNNING else ''
 
@@ -111,6 +116,7 @@ _UNDER_WAY: Final = _program(RunState.RUNNING, RunState.PAUSED, otherwise='not_r
 
 RULES: Final[Mapping[Action, tuple[Rule, ...]]] = {
     Action.JOG: (_missing, _stopped, _commander(Commander.PENDANT)),
+    Action.MOVE: (_missing, _stopped, _commander(Commander.PENDANT), _steps),
     Action.OPEN: (_missing, _program(RunState.IDLE, *STARTABLE, otherwise='under_way')),
     Action.RUN: (*_RUNNABLE, _program(*STARTABLE, otherwise='not_startable'), _held),
     Action.HOLD_RUN: (

@@ -11,13 +11,14 @@ from fastapi import Request
 from nicegui import Client, ui
 from nicegui.events import GenericEventArguments
 
+from robots_controller.pendant.held_button import RUN_KEY
 from robots_controller.pendant.page.io_panel import IoPanel
 from robots_controller.pendant.page.jog_panel import JogPanel
 from robots_controller.pendant.page.message_panel import MessagePanel
 from robots_controller.pendant.page.program_panel import ProgramPanel
 from robots_controller.pendant.page.top_bar import TopBar
 from robots_controller.pendant.page.viewer import Panel, Viewer
-from robots_controller.pendant.pendant_operator import HOLD_KEY, PendantOperator
+from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_texts
 from robots_core.errors import RobotsError
 
@@ -43,6 +44,7 @@ class PendantPage:
             chosen if chosen in LANGUAGES else preferred_language(request.headers.get('accept-language', ''))
         )
         self._operator = operator
+        self._number = 0  # of the newest press
         self._viewer = viewer = Viewer(client.id, operator, read_texts(language))
         theme = request.cookies.get(THEME_COOKIE)
         ui.dark_mode(value=None if theme not in ('dark', 'light') else theme == 'dark')
@@ -93,9 +95,12 @@ class PendantPage:
 
     async def _hold(self, event: GenericEventArguments) -> None:
         number, key = _press(event.args)
-        line = self._program.line if key == HOLD_KEY else self._jog.line
+        line = self._program.line if key == RUN_KEY else self._jog.line
+        if number != self._number:
+            self._number = number
+            line.show('')
         try:
-            action = self._operator.hold(self._viewer.id, number, key, self._jog.speed)
+            action = self._operator.hold(self._viewer.id, number, key, self._jog.speed, self._jog.step(key))
         except RobotsError as error:
             line.show(self._viewer.texts.error(error))
             return
@@ -104,7 +109,6 @@ class PendantPage:
 
     def _release(self) -> None:
         self._operator.release(self._viewer.id)
-        self._jog.line.show('')
 
     # -- what is shown ------------------------------------------------------------------------------------
 

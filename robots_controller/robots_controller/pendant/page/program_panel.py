@@ -13,8 +13,8 @@ from pygments.formatters import HtmlFormatter
 from pygments.lexers import LuaLexer
 from pygments.token import Token
 
+from robots_controller.pendant.held_button import RUN_KEY
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
-from robots_controller.pendant.pendant_operator import HOLD_KEY
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.programs import program_files, read_program
@@ -58,7 +58,7 @@ class ProgramPanel:
                 with (
                     ui.element('button')
                     .classes('hold')
-                    .props(f'type=button data-press="{HOLD_KEY}"') as self._hold
+                    .props(f'type=button data-press="{RUN_KEY}"') as self._hold
                 ):
                     ui.icon('play_arrow')
                     ui.label(text('program.hold'))
