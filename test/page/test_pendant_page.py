@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from robots_controller.pendant.pendant_operator import PendantOperator
+from robots_controller.pendant.pendant_state import ShownProgram
+from robots_controller.program.run_state import RunState
 from robots_core.operating_modes import OperatingMode
 
 from .browser_page import DEADLINE, FORWARDS, browser, open_page, press, take_control, wait
@@ -208,6 +211,36 @@ def test_a_program_is_chosen_and_its_line_is_followed(
         page.locator(f'.source .running[data-line="{line}"]').wait_for()
         page.locator('.prints', has_text=f'at {line}').wait_for()
     assert 'line 40' in page.locator('.fact.program').inner_text()
+
+
+def test_points_and_motions_are_taught_and_taken_back(
+    page: Page, operator: PendantOperator, cell: MadeUpCell, tmp_path: Path
+) -> None:
+    path = tmp_path / 'part.lua'
+    path.write_text('setOverride(1)\nsetOverride(0.5)\n')
+    points = path.with_suffix('.points.yaml')
+    show(page, 'Program')
+    state = ShownProgram(str(path), RunState.OPENED, points_file=str(points))
+    operator.state = replace(operator.state, program=state)
+    panel = page.locator('.program-panel')
+    panel.locator('[data-line="1"]').click()
+    panel.locator('.cursor[data-line="1"]').wait_for()
+    panel.get_by_role('button', name='Line').click()
+    panel.get_by_text('Line 2: a motion to P1.').wait_for()
+    assert path.read_text() == "setOverride(1)\nptpCartesianSpace(getTaughtPose('P1'))\nsetOverride(0.5)\n"
+    assert cell.calls == [('open', str(path))]
+    panel.locator('.cursor[data-line="2"]', has_text='getTaughtPose').wait_for()
+    panel.get_by_role('button', name='Arc').click()
+    panel.get_by_text('The arc passes P2').wait_for()
+    panel.get_by_role('button', name='Arc').click()
+    panel.locator('[data-line="3"]', has_text='circCartesianSpace').wait_for()
+    for left in (2, 1, 0):
+        panel.get_by_role('button', name='Undo').click()
+        wait(page, lambda: len(operator.teaching.history) == left, 'an undone change')  # noqa: B023
+    points.write_text('points:\n  P1: {q: [0,\n')
+    panel.get_by_role('button', name='Teach here').click()
+    panel.get_by_role('alert').get_by_text('part.points.yaml:3:').wait_for()
+    assert path.read_text() == 'setOverride(1)\nsetOverride(0.5)\n'
 
 
 def test_outputs_are_switched_and_shown(page: Page, operator: PendantOperator, cell: MadeUpCell) -> None:

@@ -370,6 +370,10 @@ GUIDED = replace(AUTOMATIC, guide=Guide.PERSON, commander=Commander.PROGRAM)
         (Action.RUN, with_program(RunState.OPENED), 'hold_needed'),
         (Action.RUN, with_program(RunState.OPENED, mode=OperatingMode.REMOTE), 'mode_excludes_program'),
         (Action.RUN, AUTOMATIC, 'not_startable'),
+        (Action.TEACH, with_program(RunState.PAUSED), ''),
+        (Action.TEACH, with_program(RunState.RUNNING), 'running'),
+        (Action.EDIT, with_program(RunState.PAUSED), 'not_ended'),
+        (Action.EDIT, with_program(RunState.FAILED), ''),
         (Action.HOLD_RUN, with_program(RunState.OPENED, mode=OperatingMode.AUTOMATIC), 'no_hold_needed'),
         (Action.PAUSE, with_program(RunState.RUNNING), ''),
         (Action.PAUSE, with_program(RunState.PAUSED), 'not_running'),
@@ -406,4 +410,4 @@ def test_every_reason_has_its_text() -> None:
             for code in LANGUAGES:
                 assert '{' not in read_texts(code).error(NotPermittedError(found))
     known = {key.removeprefix('reasons.') for key in read_texts('en').texts if key.startswith('reasons.')}
-    assert reasons | {'controlled', 'not_in_control', 'no_preview', 'no_position'} == known
+    assert reasons | {'controlled', 'not_in_control', 'no_preview', 'no_position', 'no_program'} == known

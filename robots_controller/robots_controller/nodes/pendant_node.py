@@ -26,6 +26,7 @@ from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import WATCHED, JogSpeeds, ShownProgram
 from robots_controller.program.run_state import RunState
+from robots_controller.program.taught_points import SUFFIX
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.blocks.following.guide import Guide
@@ -81,7 +82,7 @@ class PendantNode(RobotNode):
         self._watch = HeartbeatWatch(self, WATCHED, LOST_AFTER, lambda *_: self._look_for_lost())
         self._questions: dict[str, tuple[Sequence[str], Callable[[list[Any]], None]]] = {
             PLANNER: (('teach_speed', 'teach_tool_speed', 'collision_margin'), self._on_jog_speeds),
-            PROGRAM: (('program', *LABELS.values()), self._on_program_parameters),
+            PROGRAM: (('program', 'points_file', *LABELS.values()), self._on_program_parameters),
         }
         self._question_clients = {
             name: self.create_client(GetParameters, f'{name}/get_parameters') for name in self._questions
@@ -164,6 +165,7 @@ class PendantNode(RobotNode):
         before = self.operator.state.program
         program = ShownProgram(
             path=before.path,
+            points_file=before.points_file,
             state=_run_state(values.get('state', '')),
             file=values.get('file', ''),
             line=int(number_in(values, 'line', 0.0)),
@@ -250,10 +252,12 @@ class PendantNode(RobotNode):
         self._show(jog_speeds=JogSpeeds(*speeds))
 
     def _on_program_parameters(self, values: list[Any]) -> None:
-        path, *labels = values
+        path, points_file, *labels = values
+        points_file = points_file or (str(Path(path).with_suffix(SUFFIX)) if path else '')
         state = self.operator.state
         named = {image: tuple(names or ()) for image, names in zip(LABELS, labels, strict=True)}
-        self._show(program=replace(state.program, path=path or ''), io=replace(state.io, labels=named))
+        program = replace(state.program, path=path or '', points_file=points_file)
+        self._show(program=program, io=replace(state.io, labels=named))
 
     def destroy_node(self) -> None:
         """End the page with the node."""

@@ -6,6 +6,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
+from pathlib import Path
 from typing import Final
 
 from robots_controller.io.io_image import Channel
@@ -16,7 +17,9 @@ from robots_controller.pendant.message_log import MessageLog
 from robots_controller.pendant.pendant_motion import JogBasis, MotionPreview, Preview, Way, target_command
 from robots_controller.pendant.pendant_port import PendantPort
 from robots_controller.pendant.pendant_state import PendantState
-from robots_controller.pendant.permissions import Action, NotPermittedError, refusal
+from robots_controller.pendant.permissions import Action, NotPermittedError, Reason, refusal
+from robots_controller.pendant.programs import program_file
+from robots_controller.program.teaching import Motion, Teaching
 from robots_core.errors import InvalidInputError
 from robots_core.operating_modes import OperatingMode
 from robots_core.robot_model.base_robot_model import BaseRobotModel
@@ -59,6 +62,7 @@ class PendantOperator:
         self.robot: Final = robot
         self.desk: Final = ControlDesk()
         self.messages: Final = MessageLog()
+        self.teaching: Final = Teaching(robot)
         self.prints: deque[tuple[int, str]] = deque(maxlen=MOST_PRINTS)
         """What programs have printed, numbered, oldest first."""
         self.state = PendantState()
@@ -159,6 +163,51 @@ class PendantOperator:
         """Open a robot program."""
         self._check(viewer, Action.OPEN)
         self._port.open_program(path)
+
+    # -- points and programs ------------------------------------------------------------------------------
+
+    def teach(self, viewer: str, name: str) -> None:
+        """Store where the robot stands as a point of the program that is open.
+
+        Raises:
+            RobotsError: the points file is not valid, or cannot be written.
+        """
+        self._check(viewer, Action.TEACH)
+        self.teaching.teach(self._points_file, name, standing(self._port, self.state))
+
+    def insert_motion(self, viewer: str, file: str, line: int, motion: Motion, names: Sequence[str]) -> int:
+        """Teach where the robot stands, insert a motion to it, and open the program again.
+
+        Args:
+            viewer: Who.
+            file: Name of the program, or of a subprogram.
+            line: The motion comes after this line; the line of the motion is returned.
+            motion: Its kind.
+            names: Of its points, see `Teaching.insert`.
+
+        Raises:
+            RobotsError: a file is not valid, or cannot be written.
+        """
+        self._check(viewer, Action.EDIT)
+        program, q = Path(self.state.program.path), standing(self._port, self.state)
+        found = program_file(program, file)
+        new = self.teaching.insert(self._points_file, found, line, motion=motion, names=names, q=q)
+        self._port.open_program(str(program))
+        return new
+
+    def undo(self, viewer: str) -> None:
+        """Take the newest change of a program or a points file back, and open the program again."""
+        self._check(viewer, Action.EDIT)
+        self.teaching.history.undo()
+        self._port.open_program(self.state.program.path)
+
+    @property
+    def _points_file(self) -> Path:
+        if not self.state.program.points_file:
+            raise NotPermittedError(Reason('no_program'))
+        return Path(self.state.program.points_file)
+
+    # -- settings, inputs and outputs ---------------------------------------------------------------------
 
     def set_mode(self, viewer: str, mode: str) -> None:
         """Set the operating mode."""

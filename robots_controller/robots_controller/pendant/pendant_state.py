@@ -32,6 +32,7 @@ class ShownProgram:
         motion_line: Line of the motion that was sent last; 0 for none.
         error: Why it has failed; '' if it has not.
         hold: Why it is held; '' if it is not.
+        points_file: Where its taught points stand; '' without a program.
     """
 
     path: str = ''
@@ -42,6 +43,7 @@ class ShownProgram:
     motion_line: int = 0
     error: str = ''
     hold: str = ''
+    points_file: str = ''
 
 
 @dataclass(frozen=True)

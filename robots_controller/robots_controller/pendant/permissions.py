@@ -21,6 +21,8 @@ class Action(StrEnum):
 
     JOG = 'jog'
     MOVE = 'move'
+    TEACH = 'teach'
+    EDIT = 'edit'
     OPEN = 'open'
     RUN = 'run'
     HOLD_RUN = 'hold_run'
@@ -117,6 +119,8 @@ _UNDER_WAY: Final = _program(RunState.RUNNING, RunState.PAUSED, otherwise='not_r
 RULES: Final[Mapping[Action, tuple[Rule, ...]]] = {
     Action.JOG: (_missing, _stopped, _commander(Commander.PENDANT)),
     Action.MOVE: (_missing, _stopped, _commander(Commander.PENDANT), _steps),
+    Action.TEACH: (_missing, _not_running),
+    Action.EDIT: (_missing, _program(*STARTABLE, otherwise='not_ended')),
     Action.OPEN: (_missing, _program(RunState.IDLE, *STARTABLE, otherwise='under_way')),
     Action.RUN: (*_RUNNABLE, _program(*STARTABLE, otherwise='not_startable'), _held),
     Action.HOLD_RUN: (

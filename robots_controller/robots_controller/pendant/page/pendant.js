@@ -68,6 +68,11 @@ const pendant = (() => {
     }
   }));
 
+  document.addEventListener('click', (event) => {
+    const line = event.target.closest?.('#source [data-line]');
+    if (line && connected()) emitEvent('pendant_cursor', Number(line.dataset.line));
+  });
+
   const remember = (name, value) => {
     document.cookie = `${name}=${value}; path=/; max-age=31536000; samesite=strict`;
   };
@@ -84,6 +89,12 @@ const pendant = (() => {
       const shown = source.querySelector(`[data-line="${line}"]`);
       shown?.classList.add(failed ? 'failed' : 'running');
       shown?.scrollIntoView({block: 'nearest'});
+    },
+    // Marks the line after which motions are inserted.
+    cursor(line) {
+      const source = document.getElementById('source');
+      source?.querySelector('.cursor')?.classList.remove('cursor');
+      source?.querySelector(`[data-line="${line}"]`)?.classList.add('cursor');
     },
     switchTheme() {
       const dark = document.body.classList.contains('body--dark');

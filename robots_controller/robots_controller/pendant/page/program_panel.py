@@ -14,10 +14,11 @@ from pygments.lexers import LuaLexer
 from pygments.token import Token
 
 from robots_controller.pendant.held_button import RUN_KEY
+from robots_controller.pendant.page.teach_row import TeachRow
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
-from robots_controller.pendant.programs import program_files, read_program
+from robots_controller.pendant.programs import program_file, program_files, read_program
 from robots_core.errors import RobotsError
 from robots_core.operating_modes import MODES
 
@@ -43,7 +44,8 @@ class ProgramPanel:
 
     def __init__(self, viewer: Viewer, folder: Path) -> None:
         self._viewer, self._folder, text = viewer, folder, viewer.texts
-        self._shown: tuple[str, str] | None = None  # path and file
+        self._shown: tuple[str, str, float] | None = None  # path, file and when that was written
+        self._cursor = 0  # the line after which motions are inserted
         self._marks: tuple[int, int, bool] = (0, 0, False)
         self._printed = -1
         with ui.element('div').classes('panel program-panel'):
@@ -72,6 +74,8 @@ class ProgramPanel:
             self.line = RefusalLine()
             self._error = ui.label().classes('refusal')
             self._source = ui.html('', sanitize=False).classes('source').props('id=source')
+            ui.on('pendant_cursor', lambda event: self._put_cursor(int(event.args)))
+            self._teach = TeachRow(viewer, self.line, lambda: (self._file, self._cursor), self._put_cursor)
             ui.label(text('program.printed')).classes('caption')
             self._prints = ui.html('', sanitize=False).classes('prints')
 
@@ -101,6 +105,7 @@ class ProgramPanel:
         self._error.set_text(program.error)
         self._error.set_visibility(bool(program.error))
         self._show_source(state)
+        self._teach.refresh(state)
         line = program.line if program.file == self._file else 0
         motion = program.motion_line if program.motion_file == self._file else 0
         marks = line, motion, bool(program.error)
@@ -115,9 +120,12 @@ class ProgramPanel:
 
     def _show_source(self, state: PendantState) -> None:
         program = state.program
-        shown = program.path, program.file or Path(program.path).name
+        file = program.file or Path(program.path).name
+        shown = program.path, file, _written(Path(program.path), file)
         if shown == self._shown:
             return
+        if self._shown is None or shown[:2] != self._shown[:2]:
+            self._cursor = 0
         self._shown, self._marks = shown, (0, 0, False)
         text = self._viewer.texts
         if not program.path:
@@ -127,9 +135,15 @@ class ProgramPanel:
         name = str(Path(program.path).relative_to(self._folder)) if self._is_listed(program.path) else ''
         self._choice.set_value(name if name in names else None)
         try:
-            self._source.set_content(_lines(read_program(program.path, shown[1])))
+            self._source.set_content(_lines(read_program(program.path, file)))
+            self._cursor = self._cursor or self._source.content.count('data-line=')
+            ui.run_javascript(f'pendant.cursor({self._cursor})')
         except RobotsError:
-            self._source.set_content(escape(text('program.unreadable', file=shown[1])))
+            self._source.set_content(escape(text('program.unreadable', file=file)))
+
+    def _put_cursor(self, line: int) -> None:
+        self._cursor = line
+        ui.run_javascript(f'pendant.cursor({line})')
 
     def _is_listed(self, path: str) -> bool:
         return Path(path).is_relative_to(self._folder)
@@ -143,6 +157,12 @@ class ProgramPanel:
             # Turned around by the style, so that the newest stays in view.
             nothing = f'<div class="hint">{escape(self._viewer.texts("program.nothing_printed"))}</div>'
             self._prints.set_content(''.join(reversed(lines)) or nothing)
+
+
+def _written(program: Path, file: str) -> float:
+    """When a file was written; 0 for none."""
+    path = program_file(program, file)
+    return path.stat().st_mtime if path.is_file() else 0.0
 
 
 def _lines(text: str) -> str:
