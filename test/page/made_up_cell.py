@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from robots_controller.interpreter.debugger import CallStack
 from robots_controller.io.io_image import IMAGES, Channel
 from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.page.page_server import PageServer
@@ -41,6 +43,7 @@ class MadeUpCell:
 
     calls: list[tuple[Any, ...]] = field(default_factory=list)
     refusal: str = ''
+    stack: CallStack = field(default_factory=CallStack)
     done: Callable[[RobotsError | None], None] = print
 
     def jog_axes(self, velocity: Array) -> None:
@@ -76,6 +79,16 @@ class MadeUpCell:
 
     def open_program(self, path: str) -> None:
         self._answer('open', path)
+
+    def set_breakpoints(self, breakpoints: Sequence[str]) -> None:
+        self._answer('breakpoints', *breakpoints)
+
+    def step(self, step: str) -> None:
+        self._answer('step', step)
+
+    def call_stack(self) -> str:
+        self._answer('call_stack')
+        return json.dumps(asdict(self.stack))
 
     def set_mode(self, mode: OperatingMode) -> None:
         self._answer('mode', mode)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
@@ -27,6 +27,7 @@ from robots_core.ros.qos import COMMAND, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
 
+PROGRAM: Final = 'lua_program_node'
 PATIENCE: Final = 10.0  # s
 STOPS: Final = ('lua_program_node/stop', 'controller_node/stop')
 
@@ -105,6 +106,19 @@ class PendantLink:
     def open_program(self, path: str) -> None:
         """See `PendantPort`."""
         open_program(self._services, path)
+
+    def set_breakpoints(self, breakpoints: Sequence[str]) -> None:
+        """See `PendantPort`."""
+        set_parameters(self._services, PROGRAM, breakpoints=[*breakpoints] or [''])
+
+    def step(self, step: str) -> None:
+        """See `PendantPort`."""
+        set_parameters(self._services, PROGRAM, step_mode=step)
+        self._services.trigger(f'{PROGRAM}/step')
+
+    def call_stack(self) -> str:
+        """See `PendantPort`."""
+        return self._services.trigger(f'{PROGRAM}/get_call_stack')
 
     def set_mode(self, mode: OperatingMode) -> None:
         """See `PendantPort`."""

@@ -23,6 +23,7 @@ from robots_core.ros.robot_node import RobotNode
 
 TAKE: Final = 'controller_node/commander/pendant'
 STOP: Final = 'controller_node/stop'
+STANDING_TIME: Final = 1.0  # s, in which a jog before has ended
 WATCH_PERIOD: Final = 0.1  # s
 Done = Callable[[RobotsError | None], None]
 
@@ -96,7 +97,9 @@ class PendantMoves:
             lambda message: self._motions.result(motion_result_from_message(message)),
             COMMAND,
         )
-        node.create_timer(WATCH_PERIOD, self._motions.watch)
+        node.create_timer(WATCH_PERIOD, self._watch)
+        self._now, self._begun = node.now, 0.0
+        self._waiting = False  # for the robot to stand, so that it can be taken
         services.prepare([STOP])
         services.prepare([TAKE], SetBool)
 
@@ -104,6 +107,10 @@ class PendantMoves:
         """Take the robot, and command a motion; see `PendantPort.begin_move`."""
         with self._lock:
             self._running = command, done
+        self._begun, self._waiting = self._now(), False
+        self._take(command)
+
+    def _take(self, command: MotionCommand) -> None:
         self._services.send(TAKE, SetBool, SetBool.Request(data=True), partial(self._taken, command))
 
     def end(self) -> None:
@@ -120,8 +127,17 @@ class PendantMoves:
             return
         if answer.success:
             self._planner.when_restored(partial(self._send, command))
+        elif self._now() - self._begun < STANDING_TIME:
+            self._waiting = True
         else:
             self._on_result('', command, CommandRefusedError(answer.message))
+
+    def _watch(self) -> None:
+        self._motions.watch()
+        running = self._running
+        if self._waiting and running is not None:
+            self._waiting = False
+            self._take(running[0])
 
     def _send(self, command: MotionCommand) -> None:
         if self._is_current(command):

@@ -11,13 +11,14 @@ from typing import Any, Final
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rcl_interfaces.msg import Log, ParameterValue
+from rcl_interfaces.msg import Log, ParameterEvent, ParameterValue
 from rcl_interfaces.srv import GetParameters
 from rclpy.parameter import parameter_value_to_python
-from rclpy.qos import QoSProfile
+from rclpy.qos import QoSProfile, qos_profile_parameter_events
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, String
 
+from robots_controller.interpreter.debugger import breakpoints_by_file
 from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.io_images import image_message
 from robots_controller.nodes.io_services import OUTPUTS
@@ -56,6 +57,7 @@ LOGS: Final = QoSProfile(depth=100)
 LEVELS: Final = ((Log.ERROR, Level.ERROR), (Log.WARN, Level.WARNING))
 PLANNER, PROGRAM, VIEW = 'planning_node', 'lua_program_node', 'visualizer_node'
 LABELS: Final = {image: f'{image.removesuffix("s")}_names' for image in IMAGES}
+ASKED: Final = ('program', 'points_file', 'breakpoints', *LABELS.values())
 
 
 class PendantNode(RobotNode):
@@ -82,7 +84,10 @@ class PendantNode(RobotNode):
         self._watch = HeartbeatWatch(self, WATCHED, LOST_AFTER, lambda *_: self._look_for_lost())
         self._questions: dict[str, tuple[Sequence[str], Callable[[list[Any]], None]]] = {
             PLANNER: (('teach_speed', 'teach_tool_speed', 'collision_margin'), self._on_jog_speeds),
-            PROGRAM: (('program', 'points_file', *LABELS.values()), self._on_program_parameters),
+            PROGRAM: (
+                ('program', 'points_file', 'breakpoints', *LABELS.values()),
+                self._on_program_parameters,
+            ),
         }
         self._question_clients = {
             name: self.create_client(GetParameters, f'{name}/get_parameters') for name in self._questions
@@ -134,6 +139,9 @@ class PendantNode(RobotNode):
         self.poll(JointState, 'joint_states', self._on_joints, SENSOR, rate=RATE)
         self.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, COMMAND)
         self.create_subscription(Log, '/rosout', self._on_log, LOGS)
+        self.create_subscription(
+            ParameterEvent, '/parameter_events', self._on_parameters, qos_profile_parameter_events
+        )
 
     def _show(self, **changes: Any) -> None:
         self.operator.state = replace(self.operator.state, **changes)
@@ -182,6 +190,13 @@ class PendantNode(RobotNode):
 
     def _on_settings(self, message: DiagnosticStatus) -> None:
         self._show(settings=settings_from_text(diagnostic_values(message)))
+
+    def _on_parameters(self, event: ParameterEvent) -> None:
+        if event.node != f'{self.get_namespace().rstrip("/")}/{PROGRAM}':
+            return
+        for parameter in event.changed_parameters:
+            if parameter.name == 'breakpoints':
+                self._show(breakpoints=breakpoints_by_file(parameter.value.string_array_value))
 
     def _on_forced(self, message: DiagnosticStatus) -> None:
         forced = frozenset(name.partition(' ')[0] for name in diagnostic_values(message))
@@ -252,12 +267,16 @@ class PendantNode(RobotNode):
         self._show(jog_speeds=JogSpeeds(*speeds))
 
     def _on_program_parameters(self, values: list[Any]) -> None:
-        path, points_file, *labels = values
+        path, points_file, breakpoints, *labels = values
         points_file = points_file or (str(Path(path).with_suffix(SUFFIX)) if path else '')
         state = self.operator.state
         named = {image: tuple(names or ()) for image, names in zip(LABELS, labels, strict=True)}
         program = replace(state.program, path=path or '', points_file=points_file)
-        self._show(program=program, io=replace(state.io, labels=named))
+        self._show(
+            program=program,
+            io=replace(state.io, labels=named),
+            breakpoints=breakpoints_by_file(breakpoints or ()),
+        )
 
     def destroy_node(self) -> None:
         """End the page with the node."""

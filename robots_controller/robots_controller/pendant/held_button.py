@@ -18,6 +18,7 @@ from robots_controller.pendant.press import Press
 from robots_controller.program.motion_command import MotionCommand
 from robots_controller.program.run_state import RunState
 from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.operating_modes import MODES
 from robots_core.robot_model.base_robot_model import BaseRobotModel
 from robots_core.validation import Array
 
@@ -25,6 +26,8 @@ RUN_KEY: Final = 'run'
 """Of the button that is held while a program runs."""
 MOVE_KEY: Final = 'move'
 """Of the button that is held while the robot moves to the target that was previewed."""
+STEP_KEY: Final = 'step '
+"""Before 'over', 'in', 'out' or 'motion': of the buttons that let a held program make a step."""
 LARGEST_STEP: Final = 0.5  # rad, m
 
 
@@ -85,7 +88,7 @@ class HeldButton:
         Args:
             viewer: Who.
             number: Of the press, each with another one.
-            key: Of the button, see `JogCommand.from_key`, or RUN_KEY, or MOVE_KEY.
+            key: Of the button, see `JogCommand.from_key`, RUN_KEY, MOVE_KEY or STEP_KEY.
             state: The newest of the cell.
             speed: Part of the highest jog speed, 0..1.
             step: Size of a step, rad or m; 0 jogs as long as the button is held.
@@ -112,6 +115,8 @@ class HeldButton:
         action = _action(key, step)
         try:
             self._check(viewer, action)
+            if action is Action.STEP:
+                return self._step(held, state)
             if action is Action.MOVE:
                 if not held.press.moves:
                     command = self._command(key, state, speed, step, preview)
@@ -143,7 +148,7 @@ class HeldButton:
             return
         held.sent = False
         key = held.press.key
-        if key == RUN_KEY:
+        if key == RUN_KEY or key.startswith(STEP_KEY):
             self._port.hold_run(held=False)
         elif held.press.moves:
             self._port.hold_run(held=False)
@@ -152,6 +157,15 @@ class HeldButton:
             self._port.jog_axes(np.zeros(self._robot.num_axes))
         else:
             self._port.jog_tool(np.zeros(6), 'base')
+
+    def _step(self, held: _Held, state: PendantState) -> Action | None:
+        if state.mode is not None and MODES[state.mode].held:
+            held.sent = True
+            self._port.hold_run(held=True)
+        if held.started or not state.run_enabled:
+            return None
+        held.started = True
+        return Action.STEP
 
     def _jog(self, held: _Held, command: JogCommand, state: PendantState) -> None:
         held.sent, self.jog = True, command
@@ -202,6 +216,8 @@ def standing(port: PendantPort, state: PendantState) -> Array:
 def _action(key: str, step: float) -> Action:
     if key == RUN_KEY:
         return Action.HOLD_RUN
+    if key.startswith(STEP_KEY):
+        return Action.STEP
     return Action.MOVE if key == MOVE_KEY or step != 0.0 else Action.JOG
 
 

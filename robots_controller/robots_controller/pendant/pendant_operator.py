@@ -5,10 +5,12 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Final
 
+from robots_controller.interpreter.debugger import STEPS, CallStack, call_stack_from_json
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.control_desk import ControlDesk
 from robots_controller.pendant.held_button import HeldButton, standing
@@ -18,11 +20,14 @@ from robots_controller.pendant.pendant_motion import JogBasis, MotionPreview, Pr
 from robots_controller.pendant.pendant_port import PendantPort
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError, Reason, refusal
+from robots_controller.pendant.program_editing import findings, save_program
 from robots_controller.pendant.programs import program_file
 from robots_controller.program.teaching import Motion, Teaching
-from robots_core.errors import InvalidInputError
+from robots_controller.program_check.program_check import ProgramProblem
+from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.operating_modes import OperatingMode
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import one_of
 from robots_planning.pathplanning import PathPlanning
 
 MOST_PRINTS: Final = 500
@@ -200,6 +205,48 @@ class PendantOperator:
         self._check(viewer, Action.EDIT)
         self.teaching.history.undo()
         self._port.open_program(self.state.program.path)
+
+    def save_program(self, viewer: str, file: str, before: str, after: str) -> tuple[ProgramProblem, ...]:
+        """Save a program that was edited, open it again, and check it.
+
+        Args:
+            viewer: Who.
+            file: Name of the program, or of a subprogram.
+            before: Its text when editing began.
+            after: Its new text.
+
+        Returns:
+            What is wrong with the program.
+
+        Raises:
+            RobotsError: somebody else has changed the file, or it cannot be written.
+        """
+        self._check(viewer, Action.EDIT)
+        program = Path(self.state.program.path)
+        save_program(self.teaching.history, program_file(program, file), before, after)
+        problems = findings(program, self.robot.axes_data, self.state.io)
+        with suppress(ProgramError):  # which is one of the problems
+            self._port.open_program(str(program))
+        return problems
+
+    def toggle_breakpoint(self, viewer: str, file: str, line: int) -> None:
+        """Hold programs at a line of a file, or do not any more."""
+        self._check(viewer, Action.BREAK)
+        lines = {(name, one) for name, ones in self.state.breakpoints.items() for one in ones}
+        self._port.set_breakpoints([f'{name}:{one}' for name, one in sorted(lines ^ {(file, line)})])
+
+    def step(self, viewer: str, step: str) -> None:
+        """Let a held program make a step: over, in, out or motion."""
+        self._check(viewer, Action.STEP)
+        self._port.step(one_of('step', STEPS)(step))
+
+    def call_stack(self) -> CallStack:
+        """The call stack of the program that is held, innermost first, with its variables.
+
+        Raises:
+            RobotsError: none is held.
+        """
+        return call_stack_from_json(self._port.call_stack())
 
     @property
     def _points_file(self) -> Path:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from robots_controller.io.io_image import Channel
@@ -55,6 +55,15 @@ class PendantPort(Protocol):
 
     def open_program(self, path: str) -> None:
         """Open a robot program."""
+
+    def set_breakpoints(self, breakpoints: Sequence[str]) -> None:
+        """Hold programs at these lines and no others, such as 'welding.lua:12'."""
+
+    def step(self, step: str) -> None:
+        """Let a held program make a step: over, in, out or motion."""
+
+    def call_stack(self) -> str:
+        """The call stack of a held program with its variables, as JSON of a `CallStack`."""
 
     def set_mode(self, mode: OperatingMode) -> None:
         """Set the operating mode."""

@@ -93,6 +93,7 @@ class PendantState:
         hindrance: What planning_node reports as wrong, such as the limit that stops a jog; '' for nothing.
         scene_url: Address of the 3D view; '' for none.
         program: The robot program.
+        breakpoints: Lines where programs are held, by file.
         io: Inputs and outputs.
         jog_speeds: Highest speeds of a jogged robot.
         settings: Those of the next motion, as planning_node has them.
@@ -112,6 +113,7 @@ class PendantState:
     hindrance: str = ''
     scene_url: str = ''
     program: ShownProgram = field(default_factory=ShownProgram)
+    breakpoints: Mapping[str, set[int]] = field(default_factory=dict)
     io: ShownIo = field(default_factory=ShownIo)
     jog_speeds: JogSpeeds = field(default_factory=JogSpeeds)
     settings: MotionSettings = field(default_factory=MotionSettings)

@@ -23,6 +23,8 @@ class Action(StrEnum):
     MOVE = 'move'
     TEACH = 'teach'
     EDIT = 'edit'
+    STEP = 'step'
+    BREAK = 'break'
     OPEN = 'open'
     RUN = 'run'
     HOLD_RUN = 'hold_run'
@@ -128,6 +130,11 @@ RULES: Final[Mapping[Action, tuple[Rule, ...]]] = {
         _program(*STARTABLE, RunState.RUNNING, RunState.PAUSED, otherwise='not_startable'),
         _not_held,
     ),
+    Action.STEP: (
+        *_RUNNABLE,
+        _program(RunState.OPENED, RunState.RUNNING, RunState.PAUSED, otherwise='not_paused'),
+    ),
+    Action.BREAK: (_missing,),
     Action.PAUSE: (_missing, _program(RunState.RUNNING, otherwise='not_running')),
     Action.RESUME: (*_RUNNABLE, _program(RunState.PAUSED, otherwise='not_paused'), _held),
     Action.END: (_missing, _UNDER_WAY),
