@@ -7,3 +7,7 @@ ptpJointSpaceAnglesRelative(5, 0, 0, 0, 0, 0)
 local joints, flange = getTaughtPoint("home")
 assert(#joints == 6 and math.abs(flange.y) < 1e-3)
 ptpJointSpaceAngles(joints)
+-- Where the point is for the tool that is set.
+setTool(0, 0, 0.2, 0, 0, 0)
+local tip = getTaughtPose("home")
+assert(math.abs((flange * { 0, 0, 0.2, 0, 0, 0 }).x - tip.x) < 1e-9)

@@ -270,6 +270,11 @@ function getCartesianPosition() end
 ---@param name string name of the point
 function teach(name) end
 
+---Reads where a taught point is for the tool and base that are set: {x, y, z, phi1, phi2, phi3}.
+---@param name string name of the point
+---@return Pose # a pose
+function getTaughtPose(name) end
+
 ---Reads a taught point: its joint angles, and the pose of the flange {x, y, z, phi1, phi2, phi3}.
 ---@param name string name of the point
 ---@return number[], Pose # a table of n numbers, a pose

@@ -48,9 +48,15 @@ def test_a_program_on_another_robot_is_noted() -> None:
 def test_the_view_has_the_operators_page_where_it_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert parse_options(['--view']).pendant
     assert not parse_options([]).pendant
-    assert not parse_options(['--view', '--lockstep']).pendant
+    assert cell_command.without_page(parse_options(['--view'])) == ''
+    lockstep = parse_options(['--view', '--lockstep'])
+    assert not lockstep.pendant
+    assert 'in lock-step nobody operates' in cell_command.without_page(lockstep)
     monkeypatch.setattr(cell_command, 'find_spec', lambda _: None)
-    assert not parse_options(['--view']).pendant
+    options = parse_options(['--view'])
+    assert not options.pendant
+    assert 'NiceGUI is not installed; pip install' in cell_command.without_page(options)
+    assert cell_command.without_page(parse_options([])) == ''
 
 
 def test_a_map_takes_the_place_of_the_scripted_plc_whose_inputs_it_sets(tmp_path: Path) -> None:

@@ -46,8 +46,8 @@ class ProgramCell(Bench):
             ControllerNode, robot_model=ROBOT, feedback_timeout=PATIENT, **controller
         )
         self.program = self.start_node(LuaProgramNode, robot_model=ROBOT)
-        planner = self.start_node(PlanningNode, robot_model=ROBOT)
-        self.wait(lambda: self.references and planner._reference is not None, 'the robot')
+        self.planner = self.start_node(PlanningNode, robot_model=ROBOT)
+        self.wait(lambda: self.references and self.planner._reference is not None, 'the robot')
 
     def _read(self, message: JointTrajectory) -> Any:
         self._stamp = nanoseconds(message.header.stamp)

@@ -16,18 +16,22 @@ from std_msgs.msg import Float64
 
 from robots_controller.io.io_image import Channel
 from robots_controller.nodes.pendant_node import PendantNode
+from robots_controller.pendant.held_button import MOVE_KEY, RUN_KEY, STEP_KEY
 from robots_controller.pendant.message_log import Level
-from robots_controller.pendant.pendant_operator import HOLD_KEY, PendantOperator
+from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_controller.program.run_state import RunState
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import InvalidInputError, ProgramError, RobotsError
+from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.ros.messages import diagnostic_values
 from robots_core.ros.qos import STATE
+from robots_planning.motion_settings import DESCRIPTIONS
 
 from .program_cell import CRAWL, MOVE, ROBOT, ProgramCell
 
 ME = 'me'
+STREAM_ENDED = 'the stream ended'  # the result of a jog
 OUTPUT, INPUT = Channel('digital', 'output', 2), Channel('digital', 'input', 1)
 
 
@@ -38,7 +42,7 @@ class OperatedCell(ProgramCell):
         super().__init__(runner, folder, operating_mode='T1')
         self.node = self.start_node(PendantNode, robot_model=ROBOT, port=0, programs=str(folder))
         self.operator: PendantOperator = self.node.operator
-        self.operator._now = lambda: 0.0  # no sign of a press comes too late
+        self.operator.held._now = lambda: 0.0  # no sign of a press comes too late
         self.operator.take_control(ME)
         self.wait(lambda: not self.state.lost and self.state.mode is not None, 'the nodes')
         self.presses = 0
@@ -47,13 +51,13 @@ class OperatedCell(ProgramCell):
     def state(self) -> Any:
         return self.operator.state
 
-    def hold(self, key: str, condition: Any, what: str) -> None:
+    def hold(self, key: str, condition: Any, what: str, *, step: float = 0.0) -> None:
         """Hold a button until a condition is true."""
         self.presses += 1
         actions: list[Action] = []
 
         def held() -> Any:
-            action = self.operator.hold(ME, self.presses, key)
+            action = self.operator.hold(ME, self.presses, key, step=step)
             actions.extend([] if action is None else [action])
             return action or condition()
 
@@ -61,6 +65,24 @@ class OperatedCell(ProgramCell):
         if actions:  # not in the condition, which holds up the nodes
             self.operator.act(ME, actions[0])
             self.wait(held, what)
+
+    def step(self, key: str, size: float) -> None:
+        """Hold a button until its step has ended."""
+        self.until_standing()
+        count = len(self.results)
+
+        def ended() -> list[MotionResult]:
+            return [one for one in self.results[count:] if one.message != STREAM_ENDED]
+
+        self.hold(key, ended, 'a step', step=size)
+        assert ended()[-1].ok, ended()
+
+    def step_program(self, step: str) -> None:
+        """Hold the button of a step until the program has been asked for it."""
+        self.presses += 1
+        number, key = self.presses, f'{STEP_KEY}{step}'
+        self.wait(lambda: self.operator.hold(ME, number, key) is Action.STEP, 'a step')
+        self.operator.step(ME, step)
 
     def set_mode(self, mode: OperatingMode) -> None:
         """Set the mode as soon as the robot stands."""
@@ -99,6 +121,46 @@ def test_a_release_stops_the_robot(cell: OperatedCell) -> None:
     cell.until_standing()
 
 
+def settings(cell: OperatedCell) -> dict[str, Any]:
+    return {name: cell.planner.get_parameter(name).value for name in DESCRIPTIONS}
+
+
+@pytest.mark.parametrize(('key', 'step'), [('axes 1 +', 0.01), ('base 2 -', 0.001)])
+def test_a_step_ends_just_there_and_leaves_the_settings_as_they_were(
+    cell: OperatedCell, key: str, step: float
+) -> None:
+    if key.startswith('base'):  # from a posture that is not singular
+        for bent in ('axes 3 +', 'axes 4 +'):
+            cell.step(bent, 0.4)
+    cell.until_standing()
+    robot, before = cell.node.robot, settings(cell)
+    start = np.array(cell.references[-1].positions)
+    cell.step(key, step)
+    cell.until_standing()
+    q = np.array(cell.references[-1].positions)
+    if key.startswith('axes'):
+        np.testing.assert_allclose(q - start, [0.0, step, 0.0, 0.0, 0.0, 0.0], atol=1e-6)
+    else:
+        moved = robot.direct_kinematics(q)[0] - robot.direct_kinematics(start)[0]
+        np.testing.assert_allclose(moved, [0.0, 0.0, -step], atol=1e-6)
+    cell.wait(lambda: settings(cell) == before and cell.state.commander is Commander.NOBODY, 'the end')
+
+
+def test_a_motion_to_a_target_ends_when_its_button_is_released(cell: OperatedCell) -> None:
+    cell.until_standing()
+    goal = np.array(cell.references[-1].positions)
+    goal[0] += 0.5
+    found = cell.operator.preview(ME, 'joints', goal.tolist(), 0.1)
+    assert found.duration > 1.0
+    cell.hold(MOVE_KEY, lambda: any(cell.references[-1].velocities), 'it moves')
+    assert cell.state.commander is Commander.PENDANT
+    cell.operator.release(ME)
+    cell.until_standing()
+    assert abs(cell.references[-1].positions[0] - goal[0]) > 0.1
+    cell.wait(lambda: cell.state.commander is Commander.NOBODY, 'its end')
+    cell.hold('axes 0 -', lambda: any(cell.references[-1].velocities), 'a jog')
+
+
 def test_jogging_is_refused_where_the_mode_excludes_it(cell: OperatedCell) -> None:
     cell.set_mode(OperatingMode.AUTOMATIC)
     with pytest.raises(NotPermittedError, match='mode_excludes_pendant'):
@@ -111,7 +173,7 @@ def test_a_program_runs_while_run_is_held(cell: OperatedCell) -> None:
     cell.operator.open_program(ME, str(path))
     cell.wait(lambda: cell.state.program.path == str(path), 'the program')
     assert cell.state.program.state is RunState.OPENED
-    cell.hold(HOLD_KEY, lambda: any(cell.references[-1].velocities), 'it moves')
+    cell.hold(RUN_KEY, lambda: any(cell.references[-1].velocities), 'it moves')
     assert cell.state.commander is Commander.PROGRAM
     assert (cell.state.program.motion_line, cell.state.program.motion_file) == (3, 'move.lua')
     cell.operator.release(ME)
@@ -125,6 +187,40 @@ def test_a_program_runs_while_run_is_held(cell: OperatedCell) -> None:
     cell.wait(lambda: cell.state.program.state is RunState.OPENED, 'its start')
     cell.operator.set_override(ME, 1.0)
     cell.wait(lambda: cell.state.override == 1.0, 'the override')
+
+
+def test_a_program_is_debugged(cell: OperatedCell) -> None:
+    path = cell.folder / 'debugged.lua'
+    path.write_text('local way = 3\nsetDigitalOutput(4, 1)\nsetDigitalOutput(4, 0)\n')
+    cell.operator.open_program(ME, str(path))
+    cell.wait(lambda: cell.state.program.path == str(path), 'the program')
+    cell.operator.toggle_breakpoint(ME, 'debugged.lua', 2)
+    cell.wait(lambda: cell.state.breakpoints == {'debugged.lua': {2}}, 'a breakpoint')
+    cell.hold(RUN_KEY, lambda: cell.state.program.hold == 'breakpoint', 'a held program')
+    stack = cell.operator.call_stack()
+    assert (stack.frames[0].chunk, stack.frames[0].line) == ('debugged.lua', 2)
+    assert [(one.name, one.value) for one in stack.frames[0].scopes['Locals']] == [('way', '3')]
+    cell.step_program('over')
+    cell.wait(lambda: cell.state.program.hold == 'step', 'the next line')
+    assert cell.operator.call_stack().frames[0].line == 3
+    cell.operator.toggle_breakpoint(ME, 'debugged.lua', 2)
+    cell.wait(lambda: not cell.state.breakpoints, 'no breakpoint')
+    cell.operator.stop()
+    cell.wait(lambda: cell.state.program.state in (RunState.STOPPED, RunState.FAILED), 'its end')
+
+
+def test_a_saved_program_is_open_and_its_mistakes_are_found(cell: OperatedCell) -> None:
+    path = cell.folder / 'saved.lua'
+    path.write_text('wait(1)\n')
+    cell.operator.open_program(ME, str(path))
+    cell.wait(lambda: cell.state.program.path == str(path), 'the program')
+    found = cell.operator.save_program(ME, 'saved.lua', 'wait(1)\n', 'wait(1, 2, 3)\n')
+    assert [(one.file, one.line) for one in found] == [('saved.lua', 1)]
+    assert path.read_text() == 'wait(1, 2, 3)\n'
+    with pytest.raises(ProgramError, match='changed by another one'):
+        cell.operator.save_program(ME, 'saved.lua', 'wait(1)\n', 'wait(2)\n')
+    cell.operator.undo(ME)
+    assert path.read_text() == 'wait(1)\n'
 
 
 def test_what_a_node_refuses_is_raised(cell: OperatedCell) -> None:

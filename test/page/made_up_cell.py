@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from robots_controller.interpreter.debugger import CallStack
 from robots_controller.io.io_image import IMAGES, Channel
 from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.page.page_server import PageServer
 from robots_controller.pendant.page.pendant_page import PendantPage
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import PendantState, ShownIo, ShownProgram
+from robots_controller.program.motion_command import MotionCommand
 from robots_controller.program.run_state import RunState
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import RobotsError
@@ -40,6 +43,8 @@ class MadeUpCell:
 
     calls: list[tuple[Any, ...]] = field(default_factory=list)
     refusal: str = ''
+    stack: CallStack = field(default_factory=CallStack)
+    done: Callable[[RobotsError | None], None] = print
 
     def jog_axes(self, velocity: Array) -> None:
         self.calls.append(('axes', *velocity.tolist()))
@@ -49,6 +54,19 @@ class MadeUpCell:
 
     def hold_run(self, *, held: bool) -> None:
         self.calls.append(('hold', held))
+
+    def begin_move(self, command: MotionCommand, done: Callable[[RobotsError | None], None]) -> None:
+        self.calls.append(('move', command))
+        self.done = done
+
+    def end_move(self) -> None:
+        self.calls.append(('end_move',))
+
+    def reference(self) -> Array | None:
+        return None
+
+    def show_ghost(self, q: Array | None) -> None:
+        self.calls.append(('ghost', q))
 
     def set_override(self, value: float) -> None:
         self.calls.append(('override', value))
@@ -61,6 +79,16 @@ class MadeUpCell:
 
     def open_program(self, path: str) -> None:
         self._answer('open', path)
+
+    def set_breakpoints(self, breakpoints: Sequence[str]) -> None:
+        self._answer('breakpoints', *breakpoints)
+
+    def step(self, step: str) -> None:
+        self._answer('step', step)
+
+    def call_stack(self) -> str:
+        self._answer('call_stack')
+        return json.dumps(asdict(self.stack))
 
     def set_mode(self, mode: OperatingMode) -> None:
         self._answer('mode', mode)

@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
+from robots_controller.interpreter.debugger import CallStack, Frame, Variable
 from robots_controller.pendant.pendant_operator import PendantOperator
+from robots_controller.pendant.pendant_state import ShownProgram
+from robots_controller.program.run_state import RunState
 from robots_core.operating_modes import OperatingMode
 
 from .browser_page import DEADLINE, FORWARDS, browser, open_page, press, take_control, wait
-from .made_up_cell import MadeUpCell, made_up_operator, ready_state, running_program, served, switched
+from .made_up_cell import (
+    PROGRAMS,
+    MadeUpCell,
+    made_up_operator,
+    ready_state,
+    running_program,
+    served,
+    switched,
+)
 
 SOCKET = '_nicegui_ws/socket.io/?EIO=4&transport=websocket'
 
@@ -95,6 +109,53 @@ def test_a_robot_moves_while_its_button_is_held(page: Page, cell: MadeUpCell, en
     assert page.locator('.held').count() == 0
 
 
+def test_a_held_button_makes_one_step(page: Page, cell: MadeUpCell, operator: PendantOperator) -> None:
+    show(page, 'Jog')
+    steps = page.get_by_label('Step (mm, °)')
+    steps.get_by_role('button', name='0.1', exact=True).click()
+    press(page, FORWARDS)
+    wait(page, lambda: cell.calls.count(('hold', True)) > 2, 'signs')
+    page.mouse.up()
+    wait(page, lambda: ('end_move',) in cell.calls, 'a stop')
+    (command,) = [call[1] for call in cell.calls if call[0] == 'move']
+    assert command.q[0] - operator.state.q[0] == pytest.approx(np.radians(0.1))
+    steps.get_by_role('button', name='∞').click()
+
+
+def test_a_target_is_shown_with_its_time_before_the_robot_moves_there(
+    page: Page, cell: MadeUpCell, operator: PendantOperator
+) -> None:
+    show(page, 'Jog')
+    panel = page.locator('.jog-panel')
+    panel.get_by_role('button', name='Target').click()
+    panel.get_by_label('A1', exact=True).fill('500')
+    panel.get_by_role('button', name='Show').click()
+    panel.get_by_role('alert').get_by_text('A1').wait_for()
+    panel.get_by_label('A1', exact=True).fill('10')
+    panel.get_by_role('button', name='Show').click()
+    panel.get_by_text(re.compile(r'^\d+\.\d s, limited by A1')).wait_for()
+    np.testing.assert_allclose(cell.calls[-1][1][0], np.radians(10.0))
+    press(page, '[data-press="move"]')
+    wait(page, lambda: any(call[0] == 'move' for call in cell.calls), 'the motion')
+    page.mouse.up()
+    wait(page, lambda: ('end_move',) in cell.calls, 'a stop')
+    panel.get_by_role('button', name='Axes').click()
+    assert operator.held.failure is None
+
+
+def test_what_will_stop_a_jog_is_announced(
+    page: Page, operator: PendantOperator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(operator.held, '_now', lambda: 0.0)  # no sign of the press comes too late
+    show(page, 'Jog')
+    q = np.array(operator.robot.home)
+    q[0] = operator.robot.axes_data.upper[0] - 0.02
+    operator.state = replace(operator.state, q=q)
+    press(page, FORWARDS)
+    page.get_by_text(re.compile(r'^In \d\.\d s: upper limit of A1$')).wait_for()
+    page.mouse.up()
+
+
 def test_a_browser_that_goes_away_lets_go(
     running: Browser, operator: PendantOperator, cell: MadeUpCell, url: str, shared_page: Page
 ) -> None:
@@ -162,6 +223,94 @@ def test_a_program_is_chosen_and_its_line_is_followed(
         page.locator(f'.source .running[data-line="{line}"]').wait_for()
         page.locator('.prints', has_text=f'at {line}').wait_for()
     assert 'line 40' in page.locator('.fact.program').inner_text()
+
+
+def test_a_program_is_debugged(page: Page, operator: PendantOperator, cell: MadeUpCell) -> None:
+    show(page, 'Program')
+    path = str(PROGRAMS / 'press_tending.lua')
+    paused = ShownProgram(path, RunState.PAUSED, 'press_tending.lua', 13, hold='breakpoint')
+    rows = (Variable('place', 'table', 'table', (Variable('1', '1.9', 'number'),)),)
+    cell.stack = CallStack((Frame('in the program', 'press_tending.lua', 13, {'Locals': rows}),))
+    operator.state = replace(operator.state, program=paused, run_enabled=True)
+    panel = page.locator('.program-panel')
+    panel.locator('.running[data-line="13"]').click(position={'x': 20, 'y': 5})
+    wait(page, lambda: ('breakpoints', 'press_tending.lua:13') in cell.calls, 'a breakpoint')
+    operator.state = replace(operator.state, breakpoints={'press_tending.lua': {13}})
+    panel.locator('.breakpoint[data-line="13"]').wait_for()
+    press(page, '[data-press="step over"]')
+    wait(page, lambda: ('step', 'over') in cell.calls, 'a step')
+    assert ('hold', True) in cell.calls
+    page.mouse.up()
+    wait(page, lambda: ('hold', False) in cell.calls, 'its release')
+    panel.get_by_role('tab', name='Variables').click()
+    panel.get_by_text('press_tending.lua:13 in the program').wait_for()
+    panel.get_by_text('place = table').wait_for()
+    panel.get_by_role('tab', name='Printed').click()
+
+
+def test_a_program_is_edited_and_its_mistakes_are_at_their_lines(
+    page: Page, operator: PendantOperator, cell: MadeUpCell, tmp_path: Path
+) -> None:
+    path = tmp_path / 'edited.lua'
+    path.write_text('setOverride(1)\n')
+    show(page, 'Program')
+    operator.state = replace(operator.state, program=ShownProgram(str(path), RunState.OPENED))
+    panel = page.locator('.program-panel')
+    panel.locator('[data-line="1"]', has_text='setOverride').wait_for()
+    panel.get_by_role('button', name='Edit').click()
+    code = panel.locator('.cm-content')
+    code.click()
+    page.keyboard.press('Control+End')
+    page.keyboard.type('setOverr')
+    page.locator('.cm-tooltip-autocomplete', has_text='(value)').wait_for()
+    page.locator('.cm-completionInfo', has_text='Scales the speed of all motions').wait_for()
+    page.keyboard.type('ide(5)\nsetOutput(1)')
+    wait(page, lambda: code.inner_text().endswith('setOutput(1)'), 'the text')
+    panel.get_by_role('button', name='Save').click()
+    panel.get_by_text('edited.lua:2: setOverride: ').wait_for()
+    panel.locator('.found[data-line="3"]').wait_for()
+    assert path.read_text() == 'setOverride(1)\nsetOverride(5)\nsetOutput(1)'
+    assert cell.calls == [('open', str(path))]
+    panel.get_by_role('button', name='Edit').click()
+    code.click()
+    page.keyboard.type('-- ')
+    path.write_text('-- by another one\n')
+    panel.get_by_role('button', name='Save').click()
+    panel.get_by_role('alert').get_by_text('changed by another one').wait_for()
+    assert path.read_text() == '-- by another one\n'
+    panel.get_by_role('button', name='Discard').click()
+    panel.locator('[data-line="1"]', has_text='by another one').wait_for()
+
+
+def test_points_and_motions_are_taught_and_taken_back(
+    page: Page, operator: PendantOperator, cell: MadeUpCell, tmp_path: Path
+) -> None:
+    path = tmp_path / 'part.lua'
+    path.write_text('setOverride(1)\nsetOverride(0.5)\n')
+    points, before = path.with_suffix('.points.yaml'), len(operator.teaching.history)
+    show(page, 'Program')
+    state = ShownProgram(str(path), RunState.OPENED, points_file=str(points))
+    operator.state = replace(operator.state, program=state)
+    panel = page.locator('.program-panel')
+    panel.get_by_role('tab', name='Teach').click()
+    panel.locator('[data-line="1"]', has_text='setOverride').click()
+    panel.locator('.cursor[data-line="1"]').wait_for()
+    panel.get_by_role('button', name='Line').click()
+    panel.get_by_text('Line 2: a motion to P1.').wait_for()
+    assert path.read_text() == "setOverride(1)\nptpCartesianSpace(getTaughtPose('P1'))\nsetOverride(0.5)\n"
+    assert cell.calls == [('open', str(path))]
+    panel.locator('.cursor[data-line="2"]', has_text='getTaughtPose').wait_for()
+    panel.get_by_role('button', name='Arc').click()
+    panel.get_by_text('The arc passes P2').wait_for()
+    panel.get_by_role('button', name='Arc').click()
+    panel.locator('[data-line="3"]', has_text='circCartesianSpace').wait_for()
+    for left in (2, 1, 0):
+        panel.get_by_role('button', name='Undo').click()
+        wait(page, lambda: len(operator.teaching.history) == before + left, 'an undone change')  # noqa: B023
+    points.write_text('points:\n  P1: {q: [0,\n')
+    panel.get_by_role('button', name='Teach here').click()
+    panel.get_by_role('alert').get_by_text('part.points.yaml:3:').wait_for()
+    assert path.read_text() == 'setOverride(1)\nsetOverride(0.5)\n'
 
 
 def test_outputs_are_switched_and_shown(page: Page, operator: PendantOperator, cell: MadeUpCell) -> None:

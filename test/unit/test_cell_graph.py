@@ -129,9 +129,10 @@ def test_the_operators_page_has_a_process_and_a_port_of_its_own():
     )
     (pendant,) = (node for node in nodes if node.name == 'pendant_node')
     assert pendant.process == 'pendant_node'
-    assert pendant.parameters == {'robot_model': 'ur5e', 'port': 8090, 'programs': '/cell/programs'}
+    shared = {'robot_model': 'ur5e', 'scene': ''}
+    assert pendant.parameters == {**shared, 'port': 8090, 'programs': '/cell/programs'}
     (pendant,) = (node for node in cell_graph(robot='ur5e', pendant=True, port=0) if 'pendant' in node.name)
-    assert pendant.parameters == {'robot_model': 'ur5e', 'port': 0}
+    assert pendant.parameters == {**shared, 'port': 0}
 
 
 def test_the_opcua_server_has_a_process_of_its_own_and_settings_that_are_valid(tmp_path: Path):

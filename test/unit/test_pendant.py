@@ -11,14 +11,15 @@ import pytest
 
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.control_desk import ControlDesk
+from robots_controller.pendant.held_button import MOVE_KEY, RUN_KEY
 from robots_controller.pendant.jog_command import COMPONENTS, JogCommand
-from robots_controller.pendant.pendant_operator import HOLD_KEY, SERVICES, PendantOperator
+from robots_controller.pendant.pendant_operator import SERVICES, PendantOperator
 from robots_controller.pendant.pendant_state import JogSpeeds, PendantState, ShownProgram
 from robots_controller.pendant.permissions import Action, NotPermittedError, refusal
 from robots_controller.pendant.press import DEADLINE
 from robots_controller.pendant.texts import LANGUAGES, read_texts
 from robots_controller.program.run_state import RunState
-from robots_core import load_robot_model
+from robots_core import Pose, load_robot_model
 from robots_core.blocks.following.guide import Guide
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.operating_modes import Commander, OperatingMode
@@ -169,12 +170,12 @@ def test_every_direction_has_its_button() -> None:
 
 def test_run_is_held_and_starts_the_program_once() -> None:
     desk = Desk(with_program(RunState.OPENED))
-    assert desk.hold(key=HOLD_KEY) is None
+    assert desk.hold(key=RUN_KEY) is None
     assert desk.cell.last == ('hold_run', True)
     desk.operator.state = with_program(RunState.OPENED, run_enabled=True)
-    assert desk.hold(key=HOLD_KEY) is Action.RUN
+    assert desk.hold(key=RUN_KEY) is Action.RUN
     desk.operator.state = with_program(RunState.FINISHED, run_enabled=True)
-    assert desk.hold(key=HOLD_KEY) is None
+    assert desk.hold(key=RUN_KEY) is None
     desk.operator.release(ME)
     assert desk.cell.last == ('hold_run', False)
 
@@ -183,7 +184,82 @@ def test_run_is_held_and_starts_the_program_once() -> None:
 def test_holding_run_resumes_what_was_paused_by_a_button(hold: str, action: Action | None) -> None:
     state = with_program(RunState.PAUSED, run_enabled=True)
     desk = Desk(replace(state, program=replace(state.program, hold=hold)))
-    assert desk.hold(key=HOLD_KEY) is action
+    assert desk.hold(key=RUN_KEY) is action
+
+
+# -- steps and targets ---------------------------------------------------------------------------------------
+
+
+def moves(desk: Desk) -> list[str]:
+    """What was commanded, without signs that follow each other."""
+    names = [call[0] + ('' if call[0] != 'hold_run' else f' {call[1]}') for call in desk.cell.calls]
+    return [name for i, name in enumerate(names) if name != 'reference' and names[i - 1 : i] != [name]]
+
+
+def standing_desk() -> Desk:
+    robot = load_robot_model('cello_bot')
+    q = np.array(robot.home)
+    desk = Desk(replace(READY, q=q, tool=Pose(*robot.direct_kinematics(q))))
+    desk.cell.reference = lambda: None  # type: ignore[attr-defined]
+    return desk
+
+
+def test_a_step_is_commanded_once_and_run_held_until_it_has_ended() -> None:
+    desk = standing_desk()
+    for _ in range(3):
+        assert desk.hold(step=0.001) is None
+    assert moves(desk) == ['begin_move', 'hold_run True']
+    command, done = desk.cell.calls[0][1:]
+    assert command.q[0] == pytest.approx(desk.robot.home[0] + 0.001)
+    done(None)
+    count = len(desk.cell.calls)
+    desk.hold(step=0.001)
+    desk.operator.release(ME)
+    assert moves(desk)[-2:] == ['hold_run False', 'end_move']
+    assert len(desk.cell.calls) == count
+    desk.hold(2, step=0.001)
+    assert moves(desk)[-2:] == ['begin_move', 'hold_run True']
+
+
+def test_a_release_ends_a_step_and_its_late_end_is_no_failure() -> None:
+    desk = standing_desk()
+    desk.hold(step=0.001)
+    desk.operator.release(ME)
+    assert moves(desk) == ['begin_move', 'hold_run True', 'hold_run False', 'end_move']
+    desk.cell.calls[0][2](RobotsError('stopped'))
+    assert desk.operator.held.failure is None
+
+
+def test_what_refuses_a_step_is_kept_for_its_viewer() -> None:
+    desk = standing_desk()
+    desk.hold(step=0.001)
+    error = RobotsError('out of reach')
+    desk.cell.calls[0][2](error)
+    assert desk.operator.held.failure == (ME, error)
+    assert moves(desk)[-1] == 'end_move'
+
+
+def test_a_target_is_moved_to_after_its_preview() -> None:
+    desk = standing_desk()
+    with pytest.raises(NotPermittedError, match='no_preview'):
+        desk.hold(key=MOVE_KEY)
+    goal = np.array(desk.robot.home)
+    goal[0] += 0.05
+    found = desk.operator.preview(ME, 'joints', goal.tolist(), 0.5)
+    assert found.duration > 0.0
+    np.testing.assert_allclose(desk.cell.last[1], goal)
+    desk.hold(2, key=MOVE_KEY)
+    assert moves(desk)[-2:] == ['begin_move', 'hold_run True']
+    desk.operator.give_back_control(ME)
+    assert desk.cell.last == ('show_ghost', None)
+
+
+@pytest.mark.parametrize('step', [-0.1, 0.6, float('nan')])
+def test_odd_steps_are_refused(step: float) -> None:
+    desk = standing_desk()
+    with pytest.raises(InvalidInputError, match=r'step = .* must be above 0, at most 0\.5'):
+        desk.hold(step=step)
+    assert desk.cell.calls == []
 
 
 # -- who operates --------------------------------------------------------------------------------------------
@@ -287,10 +363,17 @@ GUIDED = replace(AUTOMATIC, guide=Guide.PERSON, commander=Commander.PROGRAM)
         (Action.JOG, GUIDED, ''),
         (Action.JOG, replace(READY, fault='collision'), 'fault'),
         (Action.JOG, replace(READY, commander=Commander.PROGRAM), 'commanded'),
+        (Action.MOVE, READY, ''),
+        (Action.MOVE, AUTOMATIC, 'mode_excludes_pendant'),
+        (Action.MOVE, GUIDED, 'no_steps'),
         (Action.RUN, with_program(RunState.OPENED, mode=OperatingMode.AUTOMATIC), ''),
         (Action.RUN, with_program(RunState.OPENED), 'hold_needed'),
         (Action.RUN, with_program(RunState.OPENED, mode=OperatingMode.REMOTE), 'mode_excludes_program'),
         (Action.RUN, AUTOMATIC, 'not_startable'),
+        (Action.TEACH, with_program(RunState.PAUSED), ''),
+        (Action.TEACH, with_program(RunState.RUNNING), 'running'),
+        (Action.EDIT, with_program(RunState.PAUSED), 'not_ended'),
+        (Action.EDIT, with_program(RunState.FAILED), ''),
         (Action.HOLD_RUN, with_program(RunState.OPENED, mode=OperatingMode.AUTOMATIC), 'no_hold_needed'),
         (Action.PAUSE, with_program(RunState.RUNNING), ''),
         (Action.PAUSE, with_program(RunState.PAUSED), 'not_running'),
@@ -327,4 +410,4 @@ def test_every_reason_has_its_text() -> None:
             for code in LANGUAGES:
                 assert '{' not in read_texts(code).error(NotPermittedError(found))
     known = {key.removeprefix('reasons.') for key in read_texts('en').texts if key.startswith('reasons.')}
-    assert reasons | {'controlled', 'not_in_control'} == known
+    assert reasons | {'controlled', 'not_in_control', 'no_preview', 'no_position', 'no_program'} == known

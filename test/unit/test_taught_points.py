@@ -58,6 +58,8 @@ def test_a_file_tells_people_its_units(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ('text', 'message'),
     [
+        ('points:\n  a: {q: [0, 0, 0], r: [0, 0, 0], quaternion: [0, 0, 0, 1]}\n  home: 3', 'yaml:3: point'),
+        ('points:\n  a: {q: [0, 0, 0]\n  b: 1', 'yaml:3: '),
         ('points: [', 'the points file cannot be read'),
         ('- a list', "one key 'points'"),
         ('points: 3', "one key 'points'"),

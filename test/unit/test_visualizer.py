@@ -63,6 +63,17 @@ def test_frames_follow_the_robot(robot: BaseRobotModel, visualizer: Visualizer):
     _assert_at(visualizer._frames[0], np.zeros(3), np.eye(3))
 
 
+def test_a_ghost_stands_elsewhere_until_it_is_gone(robot: BaseRobotModel, visualizer: Visualizer):
+    q = np.array(robot.home) + 0.1
+    for _ in range(2):
+        visualizer.show_ghost(q)
+        r, _T = robot.kinematic_model.frame_axes(q)
+        np.testing.assert_allclose([frame.position for frame in visualizer._ghost[1:]], r, atol=1e-6)
+        assert all(frame.visible for frame in visualizer._ghost)
+        visualizer.show_ghost(None)
+        assert not any(frame.visible for frame in visualizer._ghost)
+
+
 def test_the_way_of_a_tool_that_nobody_watched_is_shown_to_the_next_browser(
     visualizer: Visualizer, robot: BaseRobotModel, monkeypatch: pytest.MonkeyPatch
 ):

@@ -1,7 +1,7 @@
 """CellServices: the services of a cell, called from a node."""
 
 import threading
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from std_srvs.srv import Trigger
@@ -57,14 +57,21 @@ class CellServices:
             raise NotNowError(answer.message)
         return str(answer.message)
 
-    def prepare(self, services: Iterable[str]) -> None:
-        """Look for std_srvs/Trigger services now, so that the first `send` finds them."""
+    def prepare(self, services: Iterable[str], kind: Any = Trigger) -> None:
+        """Look for services of a kind now, so that the first `send` finds them."""
         for service in services:
-            self._client(service, Trigger)
+            self._client(service, kind)
 
-    def send(self, service: str) -> None:
-        """Call a std_srvs/Trigger service without waiting for its answer."""
-        self._client(service, Trigger).call_async(Trigger.Request())
+    def send(
+        self,
+        service: str,
+        kind: Any = Trigger,
+        request: Any = None,
+        on_answer: Callable[[Any], None] = lambda _: None,
+    ) -> None:
+        """Call a service without waiting for its answer, of which the node's thread is told."""
+        future = self._client(service, kind).call_async(kind.Request() if request is None else request)
+        future.add_done_callback(lambda answered: on_answer(answered.result()))
 
     def _client(self, service: str, kind: Any) -> Any:
         if service not in self._clients:

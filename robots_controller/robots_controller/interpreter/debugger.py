@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 from robots_core.errors import InvalidInputError
 
@@ -88,6 +89,34 @@ def call_stack(records: Sequence[str]) -> CallStack:
             elif scope:
                 frames[-1].scopes[name] = tuple(scope)
     return CallStack(tuple(frames), tuple(global_variables), depth)
+
+
+def call_stack_from_json(text: str) -> CallStack:
+    """A call stack as lua_program_node gives it.
+
+    Raises:
+        InvalidInputError: it is none.
+    """
+
+    def variables(rows: Any) -> tuple[Variable, ...]:
+        return tuple(
+            Variable(row['name'], row['value'], row['type'], variables(row['entries'])) for row in rows
+        )
+
+    try:
+        data = json.loads(text)
+        frames = tuple(
+            Frame(
+                row['name'],
+                row['chunk'],
+                int(row['line']),
+                {scope: variables(rows) for scope, rows in row['scopes'].items()},
+            )
+            for row in data['frames']
+        )
+        return CallStack(frames, variables(data['globals']), int(data['depth']))
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InvalidInputError(f'the call stack cannot be read: {error!r}') from None
 
 
 def _variables(rows: list[tuple[str, ...]], position: int, depth: int, found: list[Variable]) -> int:

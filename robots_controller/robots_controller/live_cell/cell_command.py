@@ -93,6 +93,15 @@ def complete_options(options: argparse.Namespace) -> argparse.Namespace:
     return options
 
 
+def without_page(options: argparse.Namespace) -> str:
+    """Why --view starts no operator's page, and what to do; '' where it starts one."""
+    if not options.view or options.pendant:
+        return ''
+    if options.lockstep:
+        return "no operator's page: in lock-step nobody operates; leave out --lockstep"
+    return "no operator's page: NiceGUI is not installed; pip install -r requirements-pendant.txt"
+
+
 def run_cell(options: argparse.Namespace, console: Console) -> int:
     """Run a cell until its program has ended (`once`), a node dies that is not started again, or Ctrl-C.
 
@@ -145,8 +154,8 @@ def _run_alone(
     console.print(f'[bold]{options.robot}[/]{job}')
     if options.note:
         console.print(f'[yellow]{options.note}[/]')
-    if options.view and not (options.pendant or options.lockstep):
-        console.print("[yellow]the operator's page is left out:[/] pip install -r requirements-pendant.txt")
+    if missing := without_page(options):
+        console.print(f'[yellow]{missing}[/]', soft_wrap=True)
     if token:
         console.print(
             f'editors debug at port {options.debug_port} with token [bold]{token}[/]', highlight=False

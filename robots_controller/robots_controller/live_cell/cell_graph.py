@@ -241,14 +241,14 @@ def cell_graph(
         *([node('robots_core', 'collision_node', scene=scene)] if scene else []),
         *([node('robots_controller', 'plc_node', script=io, **plc_cycle)] if io else []),
         *([bridge] if io_map else []),
-        *([_pendant(robot, program, port)] if pendant else []),
+        *([_pendant(robot, program, port, scene)] if pendant else []),
         *([_opcua(robot, program, opcua, opcua_access)] if opcua else []),
     )
 
 
-def _pendant(robot: str, program: str, port: int) -> NodeDescription:
+def _pendant(robot: str, program: str, port: int, scene: str) -> NodeDescription:
     # In a process of its own: there is one web application in a process, and others must not wait for it.
-    parameters = {'robot_model': robot, 'port': port and port + PAGE_PORTS}
+    parameters = {'robot_model': robot, 'port': port and port + PAGE_PORTS, 'scene': scene}
     return NodeDescription('robots_controller', 'pendant_node', parameters | _folder_of(program))
 
 

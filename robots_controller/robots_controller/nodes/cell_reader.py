@@ -6,39 +6,42 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any, Final, Protocol
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import PoseStamped
-from rcl_interfaces.msg import ParameterValue
+from rcl_interfaces.msg import ParameterEvent, ParameterValue
 from rcl_interfaces.srv import GetParameters
 from rclpy.parameter import parameter_value_to_python
+from rclpy.qos import qos_profile_parameter_events
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, String
 
 from robots_controller.control.faults import Fault
+from robots_controller.interpreter.debugger import breakpoints_by_file
 from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.io_images import image_message
 from robots_controller.nodes.io_services import OUTPUTS
 from robots_controller.pendant.pendant_state import WATCHED, PendantState, ShownProgram
 from robots_controller.program.run_state import RunState
+from robots_controller.program.taught_points import SUFFIX
 from robots_core.blocks.following.guide import Guide
-from robots_core.blocks.multibody.carried_payload import CarriedPayload
+from robots_core.blocks.multibody.payload import payload_of
 from robots_core.errors import InvalidInputError
-from robots_core.nodes.payload_parameter import carry_payload
 from robots_core.operating_modes import Commander, OperatingMode
+from robots_core.pose import Pose
 from robots_core.ros.heartbeat import HeartbeatWatch
 from robots_core.ros.messages import (
     diagnostic_values,
     joint_values,
     number_in,
-    pose_from_message,
     seconds,
 )
-from robots_core.ros.qos import COMMAND, SENSOR, STREAM, subscribe_state
+from robots_core.ros.qos import COMMAND, SENSOR, subscribe_state
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array, fraction
+from robots_planning.motion_settings import settings_from_text
 
 RATE: Final = 10.0  # Hz, of what is shown
 ASK_PERIOD: Final = 0.5  # s between requests to nodes that have not answered
@@ -67,13 +70,14 @@ class CellReader:
         self._node, self._holder = node, holder
         self._seen: set[str] = set()
         self._asked: dict[str, float] = {}  # when, s
-        self._pose_time = 0.0
+        self._joints_time = 0.0
         self._questions: dict[str, tuple[Sequence[str], Callable[[list[Any]], None]]] = {}
         self._question_clients: dict[str, Any] = {}
         self._open_questions: set[str] = set()
         self._subscribe()
         self._watch = HeartbeatWatch(node, WATCHED, LOST_AFTER, lambda *_: self._look_for_lost())
-        self.ask(PROGRAM, ('program', *LABELS.values()), self._on_program_parameters)
+        asked = ('program', 'points_file', 'breakpoints', *LABELS.values())
+        self.ask(PROGRAM, asked, self._on_program_parameters)
         node.create_timer(ASK_PERIOD, self._ask)
 
     def ask(self, name: str, parameters: Sequence[str], answered: Callable[[list[Any]], None]) -> None:
@@ -110,10 +114,11 @@ class CellReader:
             topic = image if image in OUTPUTS else f'{PROGRAM}/{image}'
             subscribe_state(self._node, image_message(image), topic, partial(self._on_image, image))
         self._node.poll(JointState, 'joint_states', self._on_joints, SENSOR, rate=RATE)
-        self._node.poll(PoseStamped, 'tcp_pose', self._on_pose, STREAM, rate=RATE)
         self._node.create_subscription(DiagnosticArray, '/diagnostics', self._on_health, COMMAND)
-        carried = CarriedPayload(lambda payload: self.show(payload=payload))
-        subscribe_state(self._node, DiagnosticStatus, 'motion_settings', partial(carry_payload, carried))
+        subscribe_state(self._node, DiagnosticStatus, 'motion_settings', self._on_settings)
+        self._node.create_subscription(
+            ParameterEvent, '/parameter_events', self._on_parameters, qos_profile_parameter_events
+        )
 
     # -- what the nodes report ----------------------------------------------------------------------------
 
@@ -129,6 +134,7 @@ class CellReader:
         before = self._holder.state.program
         program = ShownProgram(
             path=before.path,
+            points_file=before.points_file,
             state=_run_state(values.get('state', '')),
             file=values.get('file', ''),
             line=int(number_in(values, 'line', 0.0)),
@@ -142,6 +148,17 @@ class CellReader:
             self._asked.pop(PROGRAM, None)  # the answer to an earlier question may be older
             self._ask()
         self.show(program=program)
+
+    def _on_settings(self, message: DiagnosticStatus) -> None:
+        settings = settings_from_text(diagnostic_values(message))
+        self.show(settings=settings, payload=payload_of(settings.payload))
+
+    def _on_parameters(self, event: ParameterEvent) -> None:
+        if event.node != f'{self._node.get_namespace().rstrip("/")}/{PROGRAM}':
+            return
+        for parameter in event.changed_parameters:
+            if parameter.name == 'breakpoints':
+                self.show(breakpoints=breakpoints_by_file(parameter.value.string_array_value))
 
     def _on_forced(self, message: DiagnosticStatus) -> None:
         forced = frozenset(name.partition(' ')[0] for name in diagnostic_values(message))
@@ -157,17 +174,17 @@ class CellReader:
             names = self._node.robot.axes_data.names
             return joint_values(message.name, given, names, 'joint_states') if len(given) else None
 
-        position = values(message.position)
-        self.show(q=position, q_dot=values(message.velocity), torque=values(message.effort))
+        q = values(message.position)
+        self.show(q=q, q_dot=values(message.velocity), torque=values(message.effort))
+        if q is not None:
+            self._show_tool(q, seconds(message.header.stamp))
 
-    def _on_pose(self, message: PoseStamped) -> None:
-        pose, time = pose_from_message(message.pose), seconds(message.header.stamp)
-        before, passed = self._holder.state.tool, time - self._pose_time
-        self._pose_time = time
-        if before is not None and passed > 0.0:
-            self.show(tool=pose, tool_speed=float(np.linalg.norm(pose.r - before.r)) / passed)
-        else:
-            self.show(tool=pose)
+    def _show_tool(self, q: Array, time: float) -> None:
+        before, passed = self._holder.state.tool, time - self._joints_time
+        self._joints_time = time
+        pose = Pose(*self._node.robot.direct_kinematics(q)) @ self._holder.state.settings.tool_pose
+        moved = 0.0 if before is None else float(np.linalg.norm(pose.r - before.r))
+        self.show(tool=pose, **({'tool_speed': moved / passed} if passed > 0.0 else {}))
 
     def _on_health(self, message: DiagnosticArray) -> None:
         prefix = self._node.get_namespace().rstrip('/') + '/'
@@ -205,10 +222,15 @@ class CellReader:
         self._questions[name][1]([parameter_value_to_python(value) for value in values])
 
     def _on_program_parameters(self, values: list[Any]) -> None:
-        path, *labels = values
+        path, points_file, breakpoints, *labels = values
+        points_file = points_file or (str(Path(path).with_suffix(SUFFIX)) if path else '')
         state = self._holder.state
         named = {image: tuple(names or ()) for image, names in zip(LABELS, labels, strict=True)}
-        self.show(program=replace(state.program, path=path or ''), io=replace(state.io, labels=named))
+        self.show(
+            program=replace(state.program, path=path or '', points_file=points_file),
+            io=replace(state.io, labels=named),
+            breakpoints=breakpoints_by_file(breakpoints or ()),
+        )
 
 
 def _run_state(text: str) -> RunState:

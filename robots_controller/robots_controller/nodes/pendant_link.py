@@ -2,23 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
 from geometry_msgs.msg import TwistStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64
+from trajectory_msgs.msg import JointTrajectory
 
 from robots_controller.client.program_client import set_parameters
 from robots_controller.io.io_image import Channel
+from robots_controller.nodes.pendant_moves import PendantMoves
 from robots_controller.nodes.program_link import ProgramLink
 from robots_controller.pendant.jog_command import JogFrame
+from robots_controller.program.motion_command import MotionCommand
+from robots_core.errors import RobotsError
 from robots_core.operating_modes import OperatingMode
+from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.messages import doubles, twist_stamped_message
+from robots_core.ros.polled_subscription import PolledSubscription
 from robots_core.ros.qos import COMMAND, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
 
+PROGRAM: Final = 'lua_program_node'
 PATIENCE: Final = 10.0  # s
 STOPS: Final = ('lua_program_node/stop', 'controller_node/stop')
 
@@ -39,6 +47,10 @@ class PendantLink(ProgramLink):
         self._holds = node.create_publisher(Bool, 'hold_to_run', COMMAND)
         self._overrides = node.create_publisher(Float64, 'override', STATE)
         self._services.prepare(STOPS)
+        self._moves = PendantMoves(node, self._services)
+        self._ghosts = node.create_publisher(JointState, 'ghost', STATE)
+        self._references = PolledSubscription(node, JointTrajectory, 'joint_reference', STREAM)
+        self._reference: Array | None = None
 
     def jog_axes(self, velocity: Array) -> None:
         """See `PendantPort`."""
@@ -56,6 +68,26 @@ class PendantLink(ProgramLink):
         """See `PendantPort`."""
         self._holds.publish(Bool(data=held))
 
+    def begin_move(self, command: MotionCommand, done: Callable[[RobotsError | None], None]) -> None:
+        """See `PendantPort`."""
+        self._moves.begin(command, done)
+
+    def end_move(self) -> None:
+        """See `PendantPort`."""
+        self._moves.end()
+
+    def reference(self) -> Array | None:
+        """See `PendantPort`."""
+        message = self._references.take()
+        if message is not None:
+            self._reference = single_point(message, self._names, 'joint_reference')[0]
+        return self._reference
+
+    def show_ghost(self, q: Array | None) -> None:
+        """See `PendantPort`; without positions the ghost is gone."""
+        message = JointState() if q is None else JointState(name=self._names, position=doubles(q))
+        self._ghosts.publish(message)
+
     def set_override(self, value: float) -> None:
         """See `PendantPort`."""
         self._overrides.publish(Float64(data=float(value)))
@@ -64,6 +96,19 @@ class PendantLink(ProgramLink):
         """See `PendantPort`; both nodes are asked, whatever else does not answer."""
         for service in STOPS:
             self._services.send(service)
+
+    def set_breakpoints(self, breakpoints: Sequence[str]) -> None:
+        """See `PendantPort`."""
+        set_parameters(self._services, PROGRAM, breakpoints=[*breakpoints] or [''])
+
+    def step(self, step: str) -> None:
+        """See `PendantPort`."""
+        set_parameters(self._services, PROGRAM, step_mode=step)
+        self._services.trigger(f'{PROGRAM}/step')
+
+    def call_stack(self) -> str:
+        """See `PendantPort`."""
+        return self._services.trigger(f'{PROGRAM}/get_call_stack')
 
     def set_mode(self, mode: OperatingMode) -> None:
         """See `PendantPort`."""

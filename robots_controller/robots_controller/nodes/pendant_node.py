@@ -10,21 +10,22 @@ from typing import Any, Final
 from rcl_interfaces.msg import Log
 from rclpy.qos import QoSProfile
 
-from robots_controller.nodes.cell_reader import PLANNER, CellReader
+from robots_controller.nodes.cell_reader import PLANNER, PROGRAM, CellReader
 from robots_controller.nodes.pendant_link import PendantLink
 from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import JogSpeeds
+from robots_core.blocks.collision.scene import Scene
+from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.errors import InstallationError
-from robots_core.ros.messages import (
-    seconds,
-)
+from robots_core.nodes.watched_scene import WatchedScene
+from robots_core.ros.messages import seconds
 from robots_core.ros.robot_node import RobotNode
 from robots_core.ros.run import run
+from robots_planning.pathplanning import PathPlanning
 
 LOGS: Final = QoSProfile(depth=100)
 LEVELS: Final = ((Log.ERROR, Level.ERROR), (Log.WARN, Level.WARNING))
-PROGRAM: Final = 'lua_program_node'
 
 
 class PendantNode(RobotNode):
@@ -39,9 +40,14 @@ class PendantNode(RobotNode):
         super().__init__('pendant_node', **options)
         port = self.parameter('port', 8090, 'first port to try for the page; 0 lets the system choose')
         folder = self.parameter('programs', 'programs', 'folder of the robot programs that can be chosen')
-        self.operator = PendantOperator(self.robot, PendantLink(self), self.now)
+        self._collision_scene = Scene()
+        self._preview: PathPlanning | None = None
+        self._margin = 0.0
+        self.operator = PendantOperator(self.robot, PendantLink(self), self.now, self._make_planning)
+        WatchedScene(self, self._on_scene)
         reader = CellReader(self, self.operator)
-        reader.ask(PLANNER, ('teach_speed', 'teach_tool_speed'), self._on_jog_speeds)
+        asked = ('teach_speed', 'teach_tool_speed', 'collision_margin')
+        reader.ask(PLANNER, asked, self._on_planner_parameters)
         self.create_subscription(Log, '/rosout', self._on_log, LOGS)
         self._server = self._serve(port, Path(folder).resolve())
         self.journal.info(f'the robot is operated at {self.url}')
@@ -63,6 +69,26 @@ class PendantNode(RobotNode):
         """Address of the page."""
         return str(self._server.url)
 
+    # -- previews of motions ------------------------------------------------------------------------------
+
+    def _make_planning(self) -> PathPlanning:
+        collision = CollisionDetection(self.robot)
+        planning = PathPlanning(self.robot, collision=collision, collision_margin=self._margin)
+        planning.set_scene(self._collision_scene)
+        self._preview = planning
+        return planning
+
+    def _on_scene(self, scene: Scene) -> None:
+        self._collision_scene = scene
+        if self._preview is not None:
+            self._preview.set_scene(scene)
+
+    # -- what the nodes report ----------------------------------------------------------------------------
+
+    def _on_planner_parameters(self, values: list[Any]) -> None:
+        *speeds, self._margin = values
+        self.operator.state = replace(self.operator.state, jog_speeds=JogSpeeds(*speeds))
+
     def _on_log(self, message: Log) -> None:
         prefix = self.get_namespace().strip('/').replace('/', '.')
         if prefix and not message.name.startswith(f'{prefix}.'):
@@ -74,9 +100,6 @@ class PendantNode(RobotNode):
         level = next((one for number, one in LEVELS if message.level >= number), Level.INFO)
         if message.level >= Log.INFO:
             self.operator.messages.add(seconds(message.stamp), level, name, message.msg)
-
-    def _on_jog_speeds(self, values: list[Any]) -> None:
-        self.operator.state = replace(self.operator.state, jog_speeds=JogSpeeds(*values))
 
     def destroy_node(self) -> None:
         """End the page with the node."""

@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
+import threading
 from collections import deque
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
 from typing import Final
 
-import numpy as np
-
+from robots_controller.interpreter.debugger import STEPS, CallStack, call_stack_from_json
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.control_desk import ControlDesk
-from robots_controller.pendant.jog_command import JogCommand
+from robots_controller.pendant.held_button import HeldButton, standing
+from robots_controller.pendant.jog_outlook import Ahead, JogOutlook
 from robots_controller.pendant.message_log import MessageLog
+from robots_controller.pendant.pendant_motion import JogBasis, MotionPreview, Preview, Way, target_command
 from robots_controller.pendant.pendant_port import PendantPort
-from robots_controller.pendant.pendant_state import STARTABLE, PendantState
-from robots_controller.pendant.permissions import Action, NotPermittedError, refusal
-from robots_controller.pendant.press import Press
-from robots_controller.program.run_state import RunState
-from robots_core.errors import InvalidInputError
+from robots_controller.pendant.pendant_state import PendantState
+from robots_controller.pendant.permissions import Action, NotPermittedError, Reason, refusal
+from robots_controller.pendant.program_editing import findings, save_program
+from robots_controller.pendant.programs import program_file
+from robots_controller.program.teaching import Motion, Teaching
+from robots_controller.program_check.program_check import ProgramProblem
+from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.operating_modes import OperatingMode
 from robots_core.robot_model.base_robot_model import BaseRobotModel
+from robots_core.validation import one_of
+from robots_planning.pathplanning import PathPlanning
 
-HOLD_KEY: Final = 'run'
-"""Of the button that is held while a program runs."""
 MOST_PRINTS: Final = 500
 
 SERVICES: Final[Mapping[Action, str]] = {
@@ -36,16 +42,6 @@ SERVICES: Final[Mapping[Action, str]] = {
 }
 
 
-@dataclass
-class _Held:
-    """The press of a viewer, whether it has commanded something, and whether it has started the program."""
-
-    viewer: str
-    press: Press
-    sent: bool = False
-    started: bool = False
-
-
 class PendantOperator:
     """What all pages of a pendant share: the state, who operates, and the button that is held.
 
@@ -56,17 +52,30 @@ class PendantOperator:
         robot: The robot.
         port: The cell.
         now: Time, s.
+        planning: Makes the planner of previews when the first one is wanted; by default one that knows no
+            obstacles.
     """
 
-    def __init__(self, robot: BaseRobotModel, port: PendantPort, now: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        robot: BaseRobotModel,
+        port: PendantPort,
+        now: Callable[[], float],
+        planning: Callable[[], PathPlanning] | None = None,
+    ) -> None:
+        planning = planning or (lambda: PathPlanning(robot))
         self.robot: Final = robot
         self.desk: Final = ControlDesk()
         self.messages: Final = MessageLog()
+        self.teaching: Final = Teaching(robot)
         self.prints: deque[tuple[int, str]] = deque(maxlen=MOST_PRINTS)
         """What programs have printed, numbered, oldest first."""
         self.state = PendantState()
-        self._port, self._now = port, now
-        self._held: _Held | None = None
+        self.held: Final = HeldButton(robot, port, now, self._check)
+        self._port = port
+        self._outlook = JogOutlook(robot)
+        self._planning, self._planner = threading.Lock(), cache(lambda: MotionPreview(planning()))
+        self._previews: dict[str, Preview] = {}
         self._printed = 0
 
     def print(self, text: str) -> None:
@@ -79,99 +88,71 @@ class PendantOperator:
     def take_control(self, viewer: str, *, from_other: bool = False) -> None:
         """See `ControlDesk.take`; what the other viewer holds is released."""
         self.desk.take(viewer, from_other=from_other)
-        if self._held is not None and self._held.viewer != viewer:
-            self._release()
+        if self.held.viewer != viewer:
+            self.held.release()
 
     def give_back_control(self, viewer: str) -> None:
         """Release what the viewer holds, and give control back; called too when a viewer is gone."""
         self.release(viewer)
+        self.forget_preview(viewer)
         self.desk.give_back(viewer)
 
     # -- what is held -------------------------------------------------------------------------------------
 
-    def hold(self, viewer: str, number: int, key: str, speed: float = 1.0) -> Action | None:
-        """Take a sign that a viewer holds a button.
-
-        Args:
-            viewer: Who.
-            number: Of the press, each with another one.
-            key: Of the button, see `JogCommand.from_key`, or HOLD_KEY.
-            speed: Part of the highest jog speed, 0..1.
-
-        Returns:
-            The action to `act` on now: what is held starts the program.
-
-        Raises:
-            NotPermittedError: when the press begins, or because of what has happened since.
-            InvalidInputError: no such button.
-        """
-        now, held = self._now(), self._held
-        if held is None or (held.viewer, held.press.number) != (viewer, number):
-            self.desk.check(viewer)
-            self._release()
-            held = self._held = _Held(viewer, Press(number, key, now))
-        if held.press.over:
-            return None
-        if not held.press.hold(now):
-            self._stop_held(held)
-            return None
-        try:
-            self._check(viewer, Action.HOLD_RUN if key == HOLD_KEY else Action.JOG)
-            jog = None if key == HOLD_KEY else JogCommand.from_key(key, speed, self.robot.num_axes)
-        except (NotPermittedError, InvalidInputError):
-            held.press.over = True
-            self._stop_held(held)
-            raise
-        held.sent = True
-        if jog is not None:
-            self._jog(jog)
-            return None
-        self._port.hold_run(held=True)
-        return self._start(held)
+    def hold(
+        self, viewer: str, number: int, key: str, speed: float = 1.0, step: float = 0.0
+    ) -> Action | None:
+        """A viewer holds a button; see `HeldButton.hold`. What it returns is to be given to `act`."""
+        preview = self._previews.get(viewer)
+        return self.held.hold(viewer, number, key, self.state, speed=speed, step=step, preview=preview)
 
     def release(self, viewer: str) -> None:
         """A viewer has released what it held, or the connection to it is lost."""
-        if self._held is not None and self._held.viewer == viewer:
-            self._release()
+        if self.held.viewer == viewer:
+            self.held.release()
 
-    def _release(self) -> None:
-        held, self._held = self._held, None
-        if held is not None and not held.press.over:
-            self._stop_held(held)
-
-    def _stop_held(self, held: _Held) -> None:
-        """Stop at once what would stop by itself after its timeout."""
-        if not held.sent:
-            return
-        if held.press.key == HOLD_KEY:
-            self._port.hold_run(held=False)
-        elif held.press.key.startswith('axes'):
-            self._port.jog_axes(np.zeros(self.robot.num_axes))
-        else:
-            self._port.jog_tool(np.zeros(6), 'base')
-
-    def _jog(self, command: JogCommand) -> None:
-        speeds = self.state.jog_speeds
-        if command.frame == 'axes':
-            self._port.jog_axes(command.velocity(self.robot.axes_data, speeds))
-        else:
-            self._port.jog_tool(command.twist(speeds), command.frame)
-
-    def _start(self, held: _Held) -> Action | None:
-        if held.started or not self.state.run_enabled:
+    def ahead(self) -> Ahead | None:
+        """What will stop the jog that is under way; None for nothing soon."""
+        jog, state = self.held.jog, self.state
+        if jog is None or state.q is None:
             return None
-        held.started = True
-        program = self.state.program
-        if program.state in STARTABLE:
-            return Action.RUN
-        paused = program.state is RunState.PAUSED and program.hold != 'release'
-        return Action.RESUME if paused else None
+        return self._outlook.ahead(jog, state.q, state.jog_speeds, state.settings)
+
+    def preview(self, viewer: str, way: Way, values: Sequence[float], speed: float) -> Preview:
+        """Plan the motion to a typed target, and show its end in the 3D view.
+
+        Args:
+            viewer: Who.
+            way: How the target is given and reached.
+            values: See `target_command`.
+            speed: Part of the highest jog speed, 0..1.
+
+        Raises:
+            RobotsError: the target cannot be reached so.
+        """
+        self.forget_preview(viewer)
+        self._check(viewer, Action.MOVE)
+        state = self.state
+        basis = JogBasis(state.jog_speeds, state.settings)
+        command = target_command(self.robot, way, values, speed, basis)
+        with self._planning:
+            found = self._planner().plan(
+                command, standing(self._port, state), state.settings, state.jog_speeds.tool
+            )
+        self._previews[viewer] = found
+        self._port.show_ghost(found.q)
+        return found
+
+    def forget_preview(self, viewer: str) -> None:
+        """The target of a viewer is another one now, or none."""
+        if self._previews.pop(viewer, None) is not None:
+            self._port.show_ghost(None)
 
     # -- what is pressed once -----------------------------------------------------------------------------
 
     def stop(self) -> None:
         """Stop the program and the robot: any viewer may."""
-        self._release()
+        self.held.release()
         self._port.stop()
 
     def act(self, viewer: str, action: Action) -> None:
@@ -187,6 +168,93 @@ class PendantOperator:
         """Open a robot program."""
         self._check(viewer, Action.OPEN)
         self._port.open_program(path)
+
+    # -- points and programs ------------------------------------------------------------------------------
+
+    def teach(self, viewer: str, name: str) -> None:
+        """Store where the robot stands as a point of the program that is open.
+
+        Raises:
+            RobotsError: the points file is not valid, or cannot be written.
+        """
+        self._check(viewer, Action.TEACH)
+        self.teaching.teach(self._points_file, name, standing(self._port, self.state))
+
+    def insert_motion(self, viewer: str, file: str, line: int, motion: Motion, names: Sequence[str]) -> int:
+        """Teach where the robot stands, insert a motion to it, and open the program again.
+
+        Args:
+            viewer: Who.
+            file: Name of the program, or of a subprogram.
+            line: The motion comes after this line; the line of the motion is returned.
+            motion: Its kind.
+            names: Of its points, see `Teaching.insert`.
+
+        Raises:
+            RobotsError: a file is not valid, or cannot be written.
+        """
+        self._check(viewer, Action.EDIT)
+        program, q = Path(self.state.program.path), standing(self._port, self.state)
+        found = program_file(program, file)
+        new = self.teaching.insert(self._points_file, found, line, motion=motion, names=names, q=q)
+        self._port.open_program(str(program))
+        return new
+
+    def undo(self, viewer: str) -> None:
+        """Take the newest change of a program or a points file back, and open the program again."""
+        self._check(viewer, Action.EDIT)
+        self.teaching.history.undo()
+        self._port.open_program(self.state.program.path)
+
+    def save_program(self, viewer: str, file: str, before: str, after: str) -> tuple[ProgramProblem, ...]:
+        """Save a program that was edited, open it again, and check it.
+
+        Args:
+            viewer: Who.
+            file: Name of the program, or of a subprogram.
+            before: Its text when editing began.
+            after: Its new text.
+
+        Returns:
+            What is wrong with the program.
+
+        Raises:
+            RobotsError: somebody else has changed the file, or it cannot be written.
+        """
+        self._check(viewer, Action.EDIT)
+        program = Path(self.state.program.path)
+        save_program(self.teaching.history, program_file(program, file), before, after)
+        problems = findings(program, self.robot.axes_data, self.state.io)
+        with suppress(ProgramError):  # which is one of the problems
+            self._port.open_program(str(program))
+        return problems
+
+    def toggle_breakpoint(self, viewer: str, file: str, line: int) -> None:
+        """Hold programs at a line of a file, or do not any more."""
+        self._check(viewer, Action.BREAK)
+        lines = {(name, one) for name, ones in self.state.breakpoints.items() for one in ones}
+        self._port.set_breakpoints([f'{name}:{one}' for name, one in sorted(lines ^ {(file, line)})])
+
+    def step(self, viewer: str, step: str) -> None:
+        """Let a held program make a step: over, in, out or motion."""
+        self._check(viewer, Action.STEP)
+        self._port.step(one_of('step', STEPS)(step))
+
+    def call_stack(self) -> CallStack:
+        """The call stack of the program that is held, innermost first, with its variables.
+
+        Raises:
+            RobotsError: none is held.
+        """
+        return call_stack_from_json(self._port.call_stack())
+
+    @property
+    def _points_file(self) -> Path:
+        if not self.state.program.points_file:
+            raise NotPermittedError(Reason('no_program'))
+        return Path(self.state.program.points_file)
+
+    # -- settings, inputs and outputs ---------------------------------------------------------------------
 
     def set_mode(self, viewer: str, mode: str) -> None:
         """Set the operating mode."""

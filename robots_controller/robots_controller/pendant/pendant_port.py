@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.jog_command import JogFrame
+from robots_controller.program.motion_command import MotionCommand
+from robots_core.errors import RobotsError
 from robots_core.operating_modes import OperatingMode
 from robots_core.validation import Array
 
@@ -22,6 +25,23 @@ class PendantPort(Protocol):
     def hold_run(self, *, held: bool) -> None:
         """Run is held, for the controller's timeout, or released."""
 
+    def begin_move(self, command: MotionCommand, done: Callable[[RobotsError | None], None]) -> None:
+        """Command a motion as the commander PENDANT.
+
+        Args:
+            command: The motion.
+            done: Called from any thread when it has ended, with why it has not reached its target.
+        """
+
+    def end_move(self) -> None:
+        """Stop the motion of `begin_move`, and give the robot back."""
+
+    def reference(self) -> Array | None:
+        """Where the robot shall be now, (n,), rad (m); None while no controller says so."""
+
+    def show_ghost(self, q: Array | None) -> None:
+        """Show the robot in the 3D view at other joint positions too, (n,), rad (m); None: no more."""
+
     def set_override(self, value: float) -> None:
         """Set the speed override, 0..1."""
 
@@ -35,6 +55,15 @@ class PendantPort(Protocol):
 
     def open_program(self, path: str) -> None:
         """Open a robot program."""
+
+    def set_breakpoints(self, breakpoints: Sequence[str]) -> None:
+        """Hold programs at these lines and no others, such as 'welding.lua:12'."""
+
+    def step(self, step: str) -> None:
+        """Let a held program make a step: over, in, out or motion."""
+
+    def call_stack(self) -> str:
+        """The call stack of a held program with its variables, as JSON of a `CallStack`."""
 
     def set_mode(self, mode: OperatingMode) -> None:
         """Set the operating mode."""

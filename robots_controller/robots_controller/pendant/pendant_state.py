@@ -12,6 +12,7 @@ from robots_core.blocks.multibody.payload import NOTHING, Payload
 from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.pose import Pose
 from robots_core.validation import Array
+from robots_planning.motion_settings import MotionSettings
 
 WATCHED: Final = ('controller_node', 'planning_node', 'lua_program_node')
 """Nodes without which a robot cannot be operated."""
@@ -32,6 +33,7 @@ class ShownProgram:
         motion_line: Line of the motion that was sent last; 0 for none.
         error: Why it has failed; '' if it has not.
         hold: Why it is held; '' if it is not.
+        points_file: Where its taught points stand; '' without a program.
     """
 
     path: str = ''
@@ -42,6 +44,7 @@ class ShownProgram:
     motion_line: int = 0
     error: str = ''
     hold: str = ''
+    points_file: str = ''
 
 
 @dataclass(frozen=True)
@@ -90,13 +93,15 @@ class PendantState:
         q_dot: Measured joint velocities, (n,), rad/s (m/s); None where none are measured.
         torque: Of the axes, (n,), N m (N); None where none are measured.
         payload: What the robot carries.
-        tool: Pose of the tool centre point in the base frame; None before the first.
+        tool: Pose of the tool centre point of `settings` in the robot's base; None before the first.
         tool_speed: Of the tool centre point, m/s.
         hindrance: What planning_node reports as wrong, such as the limit that stops a jog; '' for nothing.
         scene_url: Address of the 3D view; '' for none.
         program: The robot program.
+        breakpoints: Lines where programs are held, by file.
         io: Inputs and outputs.
         jog_speeds: Highest speeds of a jogged robot.
+        settings: Those of the next motion, as planning_node has them.
     """
 
     lost: tuple[str, ...] = WATCHED
@@ -117,8 +122,10 @@ class PendantState:
     hindrance: str = ''
     scene_url: str = ''
     program: ShownProgram = field(default_factory=ShownProgram)
+    breakpoints: Mapping[str, set[int]] = field(default_factory=dict)
     io: ShownIo = field(default_factory=ShownIo)
     jog_speeds: JogSpeeds = field(default_factory=JogSpeeds)
+    settings: MotionSettings = field(default_factory=MotionSettings)
 
     @property
     def values(self) -> Mapping[str, Any]:

@@ -20,6 +20,11 @@ class Action(StrEnum):
     """What can be pressed; a stop needs no permission."""
 
     JOG = 'jog'
+    MOVE = 'move'
+    TEACH = 'teach'
+    EDIT = 'edit'
+    STEP = 'step'
+    BREAK = 'break'
     OPEN = 'open'
     RUN = 'run'
     HOLD_RUN = 'hold_run'
@@ -102,6 +107,10 @@ def _manual(state: PendantState) -> str:
     return '' if state.mode in (OperatingMode.T1, OperatingMode.T2) else 'not_manual'
 
 
+def _steps(state: PendantState) -> str:
+    return '' if state.mode is not None and MODES[state.mode].held else 'no_steps'
+
+
 def _not_running(state: PendantState) -> str:
     return 'running' if state.program.state is RunState.RUNNING else ''
 
@@ -111,6 +120,9 @@ _UNDER_WAY: Final = _program(RunState.RUNNING, RunState.PAUSED, otherwise='not_r
 
 RULES: Final[Mapping[Action, tuple[Rule, ...]]] = {
     Action.JOG: (_missing, _stopped, _commander(Commander.PENDANT)),
+    Action.MOVE: (_missing, _stopped, _commander(Commander.PENDANT), _steps),
+    Action.TEACH: (_missing, _not_running),
+    Action.EDIT: (_missing, _program(*STARTABLE, otherwise='not_ended')),
     Action.OPEN: (_missing, _program(RunState.IDLE, *STARTABLE, otherwise='under_way')),
     Action.RUN: (*_RUNNABLE, _program(*STARTABLE, otherwise='not_startable'), _held),
     Action.HOLD_RUN: (
@@ -118,6 +130,11 @@ RULES: Final[Mapping[Action, tuple[Rule, ...]]] = {
         _program(*STARTABLE, RunState.RUNNING, RunState.PAUSED, otherwise='not_startable'),
         _not_held,
     ),
+    Action.STEP: (
+        *_RUNNABLE,
+        _program(RunState.OPENED, RunState.RUNNING, RunState.PAUSED, otherwise='not_paused'),
+    ),
+    Action.BREAK: (_missing,),
     Action.PAUSE: (_missing, _program(RunState.RUNNING, otherwise='not_running')),
     Action.RESUME: (*_RUNNABLE, _program(RunState.PAUSED, otherwise='not_paused'), _held),
     Action.END: (_missing, _UNDER_WAY),

@@ -21,12 +21,14 @@ class Press:
         key: What is pressed.
         last: Time of the last sign, s.
         over: It has ended.
+        moves: It has commanded a motion to a target, not a jog.
     """
 
     number: int
     key: str
     last: float
     over: bool = False
+    moves: bool = False
 
     def hold(self, now: float) -> bool:
         """Take a sign that the button is held, at a time (s); False once the press has ended."""

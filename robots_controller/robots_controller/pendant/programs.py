@@ -32,5 +32,9 @@ def read_program(path: str, file: str) -> str:
     Raises:
         InvalidInputError: it cannot be read.
     """
-    program = Path(path)
-    return read_text(program if program.name == file else program.parent / Path(file).name, 'program')
+    return read_text(program_file(Path(path), file), 'program')
+
+
+def program_file(program: Path, file: str) -> Path:
+    """The path of a program, or of a file of its folder that it loads, by its name."""
+    return program if program.name == file else program.parent / Path(file).name

@@ -1,13 +1,15 @@
 """TaughtPoints: named positions of the robot in a YAML file beside the program."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from robots_controller.program.whole_file import read_file, write_file
+from robots_controller.program.whole_file import read_file, write_text, yaml_text
 from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.pose import Pose
 from robots_core.validation import Array, finite_vector, read_only
+from robots_core.yaml_section import read_yaml
 
 HEADER: Final = (
     '# Taught points. q: joint positions, rad (m for sliding axes), in the order of the axes.\n'
@@ -46,6 +48,11 @@ def write_points(path: Path, points: dict[str, TaughtPoint]) -> None:
     Raises:
         ProgramError: it cannot be written.
     """
+    write_text(path, points_text(points), WHAT)
+
+
+def points_text(points: Mapping[str, TaughtPoint]) -> str:
+    """What `write_points` writes."""
     entries = {
         name: {
             'q': point.q.tolist(),
@@ -54,7 +61,7 @@ def write_points(path: Path, points: dict[str, TaughtPoint]) -> None:
         }
         for name, point in sorted(points.items())
     }
-    write_file(path, {'points': entries}, WHAT, HEADER)
+    return yaml_text({'points': entries}, HEADER)
 
 
 def _point(name: str, entry: Any, num_axes: int, path: Path) -> TaughtPoint:
@@ -64,4 +71,13 @@ def _point(name: str, entry: Any, num_axes: int, path: Path) -> TaughtPoint:
         q = read_only(finite_vector(entry['q'], num_axes, 'q'))
         return TaughtPoint(q, Pose.from_quaternion(entry['r'], entry['quaternion']))
     except RobotsError as error:
-        raise ProgramError(f'point {name!r}: {error}', file=path.name) from None
+        raise ProgramError(f'point {name!r}: {error}', file=path.name, line=_line(name, path)) from None
+
+
+def _line(name: str, path: Path) -> int:
+    """The line of a point; 0 where it is not known."""
+    try:
+        points = read_yaml(path).section('points')
+        return 0 if points is None else points.line_of(name)
+    except RobotsError:  # a name that stands there twice
+        return 0

@@ -1,6 +1,7 @@
 """Files that programs keep beside them: whole at any time, whatever happens while they are written."""
 
 import os
+import shutil
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -46,12 +47,29 @@ def write_file(path: Path, data: dict[str, Any], what: str, header: str) -> None
     Raises:
         ProgramError: it cannot be written.
     """
-    text = header + yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=200)
+    write_text(path, yaml_text(data, header), what)
+
+
+def yaml_text(data: dict[str, Any], header: str) -> str:
+    """What `write_file` writes."""
+    return header + yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=200)
+
+
+def write_text(path: Path, text: str, what: str) -> None:
+    """Write a text file: the whole new one or, whatever happens, the whole old one.
+
+    Raises:
+        ProgramError: it cannot be written.
+    """
     try:
-        with tempfile.NamedTemporaryFile('w', dir=path.parent, prefix=f'.{path.name}.', delete=False) as file:
+        with tempfile.NamedTemporaryFile(
+            'w', encoding='utf-8', newline='', dir=path.parent, prefix=f'.{path.name}.', delete=False
+        ) as file:
             file.write(text)
             file.flush()
             os.fsync(file.fileno())
+        if path.exists():
+            shutil.copymode(path, file.name)
         Path(file.name).replace(path)
     except OSError as error:
         raise ProgramError(f'the {what} cannot be written: {error.strerror}', file=path.name) from None

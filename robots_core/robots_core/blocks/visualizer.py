@@ -27,6 +27,7 @@ from robots_core.validation import Array
 CREASE = np.pi / 6  # rad; sharper edges stay visible, flatter ones are shaded smoothly
 BRAND = (0, 150, 136)
 COLLISION_COLOUR = (30, 120, 255)
+GHOST_COLOUR = (0.0, 0.59, 0.53, 0.35)
 ZONE_COLOUR = (0.95, 0.60, 0.10, 0.20)
 PLATE = 2e-3  # m; thickness of a half-space's plane
 
@@ -86,6 +87,7 @@ class Visualizer:
         self._add_shapes(robot.visualization.shapes)
         self._collision = self._add_collision_shapes(robot.collision_model.shapes)
         self._scene: list[viser.MeshHandle] = []
+        self._ghost: list[viser.FrameHandle] = []
         self._flange = flange(robot)
         self._bounds: list[PlacedBounds] = []
         self._add_panel()
@@ -157,6 +159,32 @@ class Visualizer:
             PlacedBounds(np.asarray(triangle_mesh(item.geometry).bounds), item.pose) for item in scene.objects
         ]
         self._aim()
+
+    def show_ghost(self, q: Array | None) -> None:
+        """Show a ghost of the robot at joint positions `q`, (n,) rad (m); None: no more.
+
+        Raises:
+            InvalidInputError: `q` of another shape or not finite.
+        """
+        if q is None:
+            for frame in self._ghost:
+                frame.visible = False
+            return
+        r, T = self._robot.kinematic_model.frame_axes(q)
+        with self._server.atomic():
+            if not self._ghost:
+                self._ghost = [
+                    self._server.scene.add_frame(f'/ghost/{index}', show_axes=False)
+                    for index in range(self._robot.num_axes + 1)
+                ]
+                for shape in self._robot.visualization.shapes:
+                    if shape.frame > 0:  # the base stands where it stands
+                        name = f'/ghost/{shape.frame}/{shape.name}'
+                        self._add_solid(name, shape.geometry, GHOST_COLOUR, shape.pose)
+            for frame, position, orientation in zip(self._ghost[1:], r, T, strict=True):
+                frame.position, frame.wxyz = position, _wxyz(orientation)
+            for frame in self._ghost:
+                frame.visible = True
 
     def clear_trace(self) -> None:
         """Clear the displayed path of the tool."""

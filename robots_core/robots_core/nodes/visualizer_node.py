@@ -10,7 +10,7 @@ from sensor_msgs.msg import JointState
 from robots_core.blocks.visualizer import Visualizer
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.ros.messages import joint_values
-from robots_core.ros.qos import SENSOR
+from robots_core.ros.qos import SENSOR, subscribe_state
 from robots_core.ros.robot_node import PORTS, RobotNode
 from robots_core.ros.run import run
 
@@ -21,6 +21,7 @@ class VisualizerNode(RobotNode):
     """Shows `joint_states` in a browser page.
 
     Shows the obstacles and attached objects of a scene too, from its file and from `collision_objects`.
+    Positions on `ghost` show the robot there too, as a ghost, until a message without any.
     Nothing is drawn while no browser shows the page.
     """
 
@@ -35,6 +36,7 @@ class VisualizerNode(RobotNode):
         rate = self.parameter('rate', 30.0, "highest rate of the page's updates, Hz", bounds=(0.1, MAX_RATE))
         self._visualizer = Visualizer(self.robot, host=host, port=port)
         self._scene = WatchedScene(self, self._visualizer.show_scene)
+        subscribe_state(self, JointState, 'ghost', self._show_ghost)
         # The page is for people: it keeps wall-clock time even where the suite runs on simulated time.
         clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.poll(JointState, 'joint_states', self._update, SENSOR, rate=rate, clock=clock)
@@ -50,6 +52,11 @@ class VisualizerNode(RobotNode):
         q = joint_values(message.name, message.position, self.robot.axes_data.names, 'joint_states')
         self._visualizer.follow(q)
         self.ready(url=self.url)
+
+    def _show_ghost(self, message: JointState) -> None:
+        names = self.robot.axes_data.names
+        q = joint_values(message.name, message.position, names, 'ghost') if message.position else None
+        self._visualizer.show_ghost(q)
 
     def destroy_node(self) -> None:
         """End the page with the node."""

@@ -8,7 +8,7 @@ from robots_core.operating_modes import Commander, OperatingMode, check_command
 from robots_core.ros.qos import STATE, subscribe_state
 from robots_core.ros.robot_node import RobotNode
 
-PROGRAM_NODE = 'lua_program_node'
+NODES = {'lua_program_node': Commander.PROGRAM, 'pendant_node': Commander.PENDANT}
 
 
 class CommanderWatch:
@@ -19,7 +19,8 @@ class CommanderWatch:
     """
 
     def __init__(self, node: RobotNode) -> None:
-        self._program = f'{node.get_namespace().rstrip("/")}/{PROGRAM_NODE}'
+        namespace = node.get_namespace().rstrip('/')
+        self._nodes = {f'{namespace}/{name}': commander for name, commander in NODES.items()}
         self.commander = Commander.NOBODY
         """The commander of the robot."""
         self.mode: OperatingMode | None = None
@@ -51,7 +52,7 @@ class CommanderWatch:
         """What a node that commands motions is, by its full name; the present commander for ''."""
         if not name:
             return Commander.REMOTE if self.commander is Commander.NOBODY else self.commander
-        return Commander.PROGRAM if name == self._program else Commander.REMOTE
+        return self._nodes.get(name, Commander.REMOTE)
 
     def _on_commander(self, message: String) -> None:
         self.commander = Commander(message.data)

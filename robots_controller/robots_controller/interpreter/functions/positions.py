@@ -53,13 +53,21 @@ class Positions(Family):
         write_points(self._run.view.points_file, points)
         return None
 
+    @lua_function(_NAME, returns=A_POSE)
+    def getTaughtPose(self, name: str) -> Result:
+        """Reads where a taught point is for the tool and base that are set: {x, y, z, phi1, phi2, phi3}."""
+        return (self._run.shown(self._run.target.seen(self._point(name).pose)),)
+
     @lua_function(_NAME, returns=('a table of n numbers, a pose', 'number[], Pose'))
     def getTaughtPoint(self, name: str) -> Result:
         """Reads a taught point: its joint angles, and the pose of the flange {x, y, z, phi1, phi2, phi3}."""
+        point = self._point(name)
+        return joints_to_program(point.q, self._run.view.prismatic), self._run.shown(point.pose)
+
+    def _point(self, name: str) -> TaughtPoint:
         file = self._run.view.points_file
         points = read_points(file, self._run.state.num_axes)
         if name not in points:
             known = ', '.join(sorted(points)) or 'none'
             raise ProgramError(f'no point is named {name!r} in {file.name}; points are {known}')
-        point = points[name]
-        return joints_to_program(point.q, self._run.view.prismatic), self._run.shown(point.pose)
+        return points[name]

@@ -9,15 +9,21 @@ import numpy as np
 from nicegui import ui
 
 from robots_controller.pendant.jog_command import JOG_FRAMES, JogFrame
+from robots_controller.pendant.page.target_panel import TargetPanel
 from robots_controller.pendant.page.viewer import RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
+from robots_controller.pendant.texts import Texts
 from robots_core.orientation import angles_from_orientation
 from robots_core.validation import Array
+from robots_planning.teach_box import OUT_OF_REACH
 
 SPEEDS: Final = (1, 3, 10, 30, 100)  # %
 FIRST_SPEED: Final = 10  # %
 DIRECTIONS: Final = ('X', 'Y', 'Z', 'RX', 'RY', 'RZ')
+STEPS: Final = (0.0, 0.1, 1.0, 10.0)
+"""mm or deg; 0 jogs while a button is held."""
+TARGET: Final = 'target'
 NEAR_LIMIT: Final = 0.03  # part of an axis' range
 
 
@@ -32,6 +38,7 @@ class _Row:
             with ui.element('div').classes('gauge'):
                 self._value = ui.label().classes('number')
                 self._bar = ui.element('div').classes('mark')
+                self._bar.set_visibility(False)
             self._button(f'{frame} {index} +', '+', text('jog.plus', name=name))
 
     @staticmethod
@@ -60,15 +67,23 @@ class JogPanel:
     def __init__(self, viewer: Viewer) -> None:
         self._viewer, text = viewer, viewer.texts
         self._frame: JogFrame = 'axes'
+        self._step = 0.0  # mm or deg
         self.speed = FIRST_SPEED / 100.0
         """Part of the highest jog speed."""
         with ui.element('div').classes('panel jog-panel'):
             with ui.element('div').classes('choices'):
                 ui.toggle(
-                    {frame: text(f'jog.{frame}') for frame in JOG_FRAMES},
+                    {frame: text(f'jog.{frame}') for frame in (*JOG_FRAMES, TARGET)},
                     value=self._frame,
                     on_change=lambda event: self._choose(event.value),
                 ).props('unelevated no-caps')
+                with ui.element('div').classes('choice') as self._steps:
+                    ui.label(text('jog.step')).classes('caption')
+                    ui.toggle(
+                        {step: f'{step:g}' if step else '∞' for step in STEPS},
+                        value=0.0,
+                        on_change=lambda event: self._set_step(event.value),
+                    ).props(f'unelevated no-caps padding="4px 9px" aria-label="{text("jog.step")}"')
                 with ui.element('div').classes('choice'):
                     ui.label(text('jog.speed')).classes('caption')
                     ui.toggle(
@@ -79,15 +94,35 @@ class JogPanel:
             self.line = RefusalLine()
             self._hint = ui.label(text('jog.hint')).classes('hint')
             self._rows_place = ui.element('div').classes('rows')
+            self._target = TargetPanel(viewer, lambda: self.speed, self.line)
             self._pose = ui.label().classes('pose number')
         self._rows: list[_Row] = []
         self._blocked: str | None = None
         self._build_rows()
+        self._target.element.set_visibility(False)
 
-    def _choose(self, frame: JogFrame) -> None:
-        self._frame = frame
-        self._build_rows()
+    def _choose(self, frame: str) -> None:
+        typed = frame == TARGET
+        self._target.element.set_visibility(typed)
+        self._rows_place.set_visibility(not typed)
+        self._steps.set_visibility(not typed)
+        if not typed:
+            self._frame = JOG_FRAMES[JOG_FRAMES.index(frame)]
+            self._build_rows()
         self.refresh(self._viewer.operator.state)
+
+    def _set_step(self, step: float) -> None:
+        self._step = step
+
+    def step(self, key: str) -> float:
+        """Size of the steps that a button makes, rad or m; 0 for a jog."""
+        frame, _, rest = key.partition(' ')
+        index = rest.partition(' ')[0]
+        if frame not in JOG_FRAMES or not index.isdecimal():
+            return 0.0
+        slides = self._viewer.operator.robot.axes_data.prismatic
+        straight = any(slides[int(index) : int(index) + 1]) if frame == 'axes' else int(index) < 3
+        return self._step / 1e3 if straight else math.radians(self._step)
 
     def _set_speed(self, percent: int) -> None:
         self.speed = percent / 100.0
@@ -101,19 +136,37 @@ class JogPanel:
     def refresh(self, state: PendantState) -> None:
         """Show a state."""
         reason = self._viewer.reason(Action.JOG)
-        hint = reason or state.hindrance or self._viewer.texts('jog.hint')
-        self._hint.set_text(hint)
-        warned = bool(reason or state.hindrance)
+        warning = reason or self._ahead() or state.hindrance
+        self._hint.set_text(warning or self._viewer.texts('jog.step_hint' if self._step else 'jog.hint'))
+        warned = bool(warning)
+        self._hint.set_visibility(warned or not self._target.element.visible)
         self._hint.classes(add='warned' if warned else '', remove='' if warned else 'warned')
         if reason != self._blocked:
             self._blocked = reason
             self._rows_place.classes(add='blocked' if reason else '', remove='' if reason else 'blocked')
         self._pose.set_text(self._pose_text(state))
+        self._show_failure()
+        self._target.refresh(state)
         if state.q is not None and self._frame == 'axes':
             self._show_axes(state.q)
         elif state.tool is not None and self._frame == 'base':
             for row, value in zip(self._rows, state.tool.r, strict=False):
-                row.show(f'{1e3 * value:.1f} mm')
+                row.show(f'{round(1e3 * value, 1) + 0.0:.1f} mm')
+
+    def _ahead(self) -> str:
+        """What will stop the jog of this page, for a person; '' for nothing."""
+        operator, text = self._viewer.operator, self._viewer.texts
+        ahead = operator.ahead() if operator.held.viewer == self._viewer.id else None
+        if ahead is None:
+            return ''
+        what = ', '.join(_limit_text(text, limit) for limit in ahead.limits)
+        return text('jog.ahead', time=f'{ahead.time:.1f}', what=what) if ahead.time else what
+
+    def _show_failure(self) -> None:
+        held = self._viewer.operator.held
+        if held.failure is not None and held.failure[0] == self._viewer.id:
+            self.line.show(self._viewer.texts.error(held.failure[1]))
+            held.failure = None
 
     def _show_axes(self, positions: Array) -> None:
         axes = self._viewer.operator.robot.axes_data
@@ -135,3 +188,11 @@ class JogPanel:
         x, y, z = np.round(1e3 * state.tool.r, 1) + 0.0
         turned = '  '.join(f'{angle:.2f}°' for angle in np.round(angles, 2) + 0.0)
         return f'X {x:.1f}  Y {y:.1f}  Z {z:.1f} mm   {convention}: {turned}'
+
+
+def _limit_text(text: Texts, limit: str) -> str:
+    """What a teach box says of a limit, in the language of the page."""
+    if limit == OUT_OF_REACH:
+        return text('jog.out_of_reach')
+    name, quantity, side = limit.rsplit(' ', 2)
+    return text(f'jog.{side}_limit' if quantity == 'position' else 'jog.singular', name=name)

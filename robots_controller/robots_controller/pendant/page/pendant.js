@@ -1,6 +1,7 @@
 // What only a browser can do: it notices that a button is held, and says so again and again.
 const pendant = (() => {
   const PERIOD = 40; // ms between two signs of a press; without them the robot stops
+  const NUMBERS = 44; // px, of the line numbers
   let press = null;
   let number = 0;
 
@@ -68,22 +69,56 @@ const pendant = (() => {
     }
   }));
 
+  document.addEventListener('click', (event) => {
+    const line = event.target.closest?.('#source [data-line]');
+    if (!line || !connected()) return;
+    const number = event.target === line && event.offsetX < NUMBERS;
+    emitEvent(number ? 'pendant_breakpoint' : 'pendant_cursor', Number(line.dataset.line));
+  });
+
   const remember = (name, value) => {
     document.cookie = `${name}=${value}; path=/; max-age=31536000; samesite=strict`;
   };
 
   return {
-    // Marks the line of the program and that of the motion, and follows the former.
-    mark(line, motion, failed) {
+    // Marks lines of the program: where it is, where it fails, where it is held, and what was found.
+    mark({line, motion, failed, cursor, breakpoints, findings}) {
       const source = document.getElementById('source');
       if (!source) return;
-      source.querySelectorAll('.running, .moving, .failed').forEach((one) => {
-        one.classList.remove('running', 'moving', 'failed');
+      for (const one of source.children) {
+        const number = Number(one.dataset.line);
+        one.classList.toggle('moving', number === motion);
+        one.classList.toggle('running', number === line && !failed);
+        one.classList.toggle('failed', number === line && failed);
+        one.classList.toggle('cursor', number === cursor);
+        one.classList.toggle('breakpoint', breakpoints.includes(number));
+        one.classList.toggle('found', number in findings);
+        one.title = findings[number] ?? '';
+      }
+      source.querySelector(`[data-line="${line || cursor}"]`)?.scrollIntoView({block: 'nearest'});
+    },
+    // Completes the names of functions in an editor, with what they do.
+    async complete(id, functions) {
+      const {StateEffect, EditorState, tooltips} = await import('nicegui-codemirror');
+      const view = await new Promise((resolve) => {
+        const look = () => {
+          const editor = getElement(id)?.editor;
+          if (editor) resolve(editor); else setTimeout(look, 50);
+        };
+        look();
       });
-      source.querySelector(`[data-line="${motion}"]`)?.classList.add('moving');
-      const shown = source.querySelector(`[data-line="${line}"]`);
-      shown?.classList.add(failed ? 'failed' : 'running');
-      shown?.scrollIntoView({block: 'nearest'});
+      const source = (context) => {
+        const word = context.matchBefore(/\w+/);
+        if (!word && !context.explicit) return null;
+        const options = functions.map((one) => ({...one, type: 'function'}));
+        return {from: word ? word.from : context.pos, options, validFor: /^\w*$/};
+      };
+      const completion = EditorState.languageData.of(() => [{autocomplete: source}]);
+      // Below the page: the panel would cut off what is longer than it.
+      const extensions = [completion, tooltips({parent: document.getElementById('tooltips')})];
+      view.dispatch({effects: StateEffect.appendConfig.of(extensions)});
+      if (document.body.classList.contains('body--dark')) getElement(id).setTheme('vscodeDark');
+      view.focus();
     },
     switchTheme() {
       const dark = document.body.classList.contains('body--dark');

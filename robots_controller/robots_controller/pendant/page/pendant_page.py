@@ -11,13 +11,15 @@ from fastapi import Request
 from nicegui import Client, ui
 from nicegui.events import GenericEventArguments
 
+from robots_controller.pendant.held_button import RUN_KEY, STEP_KEY
 from robots_controller.pendant.page.io_panel import IoPanel
 from robots_controller.pendant.page.jog_panel import JogPanel
 from robots_controller.pendant.page.message_panel import MessagePanel
 from robots_controller.pendant.page.program_panel import ProgramPanel
 from robots_controller.pendant.page.top_bar import TopBar
 from robots_controller.pendant.page.viewer import Panel, Viewer
-from robots_controller.pendant.pendant_operator import HOLD_KEY, PendantOperator
+from robots_controller.pendant.pendant_operator import PendantOperator
+from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_texts
 from robots_core.errors import RobotsError
 
@@ -43,6 +45,7 @@ class PendantPage:
             chosen if chosen in LANGUAGES else preferred_language(request.headers.get('accept-language', ''))
         )
         self._operator = operator
+        self._number = 0  # of the newest press
         self._viewer = viewer = Viewer(client.id, operator, read_texts(language))
         theme = request.cookies.get(THEME_COOKIE)
         ui.dark_mode(value=None if theme not in ('dark', 'light') else theme == 'dark')
@@ -52,6 +55,7 @@ class PendantPage:
         self._scene_url, self._host = '', request.headers.get('host', '')
         with client.content:
             self._bar = TopBar(viewer)
+            ui.element('div').props('id=tooltips')
             with ui.element('main').classes('work'):
                 with ui.element('div').classes('scene'):
                     self._no_scene = ui.label(viewer.texts('bar.no_scene')).classes('hint')
@@ -93,18 +97,23 @@ class PendantPage:
 
     async def _hold(self, event: GenericEventArguments) -> None:
         number, key = _press(event.args)
-        line = self._program.line if key == HOLD_KEY else self._jog.line
+        line = self._program.line if key == RUN_KEY or key.startswith(STEP_KEY) else self._jog.line
+        if number != self._number:
+            self._number = number
+            line.show('')
         try:
-            action = self._operator.hold(self._viewer.id, number, key, self._jog.speed)
+            action = self._operator.hold(self._viewer.id, number, key, self._jog.speed, self._jog.step(key))
         except RobotsError as error:
             line.show(self._viewer.texts.error(error))
             return
-        if action is not None:
+        if action is Action.STEP:
+            step = key.removeprefix(STEP_KEY)
+            await self._viewer.do(line, lambda: self._operator.step(self._viewer.id, step))
+        elif action is not None:
             await self._viewer.do(line, lambda: self._operator.act(self._viewer.id, action))
 
     def _release(self) -> None:
         self._operator.release(self._viewer.id)
-        self._jog.line.show('')
 
     # -- what is shown ------------------------------------------------------------------------------------
 

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
 from functools import partial
 from html import escape
 from pathlib import Path
 from typing import Final
 
-from nicegui import ui
+from nicegui import background_tasks, ui
 from pygments import lex
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import LuaLexer
 from pygments.token import Token
 
+from robots_controller.pendant.held_button import RUN_KEY, STEP_KEY
+from robots_controller.pendant.page.held_program_view import HeldProgramView
+from robots_controller.pendant.page.program_editor import ProgramEditor
+from robots_controller.pendant.page.teach_row import TeachRow
 from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
-from robots_controller.pendant.pendant_operator import HOLD_KEY
 from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action
-from robots_controller.pendant.programs import program_files, read_program
+from robots_controller.pendant.programs import program_file, program_files, read_program
+from robots_controller.program_check.program_check import ProgramProblem
 from robots_core.errors import RobotsError
 from robots_core.operating_modes import MODES
 
@@ -29,6 +35,8 @@ BUTTONS: Final = (
     (Action.END, 'end', 'stop'),
     (Action.REWIND, 'rewind', 'replay'),
 )
+VIEWS: Final = ('printed', 'teach', 'variables')
+STEPS: Final = {'over': 'redo', 'in': 'south_east', 'out': 'north_east', 'motion': 'route'}
 HELD: Final = (Action.RUN, Action.RESUME)
 """What the button that is held does, in modes in which run is held."""
 
@@ -43,9 +51,11 @@ class ProgramPanel:
 
     def __init__(self, viewer: Viewer, folder: Path) -> None:
         self._viewer, self._folder, text = viewer, folder, viewer.texts
-        self._shown: tuple[str, str] | None = None  # path and file
-        self._marks: tuple[int, int, bool] = (0, 0, False)
+        self._shown: tuple[str, str, float] | None = None  # path, file and when that was written
+        self._cursor = 0  # the line after which motions are inserted
+        self._marks = ''
         self._printed = -1
+        self._problems: Sequence[ProgramProblem] = ()
         with ui.element('div').classes('panel program-panel'):
             with ui.element('div').classes('row-of-buttons'):
                 self._choice = (
@@ -54,11 +64,12 @@ class ProgramPanel:
                     .classes('wide')
                 )
                 self._choice.on('focus', lambda: self._choice.set_options(program_files(folder)))
+                self._edit = ActionButton(viewer, Action.EDIT, text('edit.edit'), 'edit', self._begin_edit)
             with ui.element('div').classes('row-of-buttons'):
                 with (
                     ui.element('button')
                     .classes('hold')
-                    .props(f'type=button data-press="{HOLD_KEY}"') as self._hold
+                    .props(f'type=button data-press="{RUN_KEY}"') as self._hold
                 ):
                     ui.icon('play_arrow')
                     ui.label(text('program.hold'))
@@ -69,11 +80,29 @@ class ProgramPanel:
                     )
                     for action, key, icon in BUTTONS
                 }
+            with ui.element('div').classes('row-of-buttons steps') as self._steps:
+                for step in STEPS:
+                    _step_button(step, text(f'step.{step}'))
             self.line = RefusalLine()
             self._error = ui.label().classes('refusal')
             self._source = ui.html('', sanitize=False).classes('source').props('id=source')
-            ui.label(text('program.printed')).classes('caption')
-            self._prints = ui.html('', sanitize=False).classes('prints')
+            self._editor = ProgramEditor(viewer, self.line, self._end_edit)
+            ui.on('pendant_cursor', lambda event: self._put_cursor(int(event.args)))
+            ui.on('pendant_breakpoint', lambda event: self._toggle_breakpoint(int(event.args)))
+            self._found = ui.element('div').classes('findings')
+            self._found.set_visibility(False)
+            with ui.tabs().props('dense no-caps inline-label align=left').classes('subtabs') as tabs:
+                for name in VIEWS:
+                    ui.tab(name, text(f'program.{name}'))
+            with ui.tab_panels(tabs, value=VIEWS[0], animated=False).classes('subpanels').props('keep-alive'):
+                with ui.tab_panel(VIEWS[0]):
+                    self._prints = ui.html('', sanitize=False).classes('prints')
+                with ui.tab_panel(VIEWS[1]):
+                    self._teach = TeachRow(
+                        viewer, self.line, lambda: (self._file, self._cursor), self._put_cursor
+                    )
+                with ui.tab_panel(VIEWS[2]):
+                    self._held = HeldProgramView(viewer)
 
     async def _open(self) -> None:
         viewer, name = self._viewer, self._choice.value
@@ -101,12 +130,25 @@ class ProgramPanel:
         self._error.set_text(program.error)
         self._error.set_visibility(bool(program.error))
         self._show_source(state)
+        self._teach.refresh(state)
+        self._edit.refresh()
+        self._editor.refresh()
+        background_tasks.create(self._held.refresh(state))
+        blocked = bool(self._viewer.reason(Action.STEP))
+        self._steps.classes(add='blocked' if blocked else '', remove='' if blocked else 'blocked')
         line = program.line if program.file == self._file else 0
         motion = program.motion_line if program.motion_file == self._file else 0
-        marks = line, motion, bool(program.error)
-        if marks != self._marks:
-            self._marks = marks
-            ui.run_javascript(f'pendant.mark({line}, {motion}, {str(marks[2]).lower()})')
+        marks = {
+            'line': line,
+            'motion': motion,
+            'failed': bool(program.error),
+            'cursor': self._cursor,
+            'breakpoints': sorted(state.breakpoints.get(self._file, ())),
+            'findings': {one.line: one.reason for one in self._problems if one.file == self._file},
+        }
+        if (text := json.dumps(marks)) != self._marks:
+            self._marks = text
+            ui.run_javascript(f'pendant.mark({text})')
         self._show_prints()
 
     @property
@@ -115,10 +157,16 @@ class ProgramPanel:
 
     def _show_source(self, state: PendantState) -> None:
         program = state.program
-        shown = program.path, program.file or Path(program.path).name
+        file = program.file or Path(program.path).name
+        shown = program.path, file, _written(Path(program.path), file)
         if shown == self._shown:
             return
-        self._shown, self._marks = shown, (0, 0, False)
+        if self._shown is None or shown[:2] != self._shown[:2]:
+            self._cursor, self._problems = 0, ()
+            self._found.set_visibility(False)
+        self._shown, self._marks = shown, ''
+        if self._editor.open and not program.path:
+            self._editor.close()
         text = self._viewer.texts
         if not program.path:
             self._source.set_content(escape(text('program.none', folder=self._folder)))
@@ -127,9 +175,45 @@ class ProgramPanel:
         name = str(Path(program.path).relative_to(self._folder)) if self._is_listed(program.path) else ''
         self._choice.set_value(name if name in names else None)
         try:
-            self._source.set_content(_lines(read_program(program.path, shown[1])))
+            self._source.set_content(_lines(read_program(program.path, file)))
+            self._cursor = self._cursor or self._source.content.count('data-line=')
         except RobotsError:
-            self._source.set_content(escape(text('program.unreadable', file=shown[1])))
+            self._source.set_content(escape(text('program.unreadable', file=file)))
+
+    def _put_cursor(self, line: int) -> None:
+        self._cursor = line
+
+    async def _toggle_breakpoint(self, line: int) -> None:
+        viewer, file = self._viewer, self._file
+        await viewer.do(self.line, lambda: viewer.operator.toggle_breakpoint(viewer.id, file, line))
+
+    def _begin_edit(self) -> None:
+        reason = self._viewer.reason(Action.EDIT)
+        path = self._viewer.operator.state.program.path
+        self.line.show(reason)
+        if reason or self._editor.open:
+            return
+        try:
+            file = self._file or Path(path).name
+            self._editor.edit(file, read_program(path, file), self._cursor)
+        except RobotsError as error:
+            self.line.show(self._viewer.texts.error(error))
+            return
+        self._source.set_visibility(False)
+
+    def _end_edit(self, problems: Sequence[ProgramProblem] | None) -> None:
+        self._source.set_visibility(True)
+        self._marks = ''
+        if problems is None:
+            return
+        self._problems = problems
+        self._found.clear()
+        self._found.set_visibility(True)
+        with self._found:
+            if not problems:
+                ui.label(self._viewer.texts('edit.good')).classes('good')
+            for one in problems:
+                ui.label(str(one)).classes('finding').on('click', partial(self._put_cursor, one.line))
 
     def _is_listed(self, path: str) -> bool:
         return Path(path).is_relative_to(self._folder)
@@ -143,6 +227,19 @@ class ProgramPanel:
             # Turned around by the style, so that the newest stays in view.
             nothing = f'<div class="hint">{escape(self._viewer.texts("program.nothing_printed"))}</div>'
             self._prints.set_content(''.join(reversed(lines)) or nothing)
+
+
+def _step_button(step: str, title: str) -> None:
+    key = f'{STEP_KEY}{step}'
+    with ui.element('button').classes('hold step').props(f'type=button data-press="{key}"'):
+        ui.icon(STEPS[step])
+        ui.label(title)
+
+
+def _written(program: Path, file: str) -> float:
+    """When a file was written; 0 for none."""
+    path = program_file(program, file)
+    return path.stat().st_mtime if path.is_file() else 0.0
 
 
 def _lines(text: str) -> str:

@@ -1,0 +1,156 @@
+"""PendantMoves: motions of the operator's page on their way to planning_node, as the commander PENDANT."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, Final
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from std_srvs.srv import SetBool
+
+from robots_controller.cell.ports import Configured
+from robots_controller.cell.program_motions import ProgramMotions
+from robots_controller.client.cell_services import CellServices
+from robots_controller.nodes.planner_client import PlannerClient
+from robots_controller.nodes.program_clock import ProgramClock
+from robots_controller.program.motion_command import MotionCommand
+from robots_core.errors import CommandRefusedError, PlanningError, RobotsError
+from robots_core.ros.messages import motion_result_from_message
+from robots_core.ros.qos import COMMAND
+from robots_core.ros.robot_node import RobotNode
+
+TAKE: Final = 'controller_node/commander/pendant'
+STOP: Final = 'controller_node/stop'
+STANDING_TIME: Final = 1.0  # s, in which a jog before has ended
+WATCH_PERIOD: Final = 0.1  # s
+Done = Callable[[RobotsError | None], None]
+
+
+class BorrowedPlanner(PlannerClient):
+    """A planner whose settings belong to the program: after each motion they are as they were before it."""
+
+    def __init__(self, node: RobotNode) -> None:
+        super().__init__(node, node.robot.axes_data.names)
+        self._pending = 0
+        self._restoring = False
+        self._next: Callable[[], None] | None = None
+
+    def configure(self, settings: Mapping[str, object], done: Configured, *, moving: bool) -> None:
+        """See `PlannerPort`."""
+        self._pending += 1
+        super().configure(settings, partial(self._configured, done), moving=moving)
+
+    def restore(self) -> None:
+        """Take the settings back, as soon as the planner has answered what it was asked before."""
+        self._restoring = True
+        self._go_on()
+
+    def when_restored(self, then: Callable[[], None]) -> None:
+        """Call once no settings are on their way back; only the last one that is given here."""
+        self._next = then
+        self._go_on()
+
+    def _configured(self, done: Configured, error: PlanningError | None) -> None:
+        self._pending -= 1
+        done(error)
+        self._go_on()
+
+    def _go_on(self) -> None:
+        if self._restoring and self._pending == 0:
+            self._restoring = False
+            if self.differs({}):
+                self.configure({}, lambda _: self.forget(), moving=False)
+        if not self._restoring and self._pending == 0 and self._next is not None:
+            then, self._next = self._next, None
+            then()
+
+
+class PendantMoves:
+    """One motion at a time; safe from any thread.
+
+    The robot is taken for the motion and given back after it: a motion that is left behind by a pendant that
+    has died continues with no program.
+
+    Args:
+        node: The node to publish and to call from; another thread spins it.
+        services: Of the cell.
+    """
+
+    def __init__(self, node: RobotNode, services: CellServices) -> None:
+        self._services = services
+        self._planner = BorrowedPlanner(node)
+        self._lock = threading.Lock()
+        self._running: tuple[MotionCommand, Done] | None = None
+        self._motions = ProgramMotions(
+            self._planner,
+            partial(services.send, STOP),
+            ProgramClock(node),
+            planner_timeout=services.patience,
+            on_sent=lambda _id, _command: None,
+            on_result=self._on_result,
+        )
+        node.create_subscription(
+            DiagnosticStatus,
+            'motion_result',
+            lambda message: self._motions.result(motion_result_from_message(message)),
+            COMMAND,
+        )
+        node.create_timer(WATCH_PERIOD, self._watch)
+        self._now, self._begun = node.now, 0.0
+        self._waiting = False  # for the robot to stand, so that it can be taken
+        services.prepare([STOP])
+        services.prepare([TAKE], SetBool)
+
+    def begin(self, command: MotionCommand, done: Done) -> None:
+        """Take the robot, and command a motion; see `PendantPort.begin_move`."""
+        with self._lock:
+            self._running = command, done
+        self._begun, self._waiting = self._now(), False
+        self._take(command)
+
+    def _take(self, command: MotionCommand) -> None:
+        self._services.send(TAKE, SetBool, SetBool.Request(data=True), partial(self._taken, command))
+
+    def end(self) -> None:
+        """Give up the motion, if it runs, and give the robot back."""
+        with self._lock:
+            running, self._running = self._running, None
+        if running is not None:
+            self._motions.stop()
+        self._planner.restore()
+        self._services.send(TAKE, SetBool, SetBool.Request(data=False))
+
+    def _taken(self, command: MotionCommand, answer: Any) -> None:
+        if not self._is_current(command):  # released meanwhile
+            return
+        if answer.success:
+            self._planner.when_restored(partial(self._send, command))
+        elif self._now() - self._begun < STANDING_TIME:
+            self._waiting = True
+        else:
+            self._on_result('', command, CommandRefusedError(answer.message))
+
+    def _watch(self) -> None:
+        self._motions.watch()
+        running = self._running
+        if self._waiting and running is not None:
+            self._waiting = False
+            self._take(running[0])
+
+    def _send(self, command: MotionCommand) -> None:
+        if self._is_current(command):
+            self._motions.send(command)
+
+    def _is_current(self, command: MotionCommand) -> bool:
+        with self._lock:
+            return self._running is not None and self._running[0] is command
+
+    def _on_result(self, _id: str, command: MotionCommand, error: RobotsError | None) -> None:
+        with self._lock:
+            running = self._running
+            if running is None or running[0] is not command:
+                return
+            self._running = None
+        running[1](error)

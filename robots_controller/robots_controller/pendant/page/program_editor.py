@@ -1,0 +1,89 @@
+"""ProgramEditor: a robot program is edited in place, with completion, help and findings at their lines."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+
+from nicegui import ui
+
+from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
+from robots_controller.pendant.permissions import Action
+from robots_controller.pendant.program_editing import completions
+from robots_controller.program_check.program_check import ProgramProblem
+
+
+class ProgramEditor:
+    """An editor that opens with a text, and closes when it is saved or given up.
+
+    Args:
+        viewer: Its page.
+        line: Says why something is refused.
+        closed: Called with what is wrong with the program that was saved; None if nothing was saved.
+    """
+
+    def __init__(
+        self,
+        viewer: Viewer,
+        line: RefusalLine,
+        closed: Callable[[Sequence[ProgramProblem] | None], None],
+    ) -> None:
+        self._viewer, self._line, self._closed, text = viewer, line, closed, viewer.texts
+        self._file, self._before = '', ''
+        with ui.element('div').classes('editor') as self.element:
+            self._place = ui.element('div').classes('text')
+            with ui.element('div').classes('row-of-buttons'):
+                self._save_button = ActionButton(viewer, Action.EDIT, text('edit.save'), 'save', self._save)
+                ui.button(text('edit.discard'), icon='close', on_click=self.close, color=None).props(
+                    'unelevated no-caps'
+                ).classes('action')
+        self._code: ui.codemirror | None = None
+        self.element.set_visibility(False)
+
+    @property
+    def open(self) -> bool:
+        """A program is edited."""
+        return self._code is not None
+
+    def edit(self, file: str, text: str, line: int) -> None:
+        """Open with the text of a file, at a line."""
+        self._file, self._before = file, text
+        self._place.clear()
+        with self._place:
+            self._code = ui.codemirror(text.replace('\r\n', '\n'), language='Lua', indent='  ').props(
+                f'aria-label="{file}"'
+            )
+        functions = json.dumps(completions(self._viewer.operator.robot.num_axes))
+        ui.run_javascript(f'pendant.complete({self._code.id}, {functions})')
+        if line:
+            self._code.reveal_line(line)
+        self.element.set_visibility(True)
+
+    async def _save(self) -> None:
+        viewer, code = self._viewer, self._code
+        if code is None:
+            return
+        text = str(code.value)
+        after = text.replace('\n', '\r\n') if '\r\n' in self._before else text
+        problems: list[ProgramProblem] = []
+
+        def work() -> None:
+            problems.extend(viewer.operator.save_program(viewer.id, self._file, self._before, after))
+
+        if await viewer.do(self._line, work):
+            self._leave()
+            self._closed(problems)
+
+    def close(self) -> None:
+        """Give up what was not saved."""
+        self._leave()
+        self._closed(None)
+
+    def _leave(self) -> None:
+        self._code = None
+        self._place.clear()
+        self.element.set_visibility(False)
+
+    def refresh(self) -> None:
+        """Show whether saving is permitted."""
+        self._save_button.refresh()

@@ -1,0 +1,135 @@
+"""TargetPanel: the robot moves to typed positions or a typed pose, which the 3D view shows before."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+from nicegui import run, ui
+
+from robots_controller.pendant.held_button import MOVE_KEY
+from robots_controller.pendant.page.viewer import RefusalLine, Viewer
+from robots_controller.pendant.pendant_motion import WAYS, Preview, Way
+from robots_controller.pendant.pendant_state import PendantState
+from robots_core.errors import InvalidInputError, RobotsError
+
+MILLIMETRES: Final = 1e3
+
+
+class TargetPanel:
+    """Fields for a target, and the buttons to preview it and to move there.
+
+    Args:
+        viewer: Its page.
+        speed: Gives the part of the highest jog speed, 0..1.
+        line: Says why a target is refused.
+    """
+
+    def __init__(self, viewer: Viewer, speed: Callable[[], float], line: RefusalLine) -> None:
+        self._viewer, self._speed, self._line = viewer, speed, line
+        self._way: Way = 'joints'
+        self._fields: list[tuple[ui.number, float]] = []  # with the factor from SI
+        text = viewer.texts
+        with ui.element('div').classes('panel target') as self.element:
+            ui.toggle(
+                {way: text(f'target.{way}') for way in WAYS},
+                value=self._way,
+                on_change=lambda event: self._choose(event.value),
+            ).props('unelevated no-caps')
+            self._grid = ui.element('div').classes('fields')
+            with ui.element('div').classes('row-of-buttons'):
+                for name, icon, press in (
+                    ('present', 'my_location', self._fill),
+                    ('preview', 'visibility', self._preview),
+                ):
+                    ui.button(text(f'target.{name}'), icon=icon, on_click=press, color=None).props(
+                        'unelevated no-caps'
+                    ).classes('action')
+                with (
+                    ui.element('button')
+                    .classes('hold')
+                    .props(f'type=button data-press="{MOVE_KEY}"') as self._move
+                ):
+                    ui.icon('play_arrow')
+                    ui.label(text('target.move'))
+            self._found = ui.label().classes('hint')
+        self._build()
+
+    def _choose(self, way: Way) -> None:
+        self._way = way
+        self._build()
+
+    def _build(self) -> None:
+        robot, convention = self._viewer.operator.robot, self._viewer.operator.robot.orientation_convention
+        self._grid.clear()
+        if self._way == 'joints':
+            axes = robot.axes_data
+            named = [
+                (name, 'm' if slides else '') for name, slides in zip(axes.names, axes.prismatic, strict=True)
+            ]
+        else:
+            named = [(axis, 'm') for axis in 'XYZ'] + [(f'φ{i} ({convention})', '') for i in (1, 2, 3)]
+        with self._grid:
+            self._fields = [
+                (
+                    ui.number(name, format='%.3f', on_change=self._forget).props(
+                        f'dense outlined suffix="{"mm" if unit else "°"}"'
+                    ),
+                    MILLIMETRES if unit else math.degrees(1.0),
+                )
+                for name, unit in named
+            ]
+        self._fill()
+        self._forget()
+
+    def _fill(self) -> None:
+        """Write where the robot is into the fields."""
+        state = self._viewer.operator.state
+        if state.q is None or state.tool is None:
+            return
+        if self._way == 'joints':
+            values = state.q.tolist()
+        else:
+            angles = state.tool.angles(self._viewer.operator.robot.orientation_convention)
+            values = [*state.tool.r.tolist(), *angles.tolist()]
+        for (field, factor), value in zip(self._fields, values, strict=True):
+            field.set_value(round(factor * value, 3) + 0.0)
+
+    def _forget(self) -> None:
+        self._viewer.operator.forget_preview(self._viewer.id)
+        self._show(None)
+
+    def _show(self, found: Preview | None) -> None:
+        self._move.classes(add='' if found else 'blocked', remove='blocked' if found else '')
+        text = self._viewer.texts
+        if found is None:
+            self._found.set_text(text('target.hint'))
+            return
+        override = self._viewer.operator.state.override
+        duration = f'{found.duration / override:.1f}' if override > 0.0 else '∞'
+        self._found.set_text(text('target.found', duration=duration, axis=found.limiting_axis))
+
+    async def _preview(self) -> None:
+        viewer, self._found.text = self._viewer, self._viewer.texts('target.planning')
+        try:
+            values = [self._si(field, factor) for field, factor in self._fields]
+            work = viewer.operator.preview
+            found = await run.io_bound(work, viewer.id, self._way, values, self._speed())
+        except RobotsError as error:
+            self._line.show(viewer.texts.error(error))
+            self._show(None)
+            return
+        self._line.show('')
+        self._show(found)
+
+    @staticmethod
+    def _si(field: ui.number, factor: float) -> float:
+        if field.value is None:
+            raise InvalidInputError(f'{field.label} is empty; valid is a number')
+        return float(field.value) / factor
+
+    def refresh(self, state: PendantState) -> None:
+        """Fill the fields with the first position that comes."""
+        if state.q is not None and all(field.value is None for field, _ in self._fields):
+            self._fill()

@@ -1,0 +1,123 @@
+"""TeachRow: points and motions are taught where the robot stands, and changes are undone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+from nicegui import ui
+
+from robots_controller.pendant.page.viewer import ActionButton, RefusalLine, Viewer
+from robots_controller.pendant.pendant_state import PendantState
+from robots_controller.pendant.permissions import Action
+from robots_controller.program.teaching import MOTIONS, Motion, free_name
+from robots_core.errors import RobotsError
+
+ICONS: Final = {'ptp': 'timeline', 'line': 'trending_flat', 'arc': 'roundabout_right'}
+
+
+class TeachRow:
+    """A field for a point's name, and buttons that teach it and insert a motion to it.
+
+    Args:
+        viewer: Its page.
+        line: Says why something is refused.
+        cursor: Gives file and line after which motions are inserted.
+        inserted: Called with the line of a motion that was inserted.
+    """
+
+    def __init__(
+        self,
+        viewer: Viewer,
+        line: RefusalLine,
+        cursor: Callable[[], tuple[str, int]],
+        inserted: Callable[[int], None],
+    ) -> None:
+        self._viewer, self._line, self._cursor, self._inserted = viewer, line, cursor, inserted
+        self._via = ''  # the point that an arc passes
+        self._read: tuple[str, float] | None = None
+        text = viewer.texts
+        with ui.element('div').classes('row-of-buttons teach'):
+            self._name = (
+                ui.select([], with_input=True, new_value_mode='add-unique')
+                .props(f'dense outlined options-dense label="{text("teach.point")}"')
+                .classes('point')
+            )
+            self._buttons = [self._button(Action.TEACH, 'here', 'add_location', self._teach)]
+            self._buttons += [
+                self._button(Action.EDIT, motion, ICONS[motion], partial(self._insert, motion))
+                for motion in MOTIONS
+            ]
+            self._buttons.append(self._button(Action.EDIT, 'undo', 'undo', self._undo))
+        self._hint = ui.label().classes('hint')
+        self._hint.set_visibility(False)
+
+    def _button(self, action: Action, key: str, icon: str, press: Callable[[], object]) -> ActionButton:
+        return ActionButton(self._viewer, action, self._viewer.texts(f'teach.{key}'), icon, press)
+
+    async def _teach(self) -> None:
+        viewer, name = self._viewer, str(self._name.value or '') or self._free()
+        if await viewer.do(self._line, lambda: viewer.operator.teach(viewer.id, name)):
+            self._say('taught', name=name)
+            self._show_points(name)
+
+    async def _insert(self, motion: Motion) -> None:
+        viewer, given = self._viewer, str(self._name.value or '')
+        name = self._free() if not given or given in self._name.options else given
+        if motion == 'arc' and not self._via:
+            if await viewer.do(self._line, lambda: viewer.operator.teach(viewer.id, name)):
+                self._via = name
+                self._say('via', name=name)
+                self._show_points('')
+            return
+        names = [self._via, name] if motion == 'arc' else [name]
+        file, line = self._cursor()
+        new: list[int] = []
+
+        def work() -> None:
+            new.append(viewer.operator.insert_motion(viewer.id, file, line, motion, names))
+
+        if await viewer.do(self._line, work):
+            self._via = ''
+            self._say('inserted', name=name, line=new[0])
+            self._show_points('')
+            self._inserted(new[0])
+
+    async def _undo(self) -> None:
+        viewer = self._viewer
+        if await viewer.do(self._line, lambda: viewer.operator.undo(viewer.id)):
+            self._via = ''
+            self._say('undone')
+            self._show_points('')
+
+    def _say(self, key: str, **values: object) -> None:
+        self._hint.set_text(self._viewer.texts(f'teach.{key}', **values))
+        self._hint.set_visibility(True)
+
+    def _free(self) -> str:
+        try:
+            path = self._viewer.operator.state.program.points_file
+            return free_name(self._viewer.operator.teaching.points(Path(path)))
+        except RobotsError:  # which teaching will say
+            return 'P1'
+
+    def _show_points(self, chosen: str) -> None:
+        path = self._viewer.operator.state.program.points_file
+        try:
+            names = sorted(self._viewer.operator.teaching.points(Path(path))) if path else []
+        except RobotsError as error:
+            self._line.show(self._viewer.texts.error(error))
+            names = []
+        self._name.set_options(names, value=chosen if chosen in names else None)
+
+    def refresh(self, state: PendantState) -> None:
+        """Show a state."""
+        for button in self._buttons:
+            button.refresh()
+        path = Path(state.program.points_file)
+        read = state.program.points_file, path.stat().st_mtime if path.is_file() else 0.0
+        if read != self._read:
+            self._read = read
+            self._show_points(str(self._name.value or ''))

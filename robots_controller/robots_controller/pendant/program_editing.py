@@ -1,0 +1,74 @@
+"""What an editor of robot programs needs: saving, findings, and what functions do."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from robots_controller.interpreter.argument_kinds import Sizes
+from robots_controller.interpreter.functions.lua_function import Argument, LuaFunction
+from robots_controller.interpreter.lua_functions import LUA_FUNCTIONS
+from robots_controller.io.io_image import IMAGES, IoImage
+from robots_controller.pendant.pendant_state import ShownIo
+from robots_controller.program.file_history import FileHistory
+from robots_controller.program_check.program_check import ProgramProblem, check_program
+from robots_core.errors import ProgramError
+from robots_core.files import read_text
+from robots_core.robot_model.axes_data import AxesData
+
+WHAT: Final = 'program'
+
+
+def save_program(history: FileHistory, path: Path, before: str, after: str) -> None:
+    """Write a program that was edited.
+
+    Args:
+        history: Takes the change.
+        path: The program.
+        before: Its text when editing began.
+        after: Its new text.
+
+    Raises:
+        ProgramError: somebody else has changed the file since, or it cannot be written.
+    """
+    if read_text(path, WHAT) != before:
+        raise ProgramError('changed by another one while it was edited; it stays as it is', file=path.name)
+    history.change({path: after})
+
+
+def findings(path: Path, axes: AxesData, io: ShownIo) -> tuple[ProgramProblem, ...]:
+    """What `check_program` finds in a program, for this robot and the inputs and outputs of its cell."""
+    labels = {image: io.labels.get(image, ()) for image in IMAGES}
+    digital, analog = (len(io.values.get(f'{kind}_outputs', ())) for kind in ('digital', 'analog'))
+    image = IoImage(digital=digital, analog=analog, labels=labels)
+    return check_program(path, Sizes.of(axes.num_axes, image, axes.prismatic))
+
+
+@cache
+def completions(num_axes: int) -> tuple[dict[str, str], ...]:
+    """Names, arguments and meanings of all functions, from the table that `lua_meta` is made of."""
+    return tuple(
+        {'label': function.name, 'detail': _arguments(function, num_axes), 'info': _info(function)}
+        for function in LUA_FUNCTIONS.values()
+    )
+
+
+def _arguments(function: LuaFunction, num_axes: int) -> str:
+    names = [name for argument in function.arguments for name in _names(argument, num_axes)]
+    return f'({", ".join([*names, *(["options"] if function.options else [])])})'
+
+
+def _names(argument: Argument, num_axes: int) -> list[str]:
+    if argument.per_axis:
+        return [f'{argument.name}{index}' for index in range(1, num_axes + 1)]
+    name = f'{argument.name}...' if argument.repeated else argument.name
+    return [f'[{name}]' if argument.optional else name]
+
+
+def _info(function: LuaFunction) -> str:
+    rows = [
+        f'{argument.name}: {argument.meaning}' + (f' ({argument.unit})' if argument.unit else '')
+        for argument in function.arguments
+    ]
+    return '\n'.join([function.doc, *rows, *([f'→ {function.result}'] if function.result else [])])
