@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from pendant_desk import JOG, ME, READY, Desk
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.control_desk import ControlDesk
 from robots_controller.pendant.held_button import MOVE_KEY, RUN_KEY
 from robots_controller.pendant.jog_command import COMPONENTS, JogCommand
-from robots_controller.pendant.pendant_operator import SERVICES, PendantOperator
+from robots_controller.pendant.pendant_operator import SERVICES
 from robots_controller.pendant.pendant_state import JogSpeeds, PendantState, ShownProgram
 from robots_controller.pendant.permissions import Action, NotPermittedError, refusal
 from robots_controller.pendant.press import DEADLINE
@@ -24,48 +25,8 @@ from robots_core.blocks.following.guide import Guide
 from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.operating_modes import Commander, OperatingMode
 
-ME, OTHER = 'me', 'other'
-JOG = 'axes 0 +'
-READY = PendantState(lost=(), mode=OperatingMode.T1)
+OTHER = 'other'
 OUTPUT, INPUT = Channel('digital', 'output', 3), Channel('digital', 'input', 2)
-
-
-class Cell:
-    """See `PendantPort`; writes down what is commanded."""
-
-    def __init__(self) -> None:
-        self.calls: list[tuple[Any, ...]] = []
-
-    def __getattr__(self, name: str) -> Any:
-        def command(*values: Any, **named: Any) -> None:
-            self.calls.append((name, *values, *named.values()))
-
-        return command
-
-    @property
-    def last(self) -> tuple[Any, ...]:
-        return self.calls[-1]
-
-    def commanded(self) -> np.ndarray:
-        """The velocities of the last jog."""
-        assert self.last[0] in ('jog_axes', 'jog_tool')
-        return np.asarray(self.last[1])
-
-
-class Desk:
-    """An operator in control of a cell, on a clock of its own."""
-
-    def __init__(self, state: PendantState = READY) -> None:
-        self.time = 0.0
-        self.cell = Cell()
-        self.robot = load_robot_model('cello_bot')  # its first axis slides
-        self.operator = PendantOperator(self.robot, self.cell, lambda: self.time)
-        self.operator.state = state
-        self.operator.take_control(ME)
-
-    def hold(self, number: int = 1, key: str = JOG, *, after: float = 0.04, **options: Any) -> Action | None:
-        self.time += after
-        return self.operator.hold(ME, number, key, **options)
 
 
 def with_program(state: RunState, **changes: Any) -> PendantState:

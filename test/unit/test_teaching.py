@@ -68,7 +68,7 @@ def test_a_program_of_taught_motions_reaches_the_points(teaching: Teaching, prog
 def test_changes_are_taken_back_one_after_the_other_to_the_byte(teaching: Teaching, program: Path) -> None:
     file = points_of(program)
     program.write_bytes(PROGRAM.replace('\n', '\r\n').encode())
-    before = [(program.read_bytes(), None)]
+    before: list[tuple[bytes, bytes | None]] = [(program.read_bytes(), None)]
     for number, q in enumerate(PLACES[:3]):
         teaching.insert(file, program, 0, motion='ptp', names=[f'P{number}'], q=q)
         before.append((program.read_bytes(), file.read_bytes()))
