@@ -13,6 +13,7 @@ from yaml.constructor import ConstructorError
 
 from robots_core.errors import FileContentError, InvalidInputError, RobotsError
 from robots_core.files import read_text
+from robots_core.nearest_name import nearest_name
 
 MAX_NODES: Final = 1_000_000
 # By what the parser says of a text that is not YAML.
@@ -64,6 +65,19 @@ class YamlSection:
         """The error to raise, at a key or at the section."""
         line = self.line_of(key) if node is None else node.start_mark.line + 1
         return located(self.file, line, message)
+
+    def missing(self, key: str, what: str = '') -> InvalidInputError:
+        """The error to raise for a key that is needed, at one that is misspelled if there is such a one.
+
+        Args:
+            key: It.
+            what: What it says, for a person.
+        """
+        others = [other for other in self._nodes if other not in self._read]
+        close = nearest_name(key, others)
+        if close is not None:
+            return self.error(f'unknown key {close!r}; did you mean {key!r}?', close)
+        return self.error(f'{key} is missing{what and f": {what}"}', key)
 
     # -- values -----------------------------------------------------------------------------------
 
@@ -209,7 +223,7 @@ class YamlSection:
         if key in self._nodes:
             return self._nodes[key][1]
         if needed:
-            raise self.error(f'{key} is missing')
+            raise self.missing(key)
         return None
 
     def _value(self, key: str, default: Any) -> Any:

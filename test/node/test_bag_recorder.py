@@ -7,11 +7,12 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 import yaml
-from nav_msgs.msg import Goals
+from nav_msgs.msg import Goals, Odometry
 from rclpy.qos import QoSProfile
 from rosbags.rosbag2 import Reader
 from std_msgs.msg import Float64, String
@@ -166,6 +167,23 @@ def test_a_lockstep_run_begins_with_its_recorder_and_all_of_it_is_recorded(ros_n
     assert [stamp / NANOSECONDS for stamp, _ in found] == pytest.approx(due, abs=1e-6)
     assert run.sent['/number'] == len(found) >= 1000
     assert '/goals' not in run.sent
+
+
+@pytest.mark.parametrize('broken', [None, SimpleNamespace(Odometry=str)])
+def test_topics_of_types_that_cannot_be_imported_are_left_out(
+    ros_nodes: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, broken: object
+):
+    node = ros_nodes.create_node('source')
+    node.create_publisher(Odometry, 'foreign', QoSProfile(depth=1))
+    level = node.create_publisher(Float64, 'level', QoSProfile(depth=1))
+    node.create_timer(0.01, lambda: level.publish(Float64(data=1.0)))
+    monkeypatch.setitem(sys.modules, 'nav_msgs.msg', broken)
+    recorder = ros_nodes.add(BagRecorder(tmp_path / 'bag', namespace='/', context=ros_nodes.context))
+    ros_nodes.wait_for(lambda: recorder.recorded(['/foreign', '/level']) == {'/level'}, what='the topics')
+    ros_nodes.wait_for(lambda: recorder.missing({'/level': 1}) == '', what='a message')
+    recorder.close()
+    assert set(read_bag(tmp_path / 'bag').topics) >= {'/level'}
+    assert '/foreign' not in read_bag(tmp_path / 'bag').topics
 
 
 def test_a_full_disk_is_told_at_once_and_the_bag_ends_whole(ros_nodes: Any, tmp_path: Path):

@@ -200,13 +200,13 @@ def test_every_program_is_judged_though_the_header_of_one_is_bad(
     programs = [str(tmp_path / name) for name in texts]
     assert CHECK_PROGRAM.run(programs) == ExitCode.FAILED
     *lines, last = capsys.readouterr().out.splitlines()
-    assert "robot.lua: unknown robot 'no_robot'" in lines[0]
+    assert "robot.lua:1: unknown robot 'no_robot'" in lines[0]
     assert lines[1].startswith(f'scene.lua:2: there is no scene {tmp_path}/no.yaml')
     assert lines[2].startswith('call.lua:1: there is no function wiat')
     assert last == '4 programs, 3 findings in 3 of them'
     assert CHECK_PROGRAM.run([*programs, '--json']) == ExitCode.FAILED
     found = json.loads(capsys.readouterr().out)['problems']
-    assert [problem['line'] for problem in found] == [0, 2, 1]
+    assert [problem['line'] for problem in found] == [1, 2, 1]
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)

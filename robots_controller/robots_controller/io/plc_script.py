@@ -134,7 +134,7 @@ def _rule(item: YamlSection, signals: Mapping[str, Channel]) -> PlcRule:
     conditions = tuple(_condition(item, text, line, signals) for text, line in item.texts('if'))
     settings = tuple(_setting(below, key, signals) for below, key in item.entries('set'))
     if not settings:
-        raise item.error('set is missing: the inputs to set and their values', 'set')
+        raise item.missing('set', 'the inputs to set and their values')
     rule = PlcRule(
         event=event,
         period=period,

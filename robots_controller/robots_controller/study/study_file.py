@@ -109,7 +109,7 @@ def read_study(path: Path | str) -> Study:
 def _texts(section: YamlSection, key: str) -> list[tuple[str, int]]:
     found = section.texts(key)
     if not found:
-        raise section.error(f'{key} is missing: one or a list of them', key)
+        raise section.missing(key, 'one or a list of them')
     return found
 
 

@@ -123,7 +123,7 @@ class BagRecorder(Node):
                 continue
             try:
                 self._topics[topic] = self._subscribe(topic, types[0], publishers)
-            except RobotsError as error:
+            except Exception as error:  # noqa: BLE001  # whatever foreign packages raise when imported
                 self._left_out.add(topic)
                 self.get_logger().warning(f'{topic} is not recorded: {error}')  # type: ignore[no-untyped-call]
 

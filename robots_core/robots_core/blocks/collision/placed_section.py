@@ -1,8 +1,14 @@
 """Names and poses of what stands in a scene file."""
 
+from math import pi, radians
+from typing import Any, Final
+
+from robots_core.errors import InvalidInputError
 from robots_core.pose import Pose
-from robots_core.validation import finite_vector
+from robots_core.validation import Array, finite_vector
 from robots_core.yaml_section import YamlSection
+
+FARTHEST: Final = 100.0  # m
 
 
 def read_name(item: YamlSection, lines: dict[str, int]) -> str:
@@ -28,12 +34,33 @@ def read_pose(parts: YamlSection | None) -> Pose:
         return Pose.identity()
     pose = Pose.identity()
     if 'position' in parts:
-        pose = parts.made('position', lambda value: Pose(finite_vector(value, 3, 'position'), pose.T))
+        pose = parts.made('position', lambda value: Pose(_position(value), pose.T))
     if 'angles' in parts and 'quaternion' in parts:
         raise parts.error('a pose has angles or a quaternion, not both')
     if 'quaternion' in parts:
         pose = parts.made('quaternion', lambda value: Pose.from_quaternion(pose.r, value))
     if 'angles' in parts:
-        pose = parts.made('angles', lambda value: Pose.from_angles(pose.r, value))
+        pose = parts.made('angles', lambda value: Pose.from_angles(pose.r, _angles(value)))
     parts.finish(('position', 'angles', 'quaternion'))
     return pose
+
+
+def _position(value: Any) -> Array:
+    r = finite_vector(value, 3, 'position')
+    for length in r:
+        if abs(length) >= FARTHEST:
+            raise InvalidInputError(
+                f'position has {length:g} m, not below {FARTHEST:g} m; lengths are metres: {1e-3 * length:g}?'
+            )
+    return r
+
+
+def _angles(value: Any) -> Array:
+    phi = finite_vector(value, 3, 'angles')
+    for angle in phi:
+        if abs(angle) > 2.0 * pi:
+            raise InvalidInputError(
+                f'angles has {angle:g} rad, more than a turn; angles of scenes are radians: '
+                f'{radians(angle):.4g}?'
+            )
+    return phi
