@@ -70,6 +70,20 @@ def trajectory_through(
     return Trajectory(Trajectory.message_times(t), q, v, a)
 
 
+def positions_from_velocities(time: Array, velocity: Array, start: Array) -> Array:
+    """Positions of waypoints (m, n), rad (m), whose velocities change linearly, from rest.
+
+    Args:
+        time: From the start, (m,), s, increasing.
+        velocity: (m, n), rad/s (m/s).
+        start: Where the robot stands, (n,).
+    """
+    t, v = np.concatenate([[0.0], time]), np.concatenate([np.zeros_like(velocity[:1]), velocity])
+    steps = 0.5 * (v[1:] + v[:-1]) * np.diff(t)[:, None]
+    positions: Array = start + np.cumsum(steps, axis=0)
+    return positions
+
+
 def _accelerations(t: Array, q: Array, v: Array) -> Array:
     """Means of the accelerations that the cubics on both sides of a waypoint have there."""
     spline = CubicHermiteSpline(t, q, v, axis=0)

@@ -67,10 +67,27 @@ def test_everything_else_that_is_refused_is_an_invalid_goal(message: JointTrajec
 
 
 def test_ends_of_motions_are_answers() -> None:
-    reached = outcome_of(MotionResult('1.0', ok=True, message='reached'), canceled=False)
+    reached = outcome_of(MotionResult('1.0', ok=True, message='reached'))
     assert (reached.code, reached.message, reached.canceled) == (SUCCESSFUL, 'reached', False)
     behind = MotionResult('1.0', ok=False, message='drive fault', details={'progress': '0.4'})
-    outcome = outcome_of(behind, canceled=True)
-    assert (outcome.code, outcome.message, outcome.canceled) == (PATH_TOLERANCE_VIOLATED, 'drive fault', True)
+    assert (outcome_of(behind).code, outcome_of(behind).message) == (PATH_TOLERANCE_VIOLATED, 'drive fault')
     beside = MotionResult('1.0', ok=False, message='beside it', details={'progress': '1.0'})
-    assert outcome_of(beside, canceled=False).code == GOAL_TOLERANCE_VIOLATED
+    assert outcome_of(beside).code == GOAL_TOLERANCE_VIOLATED
+
+
+def test_velocities_alone_are_integrated_from_rest() -> None:
+    points = [
+        JointTrajectoryPoint(velocities=velocities, time_from_start=Duration(sec=1 + number))
+        for number, velocities in enumerate([[0.2, 0.0], [0.2, 0.0], [0.0, 0.0]])
+    ]
+    trajectory = waypoints_trajectory(JointTrajectory(joint_names=NAMES, points=points), NAMES, START)
+    np.testing.assert_allclose(trajectory.position[-1], START + np.array([0.4, 0.0]), atol=1e-12)
+    np.testing.assert_allclose(trajectory.velocity[-1], [0.0, 0.0], atol=1e-12)
+
+
+def test_points_that_are_past_are_left_out() -> None:
+    message = goal(NAMES, [0.3, 0.4], [0.5, 0.6])
+    trajectory = waypoints_trajectory(message, NAMES, START, 1.5)
+    assert trajectory.duration == pytest.approx(0.5)
+    with pytest.raises(RobotsError, match=r'the trajectory has ended 1 s ago'):
+        waypoints_trajectory(message, NAMES, START, 3.0)

@@ -1,4 +1,4 @@
-"""Message packages that the wheels of ROS 2 do not have, built from definitions of the tests."""
+"""Packages of messages and actions that the wheels of ROS 2 lack, built from definitions of the tests."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import subprocess
 import sysconfig
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
@@ -22,43 +23,55 @@ HEADERS: Final = ('rosidl_generator_c', SUPPORT, INTROSPECTION)
 """Generators with a header for the visibility of symbols."""
 
 
-def build_messages(folder: Path, package: str, messages: Mapping[str, str], uses: tuple[str, ...]) -> Path:
-    """Build a package of messages.
+def build_messages(
+    folder: Path,
+    package: str,
+    messages: Mapping[str, str],
+    uses: tuple[str, ...],
+    actions: Mapping[str, str] = MappingProxyType({}),
+) -> Path:
+    """Build a package of messages and actions.
 
     Args:
         folder: An empty one.
         package: Its name.
         messages: Definitions, as in .msg files, by name.
         uses: Packages whose messages they have, and those that these have in turn.
+        actions: Definitions, as in .action files, by name.
 
     Returns:
         The folder to import the package from.
     """
     prefix = Path(std_msgs.__file__).parents[4]  # of the wheels, and of ROS
     idl, made = folder / 'idl', folder / 'made' / package
-    _write_idl(idl, package, messages)
+    kinds = {'msg': messages, 'action': actions}
+    for kind, definitions in kinds.items():
+        _write_idl(idl, package, kind, definitions)
+    names = [f'{kind}/{name}' for kind, definitions in kinds.items() for name in definitions]
     arguments = {
         'package_name': package,
         'output_dir': str(made),
-        'idl_tuples': [f'{idl}:msg/{name}.idl' for name in messages],
+        'idl_tuples': [f'{idl}:{name}.idl' for name in names],
         'ros_interface_dependencies': [],
         'target_dependencies': [],
         'include_paths': [f'{one}:{prefix}/share/{one}' for one in uses],
-        'type_description_tuples': [f'msg/{name}.idl:{made}/msg/{name}.json' for name in messages],
+        'type_description_tuples': [f'{name}.idl:{made}/{name}.json' for name in names],
     }
     _generate(folder, prefix, arguments)
     _compile(prefix, made, package, uses)
     return made.parent
 
 
-def _write_idl(idl: Path, package: str, messages: Mapping[str, str]) -> None:
-    from rosidl_adapter.msg import convert_msg_to_idl  # noqa: PLC0415  # not where ROS is missing
+def _write_idl(idl: Path, package: str, kind: str, definitions: Mapping[str, str]) -> None:
+    from rosidl_adapter.action import convert_action_to_idl  # noqa: PLC0415  # not where ROS is missing
+    from rosidl_adapter.msg import convert_msg_to_idl  # noqa: PLC0415
 
-    for name, text in messages.items():
-        source = Path('msg') / f'{name}.msg'
-        (idl / 'msg').mkdir(parents=True, exist_ok=True)
+    convert = convert_msg_to_idl if kind == 'msg' else convert_action_to_idl
+    for name, text in definitions.items():
+        source = Path(kind) / f'{name}.{kind}'
+        (idl / kind).mkdir(parents=True, exist_ok=True)
         (idl / source).write_text(text)
-        convert_msg_to_idl(idl, package, source, idl / 'msg')
+        convert(idl, package, source, idl / kind)
 
 
 def _generate(folder: Path, prefix: Path, arguments: dict[str, Any]) -> None:
@@ -89,6 +102,7 @@ def _generate(folder: Path, prefix: Path, arguments: dict[str, Any]) -> None:
         name = f'{generator}__visibility_control.h'
         text = (prefix / 'share' / generator / 'resource' / f'{name}.in').read_text()
         text = text.replace('@PROJECT_NAME_UPPER@', package.upper()).replace('@PROJECT_NAME@', package)
+        (made / 'msg').mkdir(exist_ok=True)
         (made / 'msg' / name).write_text(text)
 
 
@@ -119,10 +133,9 @@ def _compile(prefix: Path, made: Path, package: str, uses: tuple[str, ...]) -> N
         return [f'{one}__{kind}' for one in uses]
 
     described, fast = f'{package}__{INTROSPECTION}', f'{package}__{SUPPORT}'
-    detail = made / 'msg' / 'detail'
     link(
         f'lib{fast}.so',
-        [*detail.glob('*.c'), *detail.glob('*.cpp')],
+        [*made.glob('*/detail/*.c'), *made.glob('*/detail/*.cpp')],
         [*of('rosidl_generator_c'), *of(SUPPORT)],
     )
     link(
@@ -132,6 +145,6 @@ def _compile(prefix: Path, made: Path, package: str, uses: tuple[str, ...]) -> N
     )
     link(
         f'{package}_s__rosidl_typesupport_c.so',
-        [*made.glob('*rosidl_typesupport_c.c'), *(made / 'msg').glob('*.c'), *(made / 'msg').glob('*.cpp')],
+        [*made.glob('*rosidl_typesupport_c.c'), *made.glob('*/*.c'), *made.glob('*/*.cpp')],
         [fast, described, *of('rosidl_typesupport_c'), *of('rosidl_generator_py')],
     )

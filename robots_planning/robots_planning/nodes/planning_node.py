@@ -46,10 +46,11 @@ from robots_planning.commands.motion_planner import BLEND_PATIENCE, MotionPlanne
 from robots_planning.motion_kinds import JOINT, MOTION_KINDS, MotionKind
 from robots_planning.motion_settings import DESCRIPTIONS, RANGES, MotionSettings, checked, settings_as_text
 from robots_planning.nodes.command_inbox import CommandInbox
-from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory, waypoints_trajectory
+from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
 from robots_planning.nodes.jog_stream import JogStream
 from robots_planning.nodes.trajectory_messages import BASE_FRAME, trajectory_message
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
+from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import Target
 
 LOOK_PERIOD = 0.1  # s between looks for a first reference
@@ -118,7 +119,7 @@ class PlanningNode(RobotNode):
         self._action: FollowJointTrajectory | None = None
         with contextlib.suppress(ImportError):  # control_msgs is no part of the common interfaces
             self._action = FollowJointTrajectory(
-                self, lambda message, id_: self._worker.submit(self._send_given, message, id_)
+                self, lambda make, id_: self._worker.submit(self._send_given, make, id_), self.reference
             )
         HeartbeatWatch(self, ['controller_node'], watchdog_parameter(self), self._on_controller_watched)
         self._look = self.create_timer(LOOK_PERIOD, self._look_for_reference)
@@ -317,9 +318,9 @@ class PlanningNode(RobotNode):
         if not future.cancelled() and (error := future.exception()) is not None:
             self.thread_failed(error)
 
-    def _send_given(self, message: JointTrajectory, id_: str) -> None:
+    def _send_given(self, make: Callable[[Array], Trajectory], id_: str) -> None:
         self._commanders.check(Commander.REMOTE)
-        self.planner.send_given(id_, lambda q: waypoints_trajectory(message, self._names, q))
+        self.planner.send_given(id_, make)
 
     # -- references ----------------------------------------------------------------------------------
 
