@@ -146,7 +146,7 @@ def test_laser_seam(lockstep_runs: LockstepRuns) -> None:
 
 
 def test_wheel_laboratory(lockstep_runs: LockstepRuns) -> None:
-    run = run_program(lockstep_runs, 'wheel_laboratory.lua', 'kuka_kr210_r3100')
+    run = run_program(lockstep_runs, 'wheel_laboratory.lua', 'kuka_kr210_r3100', streamed=True)
     down, up = (run.motions[k] for k in (-3, -2))
     (wheel,) = read_runs(lockstep_runs.run('wheel_laboratory.lua').bag, read_contact(CONTACT))
     # Pressed by force between the line down to the soil and the line up from it, then driven.

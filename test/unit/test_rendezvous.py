@@ -191,7 +191,7 @@ def _near_the_ring(folder: Path) -> Path:
         ('0.035, 0.004', '35, 0.004', r'angular_velocity is .*; valid are values within \+-1'),
         ('speed: 0.05', 'speed: -1', 'speed is -1'),
         ('gripper:', 'griper:', 'gripper is missing'),
-        ('radius: 0.7', 'radios: 0.7', 'radius is missing'),
+        ('radius: 0.7', 'radios: 0.7', "unknown key 'radios'; did you mean 'radius'"),
         ('torque: 0.4', 'torque: 0.4, size: 3', "unknown key 'size'"),
         ('[220, 0, 0, 0, 30', '[220, 0, 0, 0, 300', 'no body has principal moments'),
     ],
