@@ -129,11 +129,11 @@ def settings(cell: OperatedCell) -> dict[str, Any]:
 def test_a_step_ends_just_there_and_leaves_the_settings_as_they_were(
     cell: OperatedCell, key: str, step: float
 ) -> None:
+    robot, before = cell.node.robot, settings(cell)
     if key.startswith('base'):  # from a posture that is not singular
         for bent in ('axes 3 +', 'axes 4 +'):
             cell.step(bent, 0.4)
     cell.until_standing()
-    robot, before = cell.node.robot, settings(cell)
     start = np.array(cell.references[-1].positions)
     cell.step(key, step)
     cell.until_standing()
