@@ -14,22 +14,21 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, String
 from std_srvs.srv import SetBool
 
-from robots_controller.cell.program_motions import BLEND_ZONES, ProgramMotions
+from robots_controller.cell.program_motions import BLEND_ZONES
 from robots_controller.client.connection import Connection
 from robots_controller.client.io_client import IoClient
 from robots_controller.client.motion import Motion
 from robots_controller.client.program_client import ProgramClient
+from robots_controller.nodes.commanded_motions import commanded_motions
 from robots_controller.nodes.planner_client import PlannerClient
-from robots_controller.nodes.program_clock import ProgramClock
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import CommandRefusedError, InvalidInputError, NoAnswerError, RobotsError
 from robots_core.operating_modes import Commander
 from robots_core.pose import Pose
 from robots_core.robot_choice import load_robot_model
 from robots_core.ros.joint_state_reader import JointStateReader
-from robots_core.ros.messages import motion_result_from_message
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import COMMAND, SENSOR, STATE
+from robots_core.ros.qos import SENSOR, STATE
 from robots_core.validation import Array, read_only
 from robots_planning.motion_kinds import CIRCLE, JOINT, JOINT_TO_POSE, LINE, SPLINE, MotionKind
 from robots_planning.motion_settings import DESCRIPTIONS, MotionSettings, frame, frame_numbers
@@ -98,19 +97,8 @@ class CellClient:
         self._latched: dict[str, str] = {}
         self._override = node.create_publisher(Float64, 'override', STATE)
         self._planner = PlannerClient(node, names)
-        self._queue = ProgramMotions(
-            self._planner,
-            partial(self._connection.send, 'controller_node/stop'),
-            ProgramClock(node),
-            planner_timeout=patience,
-            on_sent=lambda _id, _command: None,
-            on_result=self._ended,
-        )
-        node.create_subscription(
-            DiagnosticStatus,
-            'motion_result',
-            lambda message: self._queue.result(motion_result_from_message(message)),
-            COMMAND,
+        self._queue = commanded_motions(
+            node, self._planner, self._connection.send, self._ended, patience=patience
         )
         node.create_subscription(Float64, 'motion_progress', self._advanced, QoSProfile(depth=1))
         for topic in ('commander', 'operating_mode'):

@@ -7,22 +7,17 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, Final
 
-from diagnostic_msgs.msg import DiagnosticStatus
 from std_srvs.srv import SetBool
 
 from robots_controller.cell.ports import Configured
-from robots_controller.cell.program_motions import ProgramMotions
 from robots_controller.client.cell_services import CellServices
+from robots_controller.nodes.commanded_motions import STOP, commanded_motions
 from robots_controller.nodes.planner_client import PlannerClient
-from robots_controller.nodes.program_clock import ProgramClock
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import CommandRefusedError, PlanningError, RobotsError
-from robots_core.ros.messages import motion_result_from_message
-from robots_core.ros.qos import COMMAND
 from robots_core.ros.robot_node import RobotNode
 
 TAKE: Final = 'controller_node/commander/pendant'
-STOP: Final = 'controller_node/stop'
 STANDING_TIME: Final = 1.0  # s, in which a jog before has ended
 WATCH_PERIOD: Final = 0.1  # s
 Done = Callable[[RobotsError | None], None]
@@ -83,19 +78,8 @@ class PendantMoves:
         self._planner = BorrowedPlanner(node)
         self._lock = threading.Lock()
         self._running: tuple[MotionCommand, Done] | None = None
-        self._motions = ProgramMotions(
-            self._planner,
-            partial(services.send, STOP),
-            ProgramClock(node),
-            planner_timeout=services.patience,
-            on_sent=lambda _id, _command: None,
-            on_result=self._on_result,
-        )
-        node.create_subscription(
-            DiagnosticStatus,
-            'motion_result',
-            lambda message: self._motions.result(motion_result_from_message(message)),
-            COMMAND,
+        self._motions = commanded_motions(
+            node, self._planner, services.send, self._on_result, patience=services.patience
         )
         node.create_timer(WATCH_PERIOD, self._watch)
         self._now, self._begun = node.now, 0.0
