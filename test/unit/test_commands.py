@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import re
@@ -16,10 +17,13 @@ from rich.console import Console
 
 from robots_controller.commands.command_table import TOOLS
 from robots_controller.commands.error_catalogue import error_catalogue
+from robots_controller.commands.robot_commands import SMALL, list_robots
+from robots_controller.commands.robot_picture import BRAILLE, robot_picture
 from robots_controller.commands.robots import COMMANDS, run
 from robots_controller.terminal_table import TerminalTable
 from robots_core.errors import OptionError
 from robots_core.exit_codes import ExitCode
+from robots_core.robot_choice import load_robot_model
 
 ROOT = Path(__file__).parents[2]
 PROGRAM = str(ROOT / 'programs' / 'welding.lua')
@@ -131,6 +135,19 @@ def test_robots_are_shown_and_checked(tmp_path: Path, capsys: pytest.CaptureFixt
     facts = json.loads(capsys.readouterr().out)
     assert (facts['axes'], facts['payload'], facts['closed_form']) == (2, None, False)
     assert facts['reach'] == pytest.approx(0.8)
+
+
+def test_a_list_in_a_terminal_has_pictures_and_in_a_pipe_it_has_none() -> None:
+    def shown(*, terminal: bool) -> str:
+        file = StringIO()
+        console = Console(file=file, force_terminal=terminal, width=80, color_system=None)
+        assert list_robots(argparse.Namespace(json=False), console) == ExitCode.OK
+        return file.getvalue()
+
+    text = shown(terminal=True)
+    assert robot_picture(load_robot_model('ur5e'), *SMALL).splitlines()[0] in text
+    assert max(map(len, text.splitlines())) <= 80
+    assert not any(BRAILLE <= ord(character) < BRAILLE + 256 for character in shown(terminal=False))
 
 
 @pytest.mark.parametrize('width', [40, 60, 80, 140])

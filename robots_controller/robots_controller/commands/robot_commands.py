@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from rich.columns import Columns
 from rich.console import Console
 from rich.markup import escape
 
@@ -39,10 +40,14 @@ JOINTS: Final[tuple[tuple[str, Kind], ...]] = (
     ('torque N m (N)', 'number'),
 )
 
+SMALL: Final = 18, 7
+"""Largest size of a picture in the list: characters of a line, lines."""
+
 
 def list_robots(options: argparse.Namespace, console: Console) -> int:
-    """Print a table of the installed robots; returns an exit code."""
-    facts = [robot_facts(load_robot_model(name)) for name in available_robot_models()]
+    """Print a table of the installed robots, in a terminal with pictures; returns an exit code."""
+    robots = [load_robot_model(name) for name in available_robot_models()]
+    facts = [robot_facts(robot) for robot in robots]
     if options.json:
         print_json(facts)
         return ExitCode.OK
@@ -59,6 +64,9 @@ def list_robots(options: argparse.Namespace, console: Console) -> int:
         for one in facts
     ]
     TerminalTable(LIST, rows).show(console)
+    if console.is_terminal:
+        pictures = [f'{escape(robot.name)}\n{robot_picture(robot, *SMALL)}\n' for robot in robots]
+        console.print(Columns(pictures, equal=True), highlight=False, soft_wrap=False)
     console.print(f'{len(rows)} robots; robots show NAME tells more of one')
     return ExitCode.OK
 
