@@ -65,8 +65,8 @@ class CellProcess:
                 return line
 
     def until_ready(self) -> None:
-        for _ in range(6):
-            self.until('ready')
+        """Read on until all nodes are ready, and the recorder: a node that dies before ends the cell."""
+        self.until('the cell is ready')
 
     def interrupt(self) -> None:
         self.process.send_signal(signal.SIGINT)

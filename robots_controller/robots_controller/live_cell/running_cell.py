@@ -90,6 +90,7 @@ class RunningCell:
                 self._console.print(f'[bold red]not ready after {START_TIMEOUT:g} s:[/] {self._late}')
             return ExitCode.FAILED
         self._settled, self._starting = time.monotonic() + SETTLING_TIME, False
+        self._console.print('the cell is ready')
         if self._options.program and not self._start_program():
             return ExitCode.FAILED
         self._listener.release()
