@@ -21,7 +21,7 @@ from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_controller.program.run_state import RunState
-from robots_core.errors import InvalidInputError, ProgramError, RobotsError
+from robots_core.errors import InvalidInputError, NotNowError, ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.ros.messages import diagnostic_values
@@ -83,6 +83,13 @@ class OperatedCell(ProgramCell):
         number, key = self.presses, f'{STEP_KEY}{step}'
         self.wait(lambda: self.operator.hold(ME, number, key) is Action.STEP, 'a step')
         self.operator.step(ME, step)
+
+    def rewind(self) -> None:
+        """Reset the program as soon as its node has heard that the robot stands."""
+        while True:
+            with contextlib.suppress(NotNowError):
+                self.operator.act(ME, Action.REWIND)
+                return
 
     def set_mode(self, mode: OperatingMode) -> None:
         """Set the mode as soon as the robot stands."""
@@ -183,7 +190,7 @@ def test_a_program_runs_while_run_is_held(cell: OperatedCell) -> None:
     # Both nodes are asked at once: the program has failed if the robot is stopped first.
     cell.wait(lambda: cell.state.program.state in (RunState.STOPPED, RunState.FAILED), 'its end')
     cell.until_standing()
-    cell.operator.act(ME, Action.REWIND)
+    cell.rewind()
     cell.wait(lambda: cell.state.program.state is RunState.OPENED, 'its start')
     cell.operator.set_override(ME, 1.0)
     cell.wait(lambda: cell.state.override == 1.0, 'the override')

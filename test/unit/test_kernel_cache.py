@@ -52,7 +52,12 @@ own_module = sys.modules[__name__]
 def run(folder: Path, code: str = RUN) -> list[str]:
     """The result of `whole`, and for each function whether it was compiled."""
     return subprocess.run(
-        [sys.executable, '-c', code], cwd=folder, capture_output=True, text=True, check=True
+        # Python itself would not notice a change within a second that keeps the size of a file.
+        [sys.executable, '-B', '-c', code],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=True,
     ).stdout.split()
 
 
