@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any, Generic, TypeVar
 
 from rclpy.action.server import ActionServer, CancelResponse
@@ -131,14 +130,6 @@ class OneGoalServer(ABC, Generic[AnyGoal]):
     def destroy(self) -> None:
         """End the server with its node."""
         self._server.destroy()
-
-
-def action_type(name: str) -> Any:
-    """An action of control_msgs, which is no part of the common interfaces; None where there is none."""
-    try:
-        return getattr(import_module('control_msgs.action'), name, None)
-    except ImportError:
-        return None
 
 
 def resolve(future: Future, result: Any = None) -> None:

@@ -21,6 +21,7 @@ from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.operating_modes import Commander
 from robots_core.pose import Pose
 from robots_core.ros.commander_watch import CommanderWatch
+from robots_core.ros.control_actions import action_type
 from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.message_class import message_class
@@ -48,7 +49,6 @@ from robots_planning.nodes.command_inbox import CommandInbox
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
 from robots_planning.nodes.jog_stream import JogStream
 from robots_planning.nodes.motion_primitive_sequence import MotionPrimitiveSequence
-from robots_planning.nodes.one_goal_server import action_type
 from robots_planning.nodes.trajectory_messages import BASE_FRAME, trajectory_message
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory
