@@ -110,8 +110,8 @@ def test_a_robot_that_an_obstacle_stops_goes_around_it(ros_nodes: Any, tmp_path:
         (LuaProgramNode, {'program': str(program), 'autostart': True}),
     ):
         ros_nodes.add(kind(**ros_nodes.options(**shared, **parameters)))
-    names = ('drive_node', 'controller_node', 'collision_node', 'planning_node', 'lua_program_node', 'obstacle')
-    run = ros_nodes.coordinate(*names)
+    nodes = ('drive_node', 'controller_node', 'collision_node', 'planning_node', 'lua_program_node')
+    run = ros_nodes.coordinate(*nodes, 'obstacle')
     ended = ('FINISHED', 'FAILED')
     ros_nodes.wait_for(
         lambda: obstacle.states and obstacle.states[-1]['state'] in ended, what='the end of the program'
