@@ -22,7 +22,7 @@ from robots_planning.slowed_robot import SlowedRobot
 JogAxes = Literal['base', 'tool', 'world']
 JOG_AXES: tuple[JogAxes, ...] = ('base', 'tool', 'world')
 JOG_FRAMES: Mapping[str, JogAxes] = MappingProxyType(
-    {'': 'base', 'base': 'base', 'tool': 'tool', 'tool0': 'tool', 'world': 'world'}
+    {'': 'base', 'base': 'base', 'base_link': 'base', 'tool': 'tool', 'tool0': 'tool', 'world': 'world'}
 )
 
 

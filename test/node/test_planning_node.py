@@ -322,7 +322,16 @@ def test_values_and_bounds_travel_with_a_refusal(bench: PlanningBench) -> None:
 def test_a_pose_in_another_frame_is_refused(bench: PlanningBench) -> None:
     bench.stand(bench.robot.home)
     bench.publish('ptpcartesian', pose_stamped_message(Time(sec=5), below(bench), 'camera'))
-    assert "frame 'camera' is unknown" in bench.refusal('5.000000000').message
+    assert (
+        "frame 'camera' is unknown; valid are 'base' and 'base_link'" in bench.refusal('5.000000000').message
+    )
+
+
+def test_base_link_is_the_base(bench: PlanningBench) -> None:
+    bench.stand(bench.robot.home)
+    bench.publish('ptpcartesian', pose_stamped_message(Time(sec=5), below(bench), 'base_link'))
+    r, _ = bench.robot.direct_kinematics(bench.planned().position[-1])
+    np.testing.assert_allclose(r, below(bench).r, atol=1e-6)
 
 
 def test_trigger_moves_to_the_newest_reference_pose_on_its_rising_edge(bench: PlanningBench) -> None:

@@ -38,6 +38,7 @@ def test_objects_survive_a_message(geometry: Geometry):
 def test_objects_are_replaced_and_deleted_by_name():
     scene = Scene((SceneObject('a', Sphere(0.1), POSE), SceneObject('b', Sphere(0.1), POSE)))
     marker = markers(Scene((SceneObject('b', Sphere(0.4), POSE),)), Time()).markers[0]
+    marker.header.frame_id = 'base_link'  # the other name of the robot's base in REP-199
     found = updated_scene(scene, MarkerArray(markers=[Marker(ns='a', action=Marker.DELETE), marker]))
     assert [(item.name, item.geometry) for item in found.objects] == [('b', Sphere(0.4))]
     assert updated_scene(found, MarkerArray(markers=[Marker(action=Marker.DELETEALL)])).objects == ()
@@ -50,7 +51,7 @@ def test_objects_are_replaced_and_deleted_by_name():
         (Marker.SPHERE, (1.0, 2.0, 1.0), '', 'elliptic'),
         (Marker.CUBE, (1.0, 0.0, 1.0), '', 'above 0'),
         (Marker.CUBE, (1.0, float('nan'), 1.0), '', 'nan'),
-        (Marker.CUBE, (1.0, 1.0, 1.0), 'camera', "frame 'camera'; known are 'base' and 'tool0'"),
+        (Marker.CUBE, (1.0, 1.0, 1.0), 'camera', "frame 'camera'; known are base, base_link and tool0"),
         (Marker.TRIANGLE_LIST, (1.0, 1.0, 1.0), '', 'has 0 points'),
         (Marker.MESH_RESOURCE, (1.0, 1.0, 1.0), '', 'not found'),
     ],

@@ -280,7 +280,7 @@ def test_a_guided_robot_stops_before_it_collides(tmp_path: Path):
         ),
         (
             [(0.0, '/teach_twist', twist(BAG_START, np.zeros(6), 'mars'))],
-            r"message 1 of /teach_twist: frame 'mars' is unknown; tools are jogged in base, tool",
+            r"message 1 of /teach_twist: frame 'mars' is unknown; tools are jogged in base, base_link, tool",
         ),
         (
             [(0.0, '/reference_pose', no_pose())],

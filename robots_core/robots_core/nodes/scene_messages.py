@@ -15,10 +15,8 @@ from robots_core.robot_model.shapes import Box, Capsule, Cylinder, Geometry, Mes
 from robots_core.robot_model.urdf.mesh_file import read_mesh
 from robots_core.robot_model.urdf.triangle_mesh import triangle_mesh
 from robots_core.robot_model.urdf.urdf_meshes import mesh_path
-from robots_core.ros.messages import pose_from_message, pose_message
+from robots_core.ros.messages import BASE_FRAME, BASE_FRAMES, TOOL_FRAME, pose_from_message, pose_message
 from robots_core.validation import Array
-
-BASE_FRAME, TOOL_FRAME = 'base', 'tool0'
 
 
 def updated_scene(scene: Scene, message: MarkerArray) -> Scene:
@@ -46,12 +44,12 @@ def updated_scene(scene: Scene, message: MarkerArray) -> Scene:
         parts = name, _geometry(marker, name), pose_from_message(marker.pose), (c.r, c.g, c.b, c.a)
         if marker.header.frame_id == TOOL_FRAME:
             attached[name] = AttachedObject(*parts)
-        elif marker.header.frame_id in ('', BASE_FRAME):
+        elif marker.header.frame_id in BASE_FRAMES:
             objects[name] = SceneObject(*parts)
         else:
             raise InvalidInputError(
-                f'object {name!r} is in frame {marker.header.frame_id!r}; known are {BASE_FRAME!r} and '
-                f'{TOOL_FRAME!r}'
+                f'object {name!r} is in frame {marker.header.frame_id!r}; known are '
+                f'{", ".join(filter(None, BASE_FRAMES))} and {TOOL_FRAME}'
             )
     return replace(scene, objects=tuple(objects.values()), attached=tuple(attached.values()))
 

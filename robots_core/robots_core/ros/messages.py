@@ -21,6 +21,8 @@ from robots_core.motion_result import MotionResult
 from robots_core.pose import Pose
 from robots_core.validation import Array, bounded_vector
 
+BASE_FRAME: Final = 'base'
+BASE_FRAMES: Final = ('', BASE_FRAME, 'base_link')
 TOOL_FRAME: Final = 'tool0'
 
 # CDR: the encapsulation, and then a message that begins with a header has the stamp's two 32-bit words.
@@ -148,7 +150,18 @@ def pose_message(pose: Pose) -> PoseMessage:
     return message
 
 
-def pose_stamped_message(stamp: Time, pose: Pose, frame_id: str = 'base') -> PoseStamped:
+def check_base_frame(frame: str) -> None:
+    """Check that a message is in the frame of the robot's base, by either name of REP-199 or without a name.
+
+    Raises:
+        InvalidInputError: it is in another one.
+    """
+    if frame not in BASE_FRAMES:
+        names = ' and '.join(map(repr, filter(None, BASE_FRAMES)))
+        raise InvalidInputError(f'frame {frame!r} is unknown; valid are {names}')
+
+
+def pose_stamped_message(stamp: Time, pose: Pose, frame_id: str = BASE_FRAME) -> PoseStamped:
     """A geometry_msgs/PoseStamped from a Pose."""
     message = PoseStamped(pose=pose_message(pose))
     message.header.stamp = stamp
@@ -171,7 +184,7 @@ def wrench_from_message(message: WrenchStamped) -> Array:
 def twist_stamped_message(stamp: Time, twist: Array) -> TwistStamped:
     """A geometry_msgs/TwistStamped in the base frame from m/s and rad/s, (6,)."""
     message = TwistStamped()
-    message.header.stamp, message.header.frame_id = stamp, 'base'
+    message.header.stamp, message.header.frame_id = stamp, BASE_FRAME
     v, w = message.twist.linear, message.twist.angular
     v.x, v.y, v.z, w.x, w.y, w.z = twist.tolist()
     return message

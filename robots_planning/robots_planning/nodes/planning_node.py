@@ -15,7 +15,7 @@ from std_msgs.msg import Bool, Float64
 from trajectory_msgs.msg import JointTrajectory
 
 from robots_core.blocks.collision_detection import MARGINS, CollisionDetection, usable_margin
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.operating_modes import Commander
@@ -27,6 +27,7 @@ from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.message_class import message_class
 from robots_core.ros.messages import (
     NANOSECONDS,
+    check_base_frame,
     diagnostic_status,
     id_stamp,
     joint_values,
@@ -49,7 +50,7 @@ from robots_planning.nodes.command_inbox import CommandInbox
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
 from robots_planning.nodes.jog_stream import JogStream
 from robots_planning.nodes.motion_primitive_sequence import MotionPrimitiveSequence
-from robots_planning.nodes.trajectory_messages import BASE_FRAME, trajectory_message
+from robots_planning.nodes.trajectory_messages import trajectory_message
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory
 from robots_planning.trajectory_generators.base import Target
@@ -211,16 +212,12 @@ class PlanningNode(RobotNode):
         return joint_values(message.name, message.position, self._names, JOINT.topic)
 
     def _pose(self, message: PoseStamped) -> Pose:
-        self._check_frame(message.header.frame_id)
+        check_base_frame(message.header.frame_id)
         return pose_from_message(message.pose)
 
     def _poses(self, message: Path) -> Target:
-        self._check_frame(message.header.frame_id)
+        check_base_frame(message.header.frame_id)
         return tuple(self._pose(pose) for pose in message.poses)
-
-    def _check_frame(self, frame: str) -> None:
-        if frame not in ('', BASE_FRAME):
-            raise InvalidInputError(f'frame {frame!r} is unknown; poses are given in {BASE_FRAME!r}')
 
     def _on_reference_pose(self, message: PoseStamped) -> None:
         self.planner.reference_pose = None  # a trigger does not lead to one before this, whatever it is

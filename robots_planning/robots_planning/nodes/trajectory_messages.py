@@ -9,10 +9,8 @@ from builtin_interfaces.msg import Time
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from robots_core.ros.joint_trajectories import complete_points
-from robots_core.ros.messages import NANOSECONDS, doubles, nanoseconds, seconds
+from robots_core.ros.messages import BASE_FRAME, NANOSECONDS, doubles, nanoseconds, seconds
 from robots_planning.trajectory import Trajectory
-
-BASE_FRAME = 'base'
 
 
 def trajectory_from_message(message: JointTrajectory, names: Sequence[str]) -> Trajectory:
