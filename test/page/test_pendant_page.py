@@ -20,7 +20,7 @@ from robots_controller.pendant.pendant_state import ShownProgram
 from robots_controller.program.run_state import RunState
 from robots_core.operating_modes import OperatingMode
 
-from .browser_page import DEADLINE, FORWARDS, browser, open_page, press, take_control, wait
+from .browser_page import DEADLINE, FORWARDS, SOCKET, browser, open_page, press, take_control, wait
 from .made_up_cell import (
     PROGRAMS,
     MadeUpCell,
@@ -30,8 +30,6 @@ from .made_up_cell import (
     served,
     switched,
 )
-
-SOCKET = '_nicegui_ws/socket.io/?EIO=4&transport=websocket'
 
 
 @pytest.fixture(scope='module')

@@ -13,6 +13,7 @@ from rclpy.qos import QoSProfile
 from robots_controller.nodes.cell_reader import PLANNER, PROGRAM, CellReader
 from robots_controller.nodes.pendant_link import PendantLink
 from robots_controller.pendant.message_log import Level
+from robots_controller.pendant.page_access import THIS_MACHINE, PageAccess, read_access
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import JogSpeeds
 from robots_core.blocks.collision.scene import Scene
@@ -39,6 +40,15 @@ class PendantNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('pendant_node', **options)
         port = self.parameter('port', 8090, 'first port to try for the page; 0 lets the system choose')
+        host = self.parameter(
+            'host',
+            THIS_MACHINE,
+            'address to listen at; 127.0.0.1: this machine alone, others need a password',
+        )
+        password_file = self.parameter(
+            'password_file', '', 'its first line is what a viewer must give; empty: nothing'
+        )
+        access = read_access(host, password_file)
         folder = self.parameter('programs', 'programs', 'folder of the robot programs that can be chosen')
         self._collision_scene = Scene()
         self._preview: PathPlanning | None = None
@@ -49,11 +59,11 @@ class PendantNode(RobotNode):
         asked = ('teach_speed', 'teach_tool_speed', 'collision_margin')
         reader.ask(PLANNER, asked, self._on_planner_parameters)
         self.create_subscription(Log, '/rosout', self._on_log, LOGS)
-        self._server = self._serve(port, Path(folder).resolve())
+        self._server = self._serve(port, Path(folder).resolve(), access)
         self.journal.info(f'the robot is operated at {self.url}')
         self.ready(url=self.url)
 
-    def _serve(self, port: int, folder: Path) -> Any:
+    def _serve(self, port: int, folder: Path, access: PageAccess) -> Any:
         try:
             from robots_controller.pendant.page.page_server import PageServer  # noqa: PLC0415
             from robots_controller.pendant.page.pendant_page import PendantPage  # noqa: PLC0415
@@ -62,7 +72,7 @@ class PendantNode(RobotNode):
                 f"the operator's page needs NiceGUI ({error}): pip install -r requirements-pendant.txt"
             ) from error
         build = partial(PendantPage, self.operator, folder)
-        return PageServer(build, port=port, title=self.robot.name)
+        return PageServer(build, port=port, title=self.robot.name, access=access, told=self.journal.warning)
 
     @property
     def url(self) -> str:

@@ -18,6 +18,7 @@ from robots_controller.pendant.page.message_panel import MessagePanel
 from robots_controller.pendant.page.program_panel import ProgramPanel
 from robots_controller.pendant.page.top_bar import TopBar
 from robots_controller.pendant.page.viewer import Panel, Viewer
+from robots_controller.pendant.page_access import is_this_machine
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_texts
@@ -53,12 +54,15 @@ class PendantPage:
         ui.add_head_html(f'<style>{_asset("pendant.css")}</style><script>{_asset("pendant.js")}</script>')
         client.content.classes('page')
         self._scene_url, self._host = '', request.headers.get('host', '')
+        # The 3D view is served on the robot's machine alone.
+        self._has_scene = is_this_machine(self._host.rpartition(':')[0])
         with client.content:
             self._bar = TopBar(viewer)
             ui.element('div').props('id=tooltips')
             with ui.element('main').classes('work'):
                 with ui.element('div').classes('scene'):
-                    self._no_scene = ui.label(viewer.texts('bar.no_scene')).classes('hint')
+                    reason = 'no_scene' if self._has_scene else 'scene_elsewhere'
+                    self._no_scene = ui.label(viewer.texts(f'bar.{reason}')).classes('hint')
                     self._scene = ui.element('iframe').props('title=3D')
                     self._scene.set_visibility(False)
                 with ui.element('section').classes('side'):
@@ -130,7 +134,7 @@ class PendantPage:
         """As `refresh`; the 3D view, which takes a browser long to draw, comes when the page is connected."""
         self.refresh()
         state = self._operator.state
-        if state.scene_url != self._scene_url:
+        if self._has_scene and state.scene_url != self._scene_url:
             self._scene_url = state.scene_url
             self._scene.props(f'src="{_of_another_site(state.scene_url, self._host)}"')
             self._scene.set_visibility(bool(state.scene_url))
