@@ -26,8 +26,10 @@ from robots_controller.program.teaching import Motion, Teaching
 from robots_controller.program_check.program_check import ProgramProblem
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.operating_modes import OperatingMode
+from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import one_of
+from robots_core.validation import Array, one_of
+from robots_planning.motion_settings import frame
 from robots_planning.pathplanning import PathPlanning
 
 MOST_PRINTS: Final = 500
@@ -100,11 +102,31 @@ class PendantOperator:
     # -- what is held -------------------------------------------------------------------------------------
 
     def hold(
-        self, viewer: str, number: int, key: str, speed: float = 1.0, step: float = 0.0
+        self,
+        viewer: str,
+        number: int,
+        key: str,
+        speed: float = 1.0,
+        step: float = 0.0,
+        *,
+        taught: Array | None = None,
     ) -> Action | None:
         """A viewer holds a button; see `HeldButton.hold`. What it returns is to be given to `act`."""
         preview = self._previews.get(viewer)
-        return self.held.hold(viewer, number, key, self.state, speed=speed, step=step, preview=preview)
+        return self.held.hold(
+            viewer, number, key, self.state, speed=speed, step=step, preview=preview, taught=taught
+        )
+
+    def jog_frames(self) -> dict[str, Pose]:
+        """Frames to jog in, in the robot's base: '' is the base of the program, the others are its points.
+
+        Raises:
+            RobotsError: the points file is not valid.
+        """
+        path = self.state.program.points_file
+        points = self.teaching.points(Path(path)) if path else {}
+        base = frame(self.state.settings.base, 'base')
+        return {'': base, **{name: points[name].pose for name in sorted(points)}}
 
     def release(self, viewer: str) -> None:
         """A viewer has released what it held, or the connection to it is lost."""

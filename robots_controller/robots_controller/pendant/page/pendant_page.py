@@ -106,7 +106,10 @@ class PendantPage:
             self._number = number
             line.show('')
         try:
-            action = self._operator.hold(self._viewer.id, number, key, self._jog.speed, self._jog.step(key))
+            jog = self._jog
+            action = self._operator.hold(
+                self._viewer.id, number, key, jog.speed, jog.step(key), taught=jog.taught
+            )
         except RobotsError as error:
             line.show(self._viewer.texts.error(error))
             return
