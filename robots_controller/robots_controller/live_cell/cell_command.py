@@ -45,6 +45,7 @@ GRAPH_OPTIONS = (
     'opcua_access',
     'host',
     'password_file',
+    'record',
     'lockstep',
     'composed',
 )

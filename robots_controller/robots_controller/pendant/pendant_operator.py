@@ -22,6 +22,8 @@ from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError, Reason, refusal
 from robots_controller.pendant.program_editing import findings, save_program
 from robots_controller.pendant.programs import program_file
+from robots_controller.pendant.recording import Recording
+from robots_controller.pendant.trends import Trends
 from robots_controller.program.teaching import Motion, Teaching
 from robots_controller.program_check.program_check import ProgramProblem
 from robots_core.errors import InvalidInputError, ProgramError
@@ -56,6 +58,7 @@ class PendantOperator:
         now: Time, s.
         planning: Makes the planner of previews when the first one is wanted; by default one that knows no
             obstacles.
+        recording: Of what happens in the cell; by default to the folder 'out'.
     """
 
     def __init__(
@@ -64,12 +67,15 @@ class PendantOperator:
         port: PendantPort,
         now: Callable[[], float],
         planning: Callable[[], PathPlanning] | None = None,
+        recording: Recording | None = None,
     ) -> None:
         planning = planning or (lambda: PathPlanning(robot))
         self.robot: Final = robot
         self.desk: Final = ControlDesk()
         self.messages: Final = MessageLog()
         self.teaching: Final = Teaching(robot)
+        self.trends: Final = Trends(robot.axes_data)
+        self.recording: Final = recording or Recording(Path('out'), robot.name)
         self.prints: deque[tuple[int, str]] = deque(maxlen=MOST_PRINTS)
         """What programs have printed, numbered, oldest first."""
         self.state = PendantState()

@@ -6,16 +6,19 @@ import socket
 import threading
 import time
 from collections.abc import Callable
+from html import escape
 from typing import Final
 
 import uvicorn
 from fastapi import FastAPI, Request
+from fastapi.responses import HTMLResponse
 from nicegui import ui
 
 from robots_controller.pendant.page.origin_guard import EVERY_ADDRESS, App, OriginGuard
 from robots_controller.pendant.page.password_guard import PasswordGuard
+from robots_controller.pendant.page.trend_panel import REPORT
 from robots_controller.pendant.page_access import PageAccess
-from robots_core.errors import InstallationError
+from robots_core.errors import InstallationError, RobotsError
 from robots_core.free_port import free_port
 
 START_TIMEOUT: Final = 60.0  # s
@@ -29,6 +32,7 @@ class _Served:
 
     app: FastAPI | None = None
     build: Build | None = None
+    report: Callable[[], str] = str
 
 
 class PageServer:
@@ -40,6 +44,7 @@ class PageServer:
         title: Of the page.
         access: Where it is served, and to whom; by default on this machine alone.
         told: Gets who has given a wrong password, in the thread of the page.
+        report: Makes the page of the report of the last run.
 
     Raises:
         InvalidInputError: a port outside 0..65535, or an address that is none of this machine.
@@ -54,9 +59,11 @@ class PageServer:
         title: str,
         access: PageAccess | None = None,
         told: Callable[[str], object] = print,
+        report: Callable[[], str] = str,
     ) -> None:
         access = access or PageAccess()
         self._host, self._port = access.host, free_port(access.host, port)
+        _Served.report = report
         app: App = _application(build, title)
         if access.password:
             app = PasswordGuard(app, access.password, title=title, told=told)
@@ -92,6 +99,13 @@ def _application(build: Build, title: str) -> FastAPI:
     _Served.build = build
     if _Served.app is None:
         _Served.app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+
+        @_Served.app.get(REPORT)
+        def report() -> HTMLResponse:
+            try:
+                return HTMLResponse(_Served.report())
+            except (RobotsError, OSError) as error:
+                return HTMLResponse(f'<p>{escape(str(error))}</p>', 503)
 
         @ui.page('/', response_timeout=START_TIMEOUT)
         def page(request: Request) -> None:

@@ -17,6 +17,7 @@ from robots_controller.pendant.page.jog_panel import JogPanel
 from robots_controller.pendant.page.message_panel import MessagePanel
 from robots_controller.pendant.page.program_panel import ProgramPanel
 from robots_controller.pendant.page.top_bar import TopBar
+from robots_controller.pendant.page.trend_panel import TrendPanel
 from robots_controller.pendant.page.viewer import Panel, Viewer
 from robots_controller.pendant.page_access import is_this_machine
 from robots_controller.pendant.pendant_operator import PendantOperator
@@ -27,7 +28,13 @@ from robots_core.errors import RobotsError
 PERIOD: Final = 0.1  # s between two refreshes
 LANGUAGE_COOKIE: Final = 'language'
 THEME_COOKIE: Final = 'theme'
-TABS: Final = {'jog': 'gamepad', 'program': 'code', 'io': 'toggle_on', 'messages': 'notifications'}
+TABS: Final = {
+    'jog': 'gamepad',
+    'program': 'code',
+    'io': 'toggle_on',
+    'trends': 'show_chart',
+    'messages': 'notifications',
+}
 
 
 class PendantPage:
@@ -88,12 +95,15 @@ class PendantPage:
                 self._program = ProgramPanel(self._viewer, folder)
             with ui.tab_panel('io'):
                 io = IoPanel(self._viewer)
+            with ui.tab_panel('trends'):
+                trends = TrendPanel(self._viewer)
             with ui.tab_panel('messages'):
                 messages = MessagePanel(self._viewer)
         self._panels: dict[str, Panel] = {
             'jog': self._jog,
             'program': self._program,
             'io': io,
+            'trends': trends,
             'messages': messages,
         }
 
