@@ -51,7 +51,7 @@ class TrendPanel:
                     on_change=lambda event: self._show_window(event.value),
                 ).props('unelevated no-caps padding="4px 9px"')
                 self._record = ui.button(text('trends.record'), on_click=self._toggle_record, color=None)
-                self._record.props('unelevated no-caps icon=fiber_manual_record').classes('action')
+                self._record.props('unelevated no-caps icon=fiber_manual_record').classes('action record')
                 ui.link(text('trends.report'), REPORT, new_tab=True).classes('report')
             self.line = RefusalLine()
             self._bag = ui.label().classes('hint')
@@ -120,6 +120,7 @@ class TrendPanel:
                     'min': -self._window,
                     'max': 0,
                     'axisLabel': {'show': last, 'formatter': '{value} s', 'color': GREY},
+                    'axisLine': {'onZero': False},
                     'splitLine': {'show': False},
                 }
             )
@@ -129,6 +130,7 @@ class TrendPanel:
                     'gridIndex': number,
                     'name': unit,
                     'scale': True,
+                    'axisLine': {'onZero': False},  # time is 0 at the right end
                     'nameTextStyle': {'color': GREY},
                     'axisLabel': {'color': GREY},
                     'splitLine': {'lineStyle': {'color': GREY, 'opacity': 0.25}},
