@@ -22,7 +22,7 @@ setup(
         f'{package_name}.interpreter.lua_side': ['*.lua'],
         f'{package_name}.report.page': ['*.js', '*.css', '*.html'],
         f'{package_name}.pendant': ['texts/*.yaml'],
-        f'{package_name}.pendant.page': ['*.js', '*.css'],
+        f'{package_name}.pendant.page': ['*.js', '*.css', '*.html'],
     },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{package_name}']),

@@ -9,6 +9,7 @@ import pytest
 
 from robots_controller.live_cell import cell_command
 from robots_controller.live_cell.cell_command import parse_options
+from robots_controller.live_cell.cell_graph import cell_graph
 from robots_core.errors import RobotsError
 from short_programs import PROGRAMS
 
@@ -97,3 +98,17 @@ def test_make_leaves_the_cell_to_the_program_by_default(target: str) -> None:
     assert all(
         option in overridden for option in ('--robot "ur5e"', '--io "plc.yaml"', '--scene "table.yaml"')
     )
+
+
+def test_the_operators_page_is_served_to_others_with_a_password_alone(tmp_path: Path) -> None:
+    password_file = tmp_path / 'password'
+    password_file.write_text('long enough')
+    password_file.chmod(0o600)
+    with pytest.raises(RobotsError, match='--host and --password-file need --view'):
+        parse_options(['--host', '0.0.0.0'])  # noqa: S104
+    options = parse_options(['--view', '--host', '0.0.0.0', '--password-file', str(password_file)])  # noqa: S104
+    graph = cell_graph(robot='ur5e', pendant=True, host=options.host, password_file=options.password_file)
+    parameters = next(node.parameters for node in graph if node.name == 'pendant_node')
+    assert (parameters['host'], parameters['password_file']) == ('0.0.0.0', str(password_file))  # noqa: S104
+    with pytest.raises(RobotsError, match='this needs a password'):
+        cell_graph(robot='ur5e', pendant=True, host=options.host)

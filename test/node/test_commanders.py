@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, String
+from std_msgs.msg import Bool, Float64, String, UInt64
 from std_srvs.srv import SetBool
 
 from robots_core import load_robot_model
 from robots_core.errors import InvalidInputError
 from robots_core.motion_result import MotionResult
 from robots_core.ros.messages import joint_state_message, stamp_id
-from robots_core.ros.qos import COMMAND
+from robots_core.ros.qos import COMMAND, SENSOR, STATE
 
 from .bench import EVERY_STATE
 from .program_cell import CRAWL, MOVE, ROBOT, ProgramCell
@@ -132,6 +132,28 @@ def test_in_t1_a_program_runs_while_run_is_held(t1: CommandedCell) -> None:
     t1.until_moving()
     t1.command('stop')
     t1.end('STOPPED')
+
+
+def test_a_pendant_that_is_killed_during_a_step_loses_the_robot(t1: CommandedCell) -> None:
+    pendant = t1.runner.create_node('pendant_node')
+    beats = pendant.create_publisher(UInt64, 'pendant_node/heartbeat', SENSOR)
+    commands = pendant.create_publisher(JointState, 'ptpjoint_joint', COMMAND)
+    t1.wait(lambda: beats.get_subscription_count() and commands.get_subscription_count(), 'the cell')
+    alive = pendant.create_timer(0.04, lambda: beats.publish(UInt64(data=1)))
+    watch = t1.controller._commanders._watch
+    t1.wait(lambda: not watch.unseen, 'a sign of life')
+    t1.publish('override', Float64(data=0.002), STATE)
+    assert t1.take('pendant').success
+    t1.until_commander('PENDANT')
+    t1.hold_run()
+    commands.publish(joint_state_message(t1.peer.get_clock().now().to_msg(), NAMES, t1.position() + 0.1))
+    t1.until_moving()
+    t1.runner.call(lambda: pendant.destroy_timer(alive))
+    t1.until_commander('NOBODY')
+    t1.until_standing()
+    t1.wait(lambda: t1.results, 'the result of the motion')
+    assert t1.results[-1].message.startswith('no sign of life of pendant_node for 1 s')
+    assert t1.take('program').success  # another one can have it
 
 
 def test_in_t1_nobody_commands_by_topics(t1: CommandedCell) -> None:

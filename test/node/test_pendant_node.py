@@ -21,7 +21,7 @@ from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import Action, NotPermittedError
 from robots_controller.program.run_state import RunState
-from robots_core.errors import InvalidInputError, NotNowError, ProgramError, RobotsError
+from robots_core.errors import BagError, InvalidInputError, NotNowError, ProgramError, RobotsError
 from robots_core.motion_result import MotionResult
 from robots_core.operating_modes import Commander, OperatingMode
 from robots_core.ros.messages import diagnostic_values
@@ -267,6 +267,24 @@ def test_what_the_cell_reports_is_shown(cell: OperatedCell) -> None:
     cell.publish('/diagnostics', DiagnosticArray(status=[status]))
     assert cell.state.q.shape == (robot.num_axes,)
     assert cell.state.jog_speeds.fraction == 0.1
+
+
+def test_what_happens_is_recorded_and_reported_on(cell: OperatedCell) -> None:
+    recording = cell.operator.recording
+    recording._folder = cell.folder / 'out'
+    with pytest.raises(BagError, match='there is no bag in'):
+        recording.report()
+    recording.begin()
+    bag = Path(recording.bag)
+    with pytest.raises(NotNowError, match='is recorded already'):
+        recording.begin()
+    cell.wait((bag / 'metadata.yaml').is_file, 'the bag')
+    cell.hold('axes 1 -', lambda: any(cell.references[-1].velocities), 'it moves')
+    cell.until_standing()
+    cell.wait(lambda: 'joint_reference' in (bag / 'metadata.yaml').read_text(), 'references in the bag')
+    recording.end()
+    assert recording.bag == ''
+    assert '<html' in recording.report()
 
 
 def test_health_tells_the_address_of_the_page(cell: OperatedCell) -> None:

@@ -13,6 +13,7 @@ from installed_browsers import installed_browser
 
 DEADLINE = 240.0  # s, for a machine that is slow and busy
 POLL = 20.0  # ms
+SOCKET = '_nicegui_ws/socket.io/?EIO=4&transport=websocket'
 FORWARDS = '[data-press="axes 0 +"]'
 
 

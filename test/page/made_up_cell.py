@@ -18,6 +18,7 @@ from robots_controller.io.io_image import IMAGES, Channel
 from robots_controller.pendant.message_log import Level
 from robots_controller.pendant.page.page_server import PageServer
 from robots_controller.pendant.page.pendant_page import PendantPage
+from robots_controller.pendant.page_access import PageAccess
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import PendantState, ShownIo, ShownProgram
 from robots_controller.program.motion_command import MotionCommand
@@ -134,9 +135,12 @@ def made_up_operator(robot: str = 'kuka_kr210_r2700') -> tuple[PendantOperator, 
 
 
 @contextmanager
-def served(operator: PendantOperator, folder: Path = PROGRAMS) -> Iterator[str]:
+def served(
+    operator: PendantOperator, folder: Path = PROGRAMS, access: PageAccess | None = None
+) -> Iterator[str]:
     """The page of an operator; gives its address."""
-    server = PageServer(partial(PendantPage, operator, folder), port=0, title=operator.robot.name)
+    build = partial(PendantPage, operator, folder)
+    server = PageServer(build, port=0, title=operator.robot.name, access=access)
     try:
         yield server.url
     finally:

@@ -13,13 +13,16 @@ from made_up_cell import made_up_operator, ready_state, running_program, served,
 from playwright.sync_api import Browser, Locator, Page
 
 from robots_controller.pendant.pendant_operator import PendantOperator
+from robots_controller.pendant.trends import PERIOD
 from robots_core.blocks.visualizer import Visualizer
 
 FOLDER = Path('docs/how_to/pictures')
 SIZES = {'desktop': (1440, 900), 'tablet': (1024, 768)}
-VIEWS = ('jog', 'program', 'io', 'messages')
+VIEWS = ('jog', 'program', 'io', 'trends', 'messages')
 SHOWN = (('jog', 'desktop', 'light'), ('program', 'desktop', 'dark'), ('io', 'tablet', 'light'))
 """In the documentation: view, size and theme."""
+TRENDS = ('Position A1', 'Position A3', 'Digital output 2 gripper')
+"""Beside the speed of the tool."""
 SCENE_TIME = 15_000.0  # ms, for the 3D view to be drawn by the processor
 TAB_TIME = 4000.0  # ms, for a panel to be in front
 WITHOUT_GPU = ('--use-angle=swiftshader', '--enable-unsafe-swiftshader')
@@ -37,6 +40,27 @@ def show(operator: PendantOperator, view: str, url: str) -> None:
         running_program(operator, line=37)
 
 
+def some_trends(operator: PendantOperator) -> None:
+    """A minute of a robot that moves to and fro."""
+    state = ready_state(operator.robot)
+    home, effort = np.array(operator.robot.home), np.array(operator.robot.axes_data.effort)
+    ways = np.array([1.0, 0.3, -0.4, 0.2, 0.5, 0.1])
+    for time in np.arange(0.0, 60.0, PERIOD):
+        part = switched(state, 'digital_outputs', 2, float(time % 9.0 > 4.5))
+        speed = float(np.cos(0.7 * time))
+        operator.trends.add(
+            time,
+            replace(
+                part,
+                q=home + 0.5 * np.sin(0.7 * time) * ways,
+                q_dot=0.35 * speed * ways,
+                torque=effort * (0.3 + 0.2 * speed),
+                tool_speed=0.6 * abs(speed),
+                distance=0.4 + 0.1 * speed,
+            ),
+        )
+
+
 def click(element: Locator) -> None:
     """Click at once: where the processor draws the 3D view, frames to look for a still place are rare."""
     element.evaluate('(one) => one.click()')
@@ -46,6 +70,11 @@ def take(page: Page, operator: PendantOperator, url: str, view: str, path: Path)
     """One picture."""
     show(operator, view, url)
     click(page.get_by_role('tab').nth(VIEWS.index(view)))
+    if view == 'trends':
+        for name in TRENDS:
+            page.get_by_label('Signals').fill(name)
+            click(page.get_by_role('option', name=name, exact=True))
+        page.keyboard.press('Escape')
     page.mouse.move(0, 0)
     page.wait_for_timeout(TAB_TIME)
     page.screenshot(path=path, type='jpeg', quality=80)
@@ -90,6 +119,7 @@ def main() -> None:
     for text in ('Press tending of 2 parts', 'part 1: pressed with 41.5 kN', 'part 1: placed'):
         operator.print(text)
     some_messages(operator)
+    some_trends(operator)
     visualizer = Visualizer(operator.robot, port=0)
     home = np.array(operator.robot.home)
     for part in np.linspace(-0.6, 0.0, 60):  # a path of the tool

@@ -20,7 +20,7 @@ from robots_controller.pendant.pendant_state import ShownProgram
 from robots_controller.program.run_state import RunState
 from robots_core.operating_modes import OperatingMode
 
-from .browser_page import DEADLINE, FORWARDS, browser, open_page, press, take_control, wait
+from .browser_page import DEADLINE, FORWARDS, SOCKET, browser, open_page, press, take_control, wait
 from .made_up_cell import (
     PROGRAMS,
     MadeUpCell,
@@ -30,8 +30,6 @@ from .made_up_cell import (
     served,
     switched,
 )
-
-SOCKET = '_nicegui_ws/socket.io/?EIO=4&transport=websocket'
 
 
 @pytest.fixture(scope='module')
@@ -326,6 +324,20 @@ def test_outputs_are_switched_and_shown(page: Page, operator: PendantOperator, c
     operator.state = replace(operator.state, mode=OperatingMode.AUTOMATIC)
     page.locator('.io-panel').get_by_text('choose T1 or T2').wait_for()
     page.get_by_label('Name or number').fill('')
+
+
+def test_chosen_signals_are_drawn(page: Page, operator: PendantOperator) -> None:
+    operator.trends.add(0.0, operator.state)
+    show(page, 'Trends')
+    page.get_by_label('Signals').fill('Position A2')
+    page.get_by_role('option', name='Position A2', exact=True).click()
+    for number in range(1, 20):
+        operator.trends.add(0.1 * number, operator.state)
+    drawn = """() => [...document.querySelectorAll('.chart')].flatMap((one) =>
+        getElement(Number(one.id.slice(1))).chart.getOption().series.map(
+            (line) => [line.name, line.data.length]))"""
+    wait(page, lambda: page.evaluate(drawn) == [['Tool speed', 20], ['Position A2', 20]], 'two curves')
+    page.get_by_text('Report of the last run').wait_for()
 
 
 def test_a_second_page_looks_on_until_it_takes_control(

@@ -129,7 +129,13 @@ def test_the_operators_page_has_a_process_and_a_port_of_its_own():
     )
     (pendant,) = (node for node in nodes if node.name == 'pendant_node')
     assert pendant.process == 'pendant_node'
-    shared = {'robot_model': 'ur5e', 'scene': ''}
+    shared = {
+        'robot_model': 'ur5e',
+        'scene': '',
+        'host': '127.0.0.1',
+        'password_file': '',
+        'recordings': 'out',
+    }
     assert pendant.parameters == {**shared, 'port': 8090, 'programs': '/cell/programs'}
     (pendant,) = (node for node in cell_graph(robot='ur5e', pendant=True, port=0) if 'pendant' in node.name)
     assert pendant.parameters == {**shared, 'port': 0}

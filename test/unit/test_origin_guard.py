@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from socket import gethostname
 from typing import Any
 
 import pytest
@@ -28,6 +29,24 @@ from robots_controller.pendant.page.origin_guard import OriginGuard, is_own
 )
 def test_own_requests(headers: dict[str, str], own: bool) -> None:  # noqa: FBT001
     assert is_own(headers) is own
+
+
+@pytest.mark.parametrize(
+    ('served', 'host', 'own'),
+    [
+        ('192.168.0.5', '192.168.0.5:8090', True),
+        ('192.168.0.5', '192.168.0.6:8090', False),
+        ('Robot.local', 'robot.local:8090', True),
+        ('0.0.0.0', '192.168.0.6:8090', True),  # noqa: S104
+        ('0.0.0.0', f'{gethostname()}:8090', True),  # noqa: S104
+        ('::', '[fe80::1]:8090', True),
+        ('0.0.0.0', 'evil.example:8090', False),  # noqa: S104
+        ('127.0.0.1', '192.168.0.6:8090', False),
+    ],
+)
+def test_requests_from_other_machines(served: str, host: str, own: bool) -> None:  # noqa: FBT001
+    assert is_own({'host': host, 'origin': f'http://{host.lower()}'}, served) is own
+    assert not is_own({'host': host, 'origin': 'http://evil.example'}, served)
 
 
 def answers(kind: str, **headers: str) -> tuple[list[dict[str, Any]], bool]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,8 +23,9 @@ from robots_controller.pendant.texts import LANGUAGES, read_texts
 from robots_controller.program.run_state import RunState
 from robots_core import Pose, load_robot_model
 from robots_core.blocks.following.guide import Guide
-from robots_core.errors import InvalidInputError, RobotsError
+from robots_core.errors import InvalidInputError, ProgramError, RobotsError
 from robots_core.operating_modes import Commander, OperatingMode
+from robots_planning.motion_settings import MotionSettings, frame_numbers
 
 OTHER = 'other'
 OUTPUT, INPUT = Channel('digital', 'output', 3), Channel('digital', 'input', 2)
@@ -106,7 +108,7 @@ def test_the_tool_is_jogged_in_frames_of_its_own() -> None:
     [
         ('axes 5 +', 1.0, r"jog index = 5 must be in \[0, 4\] for 'axes'"),
         ('tool 6 +', 1.0, r'jog index = 6 must be in \[0, 5\]'),
-        ('world 0 +', 1.0, r"'world 0 \+' is unknown; valid is a frame \(axes, tool, base\)"),
+        ('world 0 +', 1.0, r"'world 0 \+' is unknown; valid is a frame \(axes, tool, base, taught\)"),
         ('axes 0', 1.0, 'is unknown'),
         ('axes 0 + +', 1.0, 'is unknown'),
         ('', 1.0, 'is unknown'),
@@ -127,6 +129,35 @@ def test_every_direction_has_its_button() -> None:
         twist = JogCommand.from_key(f'base {index} {sign}', 1.0, 7).twist(speeds)
         assert np.flatnonzero(twist).tolist() == [index]
         assert (twist[index] > 0.0) == (sign == '+')
+
+
+@pytest.mark.parametrize('name', ['', 'P1'])
+def test_a_tool_is_jogged_along_a_taught_frame(tmp_path: Path, name: str) -> None:
+    desk = Desk()
+    points = tmp_path / 'part.points.yaml'
+    turned = Pose.from_angles([0.5, 0.0, 0.8], [0.4, -0.3, 1.2], 'zyx')
+    base = MotionSettings(base=frame_numbers(turned))
+    program = ShownProgram(str(tmp_path / 'part.lua'), points_file=str(points))
+    desk.operator.state = replace(READY, program=program, settings=base)
+    desk.operator.teaching.teach(points, 'P1', np.array(desk.robot.home))
+    pose = desk.operator.jog_frames()[name]
+    expected = Pose(*desk.robot.direct_kinematics(desk.robot.home)) if name else turned
+    np.testing.assert_allclose(pose.T, expected.T, atol=1e-12)
+    for index in range(COMPONENTS):
+        desk.hold(index, f'taught {index} +', taught=pose.T)
+        command, twist, frame = desk.cell.last
+        assert (command, frame) == ('jog_tool', 'base')
+        seen = np.reshape(twist, (2, 3)) @ expected.T  # along the frame's own axes
+        assert np.flatnonzero(np.abs(seen.ravel()) > 1e-12).tolist() == [index]
+
+
+def test_a_broken_points_file_is_told_with_its_line(tmp_path: Path) -> None:
+    desk = Desk()
+    points = tmp_path / 'part.points.yaml'
+    points.write_text('points:\n  P1: {q: [0,\n')
+    desk.operator.state = replace(READY, program=ShownProgram('part.lua', points_file=str(points)))
+    with pytest.raises(ProgramError, match=r'part\.points\.yaml:3:'):
+        desk.operator.jog_frames()
 
 
 def test_run_is_held_and_starts_the_program_once() -> None:

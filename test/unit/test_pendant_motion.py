@@ -16,6 +16,7 @@ from robots_controller.pendant.pendant_motion import (
 from robots_controller.pendant.pendant_state import JogSpeeds
 from robots_core import BaseRobotModel, Pose, load_robot_model
 from robots_core.errors import InvalidInputError, JointLimitError
+from robots_core.orientation import rotation_from_vector
 from robots_planning.motion_settings import MotionSettings, frame_numbers
 from robots_planning.pathplanning import PathPlanning
 from robots_planning.teach_box import TeachBox
@@ -42,16 +43,19 @@ def test_a_step_of_an_axis_moves_it_alone_and_by_just_that(name: str) -> None:
         assert abs(way[index]) == pytest.approx(0.01)
 
 
-@pytest.mark.parametrize('frame', ['tool', 'base'])
+@pytest.mark.parametrize('frame', ['tool', 'base', 'taught'])
 @pytest.mark.parametrize('index', range(6))
 def test_a_step_of_the_tool_is_one_in_its_direction_alone(frame: str, index: int) -> None:
     robot = load_robot_model('kuka_kr210_r2700')
     q = np.array(robot.home)
     start = Pose(*robot.direct_kinematics(q)) @ TOOL
-    command = step_command(robot, JogCommand.from_key(f'{frame} {index} -', 1.0, 6), 0.02, q, BASIS)
+    taught = rotation_from_vector(np.array([0.3, -0.5, 0.9])) if frame == 'taught' else None
+    jog = JogCommand.from_key(f'{frame} {index} -', 1.0, 6, taught)
+    command = step_command(robot, jog, 0.02, q, BASIS)
     assert command.pose is not None
     error = start.error_to(BASE @ command.pose)  # in the robot's base
-    turn = start.T if frame == 'tool' else np.eye(3)
+    turn = {'tool': start.T, 'base': np.eye(3), 'taught': taught}[frame]
+    assert turn is not None
     seen = np.concatenate([turn.T @ error[:3], turn.T @ error[3:]])
     expected = np.zeros(6)
     expected[index] = -0.02
@@ -106,7 +110,7 @@ def _jog(robot: BaseRobotModel, box: TeachBox, jog: JogCommand, time: float) -> 
     if jog.frame == 'axes':
         box.jog_axes(jog.velocity(robot.axes_data, PLAIN.speeds), time)
     else:
-        box.jog_tool(jog.twist(PLAIN.speeds), time, jog.frame)
+        box.jog_tool(jog.twist(PLAIN.speeds), time, jog.tool_frame)
 
 
 @pytest.mark.parametrize(

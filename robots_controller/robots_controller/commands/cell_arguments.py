@@ -56,6 +56,14 @@ def cell_arguments(parser: argparse.ArgumentParser) -> None:
         default=8080,
         help="first port to try for the 3D view; the operator's page is 10 above; %(default)d by default",
     )
+    parser.add_argument(
+        '--host',
+        default='',
+        metavar='ADDRESS',
+        help="address of this machine at which the operator's page is served to other machines; "
+        'needs --password-file; by default this machine alone has the page',
+    )
+    kinds.add_file(parser, '--password-file', 'FILE', "its first line is the password of the operator's page")
     kinds.add_file(
         parser, '--driver', 'FILE', 'driver of a real robot, in the place of simulated drives (YAML)'
     )

@@ -43,6 +43,9 @@ GRAPH_OPTIONS = (
     'pendant',
     'opcua',
     'opcua_access',
+    'host',
+    'password_file',
+    'record',
     'lockstep',
     'composed',
 )
@@ -81,13 +84,15 @@ def complete_options(options: argparse.Namespace) -> argparse.Namespace:
     options.guided = options.guided or (METHODS[0] if others else '')
     # Nobody operates a cell whose time does not wait.
     options.pendant = options.view and not options.lockstep and find_spec('nicegui') is not None
+    if (options.host or options.password_file) and not options.view:
+        raise OptionError("--host and --password-file need --view, which serves the operator's page")
     if options.opcua and options.lockstep:
         raise OptionError('--opcua and --lockstep exclude each other: clients would see a time of its own')
     if options.opcua_access and not options.opcua:
         raise OptionError('--opcua-access needs --opcua, the port of the server')
     if options.opcua and find_spec('asyncua') is None:
         raise InstallationError('--opcua needs the package asyncua: make plant-requirements')
-    for name in ('program', 'driver', 'opcua_access', *FILES):
+    for name in ('program', 'driver', 'opcua_access', 'password_file', *FILES):
         path = getattr(options, name)
         setattr(options, name, str(Path(path).resolve()) if path else '')
     return options

@@ -15,6 +15,7 @@ from robots_controller.io.emergency_inputs import emergency_stop_texts
 from robots_controller.io.fail_safe import fail_safe_texts
 from robots_controller.io.zone_inputs import closing_inputs, closing_texts
 from robots_controller.opcua.server_settings import read_server_settings
+from robots_controller.pendant.page_access import read_access
 from robots_core.blocks.collision.scene_file import read_scene
 from robots_core.blocks.drives.drive_level import check_level
 from robots_core.blocks.following.following_methods import METHODS
@@ -110,6 +111,9 @@ def cell_graph(
     debug_port: int = 0,
     debug_token: str = '',
     pendant: bool = False,
+    host: str = '',
+    password_file: str = '',
+    record: Path | None = None,
     opcua: int = 0,
     opcua_access: str = '',
     lockstep: bool = False,
@@ -147,6 +151,9 @@ def cell_graph(
         debug_port: Port on this machine where editors debug the program; 0 for none.
         debug_token: What editors must give there; the program node makes one if it is empty.
         pendant: With the operator's page; its port is looked for from `PAGE_PORTS` above `port` on.
+        host: Address of the operator's page; this machine alone by default.
+        password_file: Its first line is the password of that page (see `read_access`).
+        record: Folder below which the cell is recorded, and the page records; 'out' by default.
         opcua: TCP port at which the robot is an OPC UA server; 0 for none.
         opcua_access: Who may do what there (see `read_server_settings`); by default anyone may read.
         lockstep: All nodes take part in a lock-step run.
@@ -193,6 +200,8 @@ def cell_graph(
         process = COMPOSED if shared else executable
         return NodeDescription(package, executable, {'robot_model': robot, **time, **parameters}, process)
 
+    access = read_access(host, password_file)
+    page = {'host': access.host, 'password_file': password_file, 'recordings': str(record or 'out')}
     bridge = node('robots_controller', 'io_bridge_node', io_map=io_map, fail_safe=fail_safe, **watched)
     return (
         node('robots_core', 'hardware_node', rate=rate, driver=driver, **watched)
@@ -241,15 +250,15 @@ def cell_graph(
         *([node('robots_core', 'collision_node', scene=scene)] if scene else []),
         *([node('robots_controller', 'plc_node', script=io, **plc_cycle)] if io else []),
         *([bridge] if io_map else []),
-        *([_pendant(robot, program, port, scene)] if pendant else []),
+        *([_pendant(robot, program, port, scene, page)] if pendant else []),
         *([_opcua(robot, program, opcua, opcua_access)] if opcua else []),
     )
 
 
-def _pendant(robot: str, program: str, port: int, scene: str) -> NodeDescription:
+def _pendant(robot: str, program: str, port: int, scene: str, page: dict[str, str]) -> NodeDescription:
     # In a process of its own: there is one web application in a process, and others must not wait for it.
     parameters = {'robot_model': robot, 'port': port and port + PAGE_PORTS, 'scene': scene}
-    return NodeDescription('robots_controller', 'pendant_node', parameters | _folder_of(program))
+    return NodeDescription('robots_controller', 'pendant_node', parameters | page | _folder_of(program))
 
 
 def _opcua(robot: str, program: str, port: int, access: str) -> NodeDescription:

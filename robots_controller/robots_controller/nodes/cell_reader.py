@@ -107,6 +107,7 @@ class CellReader:
         flag('run_enabled')
         flag('drives_on')
         subscribe_state(self._node, Float64, 'override', self._on_override)
+        subscribe_state(self._node, Float64, 'min_distance', lambda message: self.show(distance=message.data))
         subscribe_state(self._node, DiagnosticStatus, 'stop_status', self._on_stop)
         subscribe_state(self._node, DiagnosticStatus, 'program_status', self._on_program)
         subscribe_state(self._node, DiagnosticStatus, 'forced_inputs', self._on_forced)

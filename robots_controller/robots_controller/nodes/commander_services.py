@@ -10,9 +10,11 @@ from std_srvs.srv import SetBool
 from robots_controller.control.command_authority import HOLD_TIMEOUT, CommandAuthority
 from robots_controller.control.control_loop import ControlLoop
 from robots_core.operating_modes import Commander, OperatingMode
+from robots_core.ros.heartbeat import HeartbeatWatch
 from robots_core.ros.qos import COMMAND, STATE
 from robots_core.ros.robot_node import RobotNode
 
+PENDANT_LOST_AFTER = 1.0  # s; without its run button the robot stands before
 COMMANDERS = tuple(commander for commander in Commander if commander is not Commander.NOBODY)
 
 
@@ -39,13 +41,18 @@ class CommanderServices:
     For each commander, `~/commander/<name>` takes the robot (true) or gives it back (false), and
     `~/take_over/<name>` stops the robot and takes it from the present commander.
 
+    A pendant that gives no sign of life any more loses the robot, which stops on its path.
+
     Args:
         node: The controller's node.
         control: Its loop.
         on_mode: Called when the mode has changed.
+        watched: Nodes are watched at all.
     """
 
-    def __init__(self, node: RobotNode, control: ControlLoop, on_mode: Callable[[], None]) -> None:
+    def __init__(
+        self, node: RobotNode, control: ControlLoop, on_mode: Callable[[], None], *, watched: bool = True
+    ) -> None:
         self._node, self._control, self._on_mode = node, control, on_mode
         self._authority = control.controller.speed.authority
         self._commander_publisher = node.create_publisher(String, 'commander', STATE)
@@ -57,6 +64,8 @@ class CommanderServices:
             node.serve(f'take_over/{name}', partial(self._take_over, commander))
         node.create_subscription(Bool, 'hold_to_run', self._on_hold, COMMAND)
         node.add_post_set_parameters_callback(self._on_parameters)
+        timeout = PENDANT_LOST_AFTER if watched else 0.0
+        self._watch = HeartbeatWatch(node, ('pendant_node',), timeout, self._on_pendant)
         self._publish()
 
     def run_enabled(self, *, enabled: bool) -> None:
@@ -86,6 +95,11 @@ class CommanderServices:
             self._control.stop(f'{commander} took the robot over')
         self._publish()
         return f'{commander} commands the robot'
+
+    def _on_pendant(self, _name: str, lost: str) -> None:
+        if lost and self._authority.commander is Commander.PENDANT:
+            self._control.stop(lost)
+            self.give_back(Commander.PENDANT)
 
     def _on_hold(self, message: Bool) -> None:
         self._authority.hold(self._node.now(), held=message.data)

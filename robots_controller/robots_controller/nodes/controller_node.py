@@ -124,7 +124,7 @@ class ControllerNode(RobotNode):
         self._result_publisher = self.create_publisher(DiagnosticStatus, 'motion_result', COMMAND)
         self._drives_publisher = self.create_publisher(Bool, 'drives_on', STATE)
         self._stop_publisher = self.create_publisher(DiagnosticStatus, 'stop_status', STATE)
-        self._commanders = CommanderServices(self, self._control, self._change_caps)
+        self._commanders = CommanderServices(self, self._control, self._change_caps, watched=watchdog > 0.0)
         self._feedback = PolledSubscription(self, JointState, 'joint_states', SENSOR, raw=True)
         self._joint_states = JointStateReader(self._names)
         self._position: Array | None = None

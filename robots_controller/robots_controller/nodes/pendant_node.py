@@ -13,8 +13,11 @@ from rclpy.qos import QoSProfile
 from robots_controller.nodes.cell_reader import PLANNER, PROGRAM, CellReader
 from robots_controller.nodes.pendant_link import PendantLink
 from robots_controller.pendant.message_log import Level
+from robots_controller.pendant.page_access import THIS_MACHINE, PageAccess, read_access
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.pendant_state import JogSpeeds
+from robots_controller.pendant.recording import Recording
+from robots_controller.pendant.trends import PERIOD
 from robots_core.blocks.collision.scene import Scene
 from robots_core.blocks.collision_detection import CollisionDetection
 from robots_core.errors import InstallationError
@@ -39,21 +42,40 @@ class PendantNode(RobotNode):
     def __init__(self, **options: Any) -> None:
         super().__init__('pendant_node', **options)
         port = self.parameter('port', 8090, 'first port to try for the page; 0 lets the system choose')
+        host = self.parameter(
+            'host',
+            THIS_MACHINE,
+            'address to listen at; 127.0.0.1: this machine alone, others need a password',
+        )
+        password_file = self.parameter(
+            'password_file', '', 'its first line is what a viewer must give; empty: nothing'
+        )
+        access = read_access(host, password_file)
         folder = self.parameter('programs', 'programs', 'folder of the robot programs that can be chosen')
+        recordings = self.parameter(
+            'recordings', 'out', 'folder of the bags that are recorded and reported on'
+        )
         self._collision_scene = Scene()
         self._preview: PathPlanning | None = None
         self._margin = 0.0
-        self.operator = PendantOperator(self.robot, PendantLink(self), self.now, self._make_planning)
+        self.operator = PendantOperator(
+            self.robot,
+            PendantLink(self),
+            self.now,
+            self._make_planning,
+            Recording(Path(recordings).resolve(), self.robot_name, self.get_namespace()),
+        )
         WatchedScene(self, self._on_scene)
         reader = CellReader(self, self.operator)
         asked = ('teach_speed', 'teach_tool_speed', 'collision_margin')
         reader.ask(PLANNER, asked, self._on_planner_parameters)
+        self.create_timer(PERIOD, lambda: self.operator.trends.add(self.now(), self.operator.state))
         self.create_subscription(Log, '/rosout', self._on_log, LOGS)
-        self._server = self._serve(port, Path(folder).resolve())
+        self._server = self._serve(port, Path(folder).resolve(), access)
         self.journal.info(f'the robot is operated at {self.url}')
         self.ready(url=self.url)
 
-    def _serve(self, port: int, folder: Path) -> Any:
+    def _serve(self, port: int, folder: Path, access: PageAccess) -> Any:
         try:
             from robots_controller.pendant.page.page_server import PageServer  # noqa: PLC0415
             from robots_controller.pendant.page.pendant_page import PendantPage  # noqa: PLC0415
@@ -62,7 +84,14 @@ class PendantNode(RobotNode):
                 f"the operator's page needs NiceGUI ({error}): pip install -r requirements-pendant.txt"
             ) from error
         build = partial(PendantPage, self.operator, folder)
-        return PageServer(build, port=port, title=self.robot.name)
+        return PageServer(
+            build,
+            port=port,
+            title=self.robot.name,
+            access=access,
+            told=self.journal.warning,
+            report=self.operator.recording.report,
+        )
 
     @property
     def url(self) -> str:
@@ -102,8 +131,9 @@ class PendantNode(RobotNode):
             self.operator.messages.add(seconds(message.stamp), level, name, message.msg)
 
     def destroy_node(self) -> None:
-        """End the page with the node."""
+        """End the page and what it records with the node."""
         self._server.close()
+        self.operator.recording.end()
         super().destroy_node()
 
 

@@ -82,6 +82,7 @@ class HeldButton:
         speed: float = 1.0,
         step: float = 0.0,
         preview: Preview | None = None,
+        taught: Array | None = None,
     ) -> Action | None:
         """Take a sign that a viewer holds a button.
 
@@ -93,6 +94,7 @@ class HeldButton:
             speed: Part of the highest jog speed, 0..1.
             step: Size of a step, rad or m; 0 jogs as long as the button is held.
             preview: The motion of MOVE_KEY.
+            taught: Orientation of the taught frame to jog in, in the robot's base, (3, 3).
 
         Returns:
             The action to do now: what is held starts the program.
@@ -115,16 +117,17 @@ class HeldButton:
         action = _action(key, step)
         try:
             self._check(viewer, action)
+            jog = _jog_of(key, action, speed, self._robot.num_axes, taught)
             if action is Action.STEP:
                 return self._step(held, state)
             if action is Action.MOVE:
                 if not held.press.moves:
-                    command = self._command(key, state, speed, step, preview)
+                    command = self._command(jog, state, step, preview)
                     held.press.moves = held.sent = True
                     self._port.begin_move(command, partial(self._moved, held))
                 self._port.hold_run(held=True)
-            elif action is Action.JOG:
-                self._jog(held, JogCommand.from_key(key, speed, self._robot.num_axes), state)
+            elif jog is not None:
+                self._jog(held, jog, state)
         except RobotsError:
             held.press.over = True
             self._stop(held)
@@ -173,18 +176,17 @@ class HeldButton:
         if command.frame == 'axes':
             self._port.jog_axes(command.velocity(self._robot.axes_data, speeds))
         else:
-            self._port.jog_tool(command.twist(speeds), command.frame)
+            self._port.jog_tool(command.twist(speeds), command.tool_frame)
 
     def _command(
-        self, key: str, state: PendantState, speed: float, step: float, preview: Preview | None
+        self, jog: JogCommand | None, state: PendantState, step: float, preview: Preview | None
     ) -> MotionCommand:
-        if key == MOVE_KEY:
+        if jog is None:
             if preview is None:
                 raise NotPermittedError(Reason('no_preview'))
             return preview.command
         if not 0.0 < step <= LARGEST_STEP:
             raise InvalidInputError(f'step = {step:g} must be above 0, at most {LARGEST_STEP:g} (rad or m)')
-        jog = JogCommand.from_key(key, speed, self._robot.num_axes)
         basis = JogBasis(state.jog_speeds, state.settings)
         return step_command(self._robot, jog, step, standing(self._port, state), basis)
 
@@ -219,6 +221,13 @@ def _action(key: str, step: float) -> Action:
     if key.startswith(STEP_KEY):
         return Action.STEP
     return Action.MOVE if key == MOVE_KEY or step != 0.0 else Action.JOG
+
+
+def _jog_of(key: str, action: Action, speed: float, num_axes: int, taught: Array | None) -> JogCommand | None:
+    """What a button jogs or steps; None for other buttons."""
+    if action not in (Action.JOG, Action.MOVE) or key == MOVE_KEY:
+        return None
+    return JogCommand.from_key(key, speed, num_axes, taught)
 
 
 def _start(held: _Held, state: PendantState) -> Action | None:

@@ -61,7 +61,7 @@ class JogOutlook:
             if jog.frame == 'axes':
                 box.jog_axes(jog.velocity(axes, speeds), time)
             else:
-                box.jog_tool(jog.twist(speeds), time, jog.frame)
+                box.jog_tool(jog.twist(speeds), time, jog.tool_frame)
             step = box.step(time)
             if step.limits:
                 return Ahead(time, step.limits)

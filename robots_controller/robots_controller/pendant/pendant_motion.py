@@ -90,8 +90,7 @@ def step_command(
         target[jog.index] += way
         return MotionCommand(JOINT, 0, '', q=read_only(axes.check_position(target, 'q')), settings=settings)
     pose = Pose(*robot.direct_kinematics(q)) @ basis.settings.tool_pose
-    way_of = np.zeros(6)
-    way_of[jog.index] = way
+    way_of = way * jog.direction()
     turn = rotation_from_vector(way_of[3:])
     if jog.frame == 'tool':
         target_pose = pose @ Pose(way_of[:3], turn)

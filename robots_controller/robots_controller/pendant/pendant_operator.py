@@ -22,12 +22,16 @@ from robots_controller.pendant.pendant_state import PendantState
 from robots_controller.pendant.permissions import Action, NotPermittedError, Reason, refusal
 from robots_controller.pendant.program_editing import findings, save_program
 from robots_controller.pendant.programs import program_file
+from robots_controller.pendant.recording import Recording
+from robots_controller.pendant.trends import Trends
 from robots_controller.program.teaching import Motion, Teaching
 from robots_controller.program_check.program_check import ProgramProblem
 from robots_core.errors import InvalidInputError, ProgramError
 from robots_core.operating_modes import OperatingMode
+from robots_core.pose import Pose
 from robots_core.robot_model.base_robot_model import BaseRobotModel
-from robots_core.validation import one_of
+from robots_core.validation import Array, one_of
+from robots_planning.motion_settings import frame
 from robots_planning.pathplanning import PathPlanning
 
 MOST_PRINTS: Final = 500
@@ -54,6 +58,7 @@ class PendantOperator:
         now: Time, s.
         planning: Makes the planner of previews when the first one is wanted; by default one that knows no
             obstacles.
+        recording: Of what happens in the cell; by default to the folder 'out'.
     """
 
     def __init__(
@@ -62,12 +67,15 @@ class PendantOperator:
         port: PendantPort,
         now: Callable[[], float],
         planning: Callable[[], PathPlanning] | None = None,
+        recording: Recording | None = None,
     ) -> None:
         planning = planning or (lambda: PathPlanning(robot))
         self.robot: Final = robot
         self.desk: Final = ControlDesk()
         self.messages: Final = MessageLog()
         self.teaching: Final = Teaching(robot)
+        self.trends: Final = Trends(robot.axes_data)
+        self.recording: Final = recording or Recording(Path('out'), robot.name)
         self.prints: deque[tuple[int, str]] = deque(maxlen=MOST_PRINTS)
         """What programs have printed, numbered, oldest first."""
         self.state = PendantState()
@@ -100,11 +108,31 @@ class PendantOperator:
     # -- what is held -------------------------------------------------------------------------------------
 
     def hold(
-        self, viewer: str, number: int, key: str, speed: float = 1.0, step: float = 0.0
+        self,
+        viewer: str,
+        number: int,
+        key: str,
+        speed: float = 1.0,
+        step: float = 0.0,
+        *,
+        taught: Array | None = None,
     ) -> Action | None:
         """A viewer holds a button; see `HeldButton.hold`. What it returns is to be given to `act`."""
         preview = self._previews.get(viewer)
-        return self.held.hold(viewer, number, key, self.state, speed=speed, step=step, preview=preview)
+        return self.held.hold(
+            viewer, number, key, self.state, speed=speed, step=step, preview=preview, taught=taught
+        )
+
+    def jog_frames(self) -> dict[str, Pose]:
+        """Frames to jog in, in the robot's base: '' is the base of the program, the others are its points.
+
+        Raises:
+            RobotsError: the points file is not valid.
+        """
+        path = self.state.program.points_file
+        points = self.teaching.points(Path(path)) if path else {}
+        base = frame(self.state.settings.base, 'base')
+        return {'': base, **{name: points[name].pose for name in sorted(points)}}
 
     def release(self, viewer: str) -> None:
         """A viewer has released what it held, or the connection to it is lost."""

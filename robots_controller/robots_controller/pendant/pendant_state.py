@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
@@ -95,6 +96,7 @@ class PendantState:
         payload: What the robot carries.
         tool: Pose of the tool centre point of `settings` in the robot's base; None before the first.
         tool_speed: Of the tool centre point, m/s.
+        distance: Smallest distance to a collision, m; NaN where none is watched.
         hindrance: What planning_node reports as wrong, such as the limit that stops a jog; '' for nothing.
         scene_url: Address of the 3D view; '' for none.
         program: The robot program.
@@ -119,6 +121,7 @@ class PendantState:
     payload: Payload = NOTHING
     tool: Pose | None = None
     tool_speed: float = 0.0
+    distance: float = math.nan
     hindrance: str = ''
     scene_url: str = ''
     program: ShownProgram = field(default_factory=ShownProgram)

@@ -9,6 +9,7 @@ import numpy as np
 from nicegui import ui
 
 from robots_controller.pendant.jog_command import JOG_FRAMES, JogFrame
+from robots_controller.pendant.page.frame_choice import FrameChoice
 from robots_controller.pendant.page.target_panel import TargetPanel
 from robots_controller.pendant.page.viewer import RefusalLine, Viewer
 from robots_controller.pendant.pendant_state import PendantState
@@ -77,6 +78,7 @@ class JogPanel:
                     value=self._frame,
                     on_change=lambda event: self._choose(event.value),
                 ).props('unelevated no-caps')
+                self._taught = FrameChoice(viewer, self._refuse)
                 with ui.element('div').classes('choice') as self._steps:
                     ui.label(text('jog.step')).classes('caption')
                     ui.toggle(
@@ -100,12 +102,14 @@ class JogPanel:
         self._blocked: str | None = None
         self._build_rows()
         self._target.element.set_visibility(False)
+        self._taught.element.set_visibility(False)
 
     def _choose(self, frame: str) -> None:
         typed = frame == TARGET
         self._target.element.set_visibility(typed)
         self._rows_place.set_visibility(not typed)
         self._steps.set_visibility(not typed)
+        self._taught.element.set_visibility(frame == 'taught')
         if not typed:
             self._frame = JOG_FRAMES[JOG_FRAMES.index(frame)]
             self._build_rows()
@@ -123,6 +127,14 @@ class JogPanel:
         slides = self._viewer.operator.robot.axes_data.prismatic
         straight = any(slides[int(index) : int(index) + 1]) if frame == 'axes' else int(index) < 3
         return self._step / 1e3 if straight else math.radians(self._step)
+
+    @property
+    def taught(self) -> Array:
+        """Orientation of the taught frame that is chosen, in the robot's base, (3, 3)."""
+        return self._taught.pose.T
+
+    def _refuse(self, text: str) -> None:
+        self.line.show(text)
 
     def _set_speed(self, percent: int) -> None:
         self.speed = percent / 100.0
@@ -149,8 +161,9 @@ class JogPanel:
         self._target.refresh(state)
         if state.q is not None and self._frame == 'axes':
             self._show_axes(state.q)
-        elif state.tool is not None and self._frame == 'base':
-            for row, value in zip(self._rows, state.tool.r, strict=False):
+        elif state.tool is not None and self._frame in ('base', 'taught'):
+            tool = self._taught.pose.inverse() @ state.tool if self._frame == 'taught' else state.tool
+            for row, value in zip(self._rows, tool.r, strict=False):
                 row.show(f'{round(1e3 * value, 1) + 0.0:.1f} mm')
 
     def _ahead(self) -> str:

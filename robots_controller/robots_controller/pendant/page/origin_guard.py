@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import ipaddress
+import socket
 from collections.abc import Awaitable, Callable, Mapping, MutableMapping
 from typing import Any, Final
 
+from robots_controller.pendant.page_access import THIS_MACHINE
+
 LOCAL_NAMES: Final = frozenset({'127.0.0.1', 'localhost', '[::1]'})
 """How a browser on this machine addresses the page."""
+EVERY_ADDRESS: Final = frozenset({'0.0.0.0', '::'})  # noqa: S104  # not listened at, compared
 HEADERS: Final = (
     (b'content-security-policy', b"frame-ancestors 'none'"),
     (b'x-frame-options', b'DENY'),
-    (b'referrer-policy', b'no-referrer'),
+    (b'referrer-policy', b'same-origin'),
 )
 """No other page may show this one in a frame, where a person would press what they do not see."""
+
+REFUSAL: Final = 'refused: this page takes requests from itself alone, by a name of this machine\n'
 
 Message = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[Message]]
@@ -20,7 +27,7 @@ Send = Callable[[Message], Awaitable[None]]
 App = Callable[[Message, Receive, Send], Awaitable[None]]
 
 
-def is_own(headers: Mapping[str, str]) -> bool:
+def is_own(headers: Mapping[str, str], served: str = THIS_MACHINE) -> bool:
     """A request comes from a page of this server, or from no page at all.
 
     The host must be a name of this machine: a foreign name that resolves to this address is of a foreign page
@@ -28,12 +35,26 @@ def is_own(headers: Mapping[str, str]) -> bool:
 
     Args:
         headers: By lower-case name.
+        served: Address that the server listens at.
     """
-    host = headers.get('host', '')
-    if host.rpartition(':')[0] not in LOCAL_NAMES and host not in LOCAL_NAMES:
+    host = headers.get('host', '').lower()
+    name = host if host.endswith(']') or ':' not in host else host.rpartition(':')[0]
+    if not _is_named(name, served):
         return False
     origin = headers.get('origin')
-    return origin is None or origin == f'http://{host}'
+    return origin is None or origin.lower() == f'http://{host}'
+
+
+def _is_named(name: str, served: str) -> bool:
+    if name in LOCAL_NAMES or name.strip('[]') == served.lower():
+        return True
+    if served not in EVERY_ADDRESS:
+        return False
+    try:
+        ipaddress.ip_address(name.strip('[]'))  # an address is nobody's name
+    except ValueError:
+        return name == socket.gethostname().lower()
+    return True
 
 
 class OriginGuard:
@@ -41,10 +62,12 @@ class OriginGuard:
 
     Args:
         app: The other one.
+        served: Address that the server listens at.
     """
 
-    def __init__(self, app: App) -> None:
+    def __init__(self, app: App, served: str = THIS_MACHINE) -> None:
         self.app: Final = app  # NiceGUI looks for the application below by this name
+        self._served = served
 
     async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
         """See ASGI."""
@@ -53,8 +76,8 @@ class OriginGuard:
             return
         headers = {key.decode('latin1').lower(): value.decode('latin1') for key, value in scope['headers']}
         websocket = scope['type'] == 'websocket'
-        if not is_own(headers) or (websocket and 'origin' not in headers):
-            await _refuse(websocket=websocket, receive=receive, send=send)
+        if not is_own(headers, self._served) or (websocket and 'origin' not in headers):
+            await refuse(REFUSAL, websocket=websocket, receive=receive, send=send)
             return
 
         async def send_with_headers(message: Message) -> None:
@@ -65,12 +88,13 @@ class OriginGuard:
         await self.app(scope, receive, send_with_headers)
 
 
-async def _refuse(*, websocket: bool, receive: Receive, send: Send) -> None:
+async def refuse(text: str, *, websocket: bool, receive: Receive, send: Send) -> None:
+    """Refuse a request with a text, or a websocket before it is accepted (403)."""
     if websocket:
         await receive()
-        await send({'type': 'websocket.close', 'code': 1008})  # before it is accepted: 403
+        await send({'type': 'websocket.close', 'code': 1008})
         return
-    text = b'refused: this page takes requests from this machine and from itself alone\n'
-    head = [(b'content-type', b'text/plain'), (b'content-length', str(len(text)).encode())]
+    data = text.encode()
+    head = [(b'content-type', b'text/plain'), (b'content-length', str(len(data)).encode())]
     await send({'type': 'http.response.start', 'status': 403, 'headers': head})
-    await send({'type': 'http.response.body', 'body': text})
+    await send({'type': 'http.response.body', 'body': data})

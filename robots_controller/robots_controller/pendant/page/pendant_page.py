@@ -17,7 +17,9 @@ from robots_controller.pendant.page.jog_panel import JogPanel
 from robots_controller.pendant.page.message_panel import MessagePanel
 from robots_controller.pendant.page.program_panel import ProgramPanel
 from robots_controller.pendant.page.top_bar import TopBar
+from robots_controller.pendant.page.trend_panel import TrendPanel
 from robots_controller.pendant.page.viewer import Panel, Viewer
+from robots_controller.pendant.page_access import is_this_machine
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.permissions import Action
 from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_texts
@@ -26,7 +28,13 @@ from robots_core.errors import RobotsError
 PERIOD: Final = 0.1  # s between two refreshes
 LANGUAGE_COOKIE: Final = 'language'
 THEME_COOKIE: Final = 'theme'
-TABS: Final = {'jog': 'gamepad', 'program': 'code', 'io': 'toggle_on', 'messages': 'notifications'}
+TABS: Final = {
+    'jog': 'gamepad',
+    'program': 'code',
+    'io': 'toggle_on',
+    'trends': 'show_chart',
+    'messages': 'notifications',
+}
 
 
 class PendantPage:
@@ -53,12 +61,15 @@ class PendantPage:
         ui.add_head_html(f'<style>{_asset("pendant.css")}</style><script>{_asset("pendant.js")}</script>')
         client.content.classes('page')
         self._scene_url, self._host = '', request.headers.get('host', '')
+        # The 3D view is served on the robot's machine alone.
+        self._has_scene = is_this_machine(self._host.rpartition(':')[0])
         with client.content:
             self._bar = TopBar(viewer)
             ui.element('div').props('id=tooltips')
             with ui.element('main').classes('work'):
                 with ui.element('div').classes('scene'):
-                    self._no_scene = ui.label(viewer.texts('bar.no_scene')).classes('hint')
+                    reason = 'no_scene' if self._has_scene else 'scene_elsewhere'
+                    self._no_scene = ui.label(viewer.texts(f'bar.{reason}')).classes('hint')
                     self._scene = ui.element('iframe').props('title=3D')
                     self._scene.set_visibility(False)
                 with ui.element('section').classes('side'):
@@ -84,12 +95,15 @@ class PendantPage:
                 self._program = ProgramPanel(self._viewer, folder)
             with ui.tab_panel('io'):
                 io = IoPanel(self._viewer)
+            with ui.tab_panel('trends'):
+                trends = TrendPanel(self._viewer)
             with ui.tab_panel('messages'):
                 messages = MessagePanel(self._viewer)
         self._panels: dict[str, Panel] = {
             'jog': self._jog,
             'program': self._program,
             'io': io,
+            'trends': trends,
             'messages': messages,
         }
 
@@ -102,7 +116,10 @@ class PendantPage:
             self._number = number
             line.show('')
         try:
-            action = self._operator.hold(self._viewer.id, number, key, self._jog.speed, self._jog.step(key))
+            jog = self._jog
+            action = self._operator.hold(
+                self._viewer.id, number, key, jog.speed, jog.step(key), taught=jog.taught
+            )
         except RobotsError as error:
             line.show(self._viewer.texts.error(error))
             return
@@ -130,7 +147,7 @@ class PendantPage:
         """As `refresh`; the 3D view, which takes a browser long to draw, comes when the page is connected."""
         self.refresh()
         state = self._operator.state
-        if state.scene_url != self._scene_url:
+        if self._has_scene and state.scene_url != self._scene_url:
             self._scene_url = state.scene_url
             self._scene.props(f'src="{_of_another_site(state.scene_url, self._host)}"')
             self._scene.set_visibility(bool(state.scene_url))

@@ -1,0 +1,167 @@
+"""TrendPanel: chosen signals over the last minutes, recording, and the report of the last run."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Final
+
+from nicegui import ui
+
+from robots_controller.pendant.page.viewer import RefusalLine, Viewer
+from robots_controller.pendant.pendant_state import PendantState
+from robots_controller.pendant.trends import LONGEST, Signal
+
+WINDOWS: Final = (30, 120, round(LONGEST))  # s
+MOST_SIGNALS: Final = 8
+DRAW_PERIOD: Final = 1.0  # s
+REPORT: Final = '/report'
+FIRST: Final = ('tool_speed',)
+COLOURS: Final = (
+    *('#00897b', '#d81b60', '#1e88e5', '#f4a300'),
+    *('#8e24aa', '#6d8b00', '#e4572e', '#5c6bc0'),
+)
+DASHES: Final = ('solid', 'dashed')  # the second four have the colours of neighbours: dashes tell them apart
+GREY: Final = '#8a979e'
+
+
+class TrendPanel:
+    """A diagram for each unit, one below the other, on the same time axis.
+
+    Args:
+        viewer: Its page.
+    """
+
+    def __init__(self, viewer: Viewer) -> None:
+        self._viewer, text = viewer, viewer.texts
+        self._window = WINDOWS[0]
+        self._drawn = 0.0
+        self._known: tuple[Signal, ...] = ()
+        self._recording: str | None = None
+        with ui.element('div').classes('panel trend-panel'):
+            with ui.element('div').classes('row-of-buttons'):
+                self._choice = (
+                    ui.select({}, multiple=True, with_input=True, on_change=self._limit)
+                    .props(f'dense outlined options-dense use-chips label="{text("trends.signals")}"')
+                    .classes('signals')
+                )
+            with ui.element('div').classes('row-of-buttons'):
+                ui.toggle(
+                    {one: text('trends.window', seconds=one) for one in WINDOWS},
+                    value=self._window,
+                    on_change=lambda event: self._show_window(event.value),
+                ).props('unelevated no-caps padding="4px 9px"')
+                self._record = ui.button(text('trends.record'), on_click=self._toggle_record, color=None)
+                self._record.props('unelevated no-caps icon=fiber_manual_record').classes('action record')
+                ui.link(text('trends.report'), REPORT, new_tab=True).classes('report')
+            self.line = RefusalLine()
+            self._bag = ui.label().classes('hint')
+            self._chart = ui.echart({'series': []}).classes('chart')
+
+    def _show_window(self, seconds: int) -> None:
+        self._window, self._drawn = seconds, 0.0
+
+    def _limit(self) -> None:
+        self._drawn = 0.0
+        if len(self._choice.value) > MOST_SIGNALS:
+            self.line.show(self._viewer.texts('trends.too_many', most=MOST_SIGNALS))
+            self._choice.set_value(self._choice.value[:MOST_SIGNALS])
+
+    async def _toggle_record(self) -> None:
+        viewer = self._viewer
+        recording = viewer.operator.recording
+        await viewer.do(self.line, recording.end if recording.bag else recording.begin)
+
+    def refresh(self, _state: PendantState) -> None:
+        """Draw the signals, once a second."""
+        self._show_recording()
+        now = time.monotonic()
+        if now - self._drawn < DRAW_PERIOD:
+            return
+        self._drawn = now
+        trends = self._viewer.operator.trends
+        if trends.signals is not self._known:
+            first = not self._known
+            self._known = trends.signals
+            names = {one.key: self._label(one) for one in self._known}
+            chosen = FIRST if first else [key for key in self._choice.value if key in names]
+            self._choice.set_options(names, value=[*chosen])
+        self._chart.options.clear()
+        self._chart.options.update(self._options())
+        self._chart.update()
+
+    def _show_recording(self) -> None:
+        bag, text = self._viewer.operator.recording.bag, self._viewer.texts
+        if bag == self._recording:
+            return
+        self._recording = bag
+        self._record.set_text(text('trends.end' if bag else 'trends.record'))
+        self._record.classes(add='recording' if bag else '', remove='' if bag else 'recording')
+        self._bag.set_text(text('trends.recording', bag=bag) if bag else '')
+        self._bag.set_visibility(bool(bag))
+
+    def _label(self, signal: Signal) -> str:
+        quantity = signal.key.split(' ')[0].split('.')[0]
+        return f'{self._viewer.texts(f"trends.{quantity}")} {signal.name}'.strip()
+
+    def _options(self) -> dict[str, Any]:
+        known = {one.key: one for one in self._known}
+        chosen = [known[key] for key in self._choice.value if key in known]
+        units = [*dict.fromkeys(one.unit for one in chosen)]
+        height = 100.0 / max(1, len(units))
+        grids, x_axes, y_axes, series = [], [], [], []
+        for number, unit in enumerate(units):
+            top = f'{number * height + 8.0:.1f}%'
+            grids.append({'left': 62, 'right': 14, 'top': top, 'height': f'{height - 15.0:.1f}%'})
+            last = number == len(units) - 1
+            x_axes.append(
+                {
+                    'type': 'value',
+                    'gridIndex': number,
+                    'min': -self._window,
+                    'max': 0,
+                    'axisLabel': {'show': last, 'formatter': '{value} s', 'color': GREY},
+                    'axisLine': {'onZero': False},
+                    'splitLine': {'show': False},
+                }
+            )
+            y_axes.append(
+                {
+                    'type': 'value',
+                    'gridIndex': number,
+                    'name': unit,
+                    'scale': True,
+                    'axisLine': {'onZero': False},  # time is 0 at the right end
+                    'nameTextStyle': {'color': GREY},
+                    'axisLabel': {'color': GREY},
+                    'splitLine': {'lineStyle': {'color': GREY, 'opacity': 0.25}},
+                    **({'min': 0, 'max': 1, 'interval': 1} if self._is_digital(chosen, unit) else {}),
+                }
+            )
+        for number, one in enumerate(chosen):
+            times, values = self._viewer.operator.trends.curve(one.key, self._window)
+            series.append(
+                {
+                    'type': 'line',
+                    'name': self._label(one),
+                    'xAxisIndex': units.index(one.unit),
+                    'yAxisIndex': units.index(one.unit),
+                    'showSymbol': False,
+                    'step': 'end' if one.key.startswith('digital') else False,
+                    'lineStyle': {'width': 2, 'type': DASHES[number // 4]},
+                    'color': COLOURS[number],
+                    'data': [[round(t, 2), float(f'{v:.6g}')] for t, v in zip(times, values, strict=True)],
+                }
+            )
+        return {
+            'animation': False,
+            'grid': grids,
+            'xAxis': x_axes,
+            'yAxis': y_axes,
+            'series': series,
+            'legend': {'top': 0, 'type': 'scroll', 'textStyle': {'color': GREY}},
+            'tooltip': {'trigger': 'axis'},
+        }
+
+    @staticmethod
+    def _is_digital(chosen: list[Signal], unit: str) -> bool:
+        return unit == '' and all(one.key.startswith('digital') for one in chosen if one.unit == unit)
