@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robots_core.blocks.calibration.motion_samples import MotionSamples
 from robots_core.blocks.multibody.numerical_dynamics import NumericalDynamics
@@ -129,7 +130,7 @@ def _inertia(v: Array) -> Array:
     return np.array([[x, y, z, 0.0, 0.0, 0.0], [0.0, x, 0.0, y, z, 0.0], [0.0, 0.0, x, 0.0, y, z]])
 
 
-def _solve(A: Array, rest: Array, moves: Array, noise: Array) -> tuple[Array, Array, Array]:
+def _solve(A: Array, rest: Array, moves: NDArray[np.bool_], noise: Array) -> tuple[Array, Array, Array]:
     """Parameters, their covariance, and the rms of what the fit leaves, by axis."""
     n = A.shape[1]
     errors, longer = np.array(noise), np.ones(n)
