@@ -136,15 +136,7 @@ class ProgramHost:
         return f'{self.program.file} is open'
 
     def reopen(self, *files: Path | str, interrupted: str) -> str:
-        """Open a program that was interrupted by the end of its process; its status says so until it runs.
-
-        Args:
-            files: As of `open`.
-            interrupted: What has ended it.
-
-        Raises:
-            ProgramError: as `open`.
-        """
+        """As `open`, for a program that the end of its process has interrupted, as its status then says."""
         opened = self.open(*files)
         self.reporter.open_error = interrupted
         self.reporter.report()

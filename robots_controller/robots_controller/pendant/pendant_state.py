@@ -34,6 +34,7 @@ class ShownProgram:
         error: Why it has failed; '' if it has not.
         hold: Why it is held; '' if it is not.
         points_file: Where its taught points stand; '' without a program.
+        frames_file: Where its tools and bases stand; '' without a program.
     """
 
     path: str = ''
@@ -45,6 +46,7 @@ class ShownProgram:
     error: str = ''
     hold: str = ''
     points_file: str = ''
+    frames_file: str = ''
 
 
 @dataclass(frozen=True)

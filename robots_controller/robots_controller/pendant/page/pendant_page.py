@@ -12,6 +12,7 @@ from nicegui import Client, ui
 from nicegui.events import GenericEventArguments
 
 from robots_controller.pendant.held_button import RUN_KEY, STEP_KEY
+from robots_controller.pendant.page.frames_panel import FramesPanel
 from robots_controller.pendant.page.io_panel import IoPanel
 from robots_controller.pendant.page.jog_panel import JogPanel
 from robots_controller.pendant.page.message_panel import MessagePanel
@@ -26,7 +27,13 @@ from robots_core.errors import RobotsError
 PERIOD: Final = 0.1  # s between two refreshes
 LANGUAGE_COOKIE: Final = 'language'
 THEME_COOKIE: Final = 'theme'
-TABS: Final = {'jog': 'gamepad', 'program': 'code', 'io': 'toggle_on', 'messages': 'notifications'}
+TABS: Final = {
+    'jog': 'gamepad',
+    'program': 'code',
+    'io': 'toggle_on',
+    'frames': 'straighten',
+    'messages': 'notifications',
+}
 
 
 class PendantPage:
@@ -84,12 +91,15 @@ class PendantPage:
                 self._program = ProgramPanel(self._viewer, folder)
             with ui.tab_panel('io'):
                 io = IoPanel(self._viewer)
+            with ui.tab_panel('frames'):
+                frames = FramesPanel(self._viewer, folder)
             with ui.tab_panel('messages'):
                 messages = MessagePanel(self._viewer)
         self._panels: dict[str, Panel] = {
             'jog': self._jog,
             'program': self._program,
             'io': io,
+            'frames': frames,
             'messages': messages,
         }
 
