@@ -30,7 +30,5 @@ def guide(page: Page, name: str) -> Locator:
 
 
 def save(shown: Locator, name: str) -> None:
-    field = shown.get_by_role('combobox', name='Name')
-    field.fill(name)
-    field.press('Enter')
+    shown.get_by_label('Name', exact=True).fill(name)
     shown.get_by_role('button', name='Save').click()

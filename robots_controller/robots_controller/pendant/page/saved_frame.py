@@ -36,11 +36,7 @@ class SavedFrame:
         self._read: object = None
         text = viewer.texts
         with ui.element('div').classes('row-of-buttons saved-frame'):
-            self._name = (
-                ui.select([], with_input=True, new_value_mode='add-unique')
-                .props(f'dense outlined options-dense label="{text("frames.name")}"')
-                .classes('point')
-            )
+            self._name = ui.input(text('frames.name')).props('dense outlined').classes('point')
             self._buttons = [
                 ActionButton(viewer, Action.TEACH, text('frames.save'), 'save', self._press_save),
                 ActionButton(viewer, Action.TEACH, text('frames.undo'), 'undo', self._press_undo),
@@ -79,7 +75,7 @@ class SavedFrame:
         names = file_names(self._viewer, self._line, self._file(), self._kind, self._read)
         if names is not None:
             self._read, known = names
-            self._name.set_options(list(known), value=self._name.value if self._name.value in known else None)
+            self._name.set_autocomplete(list(known))
 
 
 def file_names(
