@@ -10,7 +10,23 @@ TRAJECTORY: Final = '/joint_trajectory_controller/joint_trajectory'
 JOINT_STATES: Final = '/joint_states'
 LEAD: Final = 0.02  # s
 LEADS: Final = (0.001, 0.5)  # s
+ACTION_LEAD: Final = 0.1  # s
+PERIOD: Final = 0.05  # s
+PERIODS: Final = (0.01, 0.4)  # s
 PERCENT: Final = 100.0
+
+
+@dataclass(frozen=True)
+class DriverActionSettings:
+    """The action FollowJointTrajectory of a driver.
+
+    Attributes:
+        name: Of the action.
+        period: Time between goals, s.
+    """
+
+    name: str
+    period: float = PERIOD
 
 
 @dataclass(frozen=True)
@@ -18,13 +34,14 @@ class Driver:
     """Topics of a driver of ros2_control.
 
     Attributes:
-        trajectory: Of its `joint_trajectory_controller`.
+        trajectory: Of its `joint_trajectory_controller`; without effect where there is an action.
         joint_states: Of its `joint_state_broadcaster`.
         lead: Time in which the robot is to reach a reference, s: longer than messages take, and than a period
-            of the driver.
+            of the driver, or between goals.
         speed_scaling: Part of the speed at which the robot executes trajectories; '' for none.
         full_speed: Value of that topic at full speed.
         running: `false` while the robot does not follow, after a stop of its own; '' for none.
+        action: Where trajectories are sent to instead of the topic; None for the topic.
     """
 
     trajectory: str = TRAJECTORY
@@ -33,6 +50,7 @@ class Driver:
     speed_scaling: str = ''
     full_speed: float = PERCENT
     running: str = ''
+    action: DriverActionSettings | None = None
 
 
 def read_driver(path: Path | str) -> Driver:
@@ -43,18 +61,38 @@ def read_driver(path: Path | str) -> Driver:
     """
     section = read_yaml(path)
     scaling = section.section('speed_scaling')
+    action = _action(section)
+    lead = section.number('lead', ACTION_LEAD if action else LEAD, low=LEADS[0], high=LEADS[1])
+    if action is not None and lead <= action.period:
+        raise section.error(
+            f'lead is {lead:g} s, and must be above the period of the action, {action.period:g} s', 'lead'
+        )
     driver = Driver(
         trajectory=_topic(section, 'trajectory', TRAJECTORY),
         joint_states=_topic(section, 'joint_states', JOINT_STATES),
-        lead=section.number('lead', LEAD, low=LEADS[0], high=LEADS[1]),
+        lead=lead,
         speed_scaling='' if scaling is None else _topic(scaling, 'topic'),
         full_speed=PERCENT if scaling is None else scaling.number('full', PERCENT, low=1e-3),
         running=_topic(section, 'running') if 'running' in section else '',
+        action=action,
     )
     if scaling is not None:
         scaling.finish()
     section.finish()
     return driver
+
+
+def _action(section: YamlSection) -> DriverActionSettings | None:
+    action = section.section('action')
+    if action is None:
+        return None
+    if 'trajectory' in section:
+        raise section.error('either the topic `trajectory` or the `action` is used, not both', 'trajectory')
+    found = DriverActionSettings(
+        _topic(action, 'name'), action.number('period', PERIOD, low=PERIODS[0], high=PERIODS[1])
+    )
+    action.finish()
+    return found
 
 
 def _topic(section: YamlSection, key: str, default: str | None = None) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import itertools
 import signal
 import subprocess
@@ -17,6 +16,9 @@ import pytest
 from ament_index_python.packages import get_package_prefix
 from diagnostic_msgs.msg import DiagnosticArray
 
+from robots_controller.live_cell import fork_server
+from robots_controller.live_cell.cell_graph import NodeDescription
+from robots_controller.live_cell.node_processes import NodeProcess
 from robots_core.ros.heartbeat import HeartbeatWatch
 from robots_core.ros.timed_node import TimedNode
 
@@ -40,11 +42,13 @@ def path_of(package: str, executable: str) -> Path:
     return Path(get_package_prefix(package), 'lib', package, executable)
 
 
-def start(package: str, executable: str) -> subprocess.Popen[str]:
-    command = [str(path_of(package, executable)), '--ros-args', '-p', 'robot_model:=bello_bot']
+def forked(executable: str, package: str, folder: Path) -> NodeProcess:
+    """The node in a process as `cell` forks it; loaded once for all of them."""
+    parameters: dict[str, Any] = {'robot_model': 'bello_bot'}
     if executable in ('visualizer_node', 'pendant_node'):
-        command += ['-p', 'port:=0']
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        parameters['port'] = 0
+    node = NodeDescription(package, executable, parameters)
+    return NodeProcess(executable, [node], namespace='/', log=folder / f'{executable}.log')
 
 
 @pytest.mark.parametrize(('package', 'executable'), EXECUTABLES)
@@ -86,7 +90,9 @@ def test_program_explains_itself(
     assert capsys.readouterr().out.startswith(f'usage: {executable} ')
 
 
-def test_nodes_report_health_and_life_and_end_however_often_they_are_interrupted(ros_nodes: Any) -> None:
+def test_nodes_report_health_and_life_and_end_however_often_they_are_interrupted(
+    ros_nodes: Any, tmp_path: Path
+) -> None:
     names: set[str] = set()
     changes: list[tuple[str, bool]] = []
     node = ros_nodes.add(TimedNode('watcher', context=ros_nodes.context))
@@ -95,7 +101,8 @@ def test_nodes_report_health_and_life_and_end_however_often_they_are_interrupted
     )
     executables = [executable for _, executable in NODES]
     watch = HeartbeatWatch(node, executables, 3.0, lambda name, reason: changes.append((name, bool(reason))))
-    processes = {executable: start(package, executable) for package, executable in NODES}
+    fork_server.start()
+    processes = {executable: forked(executable, package, tmp_path) for package, executable in NODES}
     try:
         ros_nodes.wait_for(
             lambda: names.issuperset(f'/{executable}' for executable in processes),
@@ -111,23 +118,26 @@ def test_nodes_report_health_and_life_and_end_however_often_they_are_interrupted
         # As `ros2 launch` does on Ctrl-C: once from the terminal, once from launch, which then insists.
         deadline = time.monotonic() + DEADLINE
         for number in itertools.cycle((signal.SIGINT, signal.SIGINT, signal.SIGTERM)):
-            running = [process for process in processes.values() if process.poll() is None]
+            running = [process for process in processes.values() if process.running]
             if not running or time.monotonic() > deadline:
                 break
             for process in running:
                 process.send_signal(number)
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                running[0].wait(SIGNAL_PERIOD)
+            running[0].wait(SIGNAL_PERIOD)
     finally:
         for process in processes.values():
-            process.kill()
+            process.send_signal(signal.SIGKILL)
     hung = []
     for executable, process in processes.items():
-        output, _ = process.communicate()
-        if process.returncode == 1 and output.startswith('Timeout (') and ' in _end\n' in output:
+        output = (tmp_path / f'{executable}.log').read_text()
+        if (
+            process.reason == 'ended with exit code 1'
+            and output.startswith('Timeout (')
+            and ' in _end\n' in output
+        ):
             hung.append(executable)  # Fast DDS 2.14 can, where participants leave together: see `run_nodes`
             continue
-        assert process.returncode == 0, f'{executable}: {output}'
+        assert process.reason == 'ended with exit code 0', f'{executable}: {output}'
         assert 'Traceback' not in output, executable
     assert len(hung) <= 1, hung
 

@@ -2,120 +2,34 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
-from builtin_interfaces.msg import Duration, Time
-from rclpy.action.client import ActionClient
-from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from builtin_interfaces.msg import Time
 
-from built_messages import build_messages
-from robots_controller.nodes.controller_node import ControllerNode
-from robots_core import load_robot_model
-from robots_core.nodes.drive_node import DriveNode
-from robots_core.ros.messages import doubles, nanoseconds
-from robots_planning.nodes.planning_node import PlanningNode
+from control_interfaces import control_msgs
+from robots_core.ros.messages import nanoseconds
 
-from .bench import Bench
+from .served_robot import ServedRobot
 
-ROBOT = 'ur5e'
-DEFINITIONS = Path(__file__).parents[1] / 'support' / 'interfaces' / 'control_msgs'
-USES = (
-    *('trajectory_msgs', 'std_msgs', 'builtin_interfaces'),
-    *('action_msgs', 'unique_identifier_msgs', 'service_msgs'),
-)
+__all__ = ['control_msgs']
+
 STEP = 0.2  # rad
-PATIENT = 20.0  # s, with drives that a busy machine delays
 
 
 @pytest.fixture(scope='module')
-def action(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    messages, actions = (
-        {path.stem: path.read_text() for path in DEFINITIONS.glob(f'*.{kind}')} for kind in ('msg', 'action')
-    )
-    folder = tmp_path_factory.mktemp('control')
-    sys.path.insert(0, str(build_messages(folder, 'control_msgs', messages, USES, actions)))
-    from control_msgs.action import FollowJointTrajectory  # noqa: PLC0415  # built above
+def action(control_msgs: None) -> Any:
+    del control_msgs
+    from control_msgs.action import FollowJointTrajectory  # noqa: PLC0415  # built by the fixture
 
-    yield FollowJointTrajectory
-    sys.path.pop(0)
-    for name in [name for name in sys.modules if name.partition('.')[0] == 'control_msgs']:
-        del sys.modules[name]
-
-
-class ServedRobot(Bench):
-    """Planner, controller and drives, and a client of the action."""
-
-    def __init__(self, runner: Any, action: Any) -> None:
-        super().__init__(runner)
-        self.action = action
-        self.robot = load_robot_model(ROBOT)
-        self.names = list(self.robot.axes_data.names)
-        self.start_node(DriveNode, robot_model=ROBOT)
-        self.start_node(ControllerNode, robot_model=ROBOT, feedback_timeout=PATIENT)
-        planner = self.start_node(PlanningNode, robot_model=ROBOT)
-        self.references = self.collect(
-            'joint_reference', JointTrajectory, read=lambda message: message.points[0]
-        )
-        self.client = ActionClient(self.peer, action, 'follow_joint_trajectory')
-        self.feedback: list[Any] = []
-        self.wait(
-            lambda: self.references and planner._reference is not None and self.client.server_is_ready(),
-            'the action',
-        )
-
-    @property
-    def q(self) -> np.ndarray:
-        """The newest reference."""
-        return np.array(self.references[-1].positions)
-
-    def points(self, *rows: np.ndarray, period: int = 2) -> JointTrajectory:
-        points = [
-            JointTrajectoryPoint(positions=doubles(q), time_from_start=Duration(sec=period * number))
-            for number, q in enumerate(rows, 1)
-        ]
-        return JointTrajectory(joint_names=self.names, points=points)
-
-    def send(self, trajectory: JointTrajectory, **goal: Any) -> Any:
-        """A goal that is accepted."""
-        sent = self.asked(
-            lambda: self.client.send_goal_async(
-                self.action.Goal(trajectory=trajectory, **goal),
-                feedback_callback=lambda message: self.feedback.append(message.feedback),
-            )
-        )
-        assert sent.accepted
-        return sent
-
-    def asked(self, ask: Any) -> Any:
-        """The answer to a request, sent in the thread that takes answers: the client expects that."""
-        futures: list[Any] = []
-        once = self.peer.create_guard_condition(lambda: futures.append(ask()))
-        once.trigger()
-        self.runner.wait_for(lambda: futures and futures[0].done(), 30.0, 'the answer')
-        self.peer.destroy_guard_condition(once)
-        return futures[0].result()
-
-    def result(self, goal: Any) -> tuple[int, Any]:
-        answer = self.asked(goal.get_result_async)
-        return answer.status, answer.result
-
-    @property
-    def moving(self) -> bool:
-        return any(self.references[-1].velocities)
-
-    def until_moving(self) -> None:
-        self.wait(lambda: self.moving, 'it moves')
+    return FollowJointTrajectory
 
 
 @pytest.fixture(scope='module')
 def robot(module_ros_nodes: Any, action: Any) -> ServedRobot:
-    return ServedRobot(module_ros_nodes, action)
+    return ServedRobot(module_ros_nodes, action, 'follow_joint_trajectory')
 
 
 def shifted(robot: ServedRobot, by: float) -> np.ndarray:
@@ -127,7 +41,7 @@ def test_a_goal_is_reached_with_feedback_on_the_way(robot: ServedRobot) -> None:
     robot.feedback.clear()
     status, result = robot.result(robot.send(robot.points(target)))
     assert (status, result.error_code) == (GoalStatus.STATUS_SUCCEEDED, robot.action.Result.SUCCESSFUL)
-    np.testing.assert_allclose(robot.q, target, atol=1e-4)
+    robot.until_at(target)
     assert robot.feedback
     for feedback in robot.feedback:
         assert list(feedback.joint_names) == robot.names
@@ -155,7 +69,7 @@ def test_a_newer_goal_preempts_the_one_that_runs(robot: ServedRobot) -> None:
     assert (status, result.error_string) == (GoalStatus.STATUS_ABORTED, 'preempted by a newer goal')
     status, _ = robot.result(second)
     assert status == GoalStatus.STATUS_SUCCEEDED
-    np.testing.assert_allclose(robot.q, target, atol=1e-4)
+    robot.until_at(target)
 
 
 def test_a_goal_with_a_stamp_in_the_future_waits_and_can_be_canceled_before(robot: ServedRobot) -> None:

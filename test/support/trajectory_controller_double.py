@@ -69,6 +69,11 @@ class TrajectoryControllerDouble:
             state = target
         return ''
 
+    def stop(self, now: float) -> None:
+        """Stand where the robot is from now on."""
+        self.state = np.array([self.step(now)[0], np.zeros(len(self.names))])
+        self._segments = []
+
     def step(self, now: float) -> np.ndarray:
         """The desired state at a time, (2, n), which the robot has."""
         for segment in self._segments:

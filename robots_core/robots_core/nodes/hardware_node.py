@@ -13,6 +13,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from robots_core.blocks.drives.driver_drives import DriverDrives, stopping_trajectory
 from robots_core.blocks.drives.supervised_drives import SupervisedDrives
 from robots_core.driver_file import Driver, read_driver
+from robots_core.nodes.driver_action import DriverAction
 from robots_core.realtime import processor_share
 from robots_core.ros.heartbeat import watchdog_parameter
 from robots_core.ros.joint_state_reader import JointStateReader
@@ -25,11 +26,14 @@ from robots_core.ros.robot_node import PRIORITIES, RobotNode
 from robots_core.ros.run import run
 from robots_core.validation import Array
 
+FAILURE_SHOWN: Final = 1.0  # s, at least, that the robot is reported to have stopped
+
 
 class HardwareNode(RobotNode):
-    """Forwards `joint_reference` to the joint_trajectory_controller of a driver.
+    """Forwards `joint_reference` to the joint_trajectory_controller of a driver, by its topic or its action.
 
-    Each message is a trajectory that starts at once, reaches the reference after `lead` and stops behind it.
+    Each message, or goal, is a trajectory that starts at once, reaches the reference after `lead` and stops
+    behind it. A goal that the driver refuses or ends is a stop of the robot, until its brakes have closed.
     References are refused, and end, as those of simulated drives (`SupervisedDrives`). `joint_states` of the
     driver are passed on where their topic is another one; its speed scaling and its stops are passed on as
     `speed_scaling` and `robot_running`.
@@ -46,7 +50,11 @@ class HardwareNode(RobotNode):
             'FIFO priority of the loop where the system permits it; 0: none',
             bounds=PRIORITIES,
         )
-        self._driver = self.parameter('driver', '', "topics of the robot's driver (YAML)", read=_driver)
+        self._driver: Driver = self.parameter(
+            'driver', '', "topics of the robot's driver (YAML)", read=_driver
+        )
+        action = self._driver.action
+        self._to = self._driver.trajectory if action is None else action.name
         self._period, self._watchdog = 1.0 / rate, watchdog_parameter(self)
         self._axes = self.robot.axes_data
         names = self._axes.names
@@ -63,8 +71,13 @@ class HardwareNode(RobotNode):
         self._passed_on = (
             None if own == self._driver.joint_states else self.create_publisher(JointState, own, STATE)
         )
-        self._publisher = self.create_publisher(JointTrajectory, self._driver.trajectory, STREAM)
         self._names = list(names)
+        self._failure, self._failed_at = '', -np.inf
+        self._action: DriverAction | None = None
+        if self._driver.action is None:
+            self._publisher = self.create_publisher(JointTrajectory, self._driver.trajectory, STREAM)
+        else:
+            self._action = DriverAction(self, self._driver.action, self._fail)
         self._offer_state_of_robot()
         self._loop = self.start_loop(
             self._step, period=self._period, name='references', realtime_priority=priority
@@ -72,8 +85,9 @@ class HardwareNode(RobotNode):
 
     def _offer_state_of_robot(self) -> None:
         driver = self._driver
-        if driver.running:
+        if driver.running or driver.action is not None:
             self._running_publisher = self.create_publisher(Bool, 'robot_running', STATE)
+        if driver.running:
             subscribe_state(self, Bool, driver.running, self._on_running)
         if driver.speed_scaling:
             self._scaling = -1.0
@@ -82,7 +96,17 @@ class HardwareNode(RobotNode):
 
     def _on_running(self, message: Bool) -> None:
         self._follows = message.data
-        self._running_publisher.publish(message)
+        self._publish_running()
+
+    def _fail(self, reason: str) -> None:
+        """The driver does not follow the goals of the action."""
+        self._failed_at = self.now()
+        if reason != self._failure:
+            self._failure = reason
+            self._publish_running()
+
+    def _publish_running(self) -> None:
+        self._running_publisher.publish(Bool(data=self._follows and not self._failure))
 
     def _on_scaling(self, message: Float64) -> None:
         scaling = float(np.clip(message.data / self._driver.full_speed, 0.0, 1.0))
@@ -101,7 +125,10 @@ class HardwareNode(RobotNode):
         if supervised is None or drives is None:
             self._report(f'waiting for {self._driver.joint_states}')
             return
-        supervised.power(on=self._on and self._follows)
+        if self._failure and supervised.braked and now - self._failed_at > FAILURE_SHOWN:
+            self._failure = ''
+            self._publish_running()
+        supervised.power(on=self._on and self._follows and not self._failure)
         raw = self._references.take()
         reference: tuple[Array | None, Array | None, float | None] = None, None, None
         if raw is not None:
@@ -109,10 +136,21 @@ class HardwareNode(RobotNode):
                 rows, stamp = self._reader.read(raw)
                 reference = self._axes.check_position(rows[0], 'joint_reference'), rows[1], stamp
         supervised.step(now, *reference)
-        if drives.command is not None:
-            self._publisher.publish(self._trajectory(*drives.command))
-        stopped = '' if self._follows else 'the robot has stopped by itself'
-        self._report(stopped or supervised.problem)
+        self._send(drives.command)
+        stopped = self._failure or ('' if self._follows else 'the robot has stopped by itself')
+        self._report(stopped or self._unserved or supervised.problem)
+
+    def _send(self, command: tuple[Array, Array] | None) -> None:
+        action, failed = self._action, bool(self._failure)
+        if action is not None:
+            action.put(None if command is None or failed else self._trajectory(*command))
+        elif command is not None:
+            self._publisher.publish(self._trajectory(*command))
+
+    @property
+    def _unserved(self) -> str:
+        action = self._action
+        return '' if action is None or action.served else f'waiting for {self._to}'
 
     def _measure(self) -> None:
         raw = self._feedback.take()
@@ -151,10 +189,10 @@ class HardwareNode(RobotNode):
             return
         self._problem = problem
         if problem:
-            self.report_health(DiagnosticStatus.WARN, problem, trajectory=self._driver.trajectory)
+            self.report_health(DiagnosticStatus.WARN, problem, trajectory=self._to)
             self.journal.warning(problem)
         else:
-            self.ready(trajectory=self._driver.trajectory)
+            self.ready(trajectory=self._to)
 
 
 def _driver(path: str) -> Driver:

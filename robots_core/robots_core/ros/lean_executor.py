@@ -1,6 +1,6 @@
 """LeanExecutor: takes messages and calls callbacks with a fraction of the cost of rclpy's executors."""
 
-from typing import Any
+from typing import Any, Final
 
 from rclpy.context import Context
 from rclpy.executors import Executor, ExternalShutdownException
@@ -11,6 +11,8 @@ from rclpy.utilities import timeout_sec_to_nsec
 from robots_core.ros.held_wait_set import HeldWaitSet
 from robots_core.ros.identified_messages import deliver
 from robots_core.ros.seldom_ready import SeldomReady
+
+TASK_PERIOD: Final = 0.005  # s between looks whether a coroutine that waits may go on
 
 
 class LeanExecutor(Executor):
@@ -73,13 +75,19 @@ class LeanExecutor(Executor):
             self._run_tasks()
         if self._changed:
             self._gather()
-        self._often.wait(0 if self._tasks else timeout_sec_to_nsec(timeout_sec))
+        self._often.wait(timeout_sec_to_nsec(self._patience(timeout_sec)))
         if not self.context.ok():
             raise ExternalShutdownException
         self._call_ready(self._often)
         if self._seldom.rests:
             self._call_ready(self._seldom.wait_set)
             self._seldom.go_on()
+
+    def _patience(self, timeout_sec: float | None) -> float | None:
+        """How long to wait, s; coroutines may wait for another thread, which does not end the wait."""
+        if not self._tasks:
+            return timeout_sec
+        return TASK_PERIOD if timeout_sec is None or timeout_sec < 0.0 else min(timeout_sec, TASK_PERIOD)
 
     def _call_ready(self, wait_set: HeldWaitSet) -> None:
         for waitable, taken in wait_set.take_waitables():

@@ -273,6 +273,15 @@ class MotionPlanner:
         if not self.motions:
             self._queue.fail('of the lost controller', self._port.time())
 
+    def give_up(self, id_: str) -> None:
+        """Send nothing of what was commanded until now; a motion that runs ends with its stop.
+
+        Args:
+            id_: The command whose sender wants that.
+        """
+        self._queue.fail(id_, self._port.time())
+        self.release()
+
     def forget(self) -> None:
         """The controller is gone, and its motions with it."""
         self._queue.forget()

@@ -3,15 +3,11 @@
 import concurrent.futures
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 
 import numpy as np
-from rclpy.action.server import ActionServer, CancelResponse
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
-from std_srvs.srv import Trigger
 
 from robots_core.errors import InvalidInputError, JointNamesError, RobotsError
 from robots_core.motion_result import MotionResult
@@ -22,31 +18,24 @@ from robots_core.ros.qos import SENSOR
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
 from robots_planning.goal_tolerances import GoalTolerances, Tolerance
+from robots_planning.nodes.one_goal_server import (
+    INVALID_GOAL,
+    SUCCESSFUL,
+    Goal,
+    OneGoalServer,
+    Outcome,
+    resolve,
+)
 from robots_planning.trajectory import Trajectory
 from robots_planning.waypoints import positions_from_velocities, trajectory_through
 
-# The action's error codes.
-SUCCESSFUL, INVALID_GOAL, INVALID_JOINTS = 0, -1, -2
+# The action's own error codes.
+INVALID_JOINTS = -2
 PATH_TOLERANCE_VIOLATED, GOAL_TOLERANCE_VIOLATED = -4, -5
 ACTION = 'follow_joint_trajectory'
 FEEDBACK_PERIOD = 0.02  # s
 AT_TARGET = 1e-9  # rad (m), of references, which end there but for rounding
 UNLIMITED = -1.0  # of a tolerance, as in control_msgs
-
-
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """The answer to a goal.
-
-    Attributes:
-        code: The action's error code.
-        message: For a person.
-        canceled: It ended because its client asked for that.
-    """
-
-    code: int
-    message: str
-    canceled: bool = False
 
 
 def waypoints_trajectory(message: Any, names: list[str], start: Array, late: float = 0.0) -> Trajectory:
@@ -84,30 +73,25 @@ def waypoints_trajectory(message: Any, names: list[str], start: Array, late: flo
     return trajectory_through(time, position, velocity, acceleration, start)
 
 
-class _Goal:
-    """A goal under way.
-
-    Args:
-        handle: Of rclpy.
-    """
+class TrajectoryGoal(Goal):
+    """A goal under way; see `Goal`."""
 
     def __init__(self, handle: Any) -> None:
-        self.handle = handle
+        super().__init__(handle)
         self.motion = ''
         """Id of its motion; '' before it has begun."""
         self.tolerances: GoalTolerances | None = None
-        self.due, self.done, self.ended = Future(), Future(), Future()
-        self.stopped: Outcome | None = None
-        """Why it is to end before its motion has."""
+        self.due = Future()
         self.target: Array | None = None
         self.at_end = math.inf  # s, since when the reference stands at the target
 
 
-class FollowJointTrajectory:
-    """The action server. A new goal stops the one that runs, and begins where that has stopped.
+class FollowJointTrajectory(OneGoalServer[TrajectoryGoal]):
+    """The action server; see `OneGoalServer`.
 
     Args:
         node: Owner.
+        action: Its type.
         start: Takes what makes a trajectory from where the robot stands, and the id of its motion, and sends
             it to the controller in another thread; a RobotsError as its result says why not.
         reference: The newest reference, positions and velocities, (n,) each; None before the first.
@@ -116,46 +100,26 @@ class FollowJointTrajectory:
     def __init__(
         self,
         node: RobotNode,
+        action: Any,
         start: Callable[[Callable[[Array], Trajectory], str], concurrent.futures.Future[None]],
         reference: Callable[[], tuple[Array, Array] | None],
     ) -> None:
-        self._action = import_module('control_msgs.action').FollowJointTrajectory
-        self._node, self._start, self._reference = node, start, reference
+        self._start, self._reference = start, reference
         self._names = list(node.robot.axes_data.names)
-        self._goal: _Goal | None = None
-        self._moving: dict[str, _Goal] = {}  # by the id of the motion; a goal that is preempted still brakes
-        self._stop = node.create_client(Trigger, 'controller_node/stop')
+        self._moving: dict[
+            str, TrajectoryGoal
+        ] = {}  # by the id of the motion; a goal that is preempted still brakes
         self._states = PolledSubscription(node, JointState, 'joint_states', SENSOR)
         self._actual: tuple[Array, Array] | None = None
         self._timer = node.create_timer(FEEDBACK_PERIOD, self._look, autostart=False)
-        self._server = ActionServer(
-            node, self._action, ACTION, execute_callback=self._execute, cancel_callback=self._cancel
-        )
+        super().__init__(node, action, ACTION, TrajectoryGoal)
 
-    async def _execute(self, handle: Any) -> Any:
-        before, goal = self._goal, _Goal(handle)
-        self._goal = goal
-        if before is not None:
-            self._end(before, Outcome(INVALID_GOAL, 'preempted by a newer goal'))
-            await before.ended
-        try:
-            outcome = await self._run(goal)
-        except RobotsError as error:
-            outcome = refusal_of(error)
-        finally:
-            self._timer.cancel()
-            self._moving.pop(goal.motion, None)
-            goal.ended.set_result(None)
-        if self._goal is goal:
-            self._goal = None
-        return self._answer(handle, outcome)
-
-    async def _run(self, goal: _Goal) -> Outcome:
+    async def _run(self, goal: TrajectoryGoal) -> Outcome:
         message, now = goal.handle.request.trajectory, self._node.get_clock().now().nanoseconds * 1e-9
         stamp = seconds(message.header.stamp)
         goal.tolerances = tolerances_of(goal.handle.request, self._names)
         if stamp > now:
-            timer = self._node.create_timer(stamp - now, lambda: _resolve(goal.due))
+            timer = self._node.create_timer(stamp - now, lambda: resolve(goal.due))
             await goal.due
             self._node.destroy_timer(timer)
         if goal.stopped is not None:
@@ -176,13 +140,13 @@ class FollowJointTrajectory:
         if error is not None:
             raise error
         if goal.stopped is not None:  # before there was a motion to stop
-            self._stop.call_async(Trigger.Request())
+            self._stop_motion()
         self._timer.reset()
         result = await goal.done
         self._take_states()
         return goal.stopped or self._outcome(goal, result)
 
-    def _outcome(self, goal: _Goal, result: MotionResult) -> Outcome:
+    def _outcome(self, goal: TrajectoryGoal, result: MotionResult) -> Outcome:
         outcome = outcome_of(result)
         assert goal.tolerances is not None
         wanted, errors = goal.tolerances.goal, self._errors(self._reference())
@@ -193,36 +157,23 @@ class FollowJointTrajectory:
             return Outcome(GOAL_TOLERANCE_VIOLATED, violation)
         return Outcome(SUCCESSFUL, outcome.message) if wanted.given else outcome
 
-    def _answer(self, handle: Any, outcome: Outcome) -> Any:
-        if outcome.canceled:
-            handle.canceled()
-        elif outcome.code == SUCCESSFUL:
-            handle.succeed()
-        else:
-            handle.abort()
-        return self._action.Result(error_code=outcome.code, error_string=outcome.message)
+    def _refusal(self, error: RobotsError) -> Outcome:
+        return refusal_of(error)
 
-    def _cancel(self, handle: Any) -> CancelResponse:
-        goal = self._goal
-        if goal is None or goal.handle.goal_id != handle.goal_id:
-            return CancelResponse.REJECT
-        self._end(goal, Outcome(SUCCESSFUL, 'canceled', canceled=True))
-        return CancelResponse.ACCEPT
+    def _leave(self, goal: TrajectoryGoal) -> None:
+        self._timer.cancel()
+        self._moving.pop(goal.motion, None)
 
-    def _end(self, goal: _Goal, outcome: Outcome) -> None:
-        """Stop the robot on its path, or do not begin; the first reason counts."""
-        if goal.stopped is not None:
-            return
-        goal.stopped = outcome
+    def _stop_goal(self, goal: TrajectoryGoal) -> None:
         if goal.motion:
-            self._stop.call_async(Trigger.Request())
+            self._stop_motion()
         else:
-            _resolve(goal.due)
+            resolve(goal.due)
 
     def ended(self, result: MotionResult) -> None:
         """A motion has ended; if it is the goal's, the goal has."""
         if (goal := self._moving.get(result.id)) is not None:
-            _resolve(goal.done, result)
+            resolve(goal.done, result)
 
     # -- while it moves -------------------------------------------------------------------------------
 
@@ -268,15 +219,6 @@ class FollowJointTrajectory:
         if reference is None or actual is None:
             return None
         return reference[0] - actual[0], reference[1] - actual[1]
-
-    def destroy(self) -> None:
-        """End the server with its node."""
-        self._server.destroy()
-
-
-def _resolve(future: Future, result: Any = None) -> None:
-    if not future.done():
-        future.set_result(result)
 
 
 def tolerances_of(request: Any, names: list[str]) -> GoalTolerances:

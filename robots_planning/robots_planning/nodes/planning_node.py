@@ -1,6 +1,5 @@
 """planning_node: motion commands to verified joint trajectories."""
 
-import contextlib
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
@@ -22,6 +21,7 @@ from robots_core.nodes.watched_scene import WatchedScene
 from robots_core.operating_modes import Commander
 from robots_core.pose import Pose
 from robots_core.ros.commander_watch import CommanderWatch
+from robots_core.ros.control_actions import action_type
 from robots_core.ros.heartbeat import HeartbeatWatch, watchdog_parameter
 from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.message_class import message_class
@@ -48,6 +48,7 @@ from robots_planning.motion_settings import DESCRIPTIONS, RANGES, MotionSettings
 from robots_planning.nodes.command_inbox import CommandInbox
 from robots_planning.nodes.follow_joint_trajectory import FollowJointTrajectory
 from robots_planning.nodes.jog_stream import JogStream
+from robots_planning.nodes.motion_primitive_sequence import MotionPrimitiveSequence
 from robots_planning.nodes.trajectory_messages import BASE_FRAME, trajectory_message
 from robots_planning.pathplanning import PathPlanning, PlannedMotion
 from robots_planning.trajectory import Trajectory
@@ -116,14 +117,33 @@ class PlanningNode(RobotNode):
         )
         self._jogging.jogging.use_tool(self.planner.settings.tool_pose, self.planner.settings.hold)
         self.add_post_set_parameters_callback(self._on_settings)
-        self._action: FollowJointTrajectory | None = None
-        with contextlib.suppress(ImportError):  # control_msgs is no part of the common interfaces
-            self._action = FollowJointTrajectory(
-                self, lambda make, id_: self._worker.submit(self._send_given, make, id_), self.reference
-            )
+        self._actions: list[FollowJointTrajectory | MotionPrimitiveSequence] = []
+        self._serve_actions()
         HeartbeatWatch(self, ['controller_node'], watchdog_parameter(self), self._on_controller_watched)
         self._look = self.create_timer(LOOK_PERIOD, self._look_for_reference)
         self.report_health(DiagnosticStatus.WARN, 'waiting for joint_reference')
+
+    def _serve_actions(self) -> None:
+        if (action := action_type('FollowJointTrajectory')) is not None:
+            self._actions.append(
+                FollowJointTrajectory(
+                    self,
+                    action,
+                    lambda make, id_: self._worker.submit(self._send_given, make, id_),
+                    self.reference,
+                )
+            )
+        if (action := action_type('ExecuteMotionPrimitiveSequence')) is not None:
+            self._actions.append(
+                MotionPrimitiveSequence(
+                    self,
+                    action,
+                    self.planner,
+                    check=partial(self._commanders.check, Commander.REMOTE),
+                    pose_of=self._pose,
+                    take=lambda act: self._inbox.put(self.get_clock().now().to_msg(), act),
+                )
+            )
 
     def _declare_settings(self) -> None:
         default = MotionSettings()
@@ -249,8 +269,8 @@ class PlanningNode(RobotNode):
 
     def _on_motion_result(self, message: DiagnosticStatus) -> None:
         result = motion_result_from_message(message)
-        if self._action is not None and not result.blocked:
-            self._action.ended(result)
+        for action in () if result.blocked else self._actions:
+            action.ended(result)
         ended = partial(self.planner.result, result, number_in(result.details, 'ended', self.time()))
         if result.blocked:  # the way around is planned as a command: from the last reference, in its phase
             self._inbox.put(self.get_clock().now().to_msg(), ended)
@@ -339,8 +359,8 @@ class PlanningNode(RobotNode):
         """End the planning thread before what it uses."""
         self._worker.shutdown(cancel_futures=True)
         self._jogging.stop()
-        if self._action is not None:
-            self._action.destroy()
+        for action in self._actions:
+            action.destroy()
         super().destroy_node()
 
 

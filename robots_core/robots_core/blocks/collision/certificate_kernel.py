@@ -154,8 +154,7 @@ def _look(
         dx = centres[i, 0] - centres[j, 0]
         dy = centres[i, 1] - centres[j, 1]
         dz = centres[i, 2] - centres[j, 2]
-        apart = sqrt(dx * dx + dy * dy + dz * dz)  # at least their distance: the centres lie in the solids
-        lower = apart - balls[i] - balls[j]
+        lower = sqrt(dx * dx + dy * dy + dz * dz) - balls[i] - balls[j]
         if lower > enough:
             continue
         lower = max(lower, _outside(R, t, boxes, halves, i, row_of(centres, j)) - balls[j])
@@ -164,16 +163,17 @@ def _look(
         lower = max(lower, _outside(R, t, boxes, halves, j, row_of(centres, i)) - balls[i])
         if lower > enough:
             continue
-        if lower > margins[p] and apart <= enough:
-            left[begin + count] = p
-            count += 1
-            worst[0] = max(worst[0], approach)
-            continue
         x, y, z = axes[p]
         if x * x + y * y + z * z > 0.0:
             a, b = first_part[i], first_part[j]
             if gap_along(parts, R, t, a, b, x, y, z, point) > enough:
                 continue
+        if lower > margins[p] and approach > FINEST:
+            # Bounds on the halves of the interval cost less than the distance.
+            left[begin + count] = p
+            count += 1
+            worst[0] = max(worst[0], approach)
+            continue
         solid_distance(solids, R, t, i, j, margins[p], enough, True, result)
         if result[0] <= margins[p]:
             return p, count
