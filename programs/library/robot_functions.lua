@@ -123,7 +123,7 @@ function ptpJointSpaceAnglesRelative(q1, q2, q3, q4, q5, q6, options) end
 ---@return boolean, Pose, Pose|nil # whether it held, the pose where the robot stands, the pose where it held
 function moveUntil(condition, motion, ...) end
 
----Sets the tool centre point, as a pose in tool0 (the flange); all poses are those of this point.
+---Sets the tool centre point, as a pose in tool0 (the flange); all poses are those of this point. A name alone, `setTool('gripper')`, is that of a tool of the frames file; where that has its payload, it is set too, as by setPayload.
 ---@param x number x of the frame (m)
 ---@param y number y of the frame (m)
 ---@param z number z of the frame (m)
@@ -131,9 +131,10 @@ function moveUntil(condition, motion, ...) end
 ---@param phi2 number orientation angle 2 in the robot's convention (deg)
 ---@param phi3 number orientation angle 3 in the robot's convention (deg)
 ---@overload fun(pose: Pose|number[])
+---@overload fun(name: string)
 function setTool(x, y, z, phi1, phi2, phi3) end
 
----Sets the base frame, as a pose in the robot's own base; all poses are relative to it.
+---Sets the base frame, as a pose in the robot's own base; all poses are relative to it. A name alone, `setBase('table')`, is that of a base of the frames file.
 ---@param x number x of the frame (m)
 ---@param y number y of the frame (m)
 ---@param z number z of the frame (m)
@@ -141,6 +142,7 @@ function setTool(x, y, z, phi1, phi2, phi3) end
 ---@param phi2 number orientation angle 2 in the robot's convention (deg)
 ---@param phi3 number orientation angle 3 in the robot's convention (deg)
 ---@overload fun(pose: Pose|number[])
+---@overload fun(name: string)
 function setBase(x, y, z, phi1, phi2, phi3) end
 
 ---Sets what orientation angles mean; without it they follow the robot's maker.

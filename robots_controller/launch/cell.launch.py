@@ -31,6 +31,7 @@ ARGUMENTS = {
     'opcua': ('0', 'TCP port at which the robot is an OPC UA server; 0 for none'),
     'opcua_access': ('', 'YAML file that says who may do what at the OPC UA server'),
     'io': ('', 'YAML script of a PLC that is played'),
+    'frames': ('', 'tools and bases by name (YAML); frames.yaml beside the program by default'),
     'io_map': ('', 'YAML map to topics of a PLC, or to Modbus, MQTT and OPC UA'),
 }
 """Options of `cell`: their defaults, and what they mean."""

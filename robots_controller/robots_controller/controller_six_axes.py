@@ -71,6 +71,7 @@ class ControllerSixAxes:
         io: Names of inputs and outputs, values of inputs at the start, fail-safe values of outputs and inputs
             that stop the robot (YAML, see `read_plc_script`; its rules are not played); '' for none.
         points_file: Taught points; '' for the file beside the program.
+        frames: Tools and bases (YAML, see `read_frames`); '' for frames.yaml beside the program.
         goal_tolerance: Largest error of an axis that has reached its target, rad (m); the controller's own by
             default.
         tool_speed_limit: Highest speed of the tool and of the frames of all axes, m/s; 0 for none.
@@ -92,6 +93,7 @@ class ControllerSixAxes:
         scene: Path | str = '',
         io: Path | str = '',
         points_file: Path | str = '',
+        frames: Path | str = '',
         goal_tolerance: float | None = None,
         tool_speed_limit: float = 0.0,
         operating_mode: str = OperatingMode.AUTOMATIC,
@@ -110,6 +112,7 @@ class ControllerSixAxes:
             payload=payload,
             collision_margin=collision_margin,
             points_file=points_file,
+            frames=frames,
         )
         self.robot = parts.robot
         self._cell = InProcessCell(parts)

@@ -35,6 +35,7 @@ def simulate(
     payload: tuple[float, ...] = NOTHING,
     collision_margin: float = COLLISION_MARGIN,
     points_file: Path | str = '',
+    frames: Path | str = '',
     references: Path | str = '',
     contact: Path | str = '',
     orbit: Path | str = '',
@@ -68,6 +69,7 @@ def simulate(
         payload: What the robot carries until its program sets another payload, see `MotionSettings`.
         collision_margin: Distance that motions keep, m.
         points_file: Taught points; '' for the file beside the program.
+        frames: Tools and bases (YAML, see `read_frames`); '' for frames.yaml beside the program.
         references: Bag of what guides the robot where the program lets others guide it, see
             `read_guide_recording`; '' for nothing.
         contact: What the robot's tool touches, and force control that guides it there (YAML, see
@@ -104,6 +106,7 @@ def simulate(
         payload=payload,
         collision_margin=collision_margin,
         points_file=points_file,
+        frames=frames,
         references=references,
         contact=contact,
         orbit=orbit,

@@ -178,6 +178,13 @@ class FileContentError(InvalidInputError):
     remedy = 'Change the file at the line that the message names.'
 
 
+class MeasurementError(InvalidInputError):
+    """Points or a motion from which a tool, base or payload cannot be determined well enough."""
+
+    code = 'R109'
+    remedy = 'Take the point or motion again that the message names (`docs/how_to/tools_and_bases.md`).'
+
+
 class BagError(RobotsError):
     """A recorded bag that cannot be read or written, or lacks what is needed."""
 

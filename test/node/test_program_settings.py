@@ -29,6 +29,25 @@ def test_settings_come_before_the_motion_and_end_with_the_program(ros_nodes: Any
     assert (bench.settings[0]['speed_fraction'], bench.settings[0]['tool'][2]) == (0.8, 0.0)
 
 
+def test_a_tool_and_its_payload_are_chosen_by_name(ros_nodes: Any, tmp_path: Path):
+    bench = SettingsBench(ros_nodes, tmp_path)
+    (tmp_path / 'frames.yaml').write_text(
+        'tools:\n  gripper: {position: [0, 0, 0.25], payload: [12.5, 0, 0, 0.1]}\n'
+        'bases:\n  table: {position: [1, 0, 0.5]}\n'
+    )
+    bench.planner.declare_parameter('base', [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    bench.planner.declare_parameter('payload', [0.0, 0.0, 0.0, 0.0])
+    bench.start(f"setTool('gripper') setBase('table') {MOVE}")
+    bench.wait_for_state('FINISHED')
+    (settings,) = bench.settings
+    assert list(settings['tool'][:3]) == [0.0, 0.0, 0.25]
+    assert list(settings['base'][:3]) == [1.0, 0.0, 0.5]
+    assert list(settings['payload']) == [12.5, 0.0, 0.0, 0.1]
+    bench.start(f"setTool('griper') {MOVE}")
+    error = bench.wait_for_state('FAILED')['error']
+    assert error == "test.lua:1: setTool: no tool is named 'griper' in frames.yaml; tools are gripper"
+
+
 def test_setting_that_the_planner_refuses_fails_the_motion(ros_nodes: Any, tmp_path: Path):
     bench = SettingsBench(ros_nodes, tmp_path)
     bench.planner.add_on_set_parameters_callback(

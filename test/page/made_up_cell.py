@@ -16,6 +16,7 @@ import numpy as np
 from robots_controller.interpreter.debugger import CallStack
 from robots_controller.io.io_image import IMAGES, Channel
 from robots_controller.pendant.message_log import Level
+from robots_controller.pendant.motion_recording import MeasuredMotion
 from robots_controller.pendant.page.page_server import PageServer
 from robots_controller.pendant.page.pendant_page import PendantPage
 from robots_controller.pendant.page_access import PageAccess
@@ -46,6 +47,7 @@ class MadeUpCell:
     refusal: str = ''
     stack: CallStack = field(default_factory=CallStack)
     done: Callable[[RobotsError | None], None] = print
+    motion: list[MeasuredMotion] = field(default_factory=list)
 
     def jog_axes(self, velocity: Array) -> None:
         self.calls.append(('axes', *velocity.tolist()))
@@ -65,6 +67,9 @@ class MadeUpCell:
 
     def reference(self) -> Array | None:
         return None
+
+    def feedback(self) -> MeasuredMotion | None:
+        return self.motion.pop(0) if self.motion else None
 
     def show_ghost(self, q: Array | None) -> None:
         self.calls.append(('ghost', q))

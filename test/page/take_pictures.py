@@ -15,11 +15,17 @@ from playwright.sync_api import Browser, Locator, Page
 from robots_controller.pendant.pendant_operator import PendantOperator
 from robots_controller.pendant.trends import PERIOD
 from robots_core.blocks.visualizer import Visualizer
+from robots_core.orientation import rotation_from_vector
 
 FOLDER = Path('docs/how_to/pictures')
 SIZES = {'desktop': (1440, 900), 'tablet': (1024, 768)}
-VIEWS = ('jog', 'program', 'io', 'trends', 'messages')
-SHOWN = (('jog', 'desktop', 'light'), ('program', 'desktop', 'dark'), ('io', 'tablet', 'light'))
+VIEWS = ('jog', 'program', 'io', 'trends', 'frames', 'messages')
+SHOWN = (
+    ('jog', 'desktop', 'light'),
+    ('program', 'desktop', 'dark'),
+    ('io', 'tablet', 'light'),
+    ('frames', 'desktop', 'light'),
+)
 """In the documentation: view, size and theme."""
 TRENDS = ('Position A1', 'Position A3', 'Digital output 2 gripper')
 """Beside the speed of the tool."""
@@ -38,6 +44,19 @@ def show(operator: PendantOperator, view: str, url: str) -> None:
     operator.state = replace(state, io=io, override=0.6, tool_speed=0.148)
     if view == 'program':
         running_program(operator, line=37)
+    if view == 'frames' and not operator.measuring.points['tool']:
+        touch_tip(operator)
+
+
+def touch_tip(operator: PendantOperator) -> None:
+    """Points of a tool, each touched some tenths of a millimetre off."""
+    rng = np.random.default_rng(0)
+    for turn in ([0.5, 0.0, 0.0], [-0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.3, 0.6]):
+        T = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]) @ rotation_from_vector(
+            np.array(turn)
+        )
+        r = [1.6, 0.1, 1.0] - T @ [0.02, -0.01, 0.24] + rng.normal(size=3) * 2e-4
+        operator.measuring.touch('tool', operator.robot.inverse_kinematics_analytic(r, T)[0])
 
 
 def some_trends(operator: PendantOperator) -> None:

@@ -15,6 +15,7 @@ from robots_controller.cell.contact_setup import read_contact
 from robots_controller.commands.command_table import CHECK_PROGRAM
 from robots_controller.io.io_map import read_io_map
 from robots_controller.io.plc_script import read_plc_script
+from robots_controller.program.cell_frames import read_frames
 from robots_controller.simulate import simulate
 from robots_core import UrdfRobotModel
 from robots_core.blocks import read_scene
@@ -49,6 +50,15 @@ zones:
     plane: {point: [0, 0, 0.1], normal: [0, 0, -1]}
     keep: out
     what: tool
+"""
+FRAMES = """\
+tools:
+  gripper:
+    position: [0.0, 0.0, 0.24]
+    quaternion: [0, 0, 0, 1]
+    payload: [12.5, 0.0, 0.0, 0.09]
+bases:
+  table: {position: [1.4, -0.3, 0.8], angles: [0.5, 0, 0]}
 """
 URDF = """\
 <robot name="arm">
@@ -134,6 +144,11 @@ def refused(read: Callable[[Path], object], path: Path, data: bytes) -> None:
 @given(data=damaged(SCENE))
 def test_damaged_scenes(folder: Path, data: bytes):
     refused(read_scene, folder / 'scene.yaml', data)
+
+
+@given(data=damaged(FRAMES))
+def test_damaged_frames(folder: Path, data: bytes):
+    refused(read_frames, folder / 'frames.yaml', data)
 
 
 @given(data=damaged(URDF))

@@ -182,7 +182,7 @@ IO_MAP = 'inputs:\n- {channel: digital_input.1, topic: plc/ready, type: Bool}\n'
         (SCENE, 'box', 'boxx', "did you mean 'box'?"),
         (SCENE, 'position', 'positoin', "did you mean 'position'?"),
         (SCENE, '[1, 0, 0]', '[1500, 0, 0]', 'lengths are metres: 1.5?'),
-        (SCENE, '[1, 0, 0]', '[1, 0, 0], angles: [0, 90, 0]', 'angles of scenes are radians: 1.571?'),
+        (SCENE, '[1, 0, 0]', '[1, 0, 0], angles: [0, 90, 0]', 'angles of this file are radians: 1.571?'),
         (SCENE, '- {', '\t- {', 'indent by spaces'),
         (SCENE, '[1, 0, 0]}', '[1, 0, 0}', 'a bracket is not closed'),
         (PLC, 'set', 'sett', "did you mean 'set'?"),

@@ -41,6 +41,13 @@ def test_the_names_of_the_files_are_those_of_the_robot_program():
     assert 'analog_output_names' not in lua.parameters
 
 
+def test_the_program_gets_the_file_of_tools_and_bases():
+    (lua,) = (
+        node for node in cell_graph(robot='bello_bot', frames='f.yaml') if node.name == 'lua_program_node'
+    )
+    assert lua.parameters['frames_file'] == 'f.yaml'
+
+
 def test_two_that_set_the_same_inputs_are_refused():
     with pytest.raises(RobotsError, match='both set analog_inputs, digital_inputs; only one can publish'):
         cell_graph(robot='bello_bot', io=PRESS, io_map=TAGS)

@@ -174,6 +174,9 @@ def test_the_python_of_tutorials_runs(page: Path, capsys: pytest.CaptureFixture[
 @pytest.mark.parametrize('page', PAGES, ids=lambda page: page.stem)
 def test_the_robot_programs_of_pages_are_right(page: Path, tmp_path: Path) -> None:
     program = tmp_path / 'program.lua'
+    for text in blocks(page, 'yaml'):
+        if text.startswith('tools:'):
+            (tmp_path / 'frames.yaml').write_text(text)
     for code in blocks(page, 'lua'):
         program.write_text(code)
         assert not check_program(program, Sizes(6, 32, 8)), code

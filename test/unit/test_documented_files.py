@@ -19,6 +19,7 @@ from robots_controller.cell.contact_setup import read_contact
 from robots_controller.cell.guide_recording import GUIDES
 from robots_controller.io.io_map import read_io_map
 from robots_controller.io.plc_script import read_plc_script
+from robots_controller.program.cell_frames import read_frames
 from robots_controller.program.persistent_values import PersistentValues
 from robots_controller.program.program_header import HEADER_FILES, read_program_header
 from robots_controller.program.taught_points import read_points
@@ -119,6 +120,12 @@ FORMATS: Final = {
         Gripper=['gripper'],
         Wheels=['wheels'],
         Approach=['approach'],
+    ),
+    'frames': format_of(
+        *(FILES, 'Tools and bases', read_frames, 'What a frames file refuses'),
+        Sections_of_a_frames_file=[''],
+        Tools=['tools.*'],
+        Bases=['bases.*'],
     ),
     'points': format_of(FILES, 'Taught points', partial(read_points, num_axes=6), Taught_points=['points.*']),
     'limits': format_of(FILES, 'Joint limits', read_limits, Joint_limits=['joint_limits.*']),

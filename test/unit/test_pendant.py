@@ -402,4 +402,5 @@ def test_every_reason_has_its_text() -> None:
             for code in LANGUAGES:
                 assert '{' not in read_texts(code).error(NotPermittedError(found))
     known = {key.removeprefix('reasons.') for key in read_texts('en').texts if key.startswith('reasons.')}
-    assert reasons | {'controlled', 'not_in_control', 'no_preview', 'no_position', 'no_program'} == known
+    raised = {'controlled', 'not_in_control', 'no_preview', 'no_position', 'no_program', 'moving'}
+    assert reasons | raised | {'no_torque', 'none_recorded'} == known

@@ -108,12 +108,13 @@ class ProgramHost:
 
     # -- operation ------------------------------------------------------------------------------------
 
-    def open(self, path: Path | str, points_file: Path | str = '') -> str:
+    def open(self, path: Path | str, points_file: Path | str = '', frames_file: Path | str = '') -> str:
         """Open a program.
 
         Args:
             path: Its file.
             points_file: Where taught points stand; '' for the program's name with .points.yaml.
+            frames_file: Where tools and bases stand; '' for frames.yaml in the program's folder.
 
         Returns:
             What has happened, for a person; as all operations.
@@ -130,16 +131,13 @@ class ProgramHost:
             self.reporter.report()
             raise
         self.program.points_file = Path(points_file) if points_file else None
+        self.program.frames_file = Path(frames_file) if frames_file else None
         self._report_well()
         return f'{self.program.file} is open'
 
-    def reopen(self, path: Path | str, points_file: Path | str, interrupted: str) -> str:
-        """Open a program that was interrupted by the end of its process; its status says so until it runs.
-
-        Raises:
-            ProgramError: as `open`.
-        """
-        opened = self.open(path, points_file)
+    def reopen(self, *files: Path | str, interrupted: str) -> str:
+        """As `open`, for a program that the end of its process has interrupted, as its status then says."""
+        opened = self.open(*files)
         self.reporter.open_error = interrupted
         self.reporter.report()
         return opened

@@ -13,13 +13,14 @@ from robots_core.watchdog import WATCHDOG
 
 CELL_OPTIONS: Final = (
     *('robot', 'drive', 'scene', 'io', 'io_map', 'rate', 'goal_tolerance', 'tool_speed_limit'),
-    *('operating_mode', 'payload', 'references', 'contact', 'orbit', 'cabin', 'guided'),
+    *('frames', 'operating_mode', 'payload', 'references', 'contact', 'orbit', 'cabin', 'guided'),
 )
 """Names of the options that define a cell."""
 FILES: Final = {
     'scene': ('FILE', 'scene with which the robot must not collide (YAML)'),
     'io': ('FILE', 'scripted PLC to play (YAML)'),
     'io_map': ('FILE', 'map of inputs and outputs to the topics of a PLC (YAML)'),
+    'frames': ('FILE', 'tools and bases by name (YAML); by default frames.yaml beside the program'),
     'references': ('BAG', 'recording whose messages guide or jog the robot'),
     'contact': (
         'FILE',

@@ -30,6 +30,7 @@ def check_program_arguments(parser: argparse.ArgumentParser) -> None:
         parser, '--io', 'FILE', 'simulate, with all combinations of the inputs of this PLC script (YAML)'
     )
     kinds.add_file(parser, '--io-map', *FILES['io_map'])
+    kinds.add_file(parser, '--frames', *FILES['frames'])
     parser.add_argument(
         '--combinations',
         type=kinds.whole_number(1),

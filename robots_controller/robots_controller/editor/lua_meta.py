@@ -104,6 +104,8 @@ def _function(function: LuaFunction, num_axes: int | None) -> Iterator[str]:
     if function.result_type:
         yield f'---@return {function.result_type} # {function.result}'
     yield from _overloads(function, num_axes)
+    if function.by_name is not None:
+        yield f'---@overload fun({function.by_name.name}: {function.by_name.kind.lua_type})'
     yield f'function {function.name}({", ".join(names)}) end'
     yield ''
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 from robots_controller.io.io_image import IoImage
+from robots_controller.program.cell_frames import FrameKind
 from robots_core.blocks.inverse_kinematics.hold import HOLDS
 from robots_core.orientation import ORIENTATION_CONVENTIONS
 from robots_core.robot_model.analytic.configuration import CONFIGURATIONS
@@ -29,6 +31,7 @@ class Sizes:
         prismatic: (n,) which axes slide; () for none.
         names: Indices of inputs and outputs by their names, for the name of each channel's kind; None where
             names are not known, and any may be valid.
+        frames_file: The frames file with the names of tools and bases; None where any may be valid.
     """
 
     num_axes: int
@@ -36,6 +39,7 @@ class Sizes:
     analog: int
     prismatic: tuple[bool, ...] = ()
     names: Mapping[str, Mapping[str, int]] | None = None
+    frames_file: Path | None = None
 
     @classmethod
     def of(cls, num_axes: int, io: IoImage, prismatic: tuple[bool, ...] = ()) -> Sizes:
@@ -61,6 +65,7 @@ class ArgumentKind:
         number: Whether a number is valid; None for no number.
         text: Whether a text is valid; None for no text.
         channel: 'digital input' and so on, of which the argument is the index or the name; '' for others.
+        frame: 'tool' or 'base', of which the argument is the name; None for others.
     """
 
     valid: str | Callable[[Sizes], str]
@@ -68,6 +73,7 @@ class ArgumentKind:
     number: Callable[[float], bool] | None = None
     text: Callable[[str], bool] | None = None
     channel: str = ''
+    frame: FrameKind | None = None
 
     def describe(self, sizes: Sizes) -> str:
         """The valid values, for a message."""
@@ -112,6 +118,8 @@ SWITCH: Final = ArgumentKind('0, 1, true or false', 'boolean|0|1', lambda value:
 
 TEXT: Final = ArgumentKind('a string', 'any', text=lambda _: True)
 NAME: Final = ArgumentKind('a string that is not empty', 'string', text=bool)
+TOOL: Final = ArgumentKind('the name of a tool', 'string', text=bool, frame='tool')
+BASE: Final = ArgumentKind('the name of a base', 'string', text=bool, frame='base')
 FRAME: Final = _choice(('base', 'tool'), ' or ')
 MOMENT: Final = _choice(('now', 'arrival'), ' or ')
 COMPARISON: Final = _choice(COMPARISONS)

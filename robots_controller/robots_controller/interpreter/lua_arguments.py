@@ -34,6 +34,8 @@ def check_arguments(function: LuaFunction, given: Sequence[LuaArgument], sizes: 
         LuaCallError: naming the function, the argument, what came and what is valid.
     """
     name, given = function.name, list(given)
+    if function.by_name is not None and len(given) == 1 and given[0].type == 'string':
+        return Arguments([check_value(name, function.by_name.name, function.by_name, given[0], sizes)], None)
     options = None
     if function.options:
         given, table = _without_options(given)
@@ -79,6 +81,7 @@ def _wrong_number(function: LuaFunction, wanted: list[tuple[str, Argument]], nee
     names = ', '.join(
         f'[{name}]' if a.optional else f'{name} ({a.unit})' if a.unit else name for name, a in wanted
     )
+    names += f'; or {function.by_name.kind.valid}' if function.by_name is not None else ''
     many = f'{needed}' if needed == len(wanted) else f'{needed} to {len(wanted)}'
     return f'{function.name}: got {given} arguments, needed are {many}' + (f': {names}' if names else '')
 

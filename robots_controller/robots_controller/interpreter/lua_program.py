@@ -15,6 +15,7 @@ from robots_controller.interpreter.debugger import CallStack, Debugger, HoldReas
 from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.program_run import ProgramRun
+from robots_controller.program.cell_frames import FRAMES_FILE
 from robots_controller.program.cell_port import CellPort, DetachedCell
 from robots_controller.program.motion_command import OutputChange
 from robots_controller.program.motion_target import RobotView
@@ -80,6 +81,8 @@ class LuaProgram(ProgramState):
         self._enabled = True
         self.points_file: Path | None = None
         """Where taught points stand; beside the program by default."""
+        self.frames_file: Path | None = None
+        """Where tools and bases stand; beside the program by default."""
         self._source: LuaSource | None = None
         self._line_source: LuaSource | None = None
         self._thread: threading.Thread | None = None
@@ -267,6 +270,7 @@ class LuaProgram(ProgramState):
             self.prismatic,
             self.points_file or source.path.with_suffix(SUFFIX),
             source.path.with_suffix(VALUES_SUFFIX),
+            self.frames_file or source.path.with_name(FRAMES_FILE),
         )
         run = ProgramRun(
             source,

@@ -12,6 +12,8 @@ from robots_controller.interpreter.functions.common_arguments import JOINTS, POS
 from robots_controller.interpreter.functions.lua_function import Argument
 from robots_controller.interpreter.lua_sandbox import LuaArgument, LuaCallError, LuaTable
 from robots_controller.io.io_image import LABEL
+from robots_controller.program.cell_frames import check_frame
+from robots_core.errors import RobotsError
 
 UNKNOWN: Final = LuaArgument('unknown', None)
 """What the run computes, where a program is checked without one: it may be any value."""
@@ -61,6 +63,11 @@ def check_value(
     if value is None:
         hint = _hint(kind, given)
         raise LuaCallError(f'{function}: {label} = {came}; valid is {kind.describe(sizes)}{hint}')
+    if kind.frame is not None and sizes.frames_file is not None:
+        try:
+            check_frame(sizes.frames_file, kind.frame, value)
+        except RobotsError as error:
+            raise LuaCallError(f'{function}: {error}') from None
     return value
 
 

@@ -124,7 +124,8 @@ def run_cell(options: argparse.Namespace, console: Console) -> int:
     if options.program:
         LuaProgram(robot.num_axes).open(options.program)
         if options.check:
-            check_first(options.program, sizes_of(robot.num_axes, options.io, options.io_map))
+            sizes = sizes_of(robot.num_axes, options.io, options.io_map, options.frames)
+            check_first(options.program, sizes)
     # The launch file starts the described nodes in other processes, whose log shows a token of their own.
     token = new_token() if options.debug_port and not options.describe else ''
     graph = cell_graph(

@@ -102,6 +102,7 @@ def cell_graph(
     port: int = 8080,
     io: str = '',
     io_map: str = '',
+    frames: str = '',
     scene: str = '',
     guided: str = '',
     references: str = '',
@@ -138,6 +139,7 @@ def cell_graph(
         port: First port to try for the 3D view.
         io: Script of a PLC that is played (see `plc_script`); none without one.
         io_map: Map of inputs and outputs to topics of a PLC (see `io_map`); none without one.
+        frames: Tools and bases by name (see `read_frames`); frames.yaml beside the program by default.
         scene: Scene that the robot keeps clear of (see `read_scene`); with one, the robot is watched too.
         guided: Inverse kinematics that follows `reference_pose` in `followReference`, one of `METHODS`;
             none by default.
@@ -224,6 +226,7 @@ def cell_graph(
             'robots_controller',
             'lua_program_node',
             program=program,
+            frames_file=frames,
             autostart=autostart,
             launch=launch,
             debug_port=debug_port,

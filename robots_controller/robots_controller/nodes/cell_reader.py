@@ -24,6 +24,7 @@ from robots_controller.io.io_image import IMAGES
 from robots_controller.nodes.io_images import image_message
 from robots_controller.nodes.io_services import OUTPUTS
 from robots_controller.pendant.pendant_state import WATCHED, PendantState, ShownProgram
+from robots_controller.program.cell_frames import FRAMES_FILE
 from robots_controller.program.run_state import RunState
 from robots_controller.program.taught_points import SUFFIX
 from robots_core.blocks.following.guide import Guide
@@ -76,7 +77,7 @@ class CellReader:
         self._open_questions: set[str] = set()
         self._subscribe()
         self._watch = HeartbeatWatch(node, WATCHED, LOST_AFTER, lambda *_: self._look_for_lost())
-        asked = ('program', 'points_file', 'breakpoints', *LABELS.values())
+        asked = ('program', 'points_file', 'frames_file', 'breakpoints', *LABELS.values())
         self.ask(PROGRAM, asked, self._on_program_parameters)
         node.create_timer(ASK_PERIOD, self._ask)
 
@@ -136,6 +137,7 @@ class CellReader:
         program = ShownProgram(
             path=before.path,
             points_file=before.points_file,
+            frames_file=before.frames_file,
             state=_run_state(values.get('state', '')),
             file=values.get('file', ''),
             line=int(number_in(values, 'line', 0.0)),
@@ -223,12 +225,13 @@ class CellReader:
         self._questions[name][1]([parameter_value_to_python(value) for value in values])
 
     def _on_program_parameters(self, values: list[Any]) -> None:
-        path, points_file, breakpoints, *labels = values
+        path, points_file, frames_file, breakpoints, *labels = values
         points_file = points_file or (str(Path(path).with_suffix(SUFFIX)) if path else '')
+        frames_file = frames_file or (str(Path(path).with_name(FRAMES_FILE)) if path else '')
         state = self._holder.state
         named = {image: tuple(names or ()) for image, names in zip(LABELS, labels, strict=True)}
         self.show(
-            program=replace(state.program, path=path or '', points_file=points_file),
+            program=replace(state.program, path=path or '', points_file=points_file, frames_file=frames_file),
             io=replace(state.io, labels=named),
             breakpoints=breakpoints_by_file(breakpoints or ()),
         )

@@ -112,6 +112,7 @@ class LuaProgramNode(RobotNode):
         )
         self._program = self.host.program
         self.parameter('points_file', '', "where taught points stand; '' for a file beside the program")
+        self.parameter('frames_file', '', "where tools and bases stand; '' for frames.yaml beside it")
         self._take_over()
         self.parameter(
             'breakpoints',
@@ -178,7 +179,11 @@ class LuaProgramNode(RobotNode):
         return answer
 
     def _open(self) -> str:
-        return self.host.open(self.get_parameter('program').value, self.get_parameter('points_file').value)
+        return self.host.open(*self._files)
+
+    @property
+    def _files(self) -> tuple[str, ...]:
+        return tuple(self.get_parameter(name).value for name in ('program', 'points_file', 'frames_file'))
 
     def _get_call_stack(self) -> str:
         stack = self._program.call_stack
@@ -215,9 +220,8 @@ class LuaProgramNode(RobotNode):
         for name, value in outputs.items():
             self._program.io.set_value(self._program.io.find(name), value or 0.0)
         if interrupted:
-            program, points = (self.get_parameter(name).value for name in ('program', 'points_file'))
             try:
-                self.host.reopen(program, points, interrupted)
+                self.host.reopen(*self._files, interrupted=interrupted)
             except RobotsError as error:
                 self.journal.error(str(error))
 

@@ -16,13 +16,14 @@ from robots_controller.io.io_image import Channel
 from robots_controller.nodes.pendant_moves import PendantMoves
 from robots_controller.nodes.program_link import ProgramLink
 from robots_controller.pendant.jog_command import JogFrame
+from robots_controller.pendant.motion_recording import MeasuredMotion
 from robots_controller.program.motion_command import MotionCommand
-from robots_core.errors import RobotsError
+from robots_core.errors import InvalidInputError, RobotsError
 from robots_core.operating_modes import OperatingMode
 from robots_core.ros.joint_trajectories import single_point
-from robots_core.ros.messages import doubles, twist_stamped_message
+from robots_core.ros.messages import doubles, joint_values, seconds, twist_stamped_message
 from robots_core.ros.polled_subscription import PolledSubscription
-from robots_core.ros.qos import COMMAND, STATE, STREAM
+from robots_core.ros.qos import COMMAND, SENSOR, STATE, STREAM
 from robots_core.ros.robot_node import RobotNode
 from robots_core.validation import Array
 
@@ -51,6 +52,7 @@ class PendantLink(ProgramLink):
         self._ghosts = node.create_publisher(JointState, 'ghost', STATE)
         self._references = PolledSubscription(node, JointTrajectory, 'joint_reference', STREAM)
         self._reference: Array | None = None
+        self._feedback = PolledSubscription(node, JointState, 'joint_states', SENSOR)
 
     def jog_axes(self, velocity: Array) -> None:
         """See `PendantPort`."""
@@ -82,6 +84,20 @@ class PendantLink(ProgramLink):
         if message is not None:
             self._reference = single_point(message, self._names, 'joint_reference')[0]
         return self._reference
+
+    def feedback(self) -> MeasuredMotion | None:
+        """See `PendantPort`."""
+        message = self._feedback.take()
+        if message is None or not len(message.effort):
+            return None
+        try:
+            q, tau = (
+                joint_values(message.name, values, self._names, 'joint_states')
+                for values in (message.position, message.effort)
+            )
+        except InvalidInputError:
+            return None
+        return MeasuredMotion(seconds(message.header.stamp), q, tau)
 
     def show_ghost(self, q: Array | None) -> None:
         """See `PendantPort`; without positions the ghost is gone."""

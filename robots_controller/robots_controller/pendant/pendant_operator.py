@@ -10,12 +10,16 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from robots_controller.interpreter.debugger import STEPS, CallStack, call_stack_from_json
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.control_desk import ControlDesk
+from robots_controller.pendant.frame_measuring import FrameMeasuring
 from robots_controller.pendant.held_button import HeldButton, standing
 from robots_controller.pendant.jog_outlook import Ahead, JogOutlook
 from robots_controller.pendant.message_log import MessageLog
+from robots_controller.pendant.motion_recording import MotionRecording
 from robots_controller.pendant.pendant_motion import JogBasis, MotionPreview, Preview, Way, target_command
 from robots_controller.pendant.pendant_port import PendantPort
 from robots_controller.pendant.pendant_state import PendantState
@@ -35,6 +39,7 @@ from robots_planning.motion_settings import frame
 from robots_planning.pathplanning import PathPlanning
 
 MOST_PRINTS: Final = 500
+STANDING: Final = 0.002  # of the velocity limits
 
 SERVICES: Final[Mapping[Action, str]] = {
     Action.RUN: 'lua_program_node/run',
@@ -76,6 +81,7 @@ class PendantOperator:
         self.teaching: Final = Teaching(robot)
         self.trends: Final = Trends(robot.axes_data)
         self.recording: Final = recording or Recording(Path('out'), robot.name)
+        self.measuring: Final = FrameMeasuring(robot, MotionRecording(port.feedback))
         self.prints: deque[tuple[int, str]] = deque(maxlen=MOST_PRINTS)
         """What programs have printed, numbered, oldest first."""
         self.state = PendantState()
@@ -252,7 +258,8 @@ class PendantOperator:
         self._check(viewer, Action.EDIT)
         program = Path(self.state.program.path)
         save_program(self.teaching.history, program_file(program, file), before, after)
-        problems = findings(program, self.robot.axes_data, self.state.io)
+        frames_file = self.state.program.frames_file
+        problems = findings(program, self.robot.axes_data, self.state.io, frames_file)
         with suppress(ProgramError):  # which is one of the problems
             self._port.open_program(str(program))
         return problems
@@ -275,6 +282,28 @@ class PendantOperator:
             RobotsError: none is held.
         """
         return call_stack_from_json(self._port.call_stack())
+
+    def check_measuring(self, viewer: str) -> None:
+        """Check that a viewer may measure tools and bases now, and save them.
+
+        Raises:
+            NotPermittedError: it may not.
+        """
+        self._check(viewer, Action.TEACH)
+
+    def measured_position(self, viewer: str) -> Array:
+        """Where the robot stands as it is measured, (n,), rad (m), for a viewer that may measure.
+
+        Raises:
+            NotPermittedError: it may not, or the robot moves.
+        """
+        self.check_measuring(viewer)
+        q, q_dot = self.state.q, self.state.q_dot
+        if q is None:
+            raise NotPermittedError(Reason('no_position'))
+        if q_dot is not None and (np.abs(q_dot) > STANDING * self.robot.axes_data.velocity).any():
+            raise NotPermittedError(Reason('moving'))
+        return q
 
     @property
     def _points_file(self) -> Path:

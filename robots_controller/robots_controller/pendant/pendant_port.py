@@ -7,6 +7,7 @@ from typing import Protocol
 
 from robots_controller.io.io_image import Channel
 from robots_controller.pendant.jog_command import JogFrame
+from robots_controller.pendant.motion_recording import MeasuredMotion
 from robots_controller.program.motion_command import MotionCommand
 from robots_core.errors import RobotsError
 from robots_core.operating_modes import OperatingMode
@@ -38,6 +39,9 @@ class PendantPort(Protocol):
 
     def reference(self) -> Array | None:
         """Where the robot shall be now, (n,), rad (m); None while no controller says so."""
+
+    def feedback(self) -> MeasuredMotion | None:
+        """The newest measured positions and torques; None where there are none, or none are new."""
 
     def show_ghost(self, q: Array | None) -> None:
         """Show the robot in the 3D view at other joint positions too, (n,), rad (m); None: no more."""

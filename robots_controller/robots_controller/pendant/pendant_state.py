@@ -35,6 +35,7 @@ class ShownProgram:
         error: Why it has failed; '' if it has not.
         hold: Why it is held; '' if it is not.
         points_file: Where its taught points stand; '' without a program.
+        frames_file: Where its tools and bases stand; '' without a program.
     """
 
     path: str = ''
@@ -46,6 +47,7 @@ class ShownProgram:
     error: str = ''
     hold: str = ''
     points_file: str = ''
+    frames_file: str = ''
 
 
 @dataclass(frozen=True)

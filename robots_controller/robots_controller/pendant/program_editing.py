@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Final
@@ -37,12 +38,13 @@ def save_program(history: FileHistory, path: Path, before: str, after: str) -> N
     history.change({path: after})
 
 
-def findings(path: Path, axes: AxesData, io: ShownIo) -> tuple[ProgramProblem, ...]:
-    """What `check_program` finds in a program, for this robot and the inputs and outputs of its cell."""
+def findings(path: Path, axes: AxesData, io: ShownIo, frames_file: str = '') -> tuple[ProgramProblem, ...]:
+    """What `check_program` finds in a program, with this robot and the names of its cell."""
     labels = {image: io.labels.get(image, ()) for image in IMAGES}
     digital, analog = (len(io.values.get(f'{kind}_outputs', ())) for kind in ('digital', 'analog'))
     image = IoImage(digital=digital, analog=analog, labels=labels)
-    return check_program(path, Sizes.of(axes.num_axes, image, axes.prismatic))
+    sizes = Sizes.of(axes.num_axes, image, axes.prismatic)
+    return check_program(path, replace(sizes, frames_file=Path(frames_file) if frames_file else None))
 
 
 @cache

@@ -18,12 +18,14 @@ class RobotView:
         prismatic: (n,) which axes slide; () for none.
         points_file: Where taught points stand.
         values_file: Where persistent values stand.
+        frames_file: Where the tools and bases of the cell stand.
     """
 
     convention: str
     prismatic: tuple[bool, ...]
     points_file: Path
     values_file: Path
+    frames_file: Path
 
     def pose(self, values: Sequence[float]) -> Pose:
         """A pose of position (m) and orientation angles (rad)."""

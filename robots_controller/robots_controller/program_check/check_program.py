@@ -60,7 +60,12 @@ def _problems(program: str, options: argparse.Namespace) -> Iterable[ProgramProb
         robot = cell.robot or DEFAULT_ROBOT
         axes = load_robot_model(robot).axes_data
         sizes = sizes_of(
-            axes.num_axes, cell.io, options.io_map, digital=options.digital, analog=options.analog
+            axes.num_axes,
+            cell.io,
+            options.io_map,
+            options.frames,
+            digital=options.digital,
+            analog=options.analog,
         )
         problems = check_program(program, sizes)
         if problems or not (options.walk or options.scene or options.io):
@@ -80,6 +85,7 @@ def _walk(
         robot=robot,
         scene=cell.scene,
         io=cell.io,
+        frames=options.frames,
         most=options.combinations,
         longest=options.longest,
         patience=options.patience,

@@ -16,7 +16,7 @@ _RAD: Final = re.compile(rf'math\.rad\((-?){_NUMBER}\)')
 def constant(tokens: Sequence[Token]) -> float | None:
     """The number that tokens write out; None for what is computed otherwise."""
     text = ''.join(token.text for token in tokens if token.kind in ('number', 'name', 'sign'))
-    if not tokens or len(text) < sum(len(token.text) for token in tokens):
+    if not text or len(text) < sum(len(token.text) for token in tokens):
         return None
     sign = -1.0 if text[0] == '-' else 1.0
     text = text.removeprefix('-')

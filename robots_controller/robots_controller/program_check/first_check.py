@@ -1,6 +1,7 @@
 """The check of a program that `cell` and `simulate` make before anything starts."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
@@ -15,6 +16,7 @@ def sizes_of(
     num_axes: int,
     io: Path | str = '',
     io_map: Path | str = '',
+    frames: Path | str = '',
     *,
     digital: int = DIGITAL_SIZE,
     analog: int = ANALOG_SIZE,
@@ -25,16 +27,19 @@ def sizes_of(
         num_axes: Of its robot.
         io: Script of a PLC; '' for none.
         io_map: Map of inputs and outputs; '' for none.
+        frames: Frames file; '' for the one beside the program.
         digital: Number of digital inputs, and of outputs.
         analog: Number of analog inputs, and of outputs.
 
     Raises:
         RobotsError: a file that is not valid.
     """
+    file = Path(frames) if frames else None
     if not (io or io_map):
-        return Sizes(num_axes, digital, analog)
+        return Sizes(num_axes, digital, analog, frames_file=file)
     labels = read_cell_io(io, io_map).labels
-    return Sizes.of(num_axes, IoImage(digital=digital, analog=analog, labels=labels))
+    image = IoImage(digital=digital, analog=analog, labels=labels)
+    return replace(Sizes.of(num_axes, image), frames_file=file)
 
 
 def check_first(program: Path | str, sizes: Sizes) -> None:

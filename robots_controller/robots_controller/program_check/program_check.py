@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from robots_controller.interpreter.argument_kinds import Sizes
@@ -12,6 +12,7 @@ from robots_controller.interpreter.lua_sandbox import syntax_error
 from robots_controller.interpreter.lua_source import LuaSource, check_syntax, read_source
 from robots_controller.interpreter.lua_tokens import Token, lua_tokens
 from robots_controller.interpreter.program_run import find_subprogram
+from robots_controller.program.cell_frames import FRAMES_FILE
 from robots_controller.program_check.comparisons import comparisons_of_unlike_values
 from robots_controller.program_check.lua_calls import lua_calls
 from robots_controller.program_check.other_languages import foreign_idioms
@@ -54,12 +55,15 @@ def check_program(path: Path | str, sizes: Sizes) -> tuple[ProgramProblem, ...]:
 
     Args:
         path: The program.
-        sizes: The robot's axes and the numbers of inputs and outputs.
+        sizes: The robot's axes, the numbers of inputs and outputs, and the frames file; without one, that
+            beside the program.
 
     Returns:
         What is wrong, by file and line; empty if nothing was found.
     """
     checked = _Checked()
+    if sizes.frames_file is None:
+        sizes = replace(sizes, frames_file=Path(path).with_name(FRAMES_FILE))
     try:
         main = read_source(path)
         check_syntax(main, lambda text: syntax_error(main, text))

@@ -50,6 +50,7 @@ def walk_program(
     robot: str,
     scene: Path | str = '',
     io: Path | str = '',
+    frames: Path | str = '',
     most: int = MOST_COMBINATIONS,
     longest: float = LONGEST_WALK,
     patience: float = math.inf,
@@ -65,6 +66,7 @@ def walk_program(
         robot: The robot's name.
         scene: What the robot keeps clear of (YAML); '' for nothing but itself.
         io: Script of the PLC whose inputs are combined and whose rules are played; '' for none.
+        frames: Frames file; '' for the one beside the program.
         most: Highest number of combinations to walk, the script's own start first.
         longest: A walk ends after this simulated time, s.
         patience: All walks end after this time of the machine, s; names the line where each was.
@@ -85,6 +87,7 @@ def walk_program(
         robot=robot,
         scene=str(scene),
         io=str(io),
+        frames=str(frames),
         longest=longest,
         patience=patience,
         until=until,
@@ -114,6 +117,7 @@ def _walk(
     robot: str,
     scene: str,
     io: str,
+    frames: str,
     longest: float,
     patience: float,
     until: float,
@@ -123,7 +127,7 @@ def _walk(
     if left <= 0.0:
         late = f'not walked within the patience of {patience:g} s'
         return [ProgramProblem(Path(program).name, 0, late)], []
-    parts = cell_parts(program, robot=robot, scene=scene)
+    parts = cell_parts(program, robot=robot, scene=scene, frames=frames)
     planning = LenientPlanning(parts.planning)
     plc_script = combination.script(_script(io))
     # Planning reports what collides; no guard stops the robot before it. Where guides would lead is unknown.

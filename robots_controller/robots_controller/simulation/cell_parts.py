@@ -43,6 +43,7 @@ class CellParts:
     Attributes:
         program: Path of the program.
         points_file: Taught points; None for the file beside the program.
+        frames_file: Tools and bases; None for the file beside the program.
         robot_name: As it was asked for.
         robot: The robot.
         payload: What the robot carries until its program sets another payload.
@@ -66,6 +67,7 @@ class CellParts:
 
     program: Path
     points_file: Path | None
+    frames_file: Path | None
     robot_name: str
     robot: BaseRobotModel
     payload: tuple[float, ...]
@@ -101,6 +103,7 @@ def cell_parts(
     payload: tuple[float, ...] = NOTHING,
     collision_margin: float = COLLISION_MARGIN,
     points_file: Path | str = '',
+    frames: Path | str = '',
     references: Path | str = '',
     contact: Path | str = '',
     orbit: Path | str = '',
@@ -132,6 +135,7 @@ def cell_parts(
     return CellParts(
         program=Path(program),
         points_file=Path(points_file) if points_file else None,
+        frames_file=Path(frames) if frames else None,
         robot_name=robot if isinstance(robot, str) else model.name,
         robot=model,
         payload=payload,

@@ -83,7 +83,8 @@ def run(options: argparse.Namespace, console: Console) -> int:
     robot = load_robot_model(options.robot)
     show_substitutions(robot, console)
     if options.check:
-        check_first(options.program, sizes_of(robot.num_axes, options.io, options.io_map))
+        sizes = sizes_of(robot.num_axes, options.io, options.io_map, options.frames)
+        check_first(options.program, sizes)
     with _bag_folder(options) as bag:
         with _bar(console) as on_progress:
             result = simulate(

@@ -154,7 +154,7 @@ class InProcessCell:
             io.set_value(io.find(channel.name), value)
         self._inputs = image_sizes(inputs)
         self.log.begin(io, self._parts.io_labels, self._inputs, mode)
-        self._host.open(self._parts.program, self._parts.points_file or '')
+        self._host.open(self._parts.program, self._parts.points_file or '', self._parts.frames_file or '')
         self._host.permission.mode_changed(mode)
         self._watch_inputs()
 

@@ -7,11 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
+from robots_controller.program.cell_frames import FRAMES_FILE
 from robots_controller.study.program_variant import Value, program_variant
 from robots_core.errors import InvalidInputError
 from robots_core.files import read_text
 
-PROGRAM_SUFFIXES: Final = ('.lua', '.points.yaml')
+PROGRAM_SUFFIXES: Final = ('.lua', '.points.yaml', FRAMES_FILE)
 MOST_FILES: Final = 1000
 SCENE: Final = 'scene/'
 IO: Final = 'io/'

@@ -1,3 +1,10 @@
+from .calibration.motion_samples import MotionSamples as MotionSamples
+from .calibration.payload_identification import IdentifiedPayload as IdentifiedPayload
+from .calibration.payload_identification import identify_payload as identify_payload
+from .calibration.three_points import measure_base as measure_base
+from .calibration.three_points import measure_tool_orientation as measure_tool_orientation
+from .calibration.tool_center import ToolCenter as ToolCenter
+from .calibration.tool_center import measure_tool_center as measure_tool_center
 from .collision.joint_path import JointPath as JointPath
 from .collision.results import CollisionError as CollisionError
 from .collision.results import PathProximity as PathProximity

@@ -52,6 +52,7 @@ class LuaFunction:
         result: What it returns, '' for nothing.
         result_type: The same for the Lua language server.
         more: Further arguments of any kind may follow.
+        by_name: A name that may come in the place of all arguments; None for none.
         serve: Serves a call: a function of a `Family` and the arguments, in SI; None for one left out.
     """
 
@@ -62,6 +63,7 @@ class LuaFunction:
     result_type: str
     more: bool
     serve: Serve
+    by_name: Argument | None = None
 
     @property
     def options(self) -> Options:
@@ -73,12 +75,15 @@ class LuaFunction:
 
 
 def lua_function(
-    *arguments: Argument, returns: tuple[str, str] = ('', ''), more: bool = False
+    *arguments: Argument,
+    returns: tuple[str, str] = ('', ''),
+    more: bool = False,
+    by_name: Argument | None = None,
 ) -> Callable[[Serve], LuaFunction]:
     """Make a method of a `Family` a function of robot programs: its name and docstring are the function's."""
 
     def made(serve: Serve) -> LuaFunction:
         doc = ' '.join((serve.__doc__ or '').split())
-        return LuaFunction(serve.__name__, doc, arguments, *returns, more, serve)
+        return LuaFunction(serve.__name__, doc, arguments, *returns, more, serve, by_name)
 
     return made

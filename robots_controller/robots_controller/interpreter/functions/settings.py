@@ -1,5 +1,6 @@
 """Settings: what holds for the motions of a program that follow."""
 
+from collections.abc import Generator
 from dataclasses import replace
 from typing import Any
 
@@ -10,9 +11,11 @@ from robots_controller.interpreter.functions.common_arguments import FRAME, SWIT
 from robots_controller.interpreter.functions.lua_function import A_POSE, Argument, lua_function
 from robots_controller.interpreter.functions.run_context import Family
 from robots_controller.interpreter.lua_sandbox import Result, Waiting
+from robots_controller.program.cell_frames import CellFrames, FrameKind, check_frame
 from robots_core.blocks.inverse_kinematics.hold import HOLDS
 from robots_core.blocks.multibody.payload import payload_of
 from robots_core.orientation import ORIENTATION_CONVENTIONS
+from robots_core.pose import Pose
 from robots_planning.motion_settings import ON_BLOCKED, frame_numbers
 
 
@@ -28,17 +31,26 @@ def _speeds(what: str, unit: str) -> tuple[Argument, ...]:
 class Settings(Family):
     """Sets and reads modal settings."""
 
-    @lua_function(*FRAME)
-    def setTool(self, *values: float) -> None:
-        """Sets the tool centre point, as a pose in tool0 (the flange); all poses are those of this point."""
-        tool = self._run.view.pose(values)
+    @lua_function(*FRAME, by_name=Argument('name', kinds.TOOL, '', 'name of a tool of the frames file'))
+    def setTool(self, *values: Any) -> Waiting:
+        """Sets the tool centre point, as a pose in tool0 (the flange); all poses are those of this point.
+
+        A name alone, `setTool('gripper')`, is that of a tool of the frames file; where that has its payload,
+        it is set too, as by setPayload.
+        """
+        tool = self._run.view.pose(values) if len(values) > 1 else (yield from self._named_tool(values[0]))
         self._run.change(tool=frame_numbers(tool))
         self._run.target.tool = tool
+        return None
 
-    @lua_function(*FRAME)
-    def setBase(self, *values: float) -> None:
-        """Sets the base frame, as a pose in the robot's own base; all poses are relative to it."""
-        base = self._run.view.pose(values)
+    @lua_function(*FRAME, by_name=Argument('name', kinds.BASE, '', 'name of a base of the frames file'))
+    def setBase(self, *values: Any) -> None:
+        """Sets the base frame, as a pose in the robot's own base; all poses are relative to it.
+
+        A name alone, `setBase('table')`, is that of a base of the frames file.
+        """
+        view = self._run.view
+        base = view.pose(values) if len(values) > 1 else self._named('base', values[0]).bases[values[0]]
         self._run.change(base=frame_numbers(base))
         self._run.target.base = base
 
@@ -71,8 +83,7 @@ class Settings(Family):
     @lua_function(returns=('a table of 4 numbers', 'number[]'))
     def getPayload(self) -> Result:
         """Reads the payload: {mass, x, y, z}, kg and m."""
-        payload: Any = self._run.settings.get('payload', self._run.cell.payload)
-        return (tuple(payload[:4]),)
+        return (self._payload[:4],)
 
     @lua_function(
         Argument('mass', kinds.NUMBER, 'kg', 'mass of what the flange carries: tool and workpiece'),
@@ -85,8 +96,7 @@ class Settings(Family):
         """Sets the payload, mass and centre of mass, when the robot stands; it counts in all torques."""
         payload = tuple(value or 0.0 for value in values)
         payload_of(payload)
-        yield from self._run.waits.standstill()
-        self._run.change(payload=payload)
+        yield from self._carry(payload)
         return None
 
     @lua_function(Argument('value', kinds.SCALE, '', 'speed scale of all motions, 0 to 1, at once'))
@@ -142,6 +152,24 @@ class Settings(Family):
     def setAcceleration(self, *limits: float | None) -> None:
         """Sets acceleration limits of the next motions; nil leaves one as it is."""
         self._set_limits('acceleration', limits)
+
+    def _named(self, kind: FrameKind, name: str) -> CellFrames:
+        return check_frame(self._run.view.frames_file, kind, name)
+
+    def _named_tool(self, name: str) -> Generator[None, None, Pose]:
+        tool = self._named('tool', name).tools[name]
+        if tool.payload not in ((), self._payload):
+            yield from self._carry(tool.payload)
+        return tool.pose
+
+    @property
+    def _payload(self) -> tuple[float, ...]:
+        payload: Any = self._run.settings.get('payload', self._run.cell.payload)
+        return tuple(payload)
+
+    def _carry(self, payload: tuple[float, ...]) -> Generator[None, None, None]:
+        yield from self._run.waits.standstill()
+        self._run.change(payload=payload)
 
     def _set_limits(self, what: str, limits: tuple[float | None, ...]) -> None:
         names = (f'{what}_fraction', f'cartesian_{what}', f'rotation_{what}')

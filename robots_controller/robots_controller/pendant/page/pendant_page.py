@@ -12,6 +12,7 @@ from nicegui import Client, ui
 from nicegui.events import GenericEventArguments
 
 from robots_controller.pendant.held_button import RUN_KEY, STEP_KEY
+from robots_controller.pendant.page.frames_panel import FramesPanel
 from robots_controller.pendant.page.io_panel import IoPanel
 from robots_controller.pendant.page.jog_panel import JogPanel
 from robots_controller.pendant.page.message_panel import MessagePanel
@@ -33,6 +34,7 @@ TABS: Final = {
     'program': 'code',
     'io': 'toggle_on',
     'trends': 'show_chart',
+    'frames': 'straighten',
     'messages': 'notifications',
 }
 
@@ -97,6 +99,8 @@ class PendantPage:
                 io = IoPanel(self._viewer)
             with ui.tab_panel('trends'):
                 trends = TrendPanel(self._viewer)
+            with ui.tab_panel('frames'):
+                frames = FramesPanel(self._viewer, folder)
             with ui.tab_panel('messages'):
                 messages = MessagePanel(self._viewer)
         self._panels: dict[str, Panel] = {
@@ -104,6 +108,7 @@ class PendantPage:
             'program': self._program,
             'io': io,
             'trends': trends,
+            'frames': frames,
             'messages': messages,
         }
 

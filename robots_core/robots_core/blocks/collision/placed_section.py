@@ -1,4 +1,4 @@
-"""Names and poses of what stands in a scene file."""
+"""Names and poses of what stands in a scene or frames file."""
 
 from math import pi, radians
 from typing import Any, Final
@@ -60,7 +60,7 @@ def _angles(value: Any) -> Array:
     for angle in phi:
         if abs(angle) > 2.0 * pi:
             raise InvalidInputError(
-                f'angles has {angle:g} rad, more than a turn; angles of scenes are radians: '
+                f'angles has {angle:g} rad, more than a turn; angles of this file are radians: '
                 f'{radians(angle):.4g}?'
             )
     return phi

@@ -1,0 +1,1 @@
+"""Tools, bases and payloads, measured with the robot itself."""
