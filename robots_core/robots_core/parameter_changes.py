@@ -28,7 +28,7 @@ CHANGES: Final[Mapping[str, Mapping[str, Change]]] = {
     'controller_node': {'tool_speed_limit': Change.ANYTIME, 'operating_mode': Change.STANDING},
     'lua_program_node': {
         **dict.fromkeys(('program', 'points_file', 'frames_file'), Change.NEXT_PROGRAM),
-        **dict.fromkeys(('breakpoints', 'step_mode'), Change.ANYTIME),
+        **dict.fromkeys(('breakpoints', 'step_mode', 'point'), Change.ANYTIME),
     },
     'direct_kinematics_node': {'tool': Change.ANYTIME},
     'robot_state_node': dict.fromkeys(('tool', 'work'), Change.ANYTIME),

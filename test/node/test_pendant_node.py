@@ -230,6 +230,18 @@ def test_a_saved_program_is_open_and_its_mistakes_are_found(cell: OperatedCell) 
     assert path.read_text() == 'wait(1)\n'
 
 
+def test_a_service_teaches_a_point(cell: OperatedCell) -> None:
+    path = cell.folder / 'taught.lua'
+    path.write_text('wait(1)\n')
+    cell.operator.open_program(ME, str(path))
+    cell.wait(lambda: cell.state.program.path == str(path), 'the program')
+    cell.until_standing()
+    cell.set_parameters(cell.program, point='pallet')
+    cell.wait(lambda: cell.call('lua_program_node/teach').success, 'a taught point')
+    points = cell.operator.teaching.points(path.with_suffix('.points.yaml'))
+    np.testing.assert_allclose(points['pallet'].q, cell.references[-1].positions, atol=1e-3)
+
+
 def test_what_a_node_refuses_is_raised(cell: OperatedCell) -> None:
     with pytest.raises(RobotsError, match=r'missing\.lua'):
         cell.operator.open_program(ME, str(cell.folder / 'missing.lua'))

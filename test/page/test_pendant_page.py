@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -278,6 +279,22 @@ def test_a_program_is_edited_and_its_mistakes_are_at_their_lines(
     assert path.read_text() == '-- by another one\n'
     panel.get_by_role('button', name='Discard').click()
     panel.locator('[data-line="1"]', has_text='by another one').wait_for()
+
+
+def test_a_program_that_is_replaced_on_disk_is_shown_anew(
+    page: Page, operator: PendantOperator, tmp_path: Path
+) -> None:
+    path = tmp_path / 'replaced.lua'
+    path.write_text('wait(1)\n')
+    show(page, 'Program')
+    operator.state = replace(operator.state, program=ShownProgram(str(path), RunState.OPENED))
+    source = page.locator('.source')
+    source.get_by_text('wait').wait_for()
+    path.write_text('setOverride(0.5)\n')
+    os.utime(path, (1.0, 1.0))
+    source.get_by_text('setOverride').wait_for()
+    path.unlink()
+    source.get_by_text('replaced.lua cannot be read').wait_for()
 
 
 def test_points_and_motions_are_taught_and_taken_back(

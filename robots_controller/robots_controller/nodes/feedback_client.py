@@ -33,6 +33,17 @@ class FeedbackClient:
         self._measured: JointFeedback | None = None
         self._waiting = threading.Condition()  # notified by the clock alone
 
+    def newest(self) -> JointFeedback | None:
+        """What the robot measures now; None before the first feedback.
+
+        Raises:
+            RobotsError: the feedback lacks positions or joints.
+        """
+        message = self._feedback.take()
+        if message is not None:
+            self._measured = JointFeedback(*joint_motion(message, self._joint_names))
+        return self._measured
+
     def measured(self, clock: Clock, stopping: Callable[[], bool]) -> JointFeedback:
         """What the robot measures now; waits for the first feedback, until the program shall stop.
 
@@ -41,11 +52,8 @@ class FeedbackClient:
         """
         end = clock.now() + FEEDBACK_TIMEOUT
         while True:
-            message = self._feedback.take()
-            if message is not None:
-                self._measured = JointFeedback(*joint_motion(message, self._joint_names))
-            if self._measured is not None:
-                return self._measured
+            if (measured := self.newest()) is not None:
+                return measured
             if clock.now() > end or stopping():
                 raise ProgramError('no joint_states received: is drive_node running?')
             with self._waiting:

@@ -13,6 +13,7 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_msgs.msg import String
 
+from robots_controller.cell.point_teaching import PointTeaching
 from robots_controller.cell.program_host import ProgramHost
 from robots_controller.defaults import ANALOG_SIZE, DIGITAL_SIZE
 from robots_controller.editor.debug_adapter_server import DebugAdapterServer
@@ -125,6 +126,7 @@ class LuaProgramNode(RobotNode):
         self.parameter(
             'step_mode', 'over', f'how far ~/step goes: {", ".join(STEPS)}', read=one_of('step', STEPS)
         )
+        self.parameter('point', '', "name of the point that ~/teach stores; '' for the next free one")
         port = self.parameter(
             'debug_port',
             0,
@@ -140,7 +142,7 @@ class LuaProgramNode(RobotNode):
         HeartbeatWatch(self, ['planning_node'], self._watchdog, self._on_planner_watched)
         self._status_timer = self.create_timer(STATUS_PERIOD, self._report_in_time)
         self._io = IoServices(self, self._program.io, self._on_inputs)
-        host = self.host
+        host, teaching = self.host, PointTeaching(self.robot, self._program)
         handlers: dict[str, Callable[[], str]] = {
             'open': self._open,
             'run': host.run,
@@ -148,6 +150,7 @@ class LuaProgramNode(RobotNode):
             'resume': host.resume,
             'step': lambda: host.step(self.get_parameter('step_mode').value),
             'stop': host.stop,
+            'teach': lambda: teaching.teach(self.get_parameter('point').value, self._feedback.newest()),
             'get_call_stack': self._get_call_stack,
             'reset': host.reset,
             'get_command_state': lambda: self._program.command_state.value,
