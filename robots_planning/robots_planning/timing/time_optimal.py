@@ -87,7 +87,6 @@ class TimeOptimalTiming:
         jerk: Highest jerk per axis, (n,), rad/s^3 (m/s^3); None for no jerk limits. With them the motion is
             no longer the fastest: the time law is smoothed until it keeps them.
         ramp: Part of the duration in which acceleration may jump from one value to another.
-        longest_ramp: s, without jerk limits.
     """
 
     def __init__(
@@ -99,14 +98,13 @@ class TimeOptimalTiming:
         *,
         jerk: Array | None = None,
         ramp: float = RAMP,
-        longest_ramp: float = np.inf,
     ) -> None:
         self._velocity, self._acceleration, self._jerk = velocity, acceleration, jerk
         self._axis_limits = np.array(
             [velocity, acceleration, np.full(len(velocity), np.inf) if jerk is None else jerk]
         )
         self._torques = None if effort is None else TorqueLimits(robot, effort)
-        self._ramp, self._longest_ramp, self._windows = ramp, longest_ramp, [SHORTEST_RAMP]
+        self._ramp, self._windows = ramp, [SHORTEST_RAMP]
         if jerk is not None:
             # Ramp for a jump from one acceleration limit to the opposite one.
             jump = float((2.0 * acceleration / jerk).max())
@@ -194,20 +192,19 @@ class TimeOptimalTiming:
             window: Shortest ramp of acceleration, s.
             longest: There are no more once the time law takes longer, s: lowering limits makes it slower.
         """
-        even, rates = self._over_even_coordinate(path, tool)
+        even = ReparametrisedPath(path, self._velocity, self._acceleration)
         s, stretch = even.grid, 1.0
         if start is not None:
             start = start.over(even)
             stretch, window = start.smoothing.stretch, start.smoothing.window
             first = start.before_average()[0]
             s = np.append(first, s[s > first + CLOSEST_START])
+        rates = None if tool is None else (lambda sigma: _rates_over(even, tool, sigma))
         limits = self._limits(s, even, rates)
         scale = np.full(len(s), 1.0 - RESERVE)
         for number in range(ROUNDS if start is None else MOST_ROUNDS):
             law = self._law(s, limits, scale, even, start)
-            if start is None and self._jerk is None:
-                window = max(min(self._ramp * law.duration, self._longest_ramp), SHORTEST_RAMP)
-            law.window = window
+            law.window = max(self._ramp * law.duration, window) if start is None else window
             if law.duration * (1.0 - DISCRETISATION) > longest:
                 return
             trajectory, places = self._sampled(even, law, limits[0], start)
@@ -229,13 +226,6 @@ class TimeOptimalTiming:
             scale = scale / local_excess(law, times, use)
             if start is None and float(scale.min()) < LOWEST_SCALE:
                 return
-
-    def _over_even_coordinate(
-        self, path: JointPath, tool: PathLimits | None
-    ) -> tuple[ReparametrisedPath, PathLimits | None]:
-        """The path and the limits of the tool over a coordinate that suits the grid."""
-        even = ReparametrisedPath(path, self._velocity, self._acceleration)
-        return even, None if tool is None else (lambda sigma: _rates_over(even, tool, sigma))
 
     def _slowed(self, plan: _Round) -> Trajectory:
         """The motion slowed down uniformly until it keeps the limits."""

@@ -1,4 +1,4 @@
-"""LinearCartesianLimited: a straight line of the tool inside the limits of velocity and acceleration."""
+"""LinearCartesianLimited: point-to-point on a straight line of the tool, by the two-pass algorithm."""
 
 from robots_planning.trajectory_generators.line_generator import LineGenerator
 

@@ -1,28 +1,21 @@
-"""The fastest speeds on a grid: known optima, limits, direction, and a search by linear programs."""
+"""The two-pass algorithm on a grid: known optima, limits, direction, and a search by linear programs."""
 
 import numpy as np
 import pytest
 from scipy.optimize import linprog
 
 from robots_planning.timing.speed_profile import fastest_speeds
-from robots_planning.timing.tool_limits import LimitedRates, travel
-
-Grid = tuple[np.ndarray, np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray]]
-"""s, (m,); q' and q'' of the axes, (m, n); `travel` of the tool."""
+from robots_planning.timing.tool_limits import travel
+from robots_planning.timing.two_pass_kernel import Grid, speed_limits
 
 MotionLimits = tuple[np.ndarray, np.ndarray, np.ndarray]
 FREE = np.full(4, np.inf)
 
 
 def speeds_of(grid: Grid, limits: MotionLimits) -> np.ndarray:
-    s, q_s, q_ss, of_tool = grid
-    velocity, acceleration, tool = limits
-    axes = np.stack([q_s / acceleration, q_ss / acceleration, 0.0 * q_s, 0.0 * q_s], axis=2)
-    rows = np.concatenate([axes, LimitedRates(*of_tool, tool[::2], tool[1::2]).rows()], axis=1)
-    with np.errstate(divide='ignore'):
-        highest = 1.0 / np.abs(q_s / velocity).max(axis=1) ** 2
-    u = np.zeros(len(s))
-    assert fastest_speeds(s, rows, highest, np.ones(len(s)), 1, u, np.empty(len(s) - 1)) == -1
+    m = len(grid[0])
+    u, rows = np.zeros(m), speed_limits(grid, np.array(limits[:2]), limits[2])
+    assert fastest_speeds(grid[0], *rows, np.ones(m), 1, u, np.empty(m - 1)) == -1
     return u
 
 
