@@ -24,6 +24,7 @@ SHOWN = (
     ('jog', 'desktop', 'light'),
     ('program', 'desktop', 'dark'),
     ('io', 'tablet', 'light'),
+    ('trends', 'desktop', 'light'),
     ('frames', 'desktop', 'light'),
 )
 """In the documentation: view, size and theme."""

@@ -129,6 +129,8 @@ class TrendPanel:
                     'type': 'value',
                     'gridIndex': number,
                     'name': unit,
+                    'nameLocation': 'middle',
+                    'nameGap': 42,
                     'scale': True,
                     'axisLine': {'onZero': False},  # time is 0 at the right end
                     'nameTextStyle': {'color': GREY},
