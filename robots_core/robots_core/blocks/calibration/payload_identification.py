@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from robots_core.blocks.calibration.motion_samples import MotionSamples
@@ -21,7 +22,7 @@ SLOWEST: Final = 0.005
 """Of an axis' velocity limit: below it friction may have any value, and the torque says nothing."""
 NOISE: Final = 1e-4
 """Of an axis' torque limit: no torque is measured better than that."""
-PARAMETERS: Final = 10  # mass, first moments, inertia about tool0: xx xy xz yy yz zz
+PARAMETERS: Final = 10  # mass, first moments, inertia about tool0, as in Pinocchio's `bodyRegressor`
 PRIOR: Final = 1e-12
 """Of the largest information of a parameter: what a motion does not excite counts as 0."""
 ROUNDS: Final = 3
@@ -96,38 +97,13 @@ def _equations(robot: BaseRobotModel, samples: MotionSamples) -> tuple[Array, Ar
         J, J_der = robot.jacobian(q), robot.jacobian_der(q, q_dot)
         twist, acceleration = J @ q_dot, J @ q_ddot + J_der @ q_dot
         acceleration[:3] -= dynamics.gravity
-        in_tool = (T.T @ part for part in (acceleration[:3], twist[3:], acceleration[3:]))
-        A[k, :, :PARAMETERS] = np.concatenate([T.T @ J[:3], T.T @ J[3:]]).T @ _body(*in_tool)
+        # In a frame whose origin moves with the body at this instant: the torques do not depend on its speed.
+        spatial = pin.Motion(T.T @ acceleration[:3], T.T @ acceleration[3:])
+        wrenches = pin.bodyRegressor(pin.Motion(np.zeros(3), T.T @ twist[3:]), spatial)
+        A[k, :, :PARAMETERS] = np.concatenate([T.T @ J[:3], T.T @ J[3:]]).T @ wrenches
         A[k, axes, PARAMETERS + axes] = np.sign(q_dot)
         A[k, axes, PARAMETERS + n + axes] = q_dot
     return A, rest
-
-
-def _body(a: Array, w: Array, w_dot: Array) -> Array:
-    """Wrench of a body at the origin of its frame, (6, 10), by its parameters.
-
-    Args:
-        a: Acceleration of the origin less that of free fall, (3,), m/s^2.
-        w: Angular velocity, (3,), rad/s.
-        w_dot: Angular acceleration, (3,), rad/s^2.
-    """
-    wrench = np.zeros((6, PARAMETERS))
-    wrench[:3, 0] = a
-    wrench[:3, 1:4] = _cross(w_dot) + _cross(w) @ _cross(w)
-    wrench[3:, 1:4] = -_cross(a)
-    wrench[3:, 4:] = _inertia(w_dot) + _cross(w) @ _inertia(w)
-    return wrench
-
-
-def _cross(v: Array) -> Array:
-    x, y, z = v
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-
-
-def _inertia(v: Array) -> Array:
-    """The product of an inertia and a vector, (3, 6), by xx xy xz yy yz zz."""
-    x, y, z = v
-    return np.array([[x, y, z, 0.0, 0.0, 0.0], [0.0, x, 0.0, y, z, 0.0], [0.0, 0.0, x, 0.0, y, z]])
 
 
 def _solve(A: Array, rest: Array, moves: NDArray[np.bool_], noise: Array) -> tuple[Array, Array, Array]:
