@@ -133,8 +133,10 @@ class PendantNode(RobotNode):
     def destroy_node(self) -> None:
         """End the page and what it records with the node."""
         self._server.close()
-        self.operator.recording.end()
-        super().destroy_node()
+        try:
+            self.operator.recording.end()
+        finally:
+            super().destroy_node()
 
 
 main: Final = partial(run, PendantNode)

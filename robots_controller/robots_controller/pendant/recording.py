@@ -43,12 +43,16 @@ class Recording:
 
         Raises:
             NotNowError: one is written already.
+            BagError: its folder cannot be made.
         """
         with self._lock:
             if self.bag:
                 raise NotNowError(f'{self.bag} is recorded already; end it first')
             path = self._folder / f'recorded_{time.strftime("%Y%m%d-%H%M%S")}' / 'bag'
-            path.parent.mkdir(parents=True)
+            try:
+                path.parent.mkdir(parents=True)
+            except OSError as error:
+                raise BagError(f'no bag can be written to {path.parent}: {error.strerror}') from error
             module = 'robots_controller.nodes.bags.record_bag'
             self._process = subprocess.Popen(  # noqa: S603  # our own module
                 [sys.executable, '-m', module, str(path), self._namespace], stdin=subprocess.PIPE
@@ -56,14 +60,23 @@ class Recording:
             self._bag = str(path)
 
     def end(self) -> None:
-        """Close the bag, if one is written."""
+        """Close the bag, if one is written.
+
+        Raises:
+            BagError: it was not recorded to its end.
+        """
         with self._lock:
             process, self._process = self._process, None
             if process is None:
                 return
             assert process.stdin is not None
             process.stdin.close()  # it ends with this process too
-            if process.wait(END_TIME):
+            try:
+                code = process.wait(END_TIME)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                code = process.wait()
+            if code:
                 raise BagError(f'{self._bag} was not recorded to its end; the log says why')
 
     def report(self) -> str:
@@ -80,9 +93,12 @@ class Recording:
             page = Path(temporary) / 'report.html'
             command = [sys.executable, '-m', 'robots_controller.report.cli', str(newest), '-o', str(page)]
             command += ['--robot', self._robot, '--namespace', self._namespace]
-            made = subprocess.run(  # noqa: S603  # our own command
-                command, capture_output=True, text=True, timeout=REPORT_TIME, check=False
-            )
+            try:
+                made = subprocess.run(  # noqa: S603  # our own command
+                    command, capture_output=True, text=True, timeout=REPORT_TIME, check=False
+                )
+            except subprocess.TimeoutExpired as error:
+                raise BagError(f'no report on {newest}: it takes more than {REPORT_TIME:g} s') from error
             if not page.is_file():
                 raise BagError(f'no report on {newest}: {(made.stderr or made.stdout).strip()}')
             return page.read_text('utf-8')
