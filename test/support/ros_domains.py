@@ -8,6 +8,8 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Final
 
+from robots_core.ros.middleware import LOOPBACK
+
 # Above 101 the ports of a domain fall into Linux' range of ephemeral ports.
 DOMAIN_IDS: Final = range(1, 101)
 DOMAIN_DEADLINE: Final = 60.0  # s
@@ -38,11 +40,8 @@ def reserved_domain() -> Iterator[dict[str, str]]:
                     lock.close()
                     continue
                 held.enter_context(lock)
-                yield {
-                    'ROS_DOMAIN_ID': str(domain),
-                    'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
-                    'FASTDDS_BUILTIN_TRANSPORTS': 'UDPv4',  # as the nodes choose themselves
-                }
+                # As the nodes choose themselves.
+                yield {'ROS_DOMAIN_ID': str(domain), **LOOPBACK}
                 return
             if time.monotonic() > deadline:
                 raise TimeoutError(f'no free ROS domain within {DOMAIN_DEADLINE:g} s, locks are in {folder}')

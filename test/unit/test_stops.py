@@ -199,7 +199,20 @@ def test_frozen_feedback_is_found_before_the_following_error(rig: Rig) -> None:
     for _ in range(40):
         rig.step(frozen)
     assert rig.controller.stops.state.fault is Fault.FEEDBACK_FROZEN
-    assert 'A1 has not changed while its reference moved by 0.02' in rig.controller.stops.state.reason
+    assert 'A1 has not changed while its reference moved by 0.1' in rig.controller.stops.state.reason
+
+
+@pytest.mark.parametrize('stands', [0.04, 0.09])
+def test_feedback_that_follows_late_is_not_frozen(rig: Rig, stands: float) -> None:
+    rig.run(200)
+    rig.controller.follow(quintic(START, 0.1 * GOAL, duration=0.5), 'm', rig.now)
+    while np.abs(rig.references[-1]).max() < 0.02:
+        rig.step(START)
+    for _ in range(round(stands / PERIOD)):
+        rig.step(START)
+    rig.step(rig.references[-1])
+    rig.run_out()
+    assert rig.controller.outcomes[0].ok
 
 
 def test_an_axis_that_stands_while_others_move_is_not_frozen(rig: Rig) -> None:

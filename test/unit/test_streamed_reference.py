@@ -221,4 +221,6 @@ def test_points_that_break_a_limit_are_refused(rig: Rig) -> None:
         rig.send(ZERO, ZERO, np.array([0.0, np.nan]))
     with pytest.raises(InvalidInputError, match='at least 2 points'):
         rig.send(ZERO, ahead=1.0)
+    with pytest.raises(InvalidInputError, match=r'due 0\.6 s ago'):
+        rig.send(ZERO, ahead=-0.6)
     assert rig.controller.state is ControllerState.HOLDING

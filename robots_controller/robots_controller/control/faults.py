@@ -60,7 +60,7 @@ class Fault(Enum):
     )
     FEEDBACK_FROZEN = (
         StopCategory.ONE,
-        '5 looks at 50 Hz and 0.02 rad (m)',
+        'half of `feedback_timeout`, 0.02 rad (m) away',
         'the feedback of an axis does not change while its reference moves',
     )
     FOLLOWING_ERROR = (

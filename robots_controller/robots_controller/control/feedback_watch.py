@@ -17,7 +17,8 @@ Finding = tuple[Fault, str]
 
 # Drives with stiction may hold an axis for a thousandth; encoders resolve far finer than this.
 FROZEN_DISTANCE: Final = 0.02  # rad, m
-FROZEN_LOOKS: Final = 5
+# Part of the timeout of the feedback: a drive that gets its references late begins to move within it.
+FROZEN_TIME: Final = 0.5
 # For a loss, within the timeout.
 MOST_LOOKS: Final = 4.0 * LOOKS
 # What a standing robot gives way to a push, or settles by after a stop.
@@ -47,7 +48,7 @@ class FeedbackWatch:
         self._interval = settings.feedback_timeout / MOST_LOOKS
         self._moved = -np.inf
         self._anchor: Array | None = None
-        self._unchanged = np.zeros(axes.num_axes, dtype=np.int64)
+        self._unchanged = np.zeros(axes.num_axes)  # s, each with its reference away
 
     @property
     def lost(self) -> bool:
@@ -71,7 +72,7 @@ class FeedbackWatch:
         """
         if feedback is None and now - self._looked < self._interval:
             return None
-        self._looked = now
+        step, self._looked = min(now - self._looked, self._settings.feedback_timeout / LOOKS), now
         lost = self._watchdog.look(now, alive=feedback is not None)
         if feedback is None:
             timeout = self._settings.feedback_timeout
@@ -84,7 +85,7 @@ class FeedbackWatch:
             change = np.abs(feedback - self.position)
             finding = (
                 self._jumped(now, change)
-                or self._frozen(change, reference[0])
+                or self._frozen(change, reference[0], step)
                 or self._behind(np.abs(feedback - reference[0]))
             )
         self.position, self.time = feedback, now
@@ -105,21 +106,22 @@ class FeedbackWatch:
             'encoder working, does another node publish joint_states?'
         )
 
-    def _frozen(self, change: Array, reference: Array) -> Finding | None:
+    def _frozen(self, change: Array, reference: Array, step: float) -> Finding | None:
         if self._anchor is None or change.all():
             self._anchor = reference
-            self._unchanged[:] = 0
+            self._unchanged[:] = 0.0
             return None
-        self._unchanged = np.where(change, 0, self._unchanged + 1)
         self._anchor = np.where(change, reference, self._anchor)
         moved = np.abs(reference - self._anchor)
-        frozen = (moved > FROZEN_DISTANCE) & (self._unchanged >= FROZEN_LOOKS)
-        # Drives of a busy machine get references late, and stand meanwhile.
-        if frozen.any():
-            frozen &= self._unchanged * self._share() >= FROZEN_LOOKS
-        if not frozen.any():
+        away = moved > FROZEN_DISTANCE
+        if not away.any():
+            self._unchanged[:] = 0.0
             return None
-        worst = int(frozen.argmax())
+        # Drives of a busy machine get references late, and stand meanwhile.
+        self._unchanged = np.where(away, self._unchanged + step * self._share(), 0.0)
+        worst = int(self._unchanged.argmax())
+        if self._unchanged[worst] < FROZEN_TIME * self._settings.feedback_timeout:
+            return None
         return Fault.FEEDBACK_FROZEN, (
             f'the feedback of {self._axes.names[worst]} has not changed while its reference moved by '
             f'{moved[worst]:.3g} {self._axes.unit(worst)}: is its encoder working, does the drive follow?'

@@ -12,6 +12,8 @@ from robots_core.validation import Array, read_only
 
 # A point due later than this is meant as the goal of a motion, whose path there it does not give.
 FARTHEST_DUE = 0.1  # s
+# A point due earlier than this was delayed on its way, and its stream may have ended meanwhile.
+OLDEST_DUE = 0.5  # s
 # A late point is extrapolated with its acceleration for this long, then with constant speed.
 ACCELERATION_HORIZON = 0.02  # s
 # Rounding of a reference that was computed to lie on a limit.
@@ -43,7 +45,7 @@ class StreamPoint:
 
         Raises:
             JointLimitError: a position outside the limits.
-            InvalidInputError: values not finite, too fast, or due too late.
+            InvalidInputError: values not finite, too fast, due too late, or too long ago.
         """
         axes.check_position(np.clip(self.position, *_widened(axes, self.position)), 'point')
         for name in ('velocity', 'acceleration'):
@@ -61,6 +63,12 @@ class StreamPoint:
             raise InvalidInputError(
                 f'a single point is a streamed reference, due at most {FARTHEST_DUE:g} s ahead, this one is '
                 f'due in {self.due - now:.3g} s; a motion needs at least 2 points'
+            )
+        if now - self.due > OLDEST_DUE:
+            raise InvalidInputError(
+                f'a streamed reference may be late by {OLDEST_DUE:g} s, this one was due '
+                f'{now - self.due:.3g} s ago: is the machine overloaded, are the clocks of sender and '
+                'controller the same?'
             )
 
 
