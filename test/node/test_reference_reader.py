@@ -15,6 +15,7 @@ from robots_core.ros.joint_trajectories import single_point
 from robots_core.ros.reference_reader import ReferenceReader
 
 NAMES = ['a', 'b']
+PADDING = 4 + 8 + 4 + 1  # behind the encapsulation, the stamp, the length of frame_id and its end
 
 
 def reference(
@@ -42,7 +43,10 @@ def test_every_message_is_read_as_it_is() -> None:
 
 def test_the_array_is_the_same_as_long_as_only_the_stamp_changes() -> None:
     reader = ReferenceReader(NAMES, 'joint_reference')
-    standing = [reader.read(serialize_message(reference([1.0, 2.0], sec=sec)))[0] for sec in (1, 2, 3)]
+    first = bytearray(serialize_message(reference([1.0, 2.0])))
+    second = first.copy()
+    second[PADDING] ^= 0xFF
+    standing = [reader.read(bytes(raw))[0] for raw in (first, first, second)]
     moved, _ = reader.read(serialize_message(reference([1.0, 2.5], sec=4)))
     assert standing[0] is standing[1] is standing[2] is not moved
 
