@@ -13,7 +13,7 @@ from rich.console import Console
 from robots_controller.defaults import RATE
 from robots_controller.live_cell.cell_command import parse_options, run_cell
 from robots_core.blocks.drives.drive_level import DRIVE_LEVELS
-from short_programs import short_copy
+from short_programs import SHORTENED, SHORTEST, short_copy
 
 WIDTH = 120
 FULL = 'second_order'
@@ -60,20 +60,20 @@ class LockstepRuns:
         """The run of a program, by its file in programs/, with drives of a level.
 
         With drives of level `FULL` the nodes of the programs `SEPARATE` have a process each; all others share
-        a process. References have the rate of `RATES`, or `SPARSE_RATE`.
+        a process, without a view. References have the rate of `RATES`, or `SPARSE_RATE`.
         """
         separate = drive == FULL and program in SEPARATE
         rate = RATES.get((program, drive), SPARSE_RATE)
         options = ['--lockstep', '--drive', drive, '--rate', str(rate)]
         if not separate:
-            options.append('--composed')
+            options += ['--composed', '--headless']
         folder = self._folder / f'{program.replace("/", "_")}_{drive}'
         folder.mkdir(parents=True, exist_ok=True)
         result = folder / 'result.json'
         with (folder / 'lock').open('w') as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not result.exists():
-                path = short_copy(folder / 'programs', program)
+                path = short_copy(folder / 'programs', program, SHORTENED if drive == FULL else SHORTEST)
                 found = run_cell_with(path, folder / 'out', *options)
                 result.write_text(json.dumps(found))
         values = json.loads(result.read_text())
@@ -81,7 +81,7 @@ class LockstepRuns:
 
     def run_file(self, program: Path, *options: str, rate: float = DENSE_RATE) -> LockstepRun:
         """The run of any other program with these options of `cell`, in one process, recorded beside it."""
-        options = ('--lockstep', '--composed', '--rate', str(rate), *options)
+        options = ('--lockstep', '--composed', '--headless', '--rate', str(rate), *options)
         path, code, text, bag = run_cell_with(program, program.parent / 'out', *options)
         return LockstepRun(Path(path), code, text, Path(bag), rate)
 
