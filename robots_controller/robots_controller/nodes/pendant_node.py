@@ -91,6 +91,7 @@ class PendantNode(RobotNode):
             access=access,
             told=self.journal.warning,
             report=self.operator.recording.report,
+            scene=lambda: self.operator.state.scene_url,
         )
 
     @property

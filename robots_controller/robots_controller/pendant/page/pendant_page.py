@@ -16,6 +16,7 @@ from robots_controller.pendant.page.frames_panel import FramesPanel
 from robots_controller.pendant.page.io_panel import IoPanel
 from robots_controller.pendant.page.jog_panel import JogPanel
 from robots_controller.pendant.page.message_panel import MessagePanel
+from robots_controller.pendant.page.origin_guard import SCENE
 from robots_controller.pendant.page.program_panel import ProgramPanel
 from robots_controller.pendant.page.top_bar import TopBar
 from robots_controller.pendant.page.trend_panel import TrendPanel
@@ -63,15 +64,12 @@ class PendantPage:
         ui.add_head_html(f'<style>{_asset("pendant.css")}</style><script>{_asset("pendant.js")}</script>')
         client.content.classes('page')
         self._scene_url, self._host = '', request.headers.get('host', '')
-        # The 3D view is served on the robot's machine alone.
-        self._has_scene = is_this_machine(self._host.rpartition(':')[0])
         with client.content:
             self._bar = TopBar(viewer)
             ui.element('div').props('id=tooltips')
             with ui.element('main').classes('work'):
                 with ui.element('div').classes('scene'):
-                    reason = 'no_scene' if self._has_scene else 'scene_elsewhere'
-                    self._no_scene = ui.label(viewer.texts(f'bar.{reason}')).classes('hint')
+                    self._no_scene = ui.label(viewer.texts('bar.no_scene')).classes('hint')
                     self._scene = ui.element('iframe').props('title=3D')
                     self._scene.set_visibility(False)
                 with ui.element('section').classes('side'):
@@ -152,9 +150,9 @@ class PendantPage:
         """As `refresh`; the 3D view, which takes a browser long to draw, comes when the page is connected."""
         self.refresh()
         state = self._operator.state
-        if self._has_scene and state.scene_url != self._scene_url:
+        if state.scene_url != self._scene_url:
             self._scene_url = state.scene_url
-            self._scene.props(f'src="{_of_another_site(state.scene_url, self._host)}"')
+            self._scene.props(f'src="{_scene_source(state.scene_url, self._host)}"')
             self._scene.set_visibility(bool(state.scene_url))
             self._no_scene.set_visibility(not state.scene_url)
 
@@ -165,11 +163,14 @@ def _press(arguments: Any) -> tuple[int, str]:
     return (number, key) if isinstance(number, int) and isinstance(key, str) else (0, '')
 
 
-def _of_another_site(url: str, host: str) -> str:
-    """The address of the 3D view by another name of this machine than that of the page.
+def _scene_source(url: str, host: str) -> str:
+    """Where a browser gets the 3D view: through the page's own server, or on this machine directly.
 
-    A browser then gives it a process of its own: drawing it does not delay the signs of a held button.
+    Directly it has another name of this machine than the page has. A browser then gives it a process of its
+    own: drawing it does not delay the signs of a held button.
     """
+    if not is_this_machine(host.rpartition(':')[0]):
+        return f'{SCENE}/' if url else ''
     return url.replace('127.0.0.1', 'localhost') if host.startswith('127.0.0.1') else url
 
 
