@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
+from collections.abc import Callable
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
 
 from fastapi import Request
-from nicegui import Client, ui
+from nicegui import ui
 from nicegui.events import GenericEventArguments
 
 from robots_controller.pendant.held_button import RUN_KEY, STEP_KEY
@@ -28,6 +30,7 @@ from robots_controller.pendant.texts import LANGUAGES, preferred_language, read_
 from robots_core.errors import RobotsError
 
 PERIOD: Final = 0.1  # s between two refreshes
+GONE_AFTER: Final = 1.5  # s without a connection, after which a page has no control any more
 LANGUAGE_COOKIE: Final = 'language'
 THEME_COOKIE: Final = 'theme'
 TABS: Final = {
@@ -50,7 +53,7 @@ class PendantPage:
     """
 
     def __init__(self, operator: PendantOperator, folder: Path, request: Request) -> None:
-        client: Client = ui.context.client
+        self._client = client = ui.context.client
         chosen = request.cookies.get(LANGUAGE_COOKIE, '')
         language = (
             chosen if chosen in LANGUAGES else preferred_language(request.headers.get('accept-language', ''))
@@ -76,7 +79,7 @@ class PendantPage:
                     self._build_panels(folder)
         ui.on('pendant_hold', self._hold)
         ui.on('pendant_release', self._release)
-        client.on_disconnect(lambda: operator.release(viewer.id))
+        client.on_disconnect(self._on_disconnect)
         client.on_delete(lambda: operator.give_back_control(viewer.id))
         self.refresh()
         ui.timer(PERIOD, self._refresh_with_scene)
@@ -134,6 +137,13 @@ class PendantPage:
 
     def _release(self) -> None:
         self._operator.release(self._viewer.id)
+
+    async def _on_disconnect(self) -> None:
+        """Release at once; a page that does not come back soon was closed, and gives control back."""
+        self._release()
+        await asyncio.sleep(GONE_AFTER)
+        if not self._client.has_socket_connection:
+            self._operator.give_back_control(self._viewer.id)
 
     # -- what is shown ------------------------------------------------------------------------------------
 
