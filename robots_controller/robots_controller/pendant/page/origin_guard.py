@@ -87,7 +87,7 @@ class OriginGuard:
             await refuse(REFUSAL, websocket=websocket, receive=receive, send=send)
             return
 
-        own = SCENE_HEADERS if scope['path'].startswith(f'{SCENE}/') else HEADERS
+        own = SCENE_HEADERS if scope.get('path', '').startswith(f'{SCENE}/') else HEADERS
 
         async def send_with_headers(message: Message) -> None:
             if message['type'] == 'http.response.start':
